@@ -1,0 +1,1 @@
+"""MJCF models of the robots, as paths. Data only."""

@@ -1,0 +1,1 @@
+"""Iterative learning control: laws, filters, analysis, the learning loop and its measures."""

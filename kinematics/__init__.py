@@ -1,0 +1,1 @@
+"""Denavit-Hartenberg robots: symbolic, generated and inverse kinematics."""

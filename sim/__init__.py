@@ -1,0 +1,1 @@
+"""Virtual hardware: robots in MuJoCo with motor encoders, an IMU and a laser tracker."""

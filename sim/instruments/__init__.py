@@ -1,0 +1,1 @@
+"""Instruments: functions of recorded arrays, from the ideal reading to the sample."""

@@ -1,0 +1,1 @@
+"""Tool motion: geometric paths, their timing, and programs of them."""
