@@ -1,0 +1,22 @@
+"""Shared by all tests: programs that a bare machine may lack."""
+
+import os
+import shutil
+
+import pytest
+
+
+@pytest.fixture
+def require_program():
+    """Return a function that skips the test when a program is missing, or fails it under ARMSIDE_CI."""
+
+    def require(*names: str) -> str:
+        for name in names:
+            if path := shutil.which(name):
+                return path
+        message = f"needs the program {' or '.join(names)}"
+        if os.environ.get("ARMSIDE_CI"):
+            pytest.fail(f"{message}; .ci/run must install it")
+        pytest.skip(message)
+
+    return require
