@@ -1,7 +1,7 @@
 """What one run leaves behind, as plain arrays: the log of the robot cell, and the truth beside it.
 
-Angles are arm-side radians unless a name says otherwise. The log is what a robot cell knows; `Truth`
-is for evaluation only and is never handed to a law or an estimator.
+Angles are arm-side radians unless a name says otherwise. The log is what a robot cell knows;
+`Truth` is for evaluation only and is never handed to a law or an estimator.
 """
 
 from dataclasses import dataclass, fields

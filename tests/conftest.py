@@ -8,7 +8,7 @@ import pytest
 
 @pytest.fixture
 def require_program():
-    """Return a function that skips the test when a program is missing, or fails it under ARMSIDE_CI."""
+    """A function that skips the test when a program is missing, or fails it under ARMSIDE_CI."""
 
     def require(*names: str) -> str:
         for name in names:
