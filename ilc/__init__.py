@@ -1,1 +1,17 @@
-"""Iterative learning control: laws, filters, analysis, the learning loop and its measures."""
+"""Iterative learning control: laws, filters, analysis, the learning loop and its measures.
+
+Signals are records of shape (N, n): time along the first axis, one column a motor. u_k is the
+correction of iteration k, r the reference, y_k the measured output, e_k = r - y_k; iteration 0
+is the one before any learning. Frequencies are Hz where a person gives them (cutoffs) and
+rad/sample in responses. A plant is anything with `run(correction) -> output`.
+"""
+
+from .filters import AllPass as AllPass
+from .filters import Edge as Edge
+from .filters import End as End
+from .filters import ZeroPhaseButterworth as ZeroPhaseButterworth
+from .filters import shift as shift
+from .laws.heuristic import Heuristic as Heuristic
+from .learning import Trial as Trial
+from .learning import learn as learn
+from .plant import Plant as Plant

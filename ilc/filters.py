@@ -1,0 +1,234 @@
+"""Filters along a finished record: zero-phase low-pass Q, and the time shift q^delta.
+
+A record is known before it is filtered, so nothing here has to be causal. All signals have
+shape (N, n); a design variable is one number for all columns or one for each.
+
+A recursion a(q) y = b(q) x from zero state is a banded triangular system of equations, which
+LAPACK solves for all columns at once in O(N). Filtering by a dense N x N matrix would be faster
+for a short record and slower for a long one, with a table to keep for each cutoff and length;
+scipy.signal has the same recursion but takes most of a second to import.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .plant import Array
+
+PerColumn = float | tuple[float, ...]
+"""One value for all columns (motors), or one value for each."""
+
+
+class Edge(Enum):
+    """What a filter assumes beyond the ends of a record."""
+
+    ODD = "odd"
+    """The record mirrored through its end points, 3 * order samples: MATLAB's filtfilt."""
+    REST = "rest"
+    """Zero before the start and after the end; contracts best where a record begins at rest."""
+
+
+class End(Enum):
+    """What a shift moves in where the record has ended."""
+
+    HOLD = "hold"
+    """The last (first) value again. Keeps the iteration a contraction with `Edge.ODD`."""
+    ZERO = "zero"
+
+
+class RecordFilter(Protocol):
+    """A linear filter of finished records, and its response on records without ends."""
+
+    def __call__(self, signal: Array, /) -> Array:
+        """Filter each column; shape (N, n) in and out."""
+        ...
+
+    def response(self, omega: ArrayLike) -> Array:
+        """Q(e^{j omega}) at the normalised frequencies omega [rad/sample]."""
+        ...
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        """Raise ValueError if records of this shape cannot be filtered."""
+        ...
+
+
+@dataclass(frozen=True)
+class AllPass:
+    """Q = 1."""
+
+    def __call__(self, signal: Array, /) -> Array:
+        return signal.copy()
+
+    def response(self, omega: ArrayLike) -> Array:
+        return np.ones(np.shape(omega))
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        """Any record will do."""
+
+
+@dataclass(frozen=True)
+class ZeroPhaseButterworth:
+    """Butterworth low-pass applied forwards and backwards: no phase, magnitude |B|^2.
+
+    At the cutoff the gain is therefore 1/2, not 1/sqrt(2). Thesis 8.4.2 and 9.2.2; record ends
+    as numbers there need them, see `Edge`.
+    """
+
+    cutoff: PerColumn
+    """[Hz], above zero and below the Nyquist frequency."""
+    sample_time: float
+    """[s]."""
+    order: int = 2
+    """Of one pass, 1 to 4."""
+    edge: Edge = Edge.ODD
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
+            raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
+        if self.order not in (1, 2, 3, 4):
+            raise ValueError(f"order must be 1, 2, 3 or 4, got {self.order}")
+        if not isinstance(self.cutoff, (int, float, np.floating)):
+            object.__setattr__(self, "cutoff", tuple(float(f) for f in self.cutoff))
+        nyquist = 0.5 / self.sample_time
+        for cutoff in as_tuple(self.cutoff):
+            if not 0.0 < cutoff < nyquist:  # false for NaN too
+                raise ValueError(
+                    f"cutoff must be above 0 and below the Nyquist frequency {nyquist:g} Hz, "
+                    f"got {cutoff:g}"
+                )
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        check_columns("cutoff", self.cutoff, n_columns)
+        pad = self._pad()
+        if n_samples <= pad:
+            raise ValueError(
+                f"the record must be longer than the pad of {pad} samples, got {n_samples}"
+            )
+
+    def __call__(self, signal: Array, /) -> Array:
+        self.check(*signal.shape)
+        cutoffs = as_tuple(self.cutoff)
+        if len(set(cutoffs)) == 1:
+            return self._filter(signal, cutoffs[0])
+        filtered = np.empty_like(signal)
+        for cutoff in set(cutoffs):
+            columns = [i for i, f in enumerate(cutoffs) if f == cutoff]
+            filtered[:, columns] = self._filter(signal[:, columns], cutoff)
+        return filtered
+
+    def response(self, omega: ArrayLike) -> Array:
+        """Real and >= 0. Shape of omega, with a last axis for the columns if cutoffs differ."""
+        response = [self._response(f, np.asarray(omega)) for f in as_tuple(self.cutoff)]
+        return response[0] if len(response) == 1 else np.stack(response, axis=-1)
+
+    def _response(self, cutoff: float, omega: Array) -> Array:
+        q_inverse = np.exp(-1j * omega)
+        magnitude = np.ones(omega.shape)
+        for b, a in butterworth(cutoff, self.sample_time, self.order):
+            magnitude = magnitude * abs(np.polyval(b[::-1], q_inverse))
+            magnitude = magnitude / abs(np.polyval(a[::-1], q_inverse))
+        return magnitude**2
+
+    def _pad(self) -> int:
+        return 3 * self.order if self.edge is Edge.ODD else 0
+
+    def _filter(self, signal: Array, cutoff: float) -> Array:
+        sections = butterworth(cutoff, self.sample_time, self.order)
+        if self.edge is Edge.REST:
+            return _one_pass(sections, _one_pass(sections, signal, False)[::-1], False)[::-1]
+        pad = self._pad()
+        before = 2.0 * signal[0] - signal[pad:0:-1]
+        after = 2.0 * signal[-1] - signal[-2 : -pad - 2 : -1]
+        padded = np.concatenate((before, signal, after))
+        forwards = _one_pass(sections, padded, True)
+        return _one_pass(sections, forwards[::-1], True)[::-1][pad:-pad]
+
+
+def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> Array:
+    """q^delta: (q^delta e)(t) = e(t + delta), shape (N, n). Thesis (8.12), (9.2).
+
+    delta > 0 looks ahead. What is shifted in beyond the record is said by `end`.
+    """
+    n_samples = len(signal)
+    deltas = as_tuple(delta)
+    check_columns("delta", delta, signal.shape[1])
+    check_shift(delta, n_samples)
+    # One gather serves all columns: row index for each (sample, column).
+    source = np.arange(n_samples)[:, None] + np.asarray(deltas)
+    shifted = np.take_along_axis(
+        signal, np.broadcast_to(source.clip(0, n_samples - 1), signal.shape), axis=0
+    )
+    if end is End.ZERO:
+        shifted = np.where((source >= 0) & (source < n_samples), shifted, 0.0)
+    return shifted
+
+
+def check_shift(delta: int | tuple[int, ...], n_samples: int) -> None:
+    """Raise ValueError if a shift leaves nothing of a record."""
+    for value in as_tuple(delta):
+        if abs(value) >= n_samples:
+            raise ValueError(
+                f"delta must stay within the record of {n_samples} samples, got {value:g}"
+            )
+
+
+def check_columns(name: str, value: PerColumn, n_columns: int) -> None:
+    """Raise ValueError if a design variable does not fit the columns of a record."""
+    given = len(as_tuple(value))
+    if given not in (1, n_columns):
+        raise ValueError(f"{name} must be one value or one for each of {n_columns}, got {given}")
+
+
+def as_tuple(value: PerColumn) -> tuple[float, ...]:
+    """One value or several, as a tuple."""
+    return value if isinstance(value, tuple) else (value,)
+
+
+Section = tuple[Array, Array]
+"""(b, a) in powers of q^-1, at most second order, a[0] = 1, static gain 1."""
+
+
+def butterworth(cutoff: float, sample_time: float, order: int) -> list[Section]:
+    """A low-pass as sections of order 2 or 1: bilinear transform, prewarped at the cutoff.
+
+    Sections, because the coefficients of one high-order polynomial lose digits at low cutoffs.
+    """
+    # Analogue poles on the left half of a circle; each pair p, p* becomes one section.
+    warped = np.tan(np.pi * cutoff * sample_time)
+    angles = np.pi * (2.0 * np.arange((order + 1) // 2) + order + 1.0) / (2.0 * order)
+    sections = []
+    for pole in warped * np.exp(1j * angles):
+        real = abs(pole.imag) < 1e-9 * warped
+        degree = 1 if real else 2
+        z = (1.0 + pole) / (1.0 - pole)
+        a = np.array([1.0, -z.real]) if real else np.array([1.0, -2.0 * z.real, abs(z) ** 2])
+        # (1 - z)(1 - z*) = a(1) without the cancellation of summing a
+        gain = abs(2.0 * pole / (1.0 - pole)) ** degree
+        b = np.array([1.0, 1.0]) if real else np.array([1.0, 2.0, 1.0])
+        sections.append((b * (gain / 2.0**degree), a))
+    return sections
+
+
+def _one_pass(sections: list[Section], signal: Array, from_steady_state: bool) -> Array:
+    """Filter forwards, from rest or as if the first sample had been there forever."""
+    offset = signal[0] if from_steady_state else 0.0
+    filtered = signal - offset
+    for b, a in sections:
+        filtered = _recursion(b, a, filtered)
+    return filtered + offset
+
+
+def _recursion(b: Array, a: Array, signal: Array) -> Array:
+    """Filter b/a along the first axis from zero state; a[0] = 1."""
+    from scipy.linalg import lapack  # here: 0.1 s that importing a law should not cost
+
+    n_samples = len(signal)
+    moving_average = b[0] * signal
+    for lag in range(1, min(len(b), n_samples)):
+        moving_average[lag:] += b[lag] * signal[:-lag]
+    band = np.repeat(a[:, None], n_samples, axis=1)
+    filtered, _ = lapack.dtbtrs(band, moving_average, uplo="L")  # type: ignore[attr-defined]
+    return filtered

@@ -1,0 +1,33 @@
+"""What a learning law is: (u_k, e_k) and a memory in, u_{k+1} and the memory out."""
+
+from typing import Any, Protocol
+
+from ..plant import Array
+
+
+class Law(Protocol):
+    """A learning law. It holds design variables only: what it remembers is passed and returned."""
+
+    def step(self, correction: Array, error: Array, memory: Any = None, /) -> tuple[Array, Any]:
+        """u_{k+1} and the next memory from u_k, e_k, shape (N, n), and the memory after k - 1.
+
+        The memory before the first update is None.
+        """
+        ...
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        """Raise ValueError if the law does not fit records of shape (N, n)."""
+        ...
+
+
+class FirstOrderLaw:
+    """A law without memory: `__call__(u_k, e_k)` returns u_{k+1}."""
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        raise NotImplementedError
+
+    def step(self, correction: Array, error: Array, memory: None = None, /) -> tuple[Array, None]:
+        return self(correction, error), None
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        """Fits any record unless a law says otherwise."""

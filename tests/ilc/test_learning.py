@@ -1,0 +1,170 @@
+"""The learning loop and the first-order law on plants whose answer is known."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
+
+SAMPLE_TIME = 0.004
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """y = gain * (r + u)."""
+
+    reference: np.ndarray
+    gain: float
+
+    def run(self, correction, /):
+        return self.gain * (self.reference + correction)
+
+
+@dataclass(frozen=True)
+class Arx:
+    """The identified servo of thesis (9.12), the same for each motor."""
+
+    reference: np.ndarray
+
+    def run(self, correction, /):
+        delayed = np.zeros_like(correction)
+        delayed[5:] = (self.reference + correction)[:-5]
+        return lfilter([0.5083], [1.0, -0.4884], delayed, axis=0)
+
+
+def moves(n_samples=380, n_motors=6):
+    """A smooth move that starts and ends at rest."""
+    t = np.linspace(-1.0, 2.0, n_samples).clip(0.0, 1.0)
+    shape = t - np.sin(2 * np.pi * t) / (2 * np.pi)
+    return shape[:, None] * np.arange(1.0, n_motors + 1)
+
+
+def test_the_error_of_a_gain_contracts_by_one_minus_gamma_times_gain():
+    reference = moves()
+    law = Heuristic(Q=AllPass(), gamma=0.9)
+    trials = list(learn(Scaled(reference, 0.8), law, reference, 5))
+    assert [trial.k for trial in trials] == [0, 1, 2, 3, 4, 5]
+    for before, after in pairwise(trials):
+        np.testing.assert_allclose(after.error, (1 - 0.9 * 0.8) * before.error, atol=1e-12)
+
+
+def test_the_error_diverges_where_the_criterion_fails_and_the_loop_says_so():
+    reference = moves()
+    law = Heuristic(Q=AllPass(), gamma=2.5)  # |1 - 2.5| > 1 at every frequency
+    trials = list(learn(Scaled(reference, 0.9), law, reference, 50))
+    assert trials[-1].diverged
+    assert not any(trial.diverged for trial in trials[:-1])
+    # |1 - 2.25| = 1.25 per iteration passes three times the first error at k = 5
+    assert trials[-1].k == 5
+
+
+def test_a_value_that_is_not_finite_ends_the_loop():
+    class Breaks:
+        runs = 0
+
+        def run(self, correction, /):
+            Breaks.runs += 1
+            return np.full_like(correction, np.inf if Breaks.runs == 2 else 0.5)
+
+    trials = list(learn(Breaks(), Heuristic(Q=AllPass()), np.ones((20, 2)), 5))
+    assert [trial.diverged for trial in trials] == [False, True]
+
+
+def test_zero_error_is_a_fixed_point():
+    reference = moves()
+    law = Heuristic(Q=AllPass(), delta=3)
+    trials = list(learn(Scaled(reference, 1.0), law, reference, 3))
+    assert all(not trial.correction.any() for trial in trials)
+
+
+def test_the_settings_of_chapter_9_learn_the_identified_servo():
+    reference = moves()
+    law = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
+    trials = list(learn(Arx(reference), law, reference, 5))
+    peak = [np.abs(trial.error).max() for trial in trials]
+    # |1 - LTu| <= 0.67 below 10 Hz, until what 1 - Q leaves over is reached at k = 3
+    assert all(after < 0.67 * before for before, after in pairwise(peak[:4]))
+    assert peak[5] < 0.01 * peak[0]
+
+
+def test_each_motor_has_its_own_design_variables():
+    reference = moves(100, 2)
+    error = reference - 0.3
+    Q = ZeroPhaseButterworth((5.0, 10.0), SAMPLE_TIME)
+    together = Heuristic(Q=Q, gamma=(0.5, 0.9), delta=(1, 4))(np.zeros_like(error), error)
+    for i, (cutoff, gamma, delta) in enumerate(((5.0, 0.5, 1), (10.0, 0.9, 4))):
+        alone = Heuristic(Q=ZeroPhaseButterworth(cutoff, SAMPLE_TIME), gamma=gamma, delta=delta)
+        np.testing.assert_allclose(
+            together[:, [i]], alone(np.zeros((100, 1)), error[:, [i]]), atol=1e-14
+        )
+
+
+def test_the_loop_reads_the_output_from_whatever_the_plant_returns():
+    class Recorder:
+        def run(self, correction, /):
+            return {"y": correction + 1.0}
+
+    plant = Recorder()
+    trials = list(
+        learn(plant, Heuristic(Q=AllPass()), np.ones((20, 1)), 0, output_of=lambda log: log["y"])
+    )
+    assert trials[0].result["y"].shape == (20, 1)
+    assert not trials[0].error.any()
+
+
+def test_trials_cannot_be_changed_afterwards():
+    (trial,) = learn(Scaled(moves(), 1.0), Heuristic(Q=AllPass()), moves(), 0)
+    with pytest.raises(ValueError, match="read-only"):
+        trial.error[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"gamma": 0.0}, "gamma must be > 0"),
+        ({"gamma": -0.5}, "gamma must be > 0"),
+        ({"gamma": float("nan")}, "gamma must be > 0"),
+        ({"gamma": (0.9, -0.1)}, "gamma must be > 0"),
+        ({"delta": 1.5}, "whole number of samples"),
+        ({"delta": float("nan")}, "whole number of samples"),
+    ],
+)
+def test_a_law_with_impossible_design_variables_cannot_be_built(change, message):
+    with pytest.raises(ValueError, match=message):
+        Heuristic(Q=AllPass(), **change)
+
+
+def test_what_does_not_fit_is_refused_before_the_first_run():
+    class Untouchable:
+        def run(self, correction, /):
+            raise AssertionError("ran")
+
+    def start(law=None, reference=None, iterations=1, **options):
+        law = law or Heuristic(Q=AllPass())
+        reference = np.zeros((50, 6)) if reference is None else reference
+        return learn(Untouchable(), law, reference, iterations, **options)
+
+    with pytest.raises(ValueError, match="delta must stay within the record of 50"):
+        start(Heuristic(Q=AllPass(), delta=50))
+    with pytest.raises(ValueError, match="gamma must be one value or one for each of 6"):
+        start(Heuristic(Q=AllPass(), gamma=(0.9, 0.8)))
+    with pytest.raises(ValueError, match="reference must be finite, got nan at sample 3"):
+        start(reference=np.where(np.arange(50)[:, None] == 3, np.nan, 0.0))
+    with pytest.raises(ValueError, match="reference must have shape"):
+        start(reference=np.zeros(50))
+    with pytest.raises(ValueError, match="iterations must be >= 0"):
+        start(iterations=-1)
+    with pytest.raises(ValueError, match="first_correction must have the shape"):
+        start(first_correction=np.zeros((50, 5)))
+
+
+def test_an_output_of_another_shape_is_refused():
+    class Short:
+        def run(self, correction, /):
+            return correction[:-1]
+
+    with pytest.raises(ValueError, match="the output must have the shape"):
+        next(learn(Short(), Heuristic(Q=AllPass()), np.zeros((50, 6)), 1))
