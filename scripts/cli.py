@@ -1,0 +1,98 @@
+"""The command `armside <experiment> [--options]`.
+
+Exit status: 0 done; 2 bad input, with one line on stderr and nothing written; 1 anything that
+failed while running; 130 interrupted. Only the experiment that runs is imported.
+"""
+
+import difflib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from cyclopts import App, CycloptsError, Parameter
+from cyclopts.exceptions import UnknownCommandError
+
+from .errors import InputError, RunFailed, one_line
+from .options import read_value
+
+COMMANDS = {
+    "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
+    "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
+    "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),
+}
+"""Name: (module:function, one line of help). A new experiment is one line here."""
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def make_app() -> App:
+    """The parser of all commands; experiments are imported when they are named."""
+    app = App(
+        name="armside",
+        help="Iterative learning control of industrial robots, seen from the arm side.",
+        version=lambda: f"armside {version('armside')}",
+        default_parameter=Parameter(converter=read_value, negative=""),
+        print_error=False,
+        exit_on_error=False,
+        suppress_keyboard_interrupt=False,
+        result_action="return_value",
+    )
+    for name, (path, help_line) in COMMANDS.items():
+        app.command(path, name=name, help=help_line)
+    return app
+
+
+def main(tokens: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    tokens = list(sys.argv[1:] if tokens is None else tokens)
+    try:
+        status = _run(tokens)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:  # the reader of our output left; nobody is there to be told
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except KeyboardInterrupt:
+        return _complain("interrupted, nothing was kept", INTERRUPTED)
+    except Exception as error:
+        if "--debug" in tokens:
+            traceback.print_exc()
+        if isinstance(error, InputError):
+            return _complain(one_line(error), BAD_INPUT)
+        return _complain(_failure(error), FAILED)
+
+
+def _run(tokens: list[str]) -> int:
+    """Parse, then run: whatever parsing raises is bad input."""
+    try:
+        command, bound, _ = make_app().parse_args(tokens)
+    except UnknownCommandError:
+        raise InputError(_unknown_command(tokens)) from None
+    except (CycloptsError, ValueError) as error:
+        raise InputError(one_line(error)) from error
+    command(*bound.args, **bound.kwargs)
+    return DONE
+
+
+def _unknown_command(tokens: list[str]) -> str:
+    names = ", ".join(COMMANDS)
+    near = difflib.get_close_matches(tokens[0], COMMANDS, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    return f"Unknown experiment {tokens[0]!r}.{hint} Experiments: {names}"
+
+
+def _failure(error: Exception) -> str:
+    if isinstance(error, (RunFailed, OSError)):
+        return one_line(error)
+    return f"failed with {type(error).__name__}: {one_line(error)} (--debug shows where)"
+
+
+def _complain(message: str, status: int) -> int:
+    print(f"armside: {message}", file=sys.stderr)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

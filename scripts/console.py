@@ -1,0 +1,66 @@
+"""What a command prints: progress on stderr, tables or JSON on stdout, as the options ask."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from .options import Common
+from .summary import dumps
+
+PIPE_WIDTH = 240
+"""Columns of a table that is not written to a terminal: wide enough never to cut a number."""
+
+
+def cell(value: Any) -> str:
+    """A number with four significant digits; anything else as it is."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+class Report:
+    """Prints what `--quiet` and `--json` leave to be printed."""
+
+    def __init__(self, common: Common) -> None:
+        self.common = common
+
+    @contextmanager
+    def progress(self, task: str, total: int) -> Iterator[Callable[[], None]]:
+        """A progress bar while the block runs; call what it yields after each of `total` steps."""
+        shown = sys.stderr.isatty() and not self.common.quiet
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+        console = Console(file=sys.stderr)
+        with Progress(
+            *columns, TimeElapsedColumn(), console=console, disable=not shown, transient=True
+        ) as bar:
+            task_id = bar.add_task(task, total=total)
+            yield lambda: bar.advance(task_id)
+
+    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        """A table on stdout: text columns to the left, numbers to the right."""
+        table = Table(title=Text(title), title_justify="left", title_style="bold")
+        for index, name in enumerate(columns):
+            numeric = all(not isinstance(row[index], str) for row in rows)
+            table.add_column(Text(name), justify="right" if numeric else "left")
+        for row in rows:
+            table.add_row(*(Text(cell(value)) for value in row))
+        self._print(table)
+
+    def line(self, text: str) -> None:
+        """One line on stdout."""
+        self._print(Text(text))
+
+    def summary(self, summary: Any) -> None:
+        """The summary as JSON on stdout, when `--json` asks for it."""
+        if self.common.json:
+            sys.stdout.write(dumps(summary))
+
+    def _print(self, renderable: Any) -> None:
+        if self.common.quiet or self.common.json:
+            return
+        width = None if sys.stdout.isatty() else PIPE_WIDTH
+        Console(width=width, soft_wrap=isinstance(renderable, Text)).print(renderable)

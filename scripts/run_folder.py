@@ -1,0 +1,91 @@
+"""The folder of one run: complete, or not there.
+
+Files are written into a hidden folder beside the destination, which is renamed when the run is
+complete. An interrupted run removes it; a killed one leaves it hidden, named `.*.partial-*`.
+"""
+
+import os
+import secrets
+import shutil
+from datetime import datetime
+from itertools import count
+from pathlib import Path
+from types import TracebackType
+
+from .errors import InputError
+
+RUNS = Path("runs")
+
+
+def check_destination(path: Path) -> None:
+    """Raise InputError unless a run's folder can be renamed to `path`: new, or an empty folder."""
+    if not path.exists():
+        parent = next(p for p in path.absolute().parents if p.exists())
+        if not parent.is_dir():
+            raise InputError(f"{parent} is not a folder")
+    elif not path.is_dir():
+        raise InputError(f"{path} is a file; give a folder that is new or empty")
+    elif any(path.iterdir()):
+        raise InputError(f"{path} is not empty; give a folder that is new or empty")
+    elif path.samefile(Path.cwd()) or os.path.ismount(path):
+        raise InputError(f"{path} is in use; give a new folder inside it")
+
+
+class RunFolder:
+    """Collects the files of one run; `path` is the finished folder once the block has ended.
+
+    ```
+    with RunFolder("laser", seed=0) as folder:
+        (folder / "summary.json").write_text(...)
+    print(folder.path)
+    ```
+
+    out: the folder asked for, new or empty; None makes `runs/<experiment>-<date>-<time>-<seed>`.
+    """
+
+    path: Path
+
+    def __init__(self, experiment: str, *, seed: int, out: Path | None = None) -> None:
+        if out is not None:
+            check_destination(out)
+        self._fixed = out is not None
+        stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
+        self.path = out or RUNS / f"{experiment}-{stamp}-{seed}"
+
+    def __enter__(self) -> "RunFolder":
+        target = self.path.resolve()
+        target.parent.mkdir(parents=True, exist_ok=True)
+        self._staging = target.with_name(f".{target.name}.partial-{secrets.token_hex(4)}")
+        self._staging.mkdir()
+        return self
+
+    def __truediv__(self, name: str) -> Path:
+        """Where to write the file `name` while the block runs."""
+        return self._staging / name
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            if error is None:
+                self._publish()
+        finally:
+            shutil.rmtree(self._staging, ignore_errors=True)
+
+    def _publish(self) -> None:
+        """Rename to the destination; two default names of one second differ by a suffix."""
+        if self._fixed:
+            self._staging.rename(self.path.resolve())
+            return
+        first = self.path
+        for n in count(2):
+            try:
+                self._staging.rename(self.path.resolve())
+                return
+            except OSError:
+                if not self.path.exists():
+                    raise
+                self.path = first.with_name(f"{first.name}-{n}")
