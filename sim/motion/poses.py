@@ -1,0 +1,52 @@
+"""The operating points of the large robot in thesis chapter 9."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """Where the tool is put: the centre of the contour and the tool's orientation."""
+
+    position: tuple[float, float, float]
+    """[m], TCP0 in base axes."""
+    quaternion: tuple[float, float, float, float]
+    """Unit, base to tool."""
+
+    @property
+    def tool_axis(self) -> Array:
+        """Direction in which the tool points: its z axis in base axes, shape (3,)."""
+        w, x, y, z = self.quaternion
+        return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def _normalised(*q: float) -> tuple[float, float, float, float]:
+    """(9.4) is printed with four decimals: its norm is 1.000004."""
+    w, x, y, z = np.array(q) / np.linalg.norm(q)
+    return float(w), float(x), float(y), float(z)
+
+
+TOOL_QUATERNION = _normalised(0.6322, 0.0353, 0.7732, 0.0353)
+"""Tool orientation in all experiments. Thesis (9.4)."""
+
+LARGE_ROBOT_POSES = {
+    "p1": ToolPose((1.3166, 0.0014, 1.5992), TOOL_QUATERNION),
+    "p2": ToolPose((1.8000, 0.1000, 1.5992), TOOL_QUATERNION),
+    "p3": ToolPose((2.2000, 0.2000, 1.5992), TOOL_QUATERNION),
+}
+"""TCP positions with respect to the robot base frame. Thesis (9.3)."""
+
+
+def pose(name: str, poses: dict[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
+    """The pose of that name.
+
+    Raises:
+        ValueError: unknown name; the message lists those that exist.
+    """
+    if name not in poses:
+        raise ValueError(f"Unknown pose {name!r}. Poses: {', '.join(poses)}")
+    return poses[name]
