@@ -1,0 +1,185 @@
+"""A robot as Denavit-Hartenberg data: links, joint types, motor-to-joint coupling, convention.
+
+A link is four parameters and a joint type; a robot is its links plus the linear map from motor
+angles to joint variables. Nothing here computes; `symbolic` and `compile` do.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import sympy
+
+    Scalar = float | sympy.Expr
+
+Array = NDArray[np.float64]
+
+
+class Joint(Enum):
+    """What a link's joint moves: its angle theta, its offset d, or nothing."""
+
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+
+
+class Convention(Enum):
+    """Order of the four elementary motions in a link transform A_i.
+
+    STANDARD: Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha), thesis (3.27).
+    MODIFIED (Craig): Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d), where a and alpha of
+    row i are a_{i-1} and alpha_{i-1} of the textbook.
+    """
+
+    STANDARD = "standard"
+    MODIFIED = "modified"
+
+
+def _checked(name: str, value: Any) -> "Scalar":
+    """A finite number, a SymPy expression, or text of the grammar of Table 4.1."""
+    if isinstance(value, str):
+        from .grammar import parse
+
+        return parse(value)
+    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
+        if not math.isfinite(value):
+            raise ValueError(f"{name} must be finite, got {value}")
+        return value if isinstance(value, int) else float(value)
+    if hasattr(value, "free_symbols") and getattr(value, "is_commutative", False):
+        return value
+    raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
+
+
+@dataclass(frozen=True)
+class Link:
+    """One row of a Denavit-Hartenberg table. Thesis (4.11).
+
+    The joint variable is added to `theta` of a revolute link and to `d` of a prismatic one.
+    Each parameter is a number, a SymPy expression, or text such as "phi[1](t) - Pi/2".
+    """
+
+    theta: "Scalar" = 0
+    """[rad]"""
+    d: "Scalar" = 0
+    """[m]"""
+    a: "Scalar" = 0
+    """[m]"""
+    alpha: "Scalar" = 0
+    """[rad]"""
+    joint: Joint = Joint.REVOLUTE
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.joint, Joint):
+            names = ", ".join(f"Joint.{joint.name}" for joint in Joint)
+            raise TypeError(f"joint must be one of {names}, got {self.joint!r}")
+        for name in ("theta", "d", "a", "alpha"):
+            object.__setattr__(self, name, _checked(name, getattr(self, name)))
+
+    @property
+    def moves(self) -> bool:
+        """Whether the link has a joint variable."""
+        return self.joint is not Joint.FIXED
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """Links in order from the base, and how n motors turn n joints. Thesis (4.9), (4.10), (4.12).
+
+    joint variables = coupling @ phi + offset, over the moving links, where phi are motor angles
+    on the arm side of the gearbox [rad] (or metres for a prismatic joint). The default coupling
+    is the identity and the default offset zero.
+    """
+
+    links: tuple[Link, ...]
+    coupling: Array = None  # type: ignore[assignment]
+    """shape (n_joints, n_joints)"""
+    offset: Array = None  # type: ignore[assignment]
+    """shape (n_joints,) [rad or m]"""
+    convention: Convention = Convention.STANDARD
+    name: str = "robot"
+
+    def __init__(
+        self,
+        links: Sequence[Link],
+        coupling: ArrayLike | None = None,
+        offset: ArrayLike | None = None,
+        convention: Convention = Convention.STANDARD,
+        name: str = "robot",
+    ) -> None:
+        links = tuple(links)
+        if not links or not all(isinstance(link, Link) for link in links):
+            raise TypeError(f"links must be one or more kinematics.Link, got {links!r}")
+        if not isinstance(convention, Convention):
+            raise TypeError(
+                f"convention must be Convention.STANDARD or Convention.MODIFIED, got {convention!r}"
+            )
+        n = sum(link.moves for link in links)
+        object.__setattr__(self, "links", links)
+        object.__setattr__(self, "coupling", _constant("coupling", coupling, np.eye(n)))
+        object.__setattr__(self, "offset", _constant("offset", offset, np.zeros(n)))
+        object.__setattr__(self, "convention", convention)
+        object.__setattr__(self, "name", name)
+        if n and np.linalg.matrix_rank(self.coupling) < n:
+            raise ValueError(f"coupling must be invertible, got\n{self.coupling}")
+
+    @property
+    def n_joints(self) -> int:
+        """Number of moving links, which is the number of motors."""
+        return len(self.offset)
+
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """Indices of the moving links."""
+        return tuple(index for index, link in enumerate(self.links) if link.moves)
+
+    @cached_property
+    def free_symbols(self) -> frozenset[Any]:
+        """Symbols and functions of time in the D-H parameters; empty for a robot of numbers."""
+        found: set[Any] = set()
+        for link in self.links:
+            for value in (link.theta, link.d, link.a, link.alpha):
+                found |= getattr(value, "free_symbols", set())
+        return frozenset(found)
+
+    @cached_property
+    def key(self) -> str:
+        """Text that two robots share exactly when all their data are equal (names apart)."""
+        return repr(
+            (self.links, self.coupling.tolist(), self.offset.tolist(), self.convention.value)
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Robot) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def joint_variables(self, phi: ArrayLike) -> Array:
+        """Joint variables of motor angles phi, shape (..., n_joints). Thesis (4.10)."""
+        return np.asarray(phi, dtype=np.float64) @ self.coupling.T + self.offset
+
+    def motor_angles(self, q: ArrayLike) -> Array:
+        """Motor angles phi of joint variables q, shape (..., n_joints): (4.10) inverted."""
+        return np.linalg.solve(self.coupling, (np.asarray(q) - self.offset)[..., None])[..., 0]
+
+
+def _constant(name: str, value: ArrayLike | None, default: Array) -> Array:
+    """A read-only array of the default's shape."""
+    array = np.array(default if value is None else value, dtype=np.float64)
+    if array.shape != default.shape:
+        raise ValueError(
+            f"{name} must have shape {default.shape} for {len(default)} moving links, "
+            f"got {array.shape}"
+        )
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite, got {array}")
+    array.setflags(write=False)
+    return array

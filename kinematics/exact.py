@@ -1,0 +1,24 @@
+"""Numbers of a robot as exact SymPy numbers, so that symbolic results are equalities."""
+
+from typing import Any
+
+import sympy as sp
+
+_PARTS_OF_PI = 12
+
+
+def exact(value: Any) -> sp.Expr:
+    """A length or factor: the decimal fraction that a float was written as."""
+    if isinstance(value, sp.Expr):
+        return value
+    return sp.Integer(value) if isinstance(value, int) else sp.Rational(repr(float(value)))
+
+
+def exact_angle(value: Any) -> sp.Expr:
+    """An angle: a float that is a multiple of pi/12 to its last bits becomes that multiple."""
+    if isinstance(value, sp.Expr):
+        return value
+    parts = float(value) / float(sp.pi) * _PARTS_OF_PI
+    if value and abs(parts - round(parts)) <= 4e-16 * max(1.0, abs(parts)):
+        return sp.Rational(round(parts), _PARTS_OF_PI) * sp.pi
+    return exact(value)

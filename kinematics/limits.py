@@ -1,0 +1,53 @@
+"""Where the motors of a robot may go and how fast: data, and one question about it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledRange:
+    """A bound on a linear combination of motor angles, such as phi_3 - phi_2."""
+
+    coefficients: tuple[float, ...]
+    lower: float
+    """[rad]"""
+    upper: float
+    """[rad]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Ranges of motor angles on the arm side of the gear, and their greatest speeds."""
+
+    lower: tuple[float, ...]
+    """[rad]"""
+    upper: tuple[float, ...]
+    """[rad]"""
+    speed: tuple[float, ...]
+    """[rad/s]"""
+    coupled: tuple[CoupledRange, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not len(self.lower) == len(self.upper) == len(self.speed):
+            raise ValueError("lower, upper and speed must have one entry for each motor")
+        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+            raise ValueError(f"lower must be below upper, got {self.lower} and {self.upper}")
+
+    def contain(self, phi: ArrayLike) -> NDArray[np.bool_]:
+        """Whether configurations phi, shape (..., n), respect every range; shape (...)."""
+        phi = np.asarray(phi, dtype=np.float64)
+        inside = ((phi >= self.lower) & (phi <= self.upper)).all(axis=-1)
+        for bound in self.coupled:
+            value = phi @ np.asarray(bound.coefficients)
+            inside = inside & (value >= bound.lower) & (value <= bound.upper)
+        return inside
+
+
+def degrees(*values: float) -> tuple[float, ...]:
+    """Angles [deg] as a tuple [rad]."""
+    return tuple(math.radians(value) for value in values)

@@ -1,0 +1,79 @@
+"""Generated modules on disk: written once, compiled by numba once, loaded by every process after.
+
+The folder is the platform's cache folder for `armside` unless an argument names another. Where it
+cannot be written the module is compiled in memory, which costs time in each process and no more.
+"""
+
+import hashlib
+import importlib.util
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+_PACKAGE = Path(__file__).parent
+
+
+def cache_folder() -> Path:
+    """Where generated code is kept by default."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("armside", appauthor=False) / "kinematics"
+
+
+@cache
+def _generator() -> bytes:
+    """Digest of the code that generates code: a changed generator must not find old files."""
+    digest = hashlib.sha256()
+    for file in sorted(_PACKAGE.glob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.digest()
+
+
+def load(name: str, key: str, source: Callable[[], str], folder: Path | None = None) -> ModuleType:
+    """The module that `source()` is the text of, from the cache when `key` is there already."""
+    digest = hashlib.sha256(_generator() + name.encode() + key.encode()).hexdigest()[:16]
+    module_name = f"{name}_{digest}"
+    path = (folder or cache_folder()) / f"{module_name}.py"
+    try:
+        if not path.exists():
+            _write(path, source())
+        return _import(module_name, path)
+    except (OSError, RuntimeError):  # numba: RuntimeError when it finds no place for its cache
+        return _in_memory(module_name, path.read_text() if path.exists() else source())
+
+
+def _write(path: Path, text: str) -> None:
+    """Put a whole file in place, or nothing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    try:
+        with os.fdopen(handle, "w") as file:
+            file.write(text)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _import(name: str, path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # numba finds a cached function's globals by module name
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _in_memory(name: str, text: str) -> ModuleType:
+    module = ModuleType(name)
+    exec(compile(text.replace("cache=True", "cache=False"), name, "exec"), module.__dict__)
+    return module
