@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from cyclopts import App, CycloptsError, Parameter
-from cyclopts.exceptions import UnknownCommandError
+from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
 
 from .errors import InputError, RunFailed, one_line
 from .options import read_value
@@ -27,8 +27,8 @@ COMMANDS = {
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
-def make_app() -> App:
-    """The parser of all commands; experiments are imported when they are named."""
+def make_app(chosen: str = "") -> App:
+    """The parser of all commands. The chosen one is imported and shows its own docstring."""
     app = App(
         name="armside",
         help="Iterative learning control of industrial robots, seen from the arm side.",
@@ -40,7 +40,7 @@ def make_app() -> App:
         result_action="return_value",
     )
     for name, (path, help_line) in COMMANDS.items():
-        app.command(path, name=name, help=help_line)
+        app.command(path, name=name, help=None if name == chosen else help_line)
     return app
 
 
@@ -67,9 +67,12 @@ def main(tokens: Sequence[str] | None = None) -> int:
 def _run(tokens: list[str]) -> int:
     """Parse, then run: whatever parsing raises is bad input."""
     try:
-        command, bound, _ = make_app().parse_args(tokens)
+        command, bound, _ = make_app(chosen=tokens[0] if tokens else "").parse_args(tokens)
     except UnknownCommandError:
         raise InputError(_unknown_command(tokens)) from None
+    except UnusedCliTokensError as error:
+        words = " ".join(error.unused_tokens or ())
+        raise InputError(f"Unexpected {words!r}; options are written --name value") from None
     except (CycloptsError, ValueError) as error:
         raise InputError(one_line(error)) from error
     command(*bound.args, **bound.kwargs)
