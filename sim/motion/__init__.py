@@ -2,7 +2,8 @@
 
 SI units, base axes, quaternions w first (base to tool). Arc length s [m] starts at 0 where the
 motion starts. A limit that shaped a motion is named as (limit, axis, first time [s]): axis 1..6 is
-a motor, axis 0 the tool on its path."""
+a motor, axis 0 the tool on its path.
+"""
 
 from .path import Circle as Circle
 from .path import CuttingPath as CuttingPath

@@ -22,17 +22,19 @@ def test_speed_is_constant_over_exactly_one_turn(speed):
     t = np.linspace(first, last, 500)
     _, v, a = motion.timing.at(t - motion.rest_before)
     np.testing.assert_allclose(v, motion.reached_speed, rtol=1e-9)
-    np.testing.assert_allclose(a, 0.0, atol=1e-9)
+    np.testing.assert_allclose(a, 0.0, rtol=0, atol=1e-9)
     assert (last - first) * motion.reached_speed == pytest.approx(2 * np.pi * RADIUS, rel=1e-12)
-    np.testing.assert_allclose(motion.position_at(first), motion.position_at(last), atol=1e-12)
+    np.testing.assert_allclose(
+        motion.position_at(first), motion.position_at(last), rtol=0, atol=1e-12
+    )
 
 
 def test_samples_lie_on_the_programmed_circle_and_at_the_log_rate():
     motion = a_cut()
     centre = np.array(pose("p1").position)
     radius = np.linalg.norm(motion.position - centre, axis=1)
-    np.testing.assert_allclose(radius, RADIUS, atol=1e-15)
-    np.testing.assert_allclose(np.diff(motion.time), 0.004, atol=1e-12)
+    np.testing.assert_allclose(radius, RADIUS, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(np.diff(motion.time), 0.004, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(motion.position_at(motion.time), motion.position)
     np.testing.assert_array_equal(motion.is_on_contour(motion.time), motion.on_contour)
     assert motion.on_contour.sum() == 196  # 0.7854 s / 4 ms
@@ -96,7 +98,7 @@ def test_an_unknown_pose_names_those_that_exist():
 def test_the_thesis_quaternion_is_normalised_and_points_the_tool_forward():
     printed = np.array([0.6322, 0.0353, 0.7732, 0.0353])
     assert np.linalg.norm(printed) == pytest.approx(1.000004, abs=5e-7)
-    np.testing.assert_allclose(TOOL_QUATERNION, printed, atol=5e-6)
+    np.testing.assert_allclose(TOOL_QUATERNION, printed, rtol=0, atol=5e-6)
     for where in LARGE_ROBOT_POSES.values():
         assert np.linalg.norm(where.tool_axis) == pytest.approx(1.0, abs=1e-15)
         assert where.tool_axis[0] > 0.97

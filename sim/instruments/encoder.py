@@ -1,0 +1,22 @@
+"""Motor encoder: the motor turns n times faster than the arm, and the encoder counts its turns."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def resolution(counts: float, gear_ratio: ArrayLike) -> Array:
+    """One count as an arm-side angle [rad]: 2 pi / (counts per motor turn * gear ratio)."""
+    ratio = np.abs(np.asarray(gear_ratio, dtype=np.float64))
+    if not (counts > 0 and np.all(ratio > 0.0)):
+        raise ValueError(
+            f"counts per turn must be > 0 and gear ratios not 0, got {counts}, {gear_ratio}"
+        )
+    return 2.0 * np.pi / (counts * ratio)
+
+
+def quantise(angle: ArrayLike, counts: float, gear_ratio: ArrayLike) -> Array:
+    """The nearest count of arm-side angles (..., n) [rad], as arm-side angles. Thesis 5.3.1."""
+    q = resolution(counts, gear_ratio)
+    return np.rint(np.asarray(angle, dtype=np.float64) / q) * q

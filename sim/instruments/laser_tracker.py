@@ -1,0 +1,250 @@
+"""A laser tracker: polar readings of a reflector at the tool, in the tracker's own frame.
+
+Ideal distance and two angles -> set-up error -> noise -> quantisation -> Cartesian -> base axes by
+best-fit registration on reference targets. The beam is lost where the reflector turns too far away;
+lost samples are NaN and marked, never interpolated.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import noise
+from .sampling import rate_of, stride
+
+Array = NDArray[np.float64]
+
+ARCSEC = np.pi / 180.0 / 3600.0
+"""[rad]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaserTrackerCfg:
+    """A tracker of the Leica LTD500 kind; figures from memory of its data sheet where not
+    marked."""
+
+    position: tuple[float, float, float] = (4.6, -2.4, 1.2)
+    """[m], base axes: about 4 m from the poses of thesis (9.3), in front of the robot. ESTIMATE."""
+    heading: float = 2.5
+    """Turn of the tracker's frame about the vertical, which nobody knows before registration
+    [rad]."""
+    rate: float = 1000.0
+    """[Hz]; must divide the physics rate."""
+    range_noise: float = 5e-6
+    """White, one standard deviation [m]. ESTIMATE: 5 um a coordinate at 4 m."""
+    angle_noise: float = 1.25e-6
+    """White, one standard deviation [rad]. ESTIMATE: 5 um a coordinate at 4 m."""
+    range_scale_error: float = 5e-6
+    """One standard deviation of an error of scale that lasts for a set-up: half of 10 ppm (2
+    sigma)."""
+    angle_bias: float = 5e-6
+    """One standard deviation of a bias of each angle that lasts for a set-up [rad]. ESTIMATE."""
+    range_resolution: float = 1.26e-6
+    """[m], interferometer."""
+    angle_resolution: float = 0.14 * ARCSEC
+    """[rad]."""
+    acceptance_angle: float = np.deg2rad(30.0)
+    """Half angle of the cone in which the reflector returns the beam [rad]. ESTIMATE: corner
+    cube."""
+    target_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Centre of the reflector in tool axes, from TCP0 [m]."""
+    reference_targets: tuple[tuple[float, float, float], ...] = (
+        (0.6, -1.4, 0.3),
+        (0.6, 1.6, 0.4),
+        (1.0, -1.0, 2.4),
+        (1.2, 1.4, 2.2),
+        (2.6, -0.8, 0.3),
+        (2.4, 1.0, 0.6),
+        (2.8, 0.4, 2.3),
+        (1.8, 0.2, 1.2),
+    )
+    """Known points of the cell [m], base axes, around the poses. ESTIMATE."""
+    readings_per_target: int = 1000
+
+    def __post_init__(self) -> None:
+        if self.rate <= 0.0:
+            raise ValueError(f"tracker rate must be > 0 Hz, got {self.rate}")
+        for name in (
+            "range_noise",
+            "angle_noise",
+            "range_scale_error",
+            "angle_bias",
+            "range_resolution",
+            "angle_resolution",
+        ):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        if not 0.0 < self.acceptance_angle <= np.pi:
+            raise ValueError(f"acceptance_angle must be in (0, pi], got {self.acceptance_angle}")
+        if self.readings_per_target < 1:
+            raise ValueError(f"readings_per_target must be >= 1, got {self.readings_per_target}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackerSamples:
+    """What the tracker reported of one run."""
+
+    time: Array
+    """(K,) [s]."""
+    position: Array
+    """(K, 3) [m], tool centre point in base axes after registration; NaN where the beam is lost."""
+    valid: NDArray[np.bool_]
+    """(K,), False where the beam is lost."""
+
+    def __post_init__(self) -> None:
+        for name in ("time", "position", "valid"):
+            value = getattr(self, name)
+            if len(value) != len(self.time):
+                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
+            value.setflags(write=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Registration:
+    """Tracker frame to base frame: p_base = R_base_tracker @ p_tracker + p_base_tracker."""
+
+    R_base_tracker: Array
+    p_base_tracker: Array
+    residual: float
+    """Root mean square distance of a coordinate from its target after the fit [m]."""
+
+    def to_base(self, p_tracker: Array) -> Array:
+        """Points (..., 3) in base axes [m]."""
+        return p_tracker @ self.R_base_tracker.T + self.p_base_tracker
+
+
+def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
+    """The rigid motion that brings points (M, 3) closest to their targets, least squares (Kabsch).
+
+    Raises:
+        ValueError: fewer than three points, or all on one line.
+    """
+    a, b = np.asarray(p_tracker, dtype=np.float64), np.asarray(p_base, dtype=np.float64)
+    if a.shape != b.shape or a.ndim != 2 or a.shape[1] != 3:
+        raise ValueError(f"points must both have shape (M, 3), got {a.shape} and {b.shape}")
+    centre_a, centre_b = a.mean(axis=0), b.mean(axis=0)
+    U, size, Vt = np.linalg.svd((b - centre_b).T @ (a - centre_a))
+    if len(a) < 3 or size[1] < 1e-9 * max(size[0], 1e-300):
+        raise ValueError("registration needs three reference targets that are not on one line")
+    R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    p = centre_b - R @ centre_a
+    residual = np.sqrt(np.mean((a @ R.T + p - b) ** 2))
+    return Registration(R_base_tracker=R, p_base_tracker=p, residual=float(residual))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaserTracker:
+    """One tracker, set up and registered: `set_up` makes it."""
+
+    cfg: LaserTrackerCfg
+    bias: Array
+    """(3,): relative error of the distance, biases of azimuth and elevation [rad]."""
+    registration: Registration
+
+    def read(self, p_base: Array, rng: np.random.Generator) -> Array:
+        """Noisy readings (..., 3) [m] of points in base axes, in the tracker's own frame."""
+        return _read(self.cfg, self.bias, p_base, rng)
+
+    def measure(
+        self,
+        time: Array,
+        tool_position: Array,
+        tool_quaternion: Array,
+        rng: np.random.Generator,
+        *,
+        target_axis: ArrayLike | None = None,
+    ) -> TrackerSamples:
+        """Follow a tool through a run.
+
+        Args:
+            time: (M,) [s], uniform, at a rate that is a multiple of the tracker's.
+            tool_position: (M, 3) [m], TCP0 in base axes.
+            tool_quaternion: (M, 4), base to tool.
+            rng: what the noise is drawn from.
+            target_axis: (3,), where the reflector looks, in tool axes. Left out, an operator has
+                turned it towards the tracker at the first sample.
+
+        The offset of the reflector is taken off with the orientation of the first sample, the one
+        that is programmed: the tracker does not see how the tool tilts.
+        """
+        every = stride(rate_of(time), self.cfg.rate)
+        time, tool_position = time[::every].copy(), tool_position[::every]
+        R_base_tool = _rotation(tool_quaternion[::every])
+        offset = R_base_tool @ np.array(self.cfg.target_offset)
+        reflector = tool_position + offset
+
+        valid = self._beam_holds(reflector, R_base_tool, target_axis)
+        position = self.registration.to_base(self.read(reflector, rng)) - offset[0]
+        position[~valid] = np.nan
+        return TrackerSamples(time=time, position=position, valid=valid)
+
+    def _beam_holds(
+        self, reflector: Array, R_base_tool: Array, target_axis: ArrayLike | None
+    ) -> NDArray[np.bool_]:
+        """Until the reflector first leaves the cone: an interferometer that lost count stays
+        lost."""
+        to_tracker = np.array(self.cfg.position) - reflector
+        to_tracker /= np.linalg.norm(to_tracker, axis=1, keepdims=True)
+        if target_axis is None:
+            axis = R_base_tool[0].T @ to_tracker[0]
+        else:
+            axis = np.asarray(target_axis, dtype=np.float64)
+            axis = axis / np.linalg.norm(axis)
+        cosine = np.einsum("ij,ij->i", R_base_tool @ axis, to_tracker)
+        inside = cosine >= np.cos(self.cfg.acceptance_angle) - 1e-12
+        return np.logical_and.accumulate(inside)
+
+
+def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
+    """Place a tracker, with the lasting errors of this set-up, and register it on its targets."""
+    one_sigma = np.array([cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
+    bias = rng.standard_normal(3) * one_sigma
+    targets = np.repeat(np.array(cfg.reference_targets), cfg.readings_per_target, axis=0)
+    registration = best_fit(_read(cfg, bias, targets, rng), targets)
+    return LaserTracker(cfg=cfg, bias=bias, registration=registration)
+
+
+def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Generator) -> Array:
+    distance, azimuth, elevation = _to_polar(_in_tracker_frame(cfg, p_base))
+
+    def reading(ideal: Array, std: float, resolution: float) -> Array:
+        noisy = ideal + noise.white(rng, ideal.shape, std)
+        return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
+
+    return _from_polar(
+        reading(distance * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution),
+        reading(azimuth + bias[1], cfg.angle_noise, cfg.angle_resolution),
+        reading(elevation + bias[2], cfg.angle_noise, cfg.angle_resolution),
+    )
+
+
+def _in_tracker_frame(cfg: LaserTrackerCfg, p_base: Array) -> Array:
+    c, s = np.cos(cfg.heading), np.sin(cfg.heading)
+    R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return (p_base - np.array(cfg.position)) @ R_base_tracker
+
+
+def _to_polar(p: Array) -> tuple[Array, Array, Array]:
+    """Distance, azimuth, elevation of points (..., 3)."""
+    x, y, z = np.moveaxis(p, -1, 0)
+    level = np.hypot(x, y)
+    return np.hypot(level, z), np.arctan2(y, x), np.arctan2(z, level)
+
+
+def _from_polar(distance: Array, azimuth: Array, elevation: Array) -> Array:
+    level = distance * np.cos(elevation)
+    return np.stack(
+        [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
+    )
+
+
+def _rotation(quaternion: Array) -> Array:
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -1,0 +1,52 @@
+"""Random signals with stated statistics. Each takes the Generator it draws from."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+
+def white(rng: np.random.Generator, shape: tuple[int, ...], std: ArrayLike) -> Array:
+    """Independent normal samples; `std` is broadcast against `shape`."""
+    return rng.standard_normal(shape) * np.asarray(std, dtype=np.float64)
+
+
+def from_density(
+    rng: np.random.Generator, shape: tuple[int, ...], density: ArrayLike, rate: float
+) -> Array:
+    """White noise sampled at `rate` [Hz] whose one-sided power spectral density is density^2.
+
+    `density` in units/sqrt(Hz). All power lies below the Nyquist frequency: std = density
+    sqrt(rate / 2).
+    """
+    return white(rng, shape, np.asarray(density) * np.sqrt(rate / 2.0))
+
+
+def band_limited(
+    rng: np.random.Generator,
+    shape: tuple[int, int],
+    std: ArrayLike,
+    bandwidth: float,
+    step: float,
+) -> Array:
+    """White noise through a first-order low-pass: a stationary process of standard deviation `std`.
+
+    Its spectrum falls to half its power at `bandwidth` [Hz]; `shape` is (samples, channels),
+    sampled every `step` [s]. x[i+1] = c x[i] + sqrt(1 - c^2) w, c = exp(-2 pi bandwidth step),
+    exact at the samples whatever the step, and stationary from the first one."""
+    if not (bandwidth > 0.0 and step > 0.0):
+        raise ValueError(f"bandwidth and step must be > 0, got {bandwidth} Hz, {step} s")
+    c = np.exp(-2.0 * np.pi * bandwidth * step)
+    w = rng.standard_normal(shape)
+    w[1:] *= np.sqrt(1.0 - c * c)
+    return lfilter([1.0], [1.0, -c], w, axis=0) * np.asarray(std, dtype=np.float64)
+
+
+def random_walk(
+    rng: np.random.Generator, shape: tuple[int, int], density: ArrayLike, step: float
+) -> Array:
+    """A bias that wanders from 0: variance density^2 t; `density` in units/sqrt(s)."""
+    steps = white(rng, shape, np.asarray(density) * np.sqrt(step))
+    steps[:1] = 0.0
+    return np.cumsum(steps, axis=0)
