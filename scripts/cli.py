@@ -4,7 +4,6 @@ Exit status: 0 done; 2 bad input, with one line on stderr and nothing written; 1
 failed while running; 130 interrupted. Only the experiment that runs is imported.
 """
 
-import difflib
 import os
 import sys
 import traceback
@@ -16,6 +15,7 @@ from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
 
 from .errors import InputError, RunFailed, one_line
 from .options import read_value
+from .registry import unknown
 
 COMMANDS = {
     "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
@@ -69,7 +69,7 @@ def _run(tokens: list[str]) -> int:
     try:
         command, bound, _ = make_app(chosen=tokens[0] if tokens else "").parse_args(tokens)
     except UnknownCommandError:
-        raise InputError(_unknown_command(tokens)) from None
+        raise unknown("experiment", tokens[0], COMMANDS) from None
     except UnusedCliTokensError as error:
         words = " ".join(error.unused_tokens or ())
         raise InputError(f"Unexpected {words!r}; options are written --name value") from None
@@ -77,13 +77,6 @@ def _run(tokens: list[str]) -> int:
         raise InputError(one_line(error)) from error
     command(*bound.args, **bound.kwargs)
     return DONE
-
-
-def _unknown_command(tokens: list[str]) -> str:
-    names = ", ".join(COMMANDS)
-    near = difflib.get_close_matches(tokens[0], COMMANDS, n=1)
-    hint = f" Did you mean {near[0]}?" if near else ""
-    return f"Unknown experiment {tokens[0]!r}.{hint} Experiments: {names}"
 
 
 def _failure(error: Exception) -> str:

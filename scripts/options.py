@@ -50,7 +50,7 @@ class Common:
     seed: int = 0
     """Seed of every random draw, >= 0: same seed, same bits."""
     out: Annotated[Path | None, Parameter(validator=_check_out)] = None
-    """Folder for the results, new or empty [default: a new one under runs/]."""
+    """Folder for the results, new or empty [default of a run: a new one under runs/]."""
     json: bool = False
     """Print the summary as JSON, and nothing else, on standard output."""
     quiet: bool = False

@@ -89,3 +89,13 @@ class RunFolder:
                 if not self.path.exists():
                     raise
                 self.path = first.with_name(f"{first.name}-{n}")
+
+
+def write_whole(file: Path, text: str) -> None:
+    """Write a text file so that it is complete or as it was before."""
+    staging = file.with_name(f".{file.name}.partial-{secrets.token_hex(4)}")
+    try:
+        staging.write_text(text, encoding="utf-8")
+        staging.replace(file)
+    finally:
+        staging.unlink(missing_ok=True)

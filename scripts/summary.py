@@ -14,14 +14,20 @@ from pathlib import Path
 from typing import Any
 
 from .options import Common
+from .run_folder import RunFolder
 
 VERSIONED = ("armside", "mujoco", "numpy")
 
 
-def summary(cfg: Any, common: Common, *, status: str = "done", **results: Any) -> dict[str, Any]:
-    """The summary of a run: all options, seed and versions under `config`, then `results`."""
+def summary(
+    experiment: str, cfg: Any, common: Common, *, status: str = "done", **results: Any
+) -> dict[str, Any]:
+    """The summary of a run: all options, seed and versions under `config`, then `results`.
+
+    cfg: the experiment's own options, a dataclass or a mapping.
+    """
     versions = {name: version(name) for name in VERSIONED} | {"python": platform.python_version()}
-    config = plain(cfg) | plain(common) | {"versions": versions}
+    config = {"experiment": experiment} | plain(cfg) | plain(common) | {"versions": versions}
     return {"config": config, "status": status} | plain(results)
 
 
@@ -47,3 +53,11 @@ def plain(value: Any) -> Any:
 def dumps(value: Any) -> str:
     """Strict JSON of a value, indented, ending with a newline. Raises TypeError on odd types."""
     return json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
+
+
+def keep(summary: dict[str, Any], common: Common) -> None:
+    """Write a summary into the folder `--out`, for commands that write no other files."""
+    if common.out is not None:
+        name = summary["config"]["experiment"]
+        with RunFolder(name, seed=common.seed, out=common.out) as folder:
+            (folder / "summary.json").write_text(dumps(summary), encoding="utf-8")

@@ -1,0 +1,56 @@
+"""Timing that survives a shared machine: interleaved rounds in one process, medians."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a benchmark: our time, and the time of a peer for the same result."""
+
+    name: str
+    ours: float
+    """[s] per call."""
+    peer: str | None = None
+    """What the peer is; None when there is nothing to compare with, or it is not installed."""
+    theirs: float | None = None
+    """[s] per call, measured in turns with ours."""
+
+    @property
+    def ratio(self) -> float | None:
+        """Our time as a part of the peer's."""
+        return None if self.theirs is None else self.ours / self.theirs
+
+
+def interleaved(
+    functions: Sequence[Callable[[], Any]], repeats: int = 9, min_round: float = 0.005
+) -> list[float]:
+    """Median seconds per call of each function, all of them called in turns.
+
+    A function that is faster than `min_round` [s] is called several times in each of its turns.
+    One turn of each comes first and does not count.
+    """
+    calls = [_calls_per_round(function, min_round) for function in functions]
+    rounds = [
+        [_seconds(function, n) for function, n in zip(functions, calls, strict=True)]
+        for _ in range(repeats)
+    ]
+    return [median(column) for column in zip(*rounds, strict=True)]
+
+
+def _seconds(function: Callable[[], Any], calls: int) -> float:
+    start = time.perf_counter()
+    for _ in range(calls):
+        function()
+    return (time.perf_counter() - start) / calls
+
+
+def _calls_per_round(function: Callable[[], Any], min_round: float) -> int:
+    """Double the calls until a turn is long enough; this also warms the function up."""
+    calls = 1
+    while (elapsed := _seconds(function, calls) * calls) < min_round:
+        calls *= 2 if elapsed < 0.1 * min_round else 1 + int(min_round / elapsed)
+    return calls
