@@ -12,6 +12,14 @@ from .dh import Convention as Convention
 from .dh import Joint as Joint
 from .dh import Link as Link
 from .dh import Robot as Robot
+from .inverse import Branches as Branches
+from .inverse import Singularity as Singularity
+from .inverse import UnreachableError as UnreachableError
+from .inverse import inverse_branches as inverse_branches
+from .inverse import inverse_nearest as inverse_nearest
+from .inverse import inverse_path as inverse_path
+from .inverse_numeric import NotConvergedError as NotConvergedError
+from .inverse_numeric import inverse_numeric as inverse_numeric
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits
 from .robots import IMU_LINKS as IMU_LINKS
@@ -20,3 +28,4 @@ from .robots import IRB1400_IMU as IRB1400_IMU
 from .robots import IRB1400_LIMITS as IRB1400_LIMITS
 from .robots import LARGE_ROBOT as LARGE_ROBOT
 from .robots import LARGE_ROBOT_LIMITS as LARGE_ROBOT_LIMITS
+from .wrist_arm import UnsolvableGeometryError as UnsolvableGeometryError
