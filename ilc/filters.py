@@ -3,10 +3,8 @@
 A record is known before it is filtered, so nothing here has to be causal. All signals have
 shape (N, n); a design variable is one number for all columns or one for each.
 
-A recursion a(q) y = b(q) x from zero state is a banded triangular system of equations, which
-LAPACK solves for all columns at once in O(N). Filtering by a dense N x N matrix would be faster
-for a short record and slower for a long one, with a table to keep for each cutoff and length;
-scipy.signal has the same recursion but takes most of a second to import.
+Filters run as recursions, O(N) (see recursion.py). Multiplying by a dense N x N matrix would be
+faster for a short record and slower for a long one, with a table to keep for each cutoff.
 """
 
 from dataclasses import dataclass
@@ -17,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .plant import Array
+from .recursion import recursion
 
 PerColumn = float | tuple[float, ...]
 """One value for all columns (motors), or one value for each."""
@@ -217,18 +216,5 @@ def _one_pass(sections: list[Section], signal: Array, from_steady_state: bool) -
     offset = signal[0] if from_steady_state else 0.0
     filtered = signal - offset
     for b, a in sections:
-        filtered = _recursion(b, a, filtered)
+        filtered = recursion(b, a, filtered)
     return filtered + offset
-
-
-def _recursion(b: Array, a: Array, signal: Array) -> Array:
-    """Filter b/a along the first axis from zero state; a[0] = 1."""
-    from scipy.linalg import lapack  # here: 0.1 s that importing a law should not cost
-
-    n_samples = len(signal)
-    moving_average = b[0] * signal
-    for lag in range(1, min(len(b), n_samples)):
-        moving_average[lag:] += b[lag] * signal[:-lag]
-    band = np.repeat(a[:, None], n_samples, axis=1)
-    filtered, _ = lapack.dtbtrs(band, moving_average, uplo="L")  # type: ignore[attr-defined]
-    return filtered
