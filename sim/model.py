@@ -1,0 +1,166 @@
+"""A robot's MJCF with its names resolved: which joint is which axis, and what its controller knows.
+
+Both robots of the project, and any robot of a user, expose the names listed in the `assets`
+package docstring. A model that lacks one is refused with the names that are missing.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from .recording import Array
+
+N_AXES = 6
+AXES = range(1, N_AXES + 1)
+
+
+class ModelError(ValueError):
+    """An MJCF file that cannot serve as a robot of this project."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drives:
+    """The six drives as their controller knows them. Motor units: before the gear."""
+
+    gear: Array
+    """(6,) gear ratio, motor angle over arm-side angle."""
+    kp: Array
+    """(6,) [N m/rad]."""
+    kd: Array
+    """(6,) [N m s/rad]."""
+    torque_limit: Array
+    """(6,) [N m]."""
+    speed_limit: Array
+    """(6,) [rad/s], arm side."""
+    encoder_counts: float
+    """Counts per motor turn; 0 for an ideal encoder."""
+    velocity_feedforward: Array
+    """(6,) share of the reference velocity that is fed forward."""
+    correction_delay: float
+    """[s], before a correction reaches the servo."""
+    correction_lag: float
+    """[Hz], first-order lag on the way of a correction."""
+    elastic_compensation: float
+    """Share of the quasi-static elastic deflection that the reference anticipates."""
+    torque_noise: float
+    """Non-repeatable torque, rms relative to the torque limit."""
+    torque_noise_bandwidth: float
+    """[Hz]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotModel:
+    """A compiled MJCF with the indices and the drive data that the virtual robot needs."""
+
+    mj: mujoco.MjModel
+    motor: np.ndarray
+    """(6,) degree of freedom of each motor."""
+    flex: np.ndarray
+    """(6,) degree of freedom of each gear spring."""
+    springs: np.ndarray
+    """Degrees of freedom with a joint spring: gears, then structure."""
+    drives: Drives
+    joint_range: Array
+    """(6, 2) [rad], hard stops of the motors on the arm side."""
+    sensors: dict[str, slice]
+    """Columns of `sensordata` by sensor name."""
+
+    @property
+    def timestep(self) -> float:
+        """Physics step [s]."""
+        return float(self.mj.opt.timestep)
+
+
+def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
+    """Compile an MJCF file and resolve its names.
+
+    Raises ModelError when the file does not compile or lacks a name.
+    """
+    mj = source if isinstance(source, mujoco.MjModel) else _compile(Path(source))
+    _require_names(mj)
+    motor = _dofs(mj, "motor")
+    flex = _dofs(mj, "flex")
+    springs = np.array([j for j in range(mj.njnt) if mj.jnt_stiffness[j] > 0.0])
+    sensors = {
+        mj.sensor(i).name: slice(int(mj.sensor_adr[i]), int(mj.sensor_adr[i] + mj.sensor_dim[i]))
+        for i in range(mj.nsensor)
+    }
+    return RobotModel(
+        mj=mj,
+        motor=motor,
+        flex=flex,
+        springs=mj.jnt_dofadr[springs],
+        drives=_drives(mj),
+        joint_range=np.array([mj.joint(f"motor_{i}").range for i in AXES]),
+        sensors=sensors,
+    )
+
+
+def _compile(path: Path) -> mujoco.MjModel:
+    try:
+        return mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        first_line = str(error).strip().splitlines()[0]
+        raise ModelError(f"{path} is not a usable MJCF model: {first_line}") from error
+
+
+def _require_names(mj: mujoco.MjModel) -> None:
+    needed = {
+        mujoco.mjtObj.mjOBJ_JOINT: [f"{kind}_{i}" for kind in ("motor", "flex") for i in AXES],
+        mujoco.mjtObj.mjOBJ_ACTUATOR: [f"axis_{i}" for i in AXES],
+        mujoco.mjtObj.mjOBJ_SITE: ["tool0", "imu", "tracker_target"],
+        mujoco.mjtObj.mjOBJ_SENSOR: [
+            *(f"axis_{i}_{what}" for i in AXES for what in ("pos", "torque")),
+            "imu_acc",
+            "imu_gyro",
+            "tool0_pos",
+            "tool0_quat",
+        ],
+        mujoco.mjtObj.mjOBJ_NUMERIC: [
+            "gear_ratio",
+            "encoder_counts",
+            "velocity_feedforward",
+            "correction_delay",
+            "correction_lag",
+            "elastic_compensation",
+            "torque_noise",
+            "speed_limit",
+        ],
+    }
+    for kind, names in needed.items():
+        missing = [name for name in names if mujoco.mj_name2id(mj, kind, name) < 0]
+        if missing:
+            word = kind.name.removeprefix("mjOBJ_").lower()
+            raise ModelError(f"the robot model lacks the {word} {', '.join(missing)}")
+
+
+def _dofs(mj: mujoco.MjModel, kind: str) -> np.ndarray:
+    return np.array([int(mj.joint(f"{kind}_{i}").dofadr[0]) for i in AXES])
+
+
+def _drives(mj: mujoco.MjModel) -> Drives:
+    actuators = [mj.actuator(f"axis_{i}").id for i in AXES]
+    noise, bandwidth = _numeric(mj, "torque_noise", 2)
+    return Drives(
+        gear=_numeric(mj, "gear_ratio", N_AXES),
+        kp=mj.actuator_gainprm[actuators, 4].copy(),
+        kd=mj.actuator_gainprm[actuators, 6].copy(),
+        torque_limit=mj.actuator_forcerange[actuators, 1].copy(),
+        speed_limit=_numeric(mj, "speed_limit", N_AXES),
+        encoder_counts=float(_numeric(mj, "encoder_counts", 1)[0]),
+        velocity_feedforward=_numeric(mj, "velocity_feedforward", N_AXES),
+        correction_delay=float(_numeric(mj, "correction_delay", 1)[0]),
+        correction_lag=float(_numeric(mj, "correction_lag", 1)[0]),
+        elastic_compensation=float(_numeric(mj, "elastic_compensation", 1)[0]),
+        torque_noise=float(noise),
+        torque_noise_bandwidth=float(bandwidth),
+    )
+
+
+def _numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
+    values = np.array(mj.numeric(name).data, dtype=np.float64)
+    if values.size != size:
+        raise ModelError(f"numeric {name} must hold {size} values, holds {values.size}")
+    return values

@@ -1,0 +1,117 @@
+"""The servo's inputs over a whole run, as arrays: known before the run, so the run is one call.
+
+The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the physics (the
+`dcmotor` controller). What enters it is formed here, arm side, at the physics rate:
+
+    pos = r + u_f        vel = g (r' + u_f')        ff = rigid inverse dynamics of r
+
+where g is the velocity feedforward and u_f the correction after its delay and first-order lag.
+u_f does not enter the torque feedforward.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from .model import RobotModel
+from .recording import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setpoints:
+    """Position and velocity at the physics rate, arm side."""
+
+    position: Array
+    """(M, 6) [rad]."""
+    velocity: Array
+    """(M, 6) [rad/s]."""
+
+
+def substeps(timestep: float, log_period: float) -> int:
+    """Physics steps per log sample. Raises ValueError unless it is a whole number."""
+    ratio = log_period / timestep
+    if abs(ratio - round(ratio)) > 1e-9 or round(ratio) < 1:
+        raise ValueError(f"log period {log_period} s is not a multiple of the step {timestep} s")
+    return round(ratio)
+
+
+def interpolate(samples: Array, period: float, ratio: int) -> tuple[Array, Array, Array]:
+    """Cubic spline through log samples, at rest at both ends.
+
+    Args:
+        samples: (N, n), one row each `period` [s].
+        ratio: physics steps per sample.
+
+    Returns:
+        Value, first and second derivative, each ((N - 1) * ratio + 1, n).
+    """
+    from scipy.interpolate import CubicSpline
+
+    n = len(samples)
+    spline = CubicSpline(np.arange(n) * period, samples, bc_type="clamped")
+    t = np.arange((n - 1) * ratio + 1) * (period / ratio)
+    return spline(t), spline(t, 1), spline(t, 2)
+
+
+def correction_path(
+    correction: Array, period: float, ratio: int, delay: float, lag: float
+) -> Setpoints:
+    """A correction on its way to the servo: first-order hold, pure delay, first-order lag.
+
+    The first-order hold makes it continuous, so that its derivative after the lag,
+    u_f' = 2 pi lag (u - u_f), is free of impulses.
+
+    Args:
+        correction: (N, 6) [rad], u at the log rate.
+        delay: [s]; rounded to a physics step.
+        lag: corner frequency [Hz].
+    """
+    held = np.empty(((len(correction) - 1) * ratio + 1, correction.shape[1]))
+    weight = np.arange(ratio)[None, :, None] / ratio
+    rise = correction[:-1, None] * (1.0 - weight) + correction[1:, None] * weight
+    held[:-1] = rise.reshape(-1, correction.shape[1])
+    held[-1] = correction[-1]
+    step = period / ratio
+    n_delay = round(delay / step)
+    delayed = np.concatenate((np.repeat(held[:1], n_delay, axis=0), held))[: len(held)]
+    position, velocity = np.empty_like(delayed), np.empty_like(delayed)
+    _first_order_lag(delayed, 2.0 * np.pi * lag, step, position, velocity)
+    return Setpoints(position=position, velocity=velocity)
+
+
+@njit(cache=True)
+def _first_order_lag(
+    signal: Array, omega: float, step: float, position: Array, velocity: Array
+) -> None:  # pragma: no cover - compiled
+    """Exact for a signal that is linear between samples: x' = omega (signal - x)."""
+    decay = np.exp(-omega * step)
+    for j in range(signal.shape[1]):
+        x = signal[0, j]
+        position[0, j] = x
+        velocity[0, j] = 0.0
+        for i in range(1, signal.shape[0]):
+            slope = (signal[i, j] - signal[i - 1, j]) / step
+            steady = signal[i, j] - slope / omega
+            x = steady + (x - signal[i - 1, j] + slope / omega) * decay
+            position[i, j] = x
+            velocity[i, j] = omega * (signal[i, j] - x)
+
+
+def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
+    """Interleave arm-side set points into the control array of the MJCF, in motor units.
+
+    Args:
+        position: (M, 6) [rad], arm side.
+        velocity: (M, 6) [rad/s], arm side.
+        torque: (M, 6) [N m], arm side.
+
+    Returns:
+        (M, nu): per actuator position [motor rad], velocity [motor rad/s], torque [motor N m].
+    """
+    gear = model.drives.gear
+    controls = np.empty((len(position), 6, 3))
+    np.multiply(position, gear, out=controls[:, :, 0])
+    np.multiply(velocity, gear, out=controls[:, :, 1])
+    np.divide(torque, gear, out=controls[:, :, 2])
+    return controls.reshape(len(position), 18)

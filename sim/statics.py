@@ -1,0 +1,98 @@
+"""Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model."""
+
+import copy
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from .model import RobotModel
+from .recording import Array
+
+_NEWTON_STEPS = 60
+_REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the softest spring
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibrium:
+    """Rest of the flexible robot with its motors held."""
+
+    qpos: Array
+    """(nq,) [rad]."""
+    holding_torque: Array
+    """(6,) [N m], arm side, that the motors deliver."""
+
+
+class Statics:
+    """Forces and deflections along a motion. Holds scratch data: one object per thread."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self._model = model
+        self._mj = copy.copy(model.mj)
+        # A controller's rigid model: no friction, no damping, and no closed-loop constraint forces.
+        flags = mujoco.mjtDisableBit.mjDSBL_DAMPER | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        self._mj.opt.disableflags |= int(flags)
+        self._data = mujoco.MjData(self._mj)
+
+    def rigid_forces(self, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
+        """Generalised forces of the rigid motion, every spring at zero deflection.
+
+        Args:
+            phi: (N, 6) [rad], arm-side motor angles; then their first and second derivative.
+
+        Returns:
+            (N, nv) [N m]: at a motor hinge what its drive delivers, at a spring what it carries.
+        """
+        data, motor = self._data, self._model.motor
+        forces = np.empty((len(phi), self._mj.nv))
+        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        for i in range(len(phi)):
+            data.qpos[motor] = phi[i]
+            data.qvel[motor] = phi_dot[i]
+            data.qacc[motor] = phi_ddot[i]
+            mujoco.mj_inverse(self._mj, data)
+            forces[i] = data.qfrc_inverse
+        return forces
+
+    def deflection(self, phi: Array, forces: Array) -> Array:
+        """Quasi-static displacement of the tool by the springs that carry `forces`.
+
+        Args:
+            phi: (N, 6) [rad].
+            forces: (N, nv) [N m], from `rigid_forces`.
+
+        Returns:
+            (N, 3) [m], base axes, from the rigid tool position.
+        """
+        data, springs = self._data, self._model.springs
+        stiffness = self._mj.jnt_stiffness[self._mj.dof_jntid[springs]]
+        site = self._mj.site("tool0").id
+        jacobian = np.empty((3, self._mj.nv))
+        moved = np.empty((len(phi), 3))
+        data.qpos[:] = 0.0
+        for i in range(len(phi)):
+            data.qpos[self._model.motor] = phi[i]
+            mujoco.mj_kinematics(self._mj, data)
+            mujoco.mj_comPos(self._mj, data)
+            mujoco.mj_jacSite(self._mj, data, jacobian, None, site)
+            moved[i] = jacobian[:, springs] @ (-forces[i, springs] / stiffness)
+        return moved
+
+    def equilibrium(self, phi: Array) -> Equilibrium:
+        """Rest with the motors held at phi: springs balance gravity and each other.
+
+        Raises RuntimeError when the springs cannot balance the load.
+        """
+        data, motor, springs = self._data, self._model.motor, self._model.springs
+        stiffness = self._mj.jnt_stiffness[self._mj.dof_jntid[springs]]
+        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        data.qpos[motor] = phi
+        for _ in range(_NEWTON_STEPS):
+            mujoco.mj_inverse(self._mj, data)
+            residual = data.qfrc_inverse[springs]
+            if np.abs(residual).max() < _REST_TORQUE:
+                return Equilibrium(
+                    qpos=data.qpos.copy(), holding_torque=data.qfrc_inverse[motor].copy()
+                )
+            data.qpos[springs] -= residual / stiffness
+        raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
