@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import quaternion
 from . import noise
 from .sampling import rate_of, stride
 
@@ -170,7 +171,7 @@ class LaserTracker:
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
-        R_base_tool = _rotation(tool_quaternion[::every])
+        R_base_tool = quaternion.rotation(tool_quaternion[::every])
         offset = R_base_tool @ np.array(self.cfg.target_offset)
         reflector = tool_position + offset
 
@@ -237,14 +238,3 @@ def _from_polar(distance: Array, azimuth: Array, elevation: Array) -> Array:
     return np.stack(
         [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
     )
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -5,6 +5,8 @@ motion starts. A limit that shaped a motion is named as (limit, axis, first time
 a motor, axis 0 the tool on its path.
 """
 
+from .joints import joint_reference as joint_reference
+from .joints import plan_cut as plan_cut
 from .path import Circle as Circle
 from .path import CuttingPath as CuttingPath
 from .path import Plane as Plane

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..quaternion import normalised
 from .path import CuttingPath
 from .timing import PathLimits, Timing, rest_to_rest
 
@@ -99,7 +100,7 @@ def cut(
     return ToolMotion(
         time=time,
         position=path.position(s),
-        quaternion=np.tile(_unit_quaternion(quaternion), (n_samples, 1)),
+        quaternion=np.tile(normalised(quaternion), (n_samples, 1)),
         arc_length=s,
         on_contour=(time >= contour_time[0]) & (time < contour_time[1]),
         contour_time=contour_time,
@@ -136,11 +137,3 @@ def _limits_hit(
     if len(at_limit):
         hits.append(("path_acceleration", 0, rest_before + float(timing.start[at_limit[0]])))
     return tuple(hits)
-
-
-def _unit_quaternion(quaternion: ArrayLike) -> Array:
-    q = np.asarray(quaternion, dtype=np.float64)
-    norm = np.linalg.norm(q)
-    if q.shape != (4,) or not np.isfinite(norm) or norm < 1e-9:
-        raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
-    return q / norm
