@@ -1,7 +1,9 @@
-# make run: set up and cut the default circle.  make test: set up and test.
+# make run: set up and cut the default circle.  make test: set up and check everything.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+STUBS := typings/mujoco-stubs
 
 .PHONY: run test clean
 .DELETE_ON_ERROR:
@@ -9,22 +11,32 @@ BIN := $(VENV)/bin
 run: $(VENV)/.installed
 	$(BIN)/armside laser
 
-test: $(VENV)/.installed-test
+test: $(VENV)/.installed-test $(STUBS)/py.typed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/pyright
 	$(BIN)/python -m pytest
 
-$(BIN)/python:
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "armside needs Python 3.11 or newer")'
-	$(PYTHON) -m venv $(VENV)
+# A virtual environment without a working pip was left by an interrupted set-up: start it afresh.
+$(VENV)/.installed: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("armside needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
+	@echo "Installing into $(VENV) ..."
+	$(PIP) install --editable .
+	@touch $@
 
-$(VENV)/.installed: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	touch $@
+$(VENV)/.installed-test: $(VENV)/.installed
+	@echo "Installing what the tests need ..."
+	$(PIP) install --editable '.[test]'
+	@touch $@
 
-$(VENV)/.installed-test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
-	touch $@ $(VENV)/.installed
+# MuJoCo ships no type information: pyright reads what its compiled modules say of themselves.
+$(STUBS)/py.typed: $(VENV)/.installed-test
+	rm -rf typings
+	$(BIN)/python -m pybind11_stubgen --ignore-all-errors --output-dir typings \
+	  $(addprefix mujoco._,constants enums errors functions rollout specs structs)
+	mv typings/mujoco $(STUBS)
+	@echo partial >$@
 
 clean:
-	rm -rf $(VENV) runs build dist .pytest_cache .hypothesis .ruff_cache
+	rm -rf $(VENV) typings runs build dist .pytest_cache .hypothesis .ruff_cache

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, StrMethodFormatter
@@ -49,16 +50,16 @@ def circles(
     reach = 1.06 * max(float(np.abs(path).max()) for path in [closed, *magnified])
 
     shown = _panels(len(measured))
-    figure, grid = _panel_grid(len(shown))
+    figure, panels = _panel_grid(len(shown))
     figure.suptitle(f"{title}: deviation magnified {factor:g} times", x=0.02, y=0.985, ha="left")
     label = f"measured, deviation × {factor:g}"
-    for axes, k in zip(grid.flat, shown, strict=False):
+    for axes, k in zip(panels, shown, strict=True):
         axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
         axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=label)
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         numbers = f"RMS {rms[k] * 1e6:.0f} µm, max {maxdev[k] * 1e6:.0f} µm"
         axes.set_title(f"k = {k}    {numbers}", fontsize=9)
-    handles, labels = grid[0, 0].get_legend_handles_labels()
+    handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
     _save(figure, file)
 
@@ -107,7 +108,7 @@ def _figure(width: float, height: float) -> Figure:
     return figure
 
 
-def _panel_grid(n_panels: int) -> tuple[Figure, NDArray[np.object_]]:
+def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
     """Square panels, placed by hand [inch]: a layout engine would draw everything twice."""
     side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.7
     n_columns = min(3, n_panels)
@@ -130,7 +131,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, NDArray[np.object_]]:
         axes.set_ylabel("y [mm]")
     for axes in grid[-1, :]:
         axes.set_xlabel("x [mm]")
-    return figure, grid
+    return figure, list(grid.flat[:n_panels])
 
 
 def _save(figure: Figure, file: Path) -> None:

@@ -13,6 +13,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .options import Common
 from .run_folder import RunFolder
 
@@ -43,7 +45,7 @@ def plain(value: Any) -> Any:
         return plain(value.value)
     if isinstance(value, Path):
         return str(value)
-    if hasattr(value, "tolist"):  # NumPy arrays and scalars
+    if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None
