@@ -1,0 +1,285 @@
+"""`armside laser`: a robot cuts a shape, motor-side ILC improves it, a laser tracker judges."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from cyclopts import Parameter
+
+from ilc import learning, measures
+from ilc.filters import ZeroPhaseButterworth
+from ilc.laws import Heuristic
+from sim.cell import CELLS, Cell
+from sim.cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
+from sim.individual import with_friction
+from sim.instruments.laser_tracker import LaserTrackerCfg, set_up
+from sim.model import load_model
+from sim.motion.path import Circle, CuttingPath, Plane
+from sim.motion.poses import pose
+from sim.motion.program import ToolMotion
+from sim.recording import Array
+from sim.robot import LOG_PERIOD, Job, VirtualRobot
+
+from .console import Report
+from .errors import RunFailed, checking_input
+from .options import Common, options
+from .run_folder import RunFolder
+from .summary import dumps, summary
+
+_Several = Parameter(consume_multiple=True)
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class LaserCfg:
+    """What to cut, with which robot, and how to learn it."""
+
+    robot: Literal["large"] = "large"
+    """Which robot."""
+    model: Path | None = None
+    """MJCF file to use in place of that robot's own."""
+    pose: str = "p1"
+    """Where: p1, p2 or p3 of thesis (9.3)."""
+    shape: Literal["circle"] = "circle"
+    """What to cut."""
+    radius: float = 5.0
+    """Programmed radius [mm]."""
+    speed: float = 40.0
+    """Programmed speed along the path [mm/s]."""
+    plane: Literal["base-xy", "tool"] = "base-xy"
+    """Plane of the shape: the base x-y plane, or perpendicular to the tool axis."""
+    law: Literal["heuristic"] = "heuristic"
+    """Learning law: Q(u + gamma q^delta e), thesis (9.2)."""
+    measure: Literal["motor"] = "motor"
+    """What is learned from: the motor angles."""
+    gamma: Annotated[tuple[float, ...], _Several] = (0.9,)
+    """Learning gain, one for all motors or six."""
+    delta: Annotated[tuple[int, ...], _Several] = (3,)
+    """Time shift [samples of 4 ms], one for all motors or six."""
+    cutoff: Annotated[tuple[float, ...], _Several] = (10.0,)
+    """Cutoff of Q [Hz], one for all motors or six."""
+    iterations: int = 5
+    """Number of updates; one run more is made."""
+    friction_spread: float = 2.0
+    """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
+
+    def __post_init__(self) -> None:
+        for name, unit in (("radius", "mm"), ("speed", "mm/s")):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
+        if self.iterations < 0:
+            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
+        if not 0.0 <= self.friction_spread < 100.0:
+            raise ValueError(f"friction-spread must be in [0, 100) %, got {self.friction_spread:g}")
+        for name in ("gamma", "delta", "cutoff"):
+            if len(getattr(self, name)) not in (1, 6):
+                raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
+        learning_law(self)
+
+    @property
+    def cell(self) -> Cell:
+        """The robot's cell."""
+        return CELLS[self.robot]
+
+
+def learning_law(cfg: LaserCfg) -> Heuristic:
+    """The law of the options. Raises ValueError where they are out of range."""
+    gamma, delta, cutoff = (v if len(v) > 1 else v[0] for v in (cfg.gamma, cfg.delta, cfg.cutoff))
+    return Heuristic(Q=ZeroPhaseButterworth(cutoff, LOG_PERIOD), gamma=gamma, delta=delta)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """Everything that is known before the first run."""
+
+    cfg: LaserCfg
+    motion: ToolMotion
+    job: Job
+    plant: CuttingPlant
+
+    @property
+    def radius(self) -> float:
+        """Programmed [m]."""
+        return self.cfg.radius * 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Iteration:
+    """One iteration: the trial, and the tool as the tracker and as the truth has it."""
+
+    trial: learning.Trial[Pass]
+    motor_error: Array = field(repr=False)
+    """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
+    arm: ArmSide
+    arm_true: ArmSide
+
+
+def prepare(cfg: LaserCfg, seed: int) -> Experiment:
+    """Load the robot, draw its individual, set up the tracker and plan the motion.
+
+    Raises ValueError for what cannot be done: an unknown pose, a target out of reach.
+    """
+    individual, tracking, noise = (
+        np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
+    )
+    cell = cfg.cell
+    nominal = load_model(cfg.model or cell.xml)
+    at = pose(cfg.pose, dict(cell.poses))
+    origin = np.array(at.position)
+    plane = (
+        Plane(origin) if cfg.plane == "base-xy" else Plane.perpendicular_to(at.tool_axis, origin)
+    )
+    path = CuttingPath.around(Circle(cfg.radius * 1e-3), plane)
+    motion, reference = plan(cell, nominal, path, at.quaternion, cfg.speed * 1e-3)
+    learning_law(cfg).check(*reference.shape)
+    spread = cfg.friction_spread * 1e-2
+    robot = VirtualRobot(with_friction(nominal, 1.0 + individual.uniform(-spread, spread, 6)))
+    job = robot.load(reference)
+    plant = CuttingPlant(job, set_up(LaserTrackerCfg(), tracking), noise)
+    return Experiment(cfg=cfg, motion=motion, job=job, plant=plant)
+
+
+def iterate(experiment: Experiment) -> Iterator[Iteration]:
+    """Run and learn, iteration by iteration, until done or diverged."""
+    cfg, job, motion = experiment.cfg, experiment.job, experiment.motion
+    trials = learning.learn(
+        experiment.plant,
+        learning_law(cfg),
+        job.reference,
+        cfg.iterations,
+        output_of=lambda run: run.recording.motor_angle,
+    )
+    for trial in trials:
+        truth, tracker = trial.result.recording.truth, trial.result.tracker
+        every = round(1.0 / (LaserTrackerCfg().rate * job.model.timestep))
+        yield Iteration(
+            trial=trial,
+            motor_error=trial.error * job.model.drives.gear,
+            arm=arm_side(motion, tracker.time, tracker.position, experiment.radius),
+            arm_true=arm_side(
+                motion, truth.time[::every], truth.tool_position[::every], experiment.radius
+            ),
+        )
+
+
+def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
+    """Status, limits and measures of a run, as `summary.json` has them."""
+    rows = [
+        {
+            "k": it.trial.k,
+            "motor_inf": measures.inf_norm(it.motor_error),
+            "motor_two": measures.two_norm(it.motor_error),
+            "arm_rms": it.arm.rms,
+            "arm_maxdev": it.arm.maxdev,
+            "arm_rms_true": it.arm_true.rms,
+            "arm_maxdev_true": it.arm_true.maxdev,
+        }
+        for it in iterations
+    ]
+    for row in rows:
+        for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
+            row[f"{name}_normalised"] = measures.normalise(row[name], rows[0][name])
+    motion = experiment.motion
+    return {
+        "status": "diverged" if iterations[-1].trial.diverged else "done",
+        "limits_hit": [
+            {"k": None, "limit": name, "axis": axis, "time": time}
+            for name, axis, time in motion.limits_hit
+        ]
+        + [
+            {"k": it.trial.k, "limit": name, "axis": axis, "time": time}
+            for it in iterations
+            for name, axis, time in it.trial.result.recording.limits_hit
+        ],
+        "reached_speed": motion.reached_speed,
+        "beam_lost": [not bool(it.trial.result.tracker.valid.all()) for it in iterations],
+        "iterations": rows,
+    }
+
+
+def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
+    """Cut a circle with a flexible robot and learn to cut it better, from its motor angles.
+
+    Writes summary.json, signals.parquet, circles.png, errors.png and replay.rrd.
+    """
+    report = Report(common)
+    with checking_input():
+        experiment = prepare(cfg, common.seed)
+    iterations: list[Iteration] = []
+    with report.progress("cutting", total=cfg.iterations + 1) as step:
+        for iteration in iterate(experiment):
+            iterations.append(iteration)
+            step()
+    outcome = summary("laser", cfg, common, **results(experiment, iterations))
+    with RunFolder("laser", seed=common.seed, out=common.out) as folder:
+        _write(folder, experiment, iterations, outcome)
+    _print(report, outcome, folder.path)
+    if outcome["status"] == "diverged":
+        raise RunFailed(f"learning diverged at iteration {iterations[-1].trial.k}")
+
+
+def _write(
+    folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
+) -> None:
+    from sim.signals import Run, write_signals
+
+    from . import figures
+
+    (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    runs = [
+        Run(k=it.trial.k, recording=it.trial.result.recording, tracker=it.trial.result.tracker)
+        for it in iterations
+    ]
+    config = outcome["config"]
+    write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
+    rows = outcome["iterations"]
+    turn = np.linspace(0.0, 2.0 * np.pi, 361)
+    figures.circles(
+        folder / "circles.png",
+        experiment.radius * np.column_stack([np.cos(turn), np.sin(turn)]),
+        [it.arm.path for it in iterations],
+        rms=[row["arm_rms"] for row in rows],
+        maxdev=[row["arm_maxdev"] for row in rows],
+    )
+    figures.errors(
+        folder / "errors.png",
+        np.array([row["motor_two_normalised"] for row in rows]),
+        [row["arm_rms"] for row in rows],
+        [row["arm_maxdev"] for row in rows],
+    )
+
+
+def _print(report: Report, outcome: dict[str, Any], path: Path) -> None:
+    motors = [f"motor {i}" for i in range(1, 7)]
+    rows = outcome["iterations"]
+    report.table(
+        "Raw: largest motor error [mrad of the motor shaft], tool deviation [µm]",
+        ["k", *motors, "arm RMS", "arm max"],
+        [
+            [
+                row["k"],
+                *(1e3 * x for x in row["motor_inf"]),
+                1e6 * row["arm_rms"],
+                1e6 * row["arm_maxdev"],
+            ]
+            for row in rows
+        ],
+    )
+    report.table(
+        "Normalised by the largest at k = 0: thesis (9.5), (9.8), (9.9)",
+        ["k", *motors, "arm RMS", "arm max"],
+        [
+            [
+                row["k"],
+                *row["motor_inf_normalised"],
+                row["arm_rms_normalised"],
+                row["arm_maxdev_normalised"],
+            ]
+            for row in rows
+        ],
+    )
+    report.line(f"Results in {path}")
+    report.summary(outcome)

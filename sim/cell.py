@@ -1,0 +1,35 @@
+"""Robot cells: which robot, its kinematics and limits, and where it works."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import assets
+import kinematics
+
+from .motion.poses import LARGE_ROBOT_POSES, ToolPose
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One kind of robot at its place: data only."""
+
+    xml: Path
+    """MJCF of the virtual hardware."""
+    robot: kinematics.Robot
+    """Its D-H model, as the controller knows it."""
+    limits: kinematics.Limits
+    poses: Mapping[str, ToolPose]
+    """Named poses of the tool."""
+
+
+LARGE_CELL = Cell(
+    xml=assets.LARGE_ROBOT_XML,
+    robot=kinematics.LARGE_ROBOT,
+    limits=kinematics.LARGE_ROBOT_LIMITS,
+    poses=LARGE_ROBOT_POSES,
+)
+"""The large robot of thesis chapter 9."""
+
+CELLS: Mapping[str, Cell] = {"large": LARGE_CELL}
+"""Cells by the name of their robot."""

@@ -1,0 +1,96 @@
+"""Cutting with a virtual robot: from a tool motion to its reference, and what the tool then did."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ilc import measures
+
+from .cell import Cell
+from .elastic import anticipated_shift
+from .instruments.laser_tracker import LaserTracker, TrackerSamples
+from .model import RobotModel
+from .motion.joints import joint_reference, plan_cut
+from .motion.path import CuttingPath
+from .motion.program import ToolMotion
+from .recording import Array, Recording
+from .robot import LOG_PERIOD, Job
+
+
+def plan(
+    cell: Cell, model: RobotModel, path: CuttingPath, quaternion: ArrayLike, speed: float
+) -> tuple[ToolMotion, Array]:
+    """A cut at `speed` [m/s] and its reference r, shape (N, 6) [rad], as the controller makes it.
+
+    Inverse kinematics of the programmed path; then again of the path shifted against the elastic
+    deflection that the controller anticipates.
+
+    Raises:
+        ValueError: the motion leaves the joint limits (where) or the reach (by how much).
+    """
+    motion, phi = plan_cut(path, quaternion, speed, cell.robot, cell.limits, step=LOG_PERIOD)
+    shift = anticipated_shift(model, phi, LOG_PERIOD)
+    return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmSide:
+    """How round the tool's circle was, as thesis 9.3 measures it."""
+
+    rms: float
+    """[m], (9.6)."""
+    maxdev: float
+    """[m], (9.7)."""
+    path: Array
+    """(M, 2) [m], the contour in its plane, around its own least-squares centre."""
+
+
+def arm_side(motion: ToolMotion, time: Array, position: Array, radius: float) -> ArmSide:
+    """Measures of one turn of a circle.
+
+    A turn with samples missing has no measure: rms and maxdev are NaN, the path is what is left.
+
+    Args:
+        time: (K,) [s].
+        position: (K, 3) [m], base axes; NaN where there is no sample.
+        radius: programmed [m].
+    """
+    turn = position[motion.is_on_contour(time)]
+    seen = turn[np.isfinite(turn).all(axis=1)]
+    axes = motion.path.plane.axes
+    if len(seen) < max(3, len(turn)):
+        return ArmSide(rms=np.nan, maxdev=np.nan, path=(seen - seen.mean(axis=0)) @ axes[:, :2])
+    circle = measures.fit_circle(turn, normal=axes[:, 2])
+    return ArmSide(
+        rms=measures.circle_rms(circle.radii, radius),
+        maxdev=measures.circle_maxdev(circle.radii, radius),
+        path=(turn - circle.centre) @ axes[:, :2],
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pass:
+    """One pass over the contour: what was recorded, and what the tracker saw."""
+
+    recording: Recording
+    tracker: TrackerSamples
+
+
+@dataclass(frozen=True)
+class CuttingPlant:
+    """A loaded job under a laser tracker, as the plant of a learning loop."""
+
+    job: Job
+    tracker: LaserTracker
+    rng: np.random.Generator
+    """Source of torque and tracker noise."""
+
+    def run(self, correction: Array, /) -> Pass:
+        """Cut once with a correction."""
+        recording = self.job.run(correction, self.rng)
+        truth = recording.truth
+        samples = self.tracker.measure(
+            truth.time, truth.tool_position, truth.tool_quaternion, self.rng
+        )
+        return Pass(recording=recording, tracker=samples)
