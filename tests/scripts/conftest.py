@@ -1,0 +1,53 @@
+"""The probe experiment, run in this process or in one of its own."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from scripts import cli
+
+PROBE = ("probe_experiment:probe", "End as told to.")
+HERE = Path(__file__).parent
+START = f"""
+import sys
+sys.path.insert(0, {str(HERE)!r})
+from scripts import cli
+cli.COMMANDS["probe"] = {PROBE!r}
+sys.exit(cli.main())
+"""
+
+
+class Outcome(NamedTuple):
+    status: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def armside(monkeypatch, tmp_path, capsys):
+    """Runs a command line in this process, in an empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(HERE)
+    monkeypatch.setitem(cli.COMMANDS, "probe", PROBE)
+
+    def run(line: str) -> Outcome:
+        status = cli.main(line.split())
+        return Outcome(status, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def armside_process(tmp_path):
+    """Runs a command line in a process of its own, in an empty working folder."""
+
+    def run(line: str, **options) -> Outcome:
+        command = [sys.executable, "-c", START, *line.split()]
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+        done = subprocess.run(command, cwd=tmp_path, text=True, timeout=60, check=False, **streams)
+        return Outcome(done.returncode, done.stdout or "", done.stderr or "")
+
+    return run

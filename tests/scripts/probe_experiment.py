@@ -1,0 +1,72 @@
+"""An experiment that ends as it is told to: what the command line does is tested with it."""
+
+import os
+import signal
+import time
+from dataclasses import dataclass
+from enum import Enum
+
+from scripts.console import Report
+from scripts.errors import RunFailed, checking_input
+from scripts.options import Common, options
+from scripts.run_folder import RunFolder
+from scripts.summary import dumps, summary
+
+
+class End(Enum):
+    DONE = "done"
+    DIVERGED = "diverged"
+    BUG = "bug"
+    VALUE_ERROR = "value-error"
+    NO_FILE = "no-file"
+    INTERRUPTED = "interrupted"
+    KILLED = "killed"
+    SLOW = "slow"
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class ProbeCfg:
+    """How the probe goes."""
+
+    end: End = End.DONE
+    """How it ends."""
+    radius: float = 5.0
+    """Radius [mm]."""
+    iterations: int = 5
+    """Number of updates."""
+    size: int = 0
+    """Bytes to write beside the summary."""
+
+    def __post_init__(self) -> None:
+        if not self.radius > 0.0:
+            raise ValueError(f"radius must be > 0 mm, got {self.radius}")
+
+
+def probe(*, cfg: ProbeCfg = ProbeCfg(), common: Common = Common()) -> None:
+    """End as told to."""
+    with checking_input():
+        if cfg.end is End.NO_FILE:
+            open("no-such-model.xml").close()
+    report = Report(common)
+    with RunFolder("probe", seed=common.seed, out=common.out) as folder:
+        (folder / "summary.json").write_text("{}")
+        (folder / "signals.parquet").write_bytes(bytes(cfg.size))
+        with report.progress("probing", total=1) as step:
+            step()
+        match cfg.end:
+            case End.BUG:
+                raise KeyError("elbow")
+            case End.VALUE_ERROR:
+                raise ValueError("matrix is singular")
+            case End.INTERRUPTED:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(60)
+            case End.KILLED:
+                os.kill(os.getpid(), signal.SIGKILL)
+        outcome = summary("probe", cfg, common, value=0.1, missing=float("nan"))
+        (folder / "summary.json").write_text(dumps(outcome))
+    report.table("Probe", ["k", "error"], [[0, 0.125], [1, 0.0625]])
+    report.summary(outcome)
+    if cfg.end is End.DIVERGED:
+        raise RunFailed("diverged at k = 3")

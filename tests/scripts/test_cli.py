@@ -1,0 +1,223 @@
+"""What every command shares: options, output and exit status."""
+
+import json
+import math
+import resource
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+
+import pytest
+
+from scripts import cli
+
+
+def test_help_lists_every_experiment_with_its_line(armside):
+    status, out, err = armside("--help")
+    assert (status, err) == (0, "")
+    for name, (_, line) in cli.COMMANDS.items():
+        assert name in out
+        assert line in out
+
+
+def test_version_names_the_distribution(armside):
+    assert armside("--version") == (0, f"armside {version('armside')}\n", "")
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_every_experiment_has_the_common_options(armside, name):
+    status, out, _ = armside(f"{name} --help")
+    assert status == 0
+    for option in ("--seed", "--out", "--json", "--quiet", "--debug"):
+        assert option in out
+
+
+def test_help_shows_units_and_defaults(armside):
+    _, out, _ = armside("probe --help")
+    assert "Radius [mm]. [default: 5.0]" in " ".join(out.split())
+
+
+BOUND = 3 * 0.3
+"""[s]; 0.3 s is promised on an idle machine."""
+
+
+def test_help_starts_quickly_because_it_imports_no_experiment():
+    code = (
+        "import sys; from scripts import cli; cli.main(['--help'])\n"
+        "print(*sys.modules, file=sys.stderr)"
+    )
+    start = time.perf_counter()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    elapsed = time.perf_counter() - start
+    heavy = {"numpy", "mujoco", "scipy", "sympy", "matplotlib", "rerun", "numba", "pyarrow"}
+    assert not heavy & set(done.stderr.split())
+    assert elapsed < BOUND
+
+
+BAD_INPUT = {
+    "prob": "Unknown experiment 'prob'. Did you mean probe?",
+    "--frobnicate": "Unknown experiment '--frobnicate'",
+    "probe --radus 3": "Did you mean --radius?",
+    "probe extra": "Unexpected 'extra'",
+    "probe --radius": "--radius requires an argument",
+    "probe --radius big": '"big"',
+    "probe --radius nan": "finite",
+    "probe --radius inf": "finite",
+    "probe --radius -inf": "finite",
+    "probe --radius 1e999": "finite",
+    "probe --radius 0": "radius must be > 0 mm, got 0.0",
+    "probe --radius 1 --radius 2": "multiple times",
+    "probe --iterations 2.5": "whole number",
+    "probe --iterations nan": "nan",
+    "probe --end odd": 'Choose from: "done", "diverged"',
+    "probe --end no-file": "no-such-model.xml",
+    "probe --seed -1": "seed must be >= 0, got -1",
+    "probe --seed 0.5": "whole number",
+    "probe --no-json": "Unknown option",
+    "probe --out full": "full is not empty",
+    "probe --out full/file": "is a file",
+    "probe --out full/file/deeper": "is not a folder",
+    "probe --out .": "not empty",
+    "bench nothing": "Unknown benchmark 'nothing'",
+    "verify": "NAME requires an argument",
+    "verify nothing": "Unknown claim 'nothing'",
+    "verify nothing --seeds 0": "seeds must be >= 1, got 0",
+}
+
+
+@pytest.mark.parametrize("line", BAD_INPUT)
+def test_bad_input_is_one_line_and_status_2_and_nothing_is_written(armside, tmp_path, line):
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "file").write_text("kept")
+    before = sorted(tmp_path.rglob("*"))
+    status, out, err = armside(line)
+    assert status == 2
+    assert out == ""
+    assert err.startswith("armside: ")
+    assert err.count("\n") == 1
+    assert BAD_INPUT[line] in err
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (full / "file").read_text() == "kept"
+
+
+def test_bad_input_also_ends_a_process_with_status_2(armside_process):
+    status, out, err = armside_process("probe --radius nan")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+
+
+def test_a_current_folder_is_not_replaced_even_if_empty(armside):
+    status, _, err = armside("probe --out .")
+    assert status == 2
+    assert "in use" in err
+
+
+@pytest.mark.parametrize(
+    ("end", "message"),
+    [
+        ("bug", "armside: failed with KeyError: elbow (--debug shows where)\n"),
+        ("value-error", "armside: failed with ValueError: matrix is singular (--debug shows"),
+    ],
+)
+def test_what_fails_while_running_is_one_line_and_status_1(armside, tmp_path, end, message):
+    status, out, err = armside(f"probe --end {end}")
+    assert (status, out) == (1, "")
+    assert err.startswith(message)
+    assert err.count("\n") == 1
+    assert not list(tmp_path.rglob("*.json"))
+
+
+def test_debug_shows_where_it_failed(armside):
+    status, _, err = armside("probe --end bug --debug")
+    assert status == 1
+    assert 'raise KeyError("elbow")' in err
+
+
+def test_a_diverged_run_keeps_its_folder_and_ends_with_status_1(armside, tmp_path):
+    status, _, err = armside("probe --end diverged --out kept")
+    assert (status, err) == (1, "armside: diverged at k = 3\n")
+    assert (tmp_path / "kept" / "summary.json").exists()
+
+
+def test_an_interrupted_run_says_so_and_leaves_nothing(armside_process, tmp_path):
+    status, out, err = armside_process("probe --end interrupted")
+    assert (status, out) == (130, "")
+    assert err == "armside: interrupted, nothing was kept\n"
+    assert [path.name for path in tmp_path.rglob("*")] == ["runs"]
+
+
+@pytest.mark.parametrize("option", ["", " --out wanted"])
+def test_a_killed_run_leaves_nothing_that_looks_finished(armside_process, tmp_path, option):
+    status, _, _ = armside_process("probe --end killed" + option)
+    assert status == -9
+    assert not (tmp_path / "wanted").exists()
+    left = [path.parent for path in tmp_path.rglob("summary.json")]
+    assert len(left) == 1
+    assert left[0].name.startswith(".")
+    assert ".partial-" in left[0].name
+
+
+def test_the_folder_of_a_killed_run_can_be_used_again(armside_process, tmp_path):
+    armside_process("probe --end killed --out wanted")
+    assert armside_process("probe --out wanted").status == 0
+    assert (tmp_path / "wanted" / "summary.json").exists()
+
+
+def test_a_file_that_cannot_be_written_is_one_line_and_status_1(armside_process, tmp_path):
+    def limit_file_size():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+    status, out, err = armside_process(
+        "probe --out wanted --size 100000", preexec_fn=limit_file_size
+    )
+    assert (status, out) == (1, "")
+    assert "File too large" in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_behind_stdout_is_status_1(armside_process):
+    with open("/dev/full", "w") as full:
+        status, _, err = armside_process("probe", stdout=full)
+    assert status == 1
+    assert "No space left" in err
+    assert err.count("\n") == 1
+
+
+def test_a_reader_that_leaves_is_no_traceback(armside_process):
+    with subprocess.Popen(["true"], stdin=subprocess.PIPE) as gone:
+        gone.wait()
+        status, _, err = armside_process("probe", stdout=gone.stdin)
+    assert (status, err) == (1, "")
+
+
+def test_json_is_all_of_stdout_and_strict(armside):
+    status, out, err = armside("probe --json --seed 7 --iterations 3.0")
+
+    def refuse(constant):
+        raise AssertionError(f"{constant} is not JSON")
+
+    summary = json.loads(out, parse_constant=refuse)
+    assert (status, err) == (0, "")
+    assert summary["config"]["seed"] == 7
+    assert summary["config"]["end"] == "done"
+    assert summary["config"]["iterations"] == 3
+    assert set(summary["config"]["versions"]) == {"armside", "mujoco", "numpy", "python"}
+    assert math.isclose(summary["value"], 0.1, rel_tol=0)
+    assert summary["missing"] is None
+
+
+def test_json_on_stdout_is_the_summary_file(armside, tmp_path):
+    _, out, _ = armside("probe --json --out here")
+    assert (tmp_path / "here" / "summary.json").read_text() == out
+
+
+def test_quiet_prints_nothing(armside):
+    assert armside("probe --quiet") == (0, "", "")
+
+
+def test_a_piped_run_prints_its_table_and_no_progress(armside):
+    status, out, err = armside("probe")
+    assert (status, err) == (0, "")
+    assert "0.0625" in out

@@ -1,0 +1,76 @@
+"""Figures are functions of arrays: what they are given is what they draw."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from scripts import figures
+
+RADIUS = 5e-3
+ANGLE = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+UNIT = np.column_stack([np.cos(ANGLE), np.sin(ANGLE)])
+CIRCLE = RADIUS * UNIT
+
+
+def wavy(amplitude):
+    return (RADIUS + amplitude * np.cos(3 * ANGLE))[:, None] * UNIT
+
+
+def draw_circles(file, amplitudes):
+    figures.circles(file, CIRCLE, [wavy(a) for a in amplitudes], rms=amplitudes, maxdev=amplitudes)
+
+
+@pytest.mark.parametrize("n_iterations", [1, 2, 6, 40])
+def test_circles_draw_any_number_of_iterations(tmp_path, n_iterations):
+    draw_circles(tmp_path / "c.png", 2e-4 * 0.5 ** np.arange(n_iterations))
+    with Image.open(tmp_path / "c.png") as image:
+        assert image.width > 300
+        assert np.asarray(image.convert("L")).min() < 128
+
+
+def test_the_same_arrays_give_the_same_bytes(tmp_path):
+    for name in ("a.png", "b.png"):
+        draw_circles(tmp_path / name, np.array([2e-4, 1e-4]))
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_other_arrays_give_another_picture(tmp_path):
+    draw_circles(tmp_path / "a.png", np.array([2e-4, 1e-4]))
+    draw_circles(tmp_path / "b.png", np.array([2e-4, 1.5e-4]))
+    assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
+
+
+def test_a_perfect_path_can_be_drawn(tmp_path):
+    draw_circles(tmp_path / "c.png", np.array([0.0]))
+    assert (tmp_path / "c.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("at_most", "factor"), [(0.3, 1), (1.9, 1), (2.0, 2), (9.99, 5), (12.5, 10), (6000, 5000)]
+)
+def test_the_magnification_is_a_round_number(at_most, factor):
+    assert figures._magnification(at_most) == factor
+
+
+def test_the_nearest_point_of_a_closed_square_is_on_its_nearest_side():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    points = np.array([[0.5, -0.2], [1.3, 0.25], [-0.1, 0.5], [2.0, 2.0]])
+    expected = [[0.5, 0.0], [1.0, 0.25], [0.0, 0.5], [1.0, 1.0]]
+    np.testing.assert_array_equal(figures._nearest(points, square), expected)
+
+
+def test_many_iterations_show_the_first_and_the_last():
+    shown = figures._panels(40)
+    assert len(shown) == figures.MOST_PANELS
+    assert (shown[0], shown[-1]) == (0, 39)
+    assert figures._panels(6) == [0, 1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("n_iterations", [1, 6])
+def test_errors_draw_six_motors_and_the_arm(tmp_path, n_iterations):
+    motor = np.full((n_iterations, 6), 0.1)
+    figures.errors(tmp_path / "e.png", motor, [1e-4] * n_iterations, [2e-4] * n_iterations)
+    with Image.open(tmp_path / "e.png") as image:
+        colors = {tuple(c) for c in np.unique(np.asarray(image)[..., :3].reshape(-1, 3), axis=0)}
+    for color in figures.COLORS:
+        assert tuple(bytes.fromhex(color[1:])) in colors

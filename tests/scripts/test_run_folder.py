@@ -1,0 +1,89 @@
+"""The folder of a run is complete, or not there."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from scripts.errors import InputError
+from scripts.run_folder import RunFolder, write_whole
+
+
+def test_files_appear_together_when_the_block_ends(tmp_path):
+    with RunFolder("laser", seed=0, out=tmp_path / "a" / "b") as folder:
+        (folder / "summary.json").write_text("{}")
+        assert not folder.path.exists()
+    assert [p.name for p in folder.path.iterdir()] == ["summary.json"]
+    assert [p.name for p in folder.path.parent.iterdir()] == ["b"]
+
+
+def test_the_default_is_a_new_folder_each_time_even_within_a_second(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    paths = set()
+    for _ in range(3):
+        with RunFolder("laser", seed=4) as folder:
+            (folder / "summary.json").write_text("{}")
+        paths.add(folder.path)
+    assert len(paths) == 3
+    for path in paths:
+        assert path.parent == Path("runs")
+        assert re.fullmatch(r"laser-\d{8}-\d{6}-4(-\d)?", path.name)
+        assert (path / "summary.json").exists()
+
+
+def test_an_error_in_the_block_leaves_nothing(tmp_path):
+    def fail():
+        with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
+            (folder / "summary.json").write_text("{}")
+            raise KeyError("x")
+
+    with pytest.raises(KeyError):
+        fail()
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_empty_folder_and_a_link_to_one_can_be_named(tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "link").symlink_to("empty")
+    with RunFolder("laser", seed=0, out=tmp_path / "link") as folder:
+        (folder / "summary.json").write_text("{}")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "empty" / "summary.json").exists()
+
+
+def test_a_folder_filled_meanwhile_is_not_overwritten(tmp_path):
+    def race():
+        with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
+            (folder / "summary.json").write_text("mine")
+            (tmp_path / "a").mkdir()
+            (tmp_path / "a" / "summary.json").write_text("theirs")
+
+    with pytest.raises(OSError, match="not empty"):
+        race()
+    assert (tmp_path / "a" / "summary.json").read_text() == "theirs"
+    assert [p.name for p in tmp_path.iterdir()] == ["a"]
+
+
+def test_a_folder_that_is_not_empty_is_refused_before_anything_is_written(tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "x").touch()
+    with pytest.raises(InputError, match="not empty"):
+        RunFolder("laser", seed=0, out=tmp_path / "a")
+
+
+def test_a_results_folder_is_as_readable_as_any_other(tmp_path):
+    (tmp_path / "plain").mkdir()
+    with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
+        (folder / "summary.json").write_text("{}")
+    assert folder.path.stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_a_text_file_is_replaced_whole_or_not_at_all(tmp_path):
+    page = tmp_path / "page.md"
+    write_whole(page, "first")
+    with pytest.raises(UnicodeEncodeError):
+        write_whole(page, "half \udcff")
+    assert page.read_text() == "first"
+    write_whole(page, "second")
+    assert page.read_text() == "second"
+    assert list(tmp_path.iterdir()) == [page]

@@ -1,0 +1,66 @@
+"""A claim over many seeds becomes a page of the docs, and its verdict an exit status."""
+
+import json
+
+import pytest
+
+from scripts import verify
+from scripts.verify import Claim, Table, Verdict
+
+
+def claim(seeds):
+    rows = [[seed, 0.5 * seed] for seed in seeds]
+    return Table(
+        "Errors stay small",
+        ["seed", "error"],
+        rows,
+        [Verdict("every error is below 1", all(error < 1.0 for _, error in rows))],
+    )
+
+
+@pytest.fixture
+def one_claim(monkeypatch):
+    monkeypatch.setattr(verify, "load", lambda path: claim)
+    monkeypatch.setattr(verify, "CLAIMS", {"small": Claim("somewhere:claim", n_seeds=2)})
+
+
+def test_a_claim_that_holds_writes_its_page(armside, one_claim, tmp_path):
+    status, out, err = armside("verify small")
+    assert (status, err) == (0, "")
+    assert "holds: every error is below 1" in out
+    page = (tmp_path / "docs" / "verify-small.md").read_text()
+    assert page.startswith("# Errors stay small\n")
+    assert "armside verify small --seeds 2 --seed 0" in page
+    assert "| 1 | 0.5 |" in page
+    assert "- holds: every error is below 1" in page
+
+
+def test_the_same_seeds_write_the_same_page(armside, one_claim, tmp_path):
+    armside("verify small --quiet --docs a")
+    armside("verify small --quiet --docs b")
+    pages = [(tmp_path / folder / "verify-small.md").read_bytes() for folder in "ab"]
+    assert pages[0] == pages[1]
+
+
+def test_a_claim_that_fails_writes_its_page_too_and_ends_with_status_1(
+    armside, one_claim, tmp_path
+):
+    status, out, err = armside("verify small --seeds 3")
+    assert status == 1
+    assert "every error is below 1" in err
+    assert "FAILS: every error is below 1" in out
+    assert "**fails**: every error is below 1" in (tmp_path / "docs/verify-small.md").read_text()
+
+
+def test_seeds_count_up_from_the_seed(armside, one_claim, tmp_path):
+    status, out, _ = armside("verify small --seed 5 --seeds 1 --json --out kept")
+    assert status == 1
+    summary = json.loads(out)
+    assert summary["table"]["rows"] == [[5, 2.5]]
+    assert summary["status"] == "failed"
+    assert json.loads((tmp_path / "kept" / "summary.json").read_text()) == summary
+
+
+def test_a_row_of_the_wrong_length_is_refused():
+    with pytest.raises(ValueError, match="1 cells for 2 columns"):
+        Table("t", ["a", "b"], [[1]], [])
