@@ -1,0 +1,225 @@
+"""Compiled functions: arguments, batches, the cache, and laws that hold for every robot."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile
+
+ROOT = Path(__file__).parents[2]
+RNG = np.random.default_rng(0)
+PHI, PHI_DOT, PHI_DDOT = RNG.uniform(-1, 1, (3, 7, 6))
+
+
+@pytest.fixture(scope="module")
+def irb1400():
+    return compile(IRB1400)
+
+
+def test_a_batch_is_its_rows(irb1400):
+    for k, T in enumerate(irb1400.pose(PHI)):
+        assert np.array_equal(T, irb1400.pose(PHI[k]))
+    for k, J in enumerate(irb1400.jacobian(PHI)):
+        assert np.array_equal(J, irb1400.jacobian(PHI[k]))
+    for k, a in enumerate(irb1400.acceleration(PHI, PHI_DOT, PHI_DDOT)):
+        assert np.array_equal(a, irb1400.acceleration(PHI[k], PHI_DOT[k], PHI_DDOT[k]))
+
+
+def test_out_is_filled_and_returned(irb1400):
+    for phi, shape in ((PHI[0], (6, 6)), (PHI, (7, 6, 6))):
+        out = np.empty(shape)
+        assert irb1400.jacobian(phi, out=out) is out
+        assert np.array_equal(out, irb1400.jacobian(phi))
+
+
+def test_any_array_like_gives_the_same_result(irb1400):
+    expected = irb1400.pose(PHI[0])
+    assert np.array_equal(irb1400.pose(PHI[0].tolist()), expected)
+    assert np.array_equal(irb1400.pose(np.asfortranarray(PHI)[0]), expected)
+    assert np.array_equal(irb1400.pose([1, 0, 0, 0, 0, 0]), irb1400.pose(np.eye(6)[0]))
+
+
+def test_a_strided_out_is_filled(irb1400):
+    out = np.zeros((4, 8))[:, ::2]
+    assert irb1400.pose(PHI[0], out=out) is out
+    assert np.array_equal(out, irb1400.pose(PHI[0]))
+
+
+@pytest.mark.parametrize("phi", [np.zeros(5), np.zeros((2, 7)), np.zeros((1, 1, 6)), 0.0])
+def test_wrong_shapes_are_named(irb1400, phi):
+    with pytest.raises(ValueError, match=r"arguments must all be \(6,\) or \(N, 6\)"):
+        irb1400.pose(phi)
+
+
+def test_arguments_of_different_lengths_are_refused(irb1400):
+    with pytest.raises(ValueError, match=r"got \(7, 6\), \(6, 6\), \(7, 6\)"):
+        irb1400.acceleration(PHI, PHI_DOT[:6], PHI_DDOT)
+    with pytest.raises(ValueError, match="arguments must all be"):
+        irb1400.acceleration(PHI[0], PHI_DOT[0, :5], PHI_DDOT[0])
+
+
+def test_out_of_the_wrong_shape_or_type_is_refused(irb1400):
+    with pytest.raises(ValueError, match=r"out must be float64 of shape \(4, 4\)"):
+        irb1400.pose(PHI[0], out=np.empty((3, 4)))
+    with pytest.raises(ValueError, match="got float32"):
+        irb1400.pose(PHI[0], out=np.empty((4, 4), np.float32))
+
+
+def test_a_robot_with_symbols_cannot_be_compiled():
+    import sympy
+
+    with pytest.raises(ValueError, match="needs a robot of numbers; robot has symbols: a1"):
+        compile(Robot([Link(a=sympy.Symbol("a1"))]))
+
+
+def random_robot(rng: np.random.Generator, n: int, convention: Convention) -> Robot:
+    """Any joints, any numbers, a coupling that mixes neighbours, constant links here and there."""
+    links = []
+    for _ in range(n):
+        joint = Joint.REVOLUTE if rng.random() < 0.7 else Joint.PRISMATIC
+        links.append(Link(*rng.uniform(-1, 1, 4), joint=joint))
+        if rng.random() < 0.2:
+            links.append(Link(*rng.uniform(-1, 1, 4), joint=Joint.FIXED))
+    coupling = np.eye(n) + np.diag(rng.uniform(-0.5, 0.5, n - 1), -1) if n > 1 else None
+    return Robot(links, coupling, rng.uniform(-1, 1, n), convention)
+
+
+def elementary(link: Link, variable: float, convention: Convention) -> np.ndarray:
+    """A_i as a product of four 4 x 4 matrices: slow, and independent of the generated code."""
+    theta = link.theta + (variable if link.joint is Joint.REVOLUTE else 0)
+    d = link.d + (variable if link.joint is Joint.PRISMATIC else 0)
+
+    def rotation(axis: int, angle: float) -> np.ndarray:
+        T = np.eye(4)
+        i, j = [k for k in range(3) if k != axis]
+        T[i, i] = T[j, j] = np.cos(angle)
+        T[j, i] = np.sin(angle)
+        T[i, j] = -np.sin(angle)
+        return T
+
+    def translation(axis: int, distance: float) -> np.ndarray:
+        T = np.eye(4)
+        T[axis, 3] = distance
+        return T
+
+    about_z = rotation(2, theta) @ translation(2, d)
+    about_x = translation(0, link.a) @ rotation(0, link.alpha)
+    return about_z @ about_x if convention is Convention.STANDARD else about_x @ about_z
+
+
+def product(robot: Robot, phi: np.ndarray) -> np.ndarray:
+    variables = iter(robot.joint_variables(phi))
+    T = np.eye(4)
+    for link in robot.links:
+        variable = next(variables) if link.moves else 0.0
+        T = T @ elementary(link, variable, robot.convention)
+    return T
+
+
+CASES = [
+    (n, convention) for n, convention in zip([1, 2, 3, 5, 8] * 2, [*Convention] * 5, strict=True)
+]
+
+
+@pytest.mark.parametrize(("n", "convention"), CASES)
+def test_random_robots_obey_the_product_and_its_derivatives(n, convention, tmp_path):
+    rng = np.random.default_rng(n)
+    robot = random_robot(rng, n, convention)
+    functions = compile(robot, cache=tmp_path)
+    phi, rate, rate_dot = rng.uniform(-1, 1, (3, n))
+    np.testing.assert_allclose(functions.pose(phi), product(robot, phi), rtol=0, atol=1e-13)
+
+    h = 1e-5  # central differences of O(1) lengths: truncation 1e-10, rounding 1e-11
+
+    def twist(t: float) -> np.ndarray:
+        at = phi + rate * t + rate_dot * t * t / 2
+        return functions.jacobian(at) @ (rate + rate_dot * t)
+
+    T, ahead, behind = (product(robot, phi + rate * t) for t in (0, h, -h))
+    T_dot = (ahead - behind) / (2 * h)
+    spin = T_dot[:3, :3] @ T[:3, :3].T
+    expected = [*T_dot[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
+    np.testing.assert_allclose(twist(0.0), expected, rtol=0, atol=3e-9)
+    acceleration = functions.acceleration(phi, rate, rate_dot)
+    differences = (twist(h) - twist(-h)) / (2 * h)
+    np.testing.assert_allclose(acceleration, differences, rtol=0, atol=3e-9)
+
+
+PROGRAM = """
+import sys, time
+from kinematics import LARGE_ROBOT, compile
+import numpy as np
+start = time.perf_counter()
+functions = compile(LARGE_ROBOT, cache=sys.argv[1] or None)
+functions.pose(np.zeros(6)), functions.jacobian(np.zeros(6))
+result = functions.acceleration(*np.ones((3, 6)))
+print(time.perf_counter() - start, "sympy" in sys.modules, result.tobytes().hex())
+"""
+
+
+def run_program(folder: str, **environment: str) -> tuple[float, bool, str]:
+    import os
+
+    output = subprocess.run(
+        [sys.executable, "-c", PROGRAM, folder],
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    seconds, sympy_loaded, result = output.split()
+    return float(seconds), sympy_loaded == "True", result
+
+
+def test_first_use_is_quick_and_the_next_process_finds_the_cache(tmp_path):
+    first, generated, result = run_program(str(tmp_path))
+    second, generated_again, same = run_program(str(tmp_path))
+    assert generated
+    assert not generated_again
+    assert same == result
+    assert first < 3 * 5.0, "first use of pose, Jacobian and acceleration: 5 s"
+    assert second < 1.0
+
+
+def test_without_a_writable_home_everything_works(tmp_path):
+    """The cache folder cannot be made below a file, by any user."""
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    expected = run_program(str(tmp_path / "cache"))[2]
+    places = {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache")}
+    assert run_program("", **places)[2] == expected
+
+
+def test_results_do_not_depend_on_threads(irb1400):
+    from concurrent.futures import ThreadPoolExecutor
+
+    phi = RNG.uniform(-1, 1, (20_000, 6))
+    whole = irb1400.jacobian(phi)
+    with ThreadPoolExecutor(2) as pool:
+        parts = list(pool.map(irb1400.jacobian, np.split(phi, 8)))
+    assert np.array_equal(np.concatenate(parts), whole)
+
+
+def test_batches_cost_less_than_a_microsecond_each(irb1400):
+    """0.3 us each on an idle core; three times that here."""
+    phi = RNG.uniform(-1, 1, (100_000, 6))
+    for function, shape in ((irb1400.pose, (4, 4)), (irb1400.jacobian, (6, 6))):
+        out, times = np.empty((len(phi), *shape)), []
+        for _ in range(5):
+            start = time.perf_counter()
+            function(phi, out=out)
+            times.append(time.perf_counter() - start)
+        assert np.median(times) / len(phi) < 3 * 0.3e-6
+
+
+def test_large_robot_is_its_own_product_of_transforms():
+    functions = compile(LARGE_ROBOT)
+    for phi in PHI:
+        np.testing.assert_allclose(
+            functions.pose(phi), product(LARGE_ROBOT, phi), rtol=0, atol=1e-14
+        )
