@@ -17,6 +17,8 @@ from .timing import Row
 
 BENCHMARKS = {
     "kinematics": "scripts.bench_kinematics:kinematics",
+    "robot": "scripts.bench_robot:robot",
+    "scaling": "scripts.bench_robot:scaling",
 }
 """Name: module:function. A new benchmark is one line here."""
 
@@ -49,7 +51,7 @@ def bench(name: Name = "all", /, *, common: Common = Common()) -> None:
 
 def _cells(row: Row) -> tuple[str, str, str, str, str]:
     theirs = "" if row.theirs is None else engineering(row.theirs)
-    ratio = "" if row.ratio is None else f"{row.ratio:.2f}"
+    ratio = "" if row.ratio is None else f"{row.ratio:.2g}"
     return row.name, engineering(row.ours), row.peer or "", theirs, ratio
 
 

@@ -19,7 +19,7 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#333333"
 REFERENCE = "#9A9A9A"
-SHOWN_DEVIATION = 0.5
+SHOWN_DEVIATION = 0.6
 """How far the worst deviation reaches in `circles.png`, as a part of the shape's half-width."""
 MOST_PANELS = 12
 

@@ -1,0 +1,137 @@
+"""What is installed from a wheel is complete and works away from the checkout.
+
+Here the clean environment borrows the dependencies of this one, to be quick; CI installs them
+afresh. That every import is a declared dependency is checked by name in both.
+"""
+
+import ast
+import json
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import zipfile
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+OURS = ("assets", "ilc", "kinematics", "scripts", "sim")
+PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
+
+
+def packaged_files() -> set[str]:
+    """Every file of our packages, as it is named inside a wheel."""
+    return {
+        path.relative_to(ROOT).as_posix()
+        for package in OURS
+        for path in (ROOT / package).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    build = [*PIP, "wheel", "--no-deps", "--no-build-isolation", "--no-cache-dir"]
+    subprocess.run([*build, "--wheel-dir", folder, ROOT], check=True)
+    (file,) = folder.glob("armside-*.whl")
+    return file
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory) -> Path:
+    """The `bin` folder of an environment where nothing but the wheel is installed."""
+    env = tmp_path_factory.mktemp("clean") / "env"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", env], check=True)
+    python = env / "bin" / "python"
+    install = [*PIP, "--python", python, "install"]
+    if os.environ.get("ARMSIDE_CI"):
+        subprocess.run([*install, wheel], check=True)
+    else:
+        # Files of this environment only: its own links to the checkout are not followed.
+        paths = sysconfig.get_paths(vars={"base": env, "platbase": env})
+        borrowed = Path(paths["purelib"]) / "borrowed_dependencies.pth"
+        borrowed.write_text(sysconfig.get_path("purelib") + "\n")
+        subprocess.run([*install, "--no-deps", "--force-reinstall", wheel], check=True)
+    return env / "bin"
+
+
+def run_outside(command: list, folder: Path) -> str:
+    env = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    done = subprocess.run(
+        command, cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_wheel_holds_every_file_of_our_packages_and_nothing_else(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    inside = {name for name in names if not name.split("/")[0].endswith(".dist-info")}
+    assert inside == packaged_files()
+
+
+def test_the_wheel_holds_type_markers_robots_and_licence(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert {f"{package}/py.typed" for package in OURS} <= names
+    assert any(name.startswith("assets/") and name.endswith(".xml") for name in names)
+    assert any(name.endswith("/licenses/LICENSE") for name in names)
+
+
+def test_the_installed_command_knows_its_version(installed, tmp_path):
+    assert run_outside([installed / "armside", "--version"], tmp_path) == (
+        f"armside {PROJECT['version']}\n"
+    )
+
+
+def test_what_is_imported_is_what_was_installed(installed, tmp_path):
+    code = f"import {', '.join(OURS)}; print({', '.join(f'{name}.__file__' for name in OURS)})"
+    for file in run_outside([installed / "python", "-c", code], tmp_path).split():
+        assert Path(file).is_relative_to(installed.parent)
+
+
+def test_an_experiment_runs_outside_the_checkout(installed, tmp_path):
+    command = [installed / "armside", "laser", "--iterations", "1", "--json", "--out", "here"]
+    summary = json.loads(run_outside(command, tmp_path))
+    assert [row["k"] for row in summary["iterations"]] == [0, 1]
+    assert json.loads((tmp_path / "here" / "summary.json").read_text()) == summary
+    assert (tmp_path / "here" / "circles.png").stat().st_size > 0
+
+
+def third_party_imports() -> dict[str, str]:
+    """Top-level module: a file of ours that imports it, outside `scripts/peers.py`."""
+    found: dict[str, str] = {}
+    for name in sorted(packaged_files()):
+        if not name.endswith(".py") or name == "scripts/peers.py":
+            continue
+        for node in ast.walk(ast.parse((ROOT / name).read_text())):
+            modules = []
+            if isinstance(node, ast.Import):
+                modules = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                modules = [node.module]
+            for module in modules:
+                found.setdefault(module.split(".")[0], name)
+    known = set(sys.stdlib_module_names) | set(OURS)
+    return {module: file for module, file in found.items() if module not in known}
+
+
+def test_every_import_is_a_declared_dependency():
+    declared = {
+        re.split(r"[\[<>=!~ ;]", requirement)[0].lower() for requirement in PROJECT["dependencies"]
+    }
+    distributions = packages_distributions()
+    for module, file in third_party_imports().items():
+        owners = {name.lower() for name in distributions.get(module, [module])}
+        assert owners & declared, f"{file} imports {module}, which pyproject.toml does not name"
+
+
+def test_every_dependency_has_a_lower_and_an_upper_bound():
+    for requirement in PROJECT["dependencies"]:
+        assert ">=" in requirement, requirement
+        assert "<" in requirement, requirement
