@@ -1,26 +1,22 @@
 """`armside laser`: a robot cuts a shape, motor-side ILC improves it, a laser tracker judges."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
 
-from ilc import learning, measures
+from ilc import measures
 from ilc.filters import ZeroPhaseButterworth
 from ilc.laws import Heuristic
-from sim.cell import CELLS, Cell
-from sim.cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
-from sim.individual import with_friction
-from sim.instruments.laser_tracker import LaserTrackerCfg, set_up
+from sim import experiment as experiments
+from sim.cell import CELLS
+from sim.experiment import CircleTask, Experiment, Iteration
 from sim.model import load_model
-from sim.motion.path import Circle, CuttingPath, Plane
 from sim.motion.poses import pose
-from sim.motion.program import ToolMotion
-from sim.recording import Array
-from sim.robot import LOG_PERIOD, Job, VirtualRobot
+from sim.robot import LOG_PERIOD
 
 from .console import Report
 from .errors import RunFailed, checking_input
@@ -79,11 +75,6 @@ class LaserCfg:
                 raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
         learning_law(self)
 
-    @property
-    def cell(self) -> Cell:
-        """The robot's cell."""
-        return CELLS[self.robot]
-
 
 def learning_law(cfg: LaserCfg) -> Heuristic:
     """The law of the options. Raises ValueError where they are out of range."""
@@ -91,78 +82,42 @@ def learning_law(cfg: LaserCfg) -> Heuristic:
     return Heuristic(Q=ZeroPhaseButterworth(cutoff, LOG_PERIOD), gamma=gamma, delta=delta)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Experiment:
-    """Everything that is known before the first run."""
-
-    cfg: LaserCfg
-    motion: ToolMotion
-    job: Job
-    plant: CuttingPlant
-
-    @property
-    def radius(self) -> float:
-        """Programmed [m]."""
-        return self.cfg.radius * 1e-3
-
-
-@dataclass(frozen=True, kw_only=True)
-class Iteration:
-    """One iteration: the trial, and the tool as the tracker and as the truth has it."""
-
-    trial: learning.Trial[Pass]
-    motor_error: Array = field(repr=False)
-    """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
-    arm: ArmSide
-    arm_true: ArmSide
+def task(cfg: LaserCfg) -> CircleTask:
+    """The task of the options, in SI units. Raises ValueError for an unknown pose."""
+    return CircleTask(
+        pose=pose(cfg.pose, CELLS[cfg.robot].poses),
+        radius=cfg.radius * 1e-3,
+        speed=cfg.speed * 1e-3,
+        across_tool=cfg.plane == "tool",
+    )
 
 
 def prepare(cfg: LaserCfg, seed: int) -> Experiment:
-    """Load the robot, draw its individual, set up the tracker and plan the motion.
-
-    Raises ValueError for what cannot be done: an unknown pose, a target out of reach.
-    """
-    individual, tracking, noise = (
-        np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
+    """Everything before the first run; raises ValueError for what cannot be done."""
+    cell = CELLS[cfg.robot]
+    experiment = experiments.prepare(
+        cell,
+        load_model(cfg.model or cell.xml),
+        task(cfg),
+        seed=seed,
+        friction_spread=cfg.friction_spread * 1e-2,
     )
-    cell = cfg.cell
-    nominal = load_model(cfg.model or cell.xml)
-    at = pose(cfg.pose, dict(cell.poses))
-    origin = np.array(at.position)
-    plane = (
-        Plane(origin) if cfg.plane == "base-xy" else Plane.perpendicular_to(at.tool_axis, origin)
-    )
-    path = CuttingPath.around(Circle(cfg.radius * 1e-3), plane)
-    motion, reference = plan(cell, nominal, path, at.quaternion, cfg.speed * 1e-3)
-    learning_law(cfg).check(*reference.shape)
-    spread = cfg.friction_spread * 1e-2
-    robot = VirtualRobot(with_friction(nominal, 1.0 + individual.uniform(-spread, spread, 6)))
-    job = robot.load(reference)
-    plant = CuttingPlant(job, set_up(LaserTrackerCfg(), tracking), noise)
-    return Experiment(cfg=cfg, motion=motion, job=job, plant=plant)
+    learning_law(cfg).check(*experiment.job.reference.shape)
+    return experiment
 
 
-def iterate(experiment: Experiment) -> Iterator[Iteration]:
-    """Run and learn, iteration by iteration, until done or diverged."""
-    cfg, job, motion = experiment.cfg, experiment.job, experiment.motion
-    trials = learning.learn(
-        experiment.plant,
-        learning_law(cfg),
-        job.reference,
-        cfg.iterations,
-        output_of=lambda run: run.recording.motor_angle,
-    )
-    for trial in trials:
-        truth, tracker = trial.result.recording.truth, trial.result.tracker
-        every = round(1.0 / (LaserTrackerCfg().rate * job.model.timestep))
-        yield Iteration(
-            trial=trial,
-            motor_error=trial.error * job.model.drives.gear,
-            arm=arm_side(motion, tracker.time, tracker.position, experiment.radius),
-            arm_true=arm_side(
-                motion, truth.time[::every], truth.tool_position[::every], experiment.radius
-            ),
-        )
+def run(cfg: LaserCfg, seed: int, done: Callable[[], None] = lambda: None) -> dict[str, Any]:
+    """Prepare, run and learn: status, limits and measures, as `results` arranges them."""
+    experiment = prepare(cfg, seed)
+    return results(experiment, list(_iterations(cfg, experiment, done)))
+
+
+def _iterations(
+    cfg: LaserCfg, experiment: Experiment, done: Callable[[], None]
+) -> Iterator[Iteration]:
+    for iteration in experiments.iterate(experiment, learning_law(cfg), cfg.iterations):
+        yield iteration
+        done()
 
 
 def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
@@ -208,11 +163,8 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     report = Report(common)
     with checking_input():
         experiment = prepare(cfg, common.seed)
-    iterations: list[Iteration] = []
     with report.progress("cutting", total=cfg.iterations + 1) as step:
-        for iteration in iterate(experiment):
-            iterations.append(iteration)
-            step()
+        iterations = list(_iterations(cfg, experiment, step))
     outcome = summary("laser", cfg, common, **results(experiment, iterations))
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         _write(folder, experiment, iterations, outcome)
@@ -239,7 +191,7 @@ def _write(
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
     figures.circles(
         folder / "circles.png",
-        experiment.radius * np.column_stack([np.cos(turn), np.sin(turn)]),
+        experiment.task.radius * np.column_stack([np.cos(turn), np.sin(turn)]),
         [it.arm.path for it in iterations],
         rms=[row["arm_rms"] for row in rows],
         maxdev=[row["arm_maxdev"] for row in rows],

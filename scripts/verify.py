@@ -48,7 +48,9 @@ class Claim(NamedTuple):
     n_seeds: int
 
 
-CLAIMS: dict[str, Claim] = {}
+CLAIMS: dict[str, Claim] = {
+    "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
+}
 """Name: claim. A new claim is one line here."""
 
 

@@ -1,5 +1,6 @@
 """The operating points of the large robot in thesis chapter 9."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +42,7 @@ LARGE_ROBOT_POSES = {
 """TCP positions with respect to the robot base frame. Thesis (9.3)."""
 
 
-def pose(name: str, poses: dict[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
+def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
     """The pose of that name.
 
     Raises:

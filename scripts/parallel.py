@@ -1,0 +1,42 @@
+"""Independent work on several processes: results in the order of the items, whatever the number."""
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Workers:
+    """Worker processes, started at the first call and stopped at the end of the block."""
+
+    def __init__(self, count: int | None = None) -> None:
+        """count: number of processes, all cores if None."""
+        self.count = cores() if count is None else count
+        if self.count < 1:
+            raise ValueError(f"workers must be >= 1, got {self.count}")
+
+    def __enter__(self) -> "Workers":
+        # Forked threads are unsafe: workers are started afresh.
+        context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
+        self._pool = ProcessPoolExecutor(self.count, mp_context=context)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+        """function(item) of each item, in order; an exception of any is raised here."""
+        return list(self.stream(function, items))
+
+    def stream(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+        """As `map`, each result as soon as it and all before it are there."""
+        return self._pool.map(function, items)

@@ -1,0 +1,111 @@
+"""One learning experiment: a task on one robot individual, iteration by iteration."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ilc import learning
+from ilc.laws.law import Law
+
+from .cell import Cell
+from .cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
+from .individual import with_friction
+from .instruments.laser_tracker import LaserTrackerCfg, set_up
+from .model import RobotModel
+from .motion.path import Circle, CuttingPath, Plane
+from .motion.poses import ToolPose
+from .motion.program import ToolMotion
+from .recording import Array
+from .robot import Job, VirtualRobot
+
+
+@dataclass(frozen=True, kw_only=True)
+class CircleTask:
+    """A circle to be cut: where, how large, how fast."""
+
+    pose: ToolPose
+    """Its centre is the circle's; its orientation is kept."""
+    radius: float = 0.005
+    """Programmed [m]."""
+    speed: float = 0.040
+    """Programmed [m/s]."""
+    across_tool: bool = False
+    """In the plane perpendicular to the tool axis instead of the base x-y plane."""
+
+    @property
+    def path(self) -> CuttingPath:
+        """Lead-in, one turn and lead-out."""
+        origin = np.array(self.pose.position)
+        plane = Plane(origin)
+        if self.across_tool:
+            plane = Plane.perpendicular_to(self.pose.tool_axis, origin)
+        return CuttingPath.around(Circle(self.radius), plane)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """Everything that is fixed before the first run."""
+
+    task: CircleTask
+    motion: ToolMotion
+    job: Job
+    plant: CuttingPlant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Iteration:
+    """One iteration: the trial, and the tool as the tracker and as the truth has it."""
+
+    trial: learning.Trial[Pass]
+    motor_error: Array = field(repr=False)
+    """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
+    arm: ArmSide
+    """From tracker samples."""
+    arm_true: ArmSide
+
+
+def prepare(
+    cell: Cell, nominal: RobotModel, task: CircleTask, *, seed: int, friction_spread: float = 0.02
+) -> Experiment:
+    """Draw the robot individual, set up the tracker and load the motion.
+
+    Args:
+        nominal: the robot as its controller knows it.
+        seed: of the individual, of the tracker's set-up and of all noise, in separate streams.
+        friction_spread: friction of each axis is uniform within +- this part of the nominal.
+
+    Raises:
+        ValueError: the task leaves the joint limits (where) or the reach (by how much).
+    """
+    individual, tracking, noise = (
+        np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
+    )
+    motion, reference = plan(cell, nominal, task.path, task.pose.quaternion, task.speed)
+    factor = 1.0 + individual.uniform(-friction_spread, friction_spread, 6)
+    job = VirtualRobot(with_friction(nominal, factor)).load(reference)
+    tracker = set_up(LaserTrackerCfg(), tracking)
+    plant = CuttingPlant(job, tracker, noise)
+    return Experiment(task=task, motion=motion, job=job, plant=plant)
+
+
+def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Iteration]:
+    """Run and learn, k = 0 .. iterations, until done or diverged."""
+    job, motion, radius = experiment.job, experiment.motion, experiment.task.radius
+    trials = learning.learn(
+        experiment.plant,
+        law,
+        job.reference,
+        iterations,
+        output_of=lambda run: run.recording.motor_angle,
+    )
+    tracker_stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
+    for trial in trials:
+        truth, seen = trial.result.recording.truth, trial.result.tracker
+        time, position = truth.time[::tracker_stride], truth.tool_position[::tracker_stride]
+        yield Iteration(
+            trial=trial,
+            motor_error=trial.error * job.model.drives.gear,
+            arm=arm_side(motion, seen.time, seen.position, radius),
+            arm_true=arm_side(motion, time, position, radius),
+        )
