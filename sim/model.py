@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from .linkage import passive_joints
 from .recording import Array
 
 N_AXES = 6
@@ -28,6 +29,8 @@ class Drives:
     """(6,) gear ratio, motor angle over arm-side angle."""
     kp: Array
     """(6,) [N m/rad]."""
+    ki: Array
+    """(6,) [N m/(rad s)]."""
     kd: Array
     """(6,) [N m s/rad]."""
     torque_limit: Array
@@ -36,8 +39,16 @@ class Drives:
     """(6,) [rad/s], arm side."""
     encoder_counts: float
     """Counts per motor turn; 0 for an ideal encoder."""
+    encoder_noise: float
+    """[counts rms], white at the rate of the servo."""
     velocity_feedforward: Array
     """(6,) share of the reference velocity that is fed forward."""
+    torque_feedforward: float
+    """Share of the rigid computed torque, and of friction, that is fed forward."""
+    friction_feedforward: float
+    """Share of the Coulomb friction that is fed forward."""
+    coulomb_friction: Array
+    """(6,) [N m]."""
     correction_delay: float
     """[s], before a correction reaches the servo."""
     correction_lag: float
@@ -58,7 +69,12 @@ class RobotModel:
     motor: np.ndarray
     """(6,) degree of freedom of each motor."""
     flex: np.ndarray
-    """(6,) degree of freedom of each gear spring."""
+    """(6,) degree of freedom of each gear spring; (0,) where the gears are rigid."""
+    posture: Array
+    """(nv, 6): joint angles are posture @ phi while every spring is at zero. Passive joints of a
+    closed chain follow the motors there."""
+    integrator: np.ndarray
+    """(6,) activation that holds the integral of each axis' position error; (0,) without any."""
     springs: np.ndarray
     """Degrees of freedom with a joint spring: gears, then structure."""
     drives: Drives
@@ -81,8 +97,7 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
     mj = source if isinstance(source, mujoco.MjModel) else _compile(Path(source))
     _require_names(mj)
     motor = _dofs(mj, "motor")
-    flex = _dofs(mj, "flex")
-    springs = np.array([j for j in range(mj.njnt) if mj.jnt_stiffness[j] > 0.0])
+    springs = np.flatnonzero(mj.jnt_stiffness > 0.0)
     sensors = {
         mj.sensor(i).name: slice(int(mj.sensor_adr[i]), int(mj.sensor_adr[i] + mj.sensor_dim[i]))
         for i in range(mj.nsensor)
@@ -90,7 +105,9 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
     return RobotModel(
         mj=mj,
         motor=motor,
-        flex=flex,
+        flex=_flex_dofs(mj),
+        posture=_posture(mj, motor),
+        integrator=_integrators(mj),
         springs=mj.jnt_dofadr[springs],
         drives=_drives(mj),
         joint_range=np.array([mj.joint(f"motor_{i}").range for i in AXES]),
@@ -108,7 +125,7 @@ def _compile(path: Path) -> mujoco.MjModel:
 
 def _require_names(mj: mujoco.MjModel) -> None:
     needed = {
-        mujoco.mjtObj.mjOBJ_JOINT: [f"{kind}_{i}" for kind in ("motor", "flex") for i in AXES],
+        mujoco.mjtObj.mjOBJ_JOINT: [f"motor_{i}" for i in AXES],
         mujoco.mjtObj.mjOBJ_ACTUATOR: [f"axis_{i}" for i in AXES],
         mujoco.mjtObj.mjOBJ_SITE: ["tool0", "imu", "tracker_target"],
         mujoco.mjtObj.mjOBJ_SENSOR: [
@@ -140,12 +157,45 @@ def _dofs(mj: mujoco.MjModel, kind: str) -> np.ndarray:
     return np.array([int(mj.joint(f"{kind}_{i}").dofadr[0]) for i in AXES])
 
 
+def _flex_dofs(mj: mujoco.MjModel) -> np.ndarray:
+    """Gear springs of all axes, or none: a rigid form of a robot has none."""
+    present = [i for i in AXES if _has(mj, mujoco.mjtObj.mjOBJ_JOINT, f"flex_{i}")]
+    if present and len(present) < N_AXES:
+        absent = ", ".join(f"flex_{i}" for i in AXES if i not in present)
+        raise ModelError(f"the robot model lacks the joint {absent}; give all six or none")
+    return _dofs(mj, "flex") if present else np.array([], dtype=int)
+
+
+def _posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
+    """Motors are their own angles; the model states how each passive joint follows them."""
+    posture = np.zeros((mj.nv, N_AXES))
+    posture[motor, range(N_AXES)] = 1.0
+    for dof in passive_joints(mj):
+        name = mj.joint(int(mj.dof_jntid[dof])).name
+        if _has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
+            posture[dof] = _numeric(mj, name, N_AXES)
+    return posture
+
+
+def _integrators(mj: mujoco.MjModel) -> np.ndarray:
+    """A dcmotor with an integral gain keeps its integral first among its activations."""
+    actuators = [mj.actuator(f"axis_{i}").id for i in AXES]
+    if not mj.actuator_gainprm[actuators, 5].any():
+        return np.array([], dtype=int)
+    return mj.actuator_actadr[actuators].copy()
+
+
+def _has(mj: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> bool:
+    return mujoco.mj_name2id(mj, kind, name) >= 0
+
+
 def _drives(mj: mujoco.MjModel) -> Drives:
     actuators = [mj.actuator(f"axis_{i}").id for i in AXES]
     noise, bandwidth = _numeric(mj, "torque_noise", 2)
     return Drives(
         gear=_numeric(mj, "gear_ratio", N_AXES),
         kp=mj.actuator_gainprm[actuators, 4].copy(),
+        ki=mj.actuator_gainprm[actuators, 5].copy(),
         kd=mj.actuator_gainprm[actuators, 6].copy(),
         torque_limit=mj.actuator_forcerange[actuators, 1].copy(),
         speed_limit=_numeric(mj, "speed_limit", N_AXES),
@@ -154,6 +204,10 @@ def _drives(mj: mujoco.MjModel) -> Drives:
         correction_delay=float(_numeric(mj, "correction_delay", 1)[0]),
         correction_lag=float(_numeric(mj, "correction_lag", 1)[0]),
         elastic_compensation=float(_numeric(mj, "elastic_compensation", 1)[0]),
+        torque_feedforward=_optional(mj, "torque_feedforward", 1.0),
+        friction_feedforward=_optional(mj, "friction_feedforward", 0.0),
+        coulomb_friction=mj.actuator_biasprm[actuators, 3].copy(),
+        encoder_noise=_optional(mj, "encoder_noise", 0.0),
         torque_noise=float(noise),
         torque_noise_bandwidth=float(bandwidth),
     )
@@ -164,3 +218,9 @@ def _numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
     if values.size != size:
         raise ModelError(f"numeric {name} must hold {size} values, holds {values.size}")
     return values
+
+
+def _optional(mj: mujoco.MjModel, name: str, default: float) -> float:
+    if not _has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
+        return default
+    return float(_numeric(mj, name, 1)[0])

@@ -12,10 +12,17 @@ import numpy as np
 from mujoco.rollout import Rollout
 
 from .instruments.encoder import quantise
-from .instruments.noise import band_limited
+from .instruments.noise import band_limited, white
 from .model import N_AXES, RobotModel
 from .recording import Array, Recording, Truth
-from .servo import correction_path, interpolate, motor_controls, substeps
+from .servo import (
+    correction_path,
+    encoder_perturbation,
+    friction_torque,
+    interpolate,
+    motor_controls,
+    substeps,
+)
 from .statics import Statics
 
 LOG_PERIOD = 0.004
@@ -45,7 +52,7 @@ class VirtualRobot:
         model, drives = self.model, self.model.drives
         statics = Statics(model)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
-        torque = self._feedforward(statics, reference)
+        torque = self._feedforward(statics, reference, velocity)
         start = statics.equilibrium(reference[0])
         torque += start.holding_torque - torque[0]
         return Job(
@@ -68,12 +75,17 @@ class VirtualRobot:
         """Load a reference and run it once. See `Job.run`."""
         return self.load(reference).run(correction, rng)
 
-    def _feedforward(self, statics: Statics, reference: Array) -> Array:
+    def _feedforward(self, statics: Statics, reference: Array, velocity: Array) -> Array:
         """(M, 6) [N m], arm side: rigid computed torque, evaluated at the log rate and splined."""
+        drives = self.model.drives
+        if drives.torque_feedforward == 0.0:
+            return np.zeros_like(velocity)
         _, phi_dot, phi_ddot = interpolate(reference, self.log_period, 1)
         forces = statics.rigid_forces(reference, phi_dot, phi_ddot)
-        torque, _, _ = interpolate(forces[:, self.model.motor], self.log_period, self._ratio)
-        return torque
+        torque, _, _ = interpolate(statics.motor_torque(forces), self.log_period, self._ratio)
+        if drives.friction_feedforward > 0.0:
+            torque += friction_torque(drives, velocity)
+        return drives.torque_feedforward * torque
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,24 +113,36 @@ class Job:
         """
         return run_jobs([self], [correction], [rng])[0]
 
-    def controls_with(self, correction: Array, rng: np.random.Generator | None) -> Array:
-        """(M, 18): the controls of one run, correction and torque noise added."""
-        drives = self.model.drives
+    def controls_with(
+        self, correction: Array, rng: np.random.Generator | None
+    ) -> tuple[Array, Array | None]:
+        """The controls (M, 18) of one run, correction and noise added, and the encoder noise.
+
+        Encoder noise (M, 6) [motor rad] is None where there is none. It perturbs the set points:
+        pos - (q + n) = (pos - n) - q, so the servo stays inside the physics.
+        """
+        drives, step = self.model.drives, self.model.timestep
         path = correction_path(
             correction, self.log_period, self.ratio, drives.correction_delay, drives.correction_lag
         )
         controls = self.controls.copy().reshape(-1, N_AXES, 3)
         controls[:, :, 0] += drives.gear * path.position
         controls[:, :, 1] += drives.gear * drives.velocity_feedforward * path.velocity
+        encoder_noise = None
         if rng is not None and drives.torque_noise > 0.0:
             controls[:, :, 2] += band_limited(
                 rng,
                 (len(controls), N_AXES),
                 drives.torque_noise * drives.torque_limit,
                 drives.torque_noise_bandwidth,
-                self.model.timestep,
+                step,
             )
-        return controls.reshape(len(controls), -1)
+        if rng is not None and drives.encoder_noise > 0.0 and drives.encoder_counts > 0.0:
+            std = drives.encoder_noise * 2.0 * np.pi / drives.encoder_counts
+            encoder_noise = white(rng, (len(controls), N_AXES), std)
+            controls[:, :, 0] -= encoder_noise
+            controls[:, :, 1] -= encoder_perturbation(encoder_noise, step)
+        return controls.reshape(len(controls), -1), encoder_noise
 
 
 def run_jobs(
@@ -136,13 +160,12 @@ def run_jobs(
         np.zeros_like(job.reference) if u is None else _checked(u, "correction", job.reference)
         for job, u in zip(jobs, corrections, strict=True)
     ]
-    controls = np.stack(
-        [job.controls_with(u, rng) for job, u, rng in zip(jobs, wanted, rngs, strict=True)]
-    )
+    inputs = [job.controls_with(u, rng) for job, u, rng in zip(jobs, wanted, rngs, strict=True)]
+    controls = np.stack([of_job for of_job, _ in inputs])
     states, sensors = _roll_out(jobs, controls, threads)
     return [
-        _recording(job, u, controls[i], states[i], sensors[i])
-        for i, (job, u) in enumerate(zip(jobs, wanted, strict=True))
+        _recording(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
+        for i, job in enumerate(jobs)
     ]
 
 
@@ -167,7 +190,12 @@ def _blank_after_instability(states: Array, sensors: Array, step: float) -> None
 
 
 def _recording(
-    job: Job, correction: Array, controls: Array, states: Array, sensors: Array
+    job: Job,
+    correction: Array,
+    controls: Array,
+    encoder_noise: Array | None,
+    states: Array,
+    sensors: Array,
 ) -> Recording:
     """Arrange one run. Sensor row i belongs to time i h, state row i to (i + 1) h."""
     model, step = job.model, job.model.timestep
@@ -175,11 +203,12 @@ def _recording(
     qpos = _before_step(job.initial_state, states, 1 + np.arange(nq))
     velocity = _before_step(job.initial_state, states, 1 + nq + motor)
     time = np.arange(len(states)) * step
-    torque = drive_torque(model, controls, qpos[:, motor], velocity)
+    integral = _before_step(job.initial_state, states, 1 + nq + model.mj.nv + model.integrator)
+    torque = drive_torque(model, controls, qpos[:, motor], velocity, integral)
     truth = Truth(
         time=time,
         motor_angle=qpos[:, motor],
-        flex_angle=qpos[:, model.flex],
+        flex_angle=qpos[:, model.flex] if len(model.flex) else np.zeros((len(time), N_AXES)),
         motor_torque=torque,
         tool_position=sensors[:, model.sensors["tool0_pos"]],
         tool_quaternion=sensors[:, model.sensors["tool0_quat"]],
@@ -189,6 +218,8 @@ def _recording(
     )
     log = slice(None, None, job.ratio)
     angle = truth.motor_angle[log]
+    if encoder_noise is not None:
+        angle = angle + encoder_noise[log] / model.drives.gear
     if model.drives.encoder_counts > 0.0:
         angle = quantise(angle, model.drives.encoder_counts, model.drives.gear)
     return Recording(
@@ -210,12 +241,15 @@ def _before_step(initial: Array, states: Array, columns: np.ndarray) -> Array:
     return values
 
 
-def drive_torque(model: RobotModel, controls: Array, angle: Array, velocity: Array) -> Array:
+def drive_torque(
+    model: RobotModel, controls: Array, angle: Array, velocity: Array, integral: Array
+) -> Array:
     """(M, 6) [motor N m] that the drives deliver: the servo's law, limited.
 
     Args:
         controls: (M, 18), motor units.
         angle, velocity: (M, 6) [rad], [rad/s], arm side, at the same instants.
+        integral: (M, 6) [rad s], motor side, of the position error; (M, 0) without integral gain.
     """
     drives = model.drives
     position, speed, torque = np.moveaxis(controls.reshape(-1, N_AXES, 3), 2, 0)
@@ -224,6 +258,8 @@ def drive_torque(model: RobotModel, controls: Array, angle: Array, velocity: Arr
         + drives.kd * (speed - drives.gear * velocity)
         + torque
     )
+    if integral.shape[1]:
+        asked += drives.ki * integral
     return np.clip(asked, -drives.torque_limit, drives.torque_limit)
 
 

@@ -6,7 +6,8 @@ The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the ph
     pos = r + u_f        vel = g (r' + u_f')        ff = rigid inverse dynamics of r
 
 where g is the velocity feedforward and u_f the correction after its delay and first-order lag.
-u_f does not enter the torque feedforward.
+u_f does not enter the torque feedforward. Where a robot's data ask for it, ff also carries a share
+of the Coulomb friction, and encoder noise enters as a perturbation of pos and vel.
 """
 
 from dataclasses import dataclass
@@ -14,8 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from .model import RobotModel
+from .model import Drives, RobotModel
 from .recording import Array
+
+FRICTION_SPEED = 0.02
+"""[rad/s], arm side: below it, friction feedforward fades to zero. ESTIMATE."""
+VELOCITY_FILTER = 200.0
+"""[Hz], of the first-order low-pass behind the difference quotient of an encoder. ESTIMATE."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,3 +121,21 @@ def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: 
     np.multiply(velocity, gear, out=controls[:, :, 1])
     np.divide(torque, gear, out=controls[:, :, 2])
     return controls.reshape(len(position), 18)
+
+
+def friction_torque(drives: Drives, velocity: Array) -> Array:
+    """(M, 6) [N m], arm side: the share of Coulomb friction that the controller anticipates.
+
+    velocity: (M, 6) [rad/s], of the reference.
+    """
+    torque = drives.friction_feedforward * drives.coulomb_friction * drives.gear
+    return torque * np.tanh(velocity / FRICTION_SPEED)
+
+
+def encoder_perturbation(noise: Array, step: float) -> Array:
+    """What noise (M, 6) [rad] of an encoder adds to the speed [rad/s] that the servo feeds back:
+    its difference quotient, low-passed."""
+    from scipy.signal import lfilter
+
+    c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
+    return lfilter([(1.0 - c) / step, -(1.0 - c) / step], [1.0, -c], noise, axis=0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from .linkage import Linkage
 from .model import RobotModel
 from .recording import Array
 
@@ -33,6 +34,7 @@ class Statics:
         flags = mujoco.mjtDisableBit.mjDSBL_DAMPER | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         self._mj.opt.disableflags |= int(flags)
         self._data = mujoco.MjData(self._mj)
+        self._linkage = Linkage(self._mj)
 
     def rigid_forces(self, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
         """Generalised forces of the rigid motion, every spring at zero deflection.
@@ -41,18 +43,23 @@ class Statics:
             phi: (N, 6) [rad], arm-side motor angles; then their first and second derivative.
 
         Returns:
-            (N, nv) [N m]: at a motor hinge what its drive delivers, at a spring what it carries.
+            (N, nv) [N m]: what each joint would have to deliver if the chain were cut open;
+            `motor_torque` closes it. In an open chain a spring carries its entry.
         """
-        data, motor = self._data, self._model.motor
+        data, posture = self._data, self._model.posture.T
         forces = np.empty((len(phi), self._mj.nv))
-        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        q, q_dot, q_ddot = phi @ posture, phi_dot @ posture, phi_ddot @ posture
         for i in range(len(phi)):
-            data.qpos[motor] = phi[i]
-            data.qvel[motor] = phi_dot[i]
-            data.qacc[motor] = phi_ddot[i]
+            data.qpos[:] = q[i]
+            data.qvel[:] = q_dot[i]
+            data.qacc[:] = q_ddot[i]
             mujoco.mj_inverse(self._mj, data)
             forces[i] = data.qfrc_inverse
         return forces
+
+    def motor_torque(self, forces: Array) -> Array:
+        """(..., 6) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""
+        return forces @ self._model.posture
 
     def deflection(self, phi: Array, forces: Array) -> Array:
         """Quasi-static displacement of the tool by the springs that carry `forces`.
@@ -69,13 +76,15 @@ class Statics:
         site = self._mj.site("tool0").id
         jacobian = np.empty((3, self._mj.nv))
         moved = np.empty((len(phi), 3))
-        data.qpos[:] = 0.0
+        q = phi @ self._model.posture.T
         for i in range(len(phi)):
-            data.qpos[self._model.motor] = phi[i]
+            data.qpos[:] = q[i]
             mujoco.mj_kinematics(self._mj, data)
             mujoco.mj_comPos(self._mj, data)
             mujoco.mj_jacSite(self._mj, data, jacobian, None, site)
-            moved[i] = jacobian[:, springs] @ (-forces[i, springs] / stiffness)
+            Z = self._linkage.tangent(data)
+            carried = (Z.T @ forces[i])[springs]
+            moved[i] = (jacobian @ Z)[:, springs] @ (-carried / stiffness)
         return moved
 
     def equilibrium(self, phi: Array) -> Equilibrium:
@@ -86,13 +95,13 @@ class Statics:
         data, motor, springs = self._data, self._model.motor, self._model.springs
         stiffness = self._mj.jnt_stiffness[self._mj.dof_jntid[springs]]
         data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
-        data.qpos[motor] = phi
+        data.qpos[:] = self._model.posture @ phi
         for _ in range(_NEWTON_STEPS):
+            self._linkage.close(data)
             mujoco.mj_inverse(self._mj, data)
-            residual = data.qfrc_inverse[springs]
-            if np.abs(residual).max() < _REST_TORQUE:
-                return Equilibrium(
-                    qpos=data.qpos.copy(), holding_torque=data.qfrc_inverse[motor].copy()
-                )
+            force = self._linkage.tangent(data).T @ data.qfrc_inverse
+            residual = force[springs]
+            if np.abs(residual).max(initial=0.0) < _REST_TORQUE:
+                return Equilibrium(qpos=data.qpos.copy(), holding_torque=force[motor])
             data.qpos[springs] -= residual / stiffness
         raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")

@@ -1,0 +1,84 @@
+"""Closed chains: how the passive joints of a linkage follow the others.
+
+A closed chain is an open tree whose cut is held together by `connect` constraints between two
+sites. Its passive joints (link_*) are no freedoms of the mechanism: a motion dq of the other joints
+moves them along, so that the cut stays closed. `Linkage` finds that motion from the geometry alone,
+without the constraint solver.
+"""
+
+import mujoco
+import numpy as np
+
+from .recording import Array
+
+_CLOSING_STEPS = 20
+_CLOSED = 1e-14  # [m]; rounding of coordinates of the order of a metre
+
+
+class Linkage:
+    """The cuts and passive joints of one model; no cuts: every joint is free."""
+
+    def __init__(self, mj: mujoco.MjModel) -> None:
+        self._mj = mj
+        self._passive = passive_joints(mj)
+        self._cuts = [
+            (int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i]))
+            for i in range(mj.neq)
+            if mj.eq_type[i] == mujoco.mjtEq.mjEQ_CONNECT
+        ]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the model is a tree without cuts."""
+        return not self._cuts
+
+    def gap(self, data: mujoco.MjData) -> Array:
+        """(3 * number of cuts,) [m], base axes, at the positions of the last kinematics."""
+        return np.concatenate([data.site_xpos[a] - data.site_xpos[b] for a, b in self._cuts])
+
+    def close(self, data: mujoco.MjData) -> None:
+        """Move the passive joints so that the cuts close; the other joints stay.
+
+        Raises RuntimeError when they cannot be closed.
+        """
+        if self.is_open:
+            return
+        for _ in range(_CLOSING_STEPS):
+            mujoco.mj_kinematics(self._mj, data)
+            mujoco.mj_comPos(self._mj, data)
+            gap = self.gap(data)
+            if np.abs(gap).max() < _CLOSED:
+                return
+            passive = self._jacobian(data)[:, self._passive]
+            data.qpos[self._passive] -= np.linalg.lstsq(passive, gap)[0]
+        raise RuntimeError(f"the linkage stays open by {np.abs(gap).max():.3g} m")
+
+    def tangent(self, data: mujoco.MjData) -> Array:
+        """Z (nv, nv): dq = Z dq keeps the cuts closed; Z has zero columns at the passive joints.
+
+        Forces are seen by the free joints as Z.T @ force.
+        """
+        Z = np.eye(self._mj.nv)
+        if self.is_open:
+            return Z
+        jacobian = self._jacobian(data)
+        passive = jacobian[:, self._passive]
+        Z[self._passive] = -np.linalg.lstsq(passive, jacobian)[0]
+        Z[:, self._passive] = 0.0
+        return Z
+
+    def _jacobian(self, data: mujoco.MjData) -> Array:
+        rows = np.empty((3 * len(self._cuts), self._mj.nv))
+        other = np.empty((3, self._mj.nv))
+        for i, (a, b) in enumerate(self._cuts):
+            block = rows[3 * i : 3 * i + 3]
+            mujoco.mj_jacSite(self._mj, data, block, None, a)
+            mujoco.mj_jacSite(self._mj, data, other, None, b)
+            block -= other
+        return rows
+
+
+def passive_joints(mj: mujoco.MjModel) -> np.ndarray:
+    """Degrees of freedom of the joints link_*."""
+    dofs = [j.dofadr[0] for j in map(mj.joint, range(mj.njnt)) if j.name.startswith("link_")]
+    return np.array(dofs, dtype=int)
