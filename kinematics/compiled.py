@@ -130,7 +130,8 @@ def _slow(module: Any, n: int, shape: tuple[int, ...]) -> Callable[..., Array]:
     """The way for batches, for array-likes, and for everything that deserves an error message."""
 
     def function(out: Array | None, *arguments: ArrayLike) -> Array:
-        arrays = [np.ascontiguousarray(a, dtype=np.float64) for a in arguments]
+        # Compiled code takes writeable arrays only; those of a record are not.
+        arrays = [np.require(a, np.float64, ["C", "W"]) for a in arguments]
         for array in arrays:
             if array.ndim not in (1, 2) or array.shape[-1] != n or array.shape != arrays[0].shape:
                 shapes = ", ".join(str(a.shape) for a in arrays)

@@ -36,6 +36,13 @@ def test_out_is_filled_and_returned(irb1400):
         assert np.array_equal(out, irb1400.jacobian(phi))
 
 
+def test_arrays_of_a_record_may_be_read_only(irb1400):
+    phi = PHI.copy()
+    phi.setflags(write=False)
+    assert np.array_equal(irb1400.pose(phi), irb1400.pose(PHI))
+    assert np.array_equal(irb1400.pose(phi[0]), irb1400.pose(PHI[0]))
+
+
 def test_any_array_like_gives_the_same_result(irb1400):
     expected = irb1400.pose(PHI[0])
     assert np.array_equal(irb1400.pose(PHI[0].tolist()), expected)
