@@ -6,9 +6,7 @@ Units stand in the metadata of each column, the configuration in that of the tab
 """
 
 import json
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +18,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from .atomic import atomic
 from .instruments.laser_tracker import TrackerSamples
 from .instruments.sampling import rate_of, stride
 from .recording import Recording, Truth
@@ -98,7 +97,7 @@ def write_signals(
     table = table.replace_schema_metadata(
         {f"armside.{key}": text for key, text in metadata.items()}
     )
-    with _atomic(path) as partial:
+    with atomic(path) as partial:
         pq.write_table(
             table,
             partial,
@@ -197,17 +196,6 @@ def _rates(run: Run, truth_rate: float) -> dict[str, float]:
 
 def _float_columns(schema: pa.Schema) -> list[str]:
     return [field.name for field in schema if field.type == pa.float64()]
-
-
-@contextmanager
-def _atomic(path: Path) -> Iterator[Path]:
-    """A path beside the target that becomes the target only when the block ends well."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        yield partial
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> Run:

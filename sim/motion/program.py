@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..quaternion import normalised
-from .path import CuttingPath
+from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
 
 Array = NDArray[np.float64]
@@ -49,6 +49,11 @@ class ToolMotion:
             if len(value) != len(self.time):
                 raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
             value.setflags(write=False)
+
+    @property
+    def plane(self) -> Plane:
+        """The plane the contour lies in."""
+        return self.path.plane
 
     def position_at(self, time: ArrayLike) -> Array:
         """Programmed tool position at any times [s], shape (..., 3) [m]."""

@@ -1,0 +1,91 @@
+"""The geoms of a MuJoCo model as Rerun shapes, body by body, at rest in their body's frame."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+import rerun as rr
+from mujoco import mjtGeom
+
+LARGEST_VISUAL_GROUP = 2
+"""MuJoCo's viewers show groups 0 to 2; by custom collision shapes are in 3."""
+FLOOR = 3.0
+"""Half side of an infinite plane as drawn [m]."""
+
+
+def body_entity(mj: mujoco.MjModel, body: int) -> str:
+    """Where a body lives among the entities of a replay."""
+    return f"robot/{mj.body(body).name or f'body_{body}'}"
+
+
+def shapes(mj: mujoco.MjModel) -> Iterator[tuple[str, rr.AsComponents]]:
+    """(entity, shape) of each visible geom type of each body; poses are in the body's frame."""
+    visible = (mj.geom_group <= LARGEST_VISUAL_GROUP) & (_colours(mj)[:, 3] > 0)
+    for body in range(mj.nbody):
+        for kind in np.unique(mj.geom_type[(mj.geom_bodyid == body) & visible]):
+            geoms = np.flatnonzero((mj.geom_bodyid == body) & (mj.geom_type == kind) & visible)
+            name = mjtGeom(kind).name.removeprefix("mjGEOM_").lower()
+            if kind == mjtGeom.mjGEOM_MESH:
+                for g in geoms:
+                    yield f"{body_entity(mj, body)}/mesh_{g}", _mesh(mj, g)
+            elif (shape := _primitive(mj, mjtGeom(kind), geoms)) is not None:
+                yield f"{body_entity(mj, body)}/{name}", shape
+
+
+def _colours(mj: mujoco.MjModel) -> np.ndarray:
+    """(ngeom, 4), 0..255: a material's colour wins over the geom's own default."""
+    rgba = mj.geom_rgba.copy()
+    has_material = mj.geom_matid >= 0
+    rgba[has_material] = mj.mat_rgba[mj.geom_matid[has_material]]
+    return np.rint(255 * rgba).astype(np.uint8)
+
+
+def _primitive(mj: mujoco.MjModel, kind: mjtGeom, geoms: np.ndarray) -> rr.AsComponents | None:
+    """One batch of shapes; kinds that Rerun cannot draw are left out."""
+    size, centre = mj.geom_size[geoms], mj.geom_pos[geoms]
+    common: dict[str, Any] = {
+        "quaternions": np.roll(mj.geom_quat[geoms], -1, axis=1),  # Rerun has w last
+        "colors": _colours(mj)[geoms],
+        "fill_mode": "solid",
+    }
+    match kind:
+        case mjtGeom.mjGEOM_BOX:
+            return rr.Boxes3D(centers=centre, half_sizes=size, **common)
+        case mjtGeom.mjGEOM_PLANE:
+            half = np.where(size[:, :2] > 0.0, size[:, :2], FLOOR)
+            flat = np.column_stack([half, np.full(len(half), 1e-3)])
+            return rr.Boxes3D(centers=centre - [0.0, 0.0, 2e-3], half_sizes=flat, **common)
+        case mjtGeom.mjGEOM_SPHERE:
+            return rr.Ellipsoids3D(centers=centre, half_sizes=size[:, [0, 0, 0]], **common)
+        case mjtGeom.mjGEOM_ELLIPSOID:
+            return rr.Ellipsoids3D(centers=centre, half_sizes=size, **common)
+        case mjtGeom.mjGEOM_CYLINDER:
+            lengths, radii = 2 * size[:, 1], size[:, 0]
+            return rr.Cylinders3D(centers=centre, lengths=lengths, radii=radii, **common)
+        case mjtGeom.mjGEOM_CAPSULE:
+            # A capsule of Rerun starts at its origin, one of MuJoCo is centred there.
+            lengths, radii = 2 * size[:, 1], size[:, 0]
+            start = centre - size[:, 1:2] * _z_axis(mj.geom_quat[geoms])
+            return rr.Capsules3D(translations=start, lengths=lengths, radii=radii, **common)
+    return None
+
+
+def _z_axis(quaternion: np.ndarray) -> np.ndarray:
+    w, x, y, z = quaternion.T
+    return np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def _mesh(mj: mujoco.MjModel, geom: int) -> rr.Mesh3D:
+    """A mesh, moved into its body's frame."""
+    mesh = int(mj.geom_dataid[geom])
+    first, n = mj.mesh_vertadr[mesh], mj.mesh_vertnum[mesh]
+    first_face, n_faces = mj.mesh_faceadr[mesh], mj.mesh_facenum[mesh]
+    R = np.empty(9)
+    mujoco.mju_quat2Mat(R, mj.geom_quat[geom])
+    vertices = mj.mesh_vert[first : first + n] @ R.reshape(3, 3).T + mj.geom_pos[geom]
+    return rr.Mesh3D(
+        vertex_positions=vertices,
+        triangle_indices=mj.mesh_face[first_face : first_face + n_faces],
+        albedo_factor=_colours(mj)[geom],
+    )

@@ -1,0 +1,205 @@
+"""A replay read back holds the runs: poses, magnified paths, series, on two timelines."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from assets import LARGE_ROBOT_XML
+from kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
+from sim.motion import Circle, CuttingPath, Plane, plan_cut
+from sim.motion.poses import TOOL_QUATERNION, pose
+from sim.recording import Recording, Truth
+from sim.signals import Run
+
+RADIUS = 0.005
+MJ = mujoco.MjModel.from_xml_path(str(LARGE_ROBOT_XML))
+EVERY_SHAPE = """
+<mujoco>
+  <asset><mesh name="wedge" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="0 0 1"/>
+    <body name="thing" pos="0 0 1">
+      <freejoint/>
+      <geom type="box" size=".1 .2 .3" pos="1 2 3" rgba="1 0 0 1"/>
+      <geom type="box" size=".1 .1 .1" group="3"/>
+      <geom type="box" size=".1 .1 .1" rgba="1 0 0 0"/>
+      <geom type="sphere" size=".1"/>
+      <geom type="ellipsoid" size=".1 .2 .3"/>
+      <geom type="cylinder" size=".1 .5"/>
+      <geom type="capsule" size=".1 .5" pos="0 0 2"/>
+      <geom type="mesh" mesh="wedge"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def motion_and_phi():
+    path = CuttingPath.around(Circle(RADIUS), Plane(np.array(pose("p1").position)))
+    return plan_cut(path, TOOL_QUATERNION, 0.04, LARGE_ROBOT, LARGE_ROBOT_LIMITS)
+
+
+@pytest.fixture(scope="module")
+def runs(motion_and_phi):
+    """Rigid runs whose tool cuts the circle too large by 100 um and 20 um, and lies 1 mm off."""
+    return [a_run(k, *motion_and_phi, excess) for k, excess in enumerate((100e-6, 20e-6))]
+
+
+def a_run(k, motion, phi, excess):
+    time = np.arange(8 * (len(phi) - 1) + 1) * 5e-4
+    angle = np.stack([np.interp(time, motion.time, column) for column in phi.T], axis=1)
+    qpos = np.zeros((len(time), MJ.nq))
+    for i in range(6):
+        qpos[:, MJ.joint(f"motor_{i + 1}").qposadr[0]] = angle[:, i]
+    p = motion.position_at(time) - motion.plane.origin
+    tool = motion.plane.origin + p * (1 + excess / RADIUS) + [1e-3, 0.0, -1e-3]
+    truth = Truth(
+        time=time,
+        motor_angle=angle,
+        flex_angle=np.zeros_like(angle),
+        motor_torque=np.zeros_like(angle),
+        tool_position=tool,
+        tool_quaternion=np.tile(TOOL_QUATERNION, (len(time), 1)),
+        imu_acceleration=np.zeros_like(tool),
+        imu_angular_velocity=np.zeros_like(tool),
+        qpos=qpos,
+    )
+    rng = np.random.default_rng(k)
+    recording = Recording(
+        time=motion.time,
+        reference=phi,
+        correction=rng.normal(size=phi.shape),
+        motor_angle=phi - 1e-3,
+        motor_torque=rng.normal(size=phi.shape),
+        truth=truth,
+    )
+    return Run(k=k, recording=recording)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory, motion_and_phi, runs):
+    from sim.replay import write_replay
+
+    path = tmp_path_factory.mktemp("replay") / "replay.rrd"
+    write_replay(path, MJ, runs, motion_and_phi[0], LARGE_ROBOT)
+    return path
+
+
+def columns(path, entity):
+    """Each batch of an entity's changing columns, by the short name of the component."""
+    from rerun.chunk import RrdReader
+
+    for chunk in RrdReader(path).stream().to_chunks():
+        if chunk.entity_path == f"/{entity}" and not chunk.is_static:
+            batch = chunk.to_record_batch()
+            yield {name.split(":")[-1]: batch.column(name) for name in batch.schema.names}
+
+
+def values(column):
+    return np.array(column.to_pylist(), dtype=np.float64)
+
+
+def seconds(column):
+    return np.array(column.cast("int64").to_pylist()) * 1e-9
+
+
+def test_the_series_are_those_of_the_runs_on_both_timelines(file, runs):
+    for entity, wanted in (
+        ("motor_error", lambda r: 1e3 * r.error),
+        ("correction", lambda r: 1e3 * r.correction),
+        ("motor_torque", lambda r: r.motor_torque),
+    ):
+        start = 0.0
+        batches = list(columns(file, entity))
+        assert len(batches) == len(runs)
+        for run, batch in zip(runs, batches, strict=True):
+            np.testing.assert_array_equal(values(batch["scalars"]), wanted(run.recording))
+            np.testing.assert_array_equal(values(batch["iteration"]), run.k)
+            in_run = seconds(batch["time"]) - start
+            np.testing.assert_allclose(in_run, run.recording.time, rtol=0, atol=2e-9)
+            start += run.recording.time[-1] + 0.02
+
+
+def test_the_deviation_across_the_path_is_the_excess_of_the_radius(file, motion_and_phi):
+    motion, _ = motion_and_phi
+    for batch, excess in zip(columns(file, "arm_error"), (100.0, 20.0), strict=True):
+        tool, motors = values(batch["scalars"]).T
+        # um; the static offset of 1 mm is gone. What is left of it and of the end of the contour
+        # between two samples is below 1 um.
+        np.testing.assert_allclose(tool[motion.on_contour], excess, rtol=0, atol=1.0)
+        assert np.isnan(tool[~motion.on_contour]).all()
+        assert np.isfinite(motors[motion.on_contour]).all()
+
+
+def test_the_plane_view_magnifies_the_deviation_and_nothing_else(file):
+    # 100 um are enlarged 20 times to 2 mm: 50 times would be as much as the radius, 5 mm.
+    for batch, radius in zip(columns(file, "plane/tool"), (5.0 + 2.0, 5.0 + 0.4), strict=True):
+        (strip,) = values(batch["strips"])[0]
+        np.testing.assert_allclose(np.linalg.norm(strip, axis=1), radius, rtol=0, atol=0.03)
+        area = 0.5 * np.sum(strip[:-1, 0] * strip[1:, 1] - strip[1:, 0] * strip[:-1, 1])
+        assert area < 0.0  # counter-clockwise with y up is clockwise in picture axes
+
+
+def test_bodies_are_where_forward_kinematics_puts_them(file, runs):
+    (first, _) = columns(file, "robot/disc")
+    data = mujoco.MjData(MJ)
+    data.qpos[:] = runs[0].recording.truth.qpos[40 * 30]  # a frame is 40 physics steps
+    mujoco.mj_kinematics(MJ, data)
+    disc = MJ.body("disc").id
+    place, turn = values(first["translation"])[30, 0], values(first["quaternion"])[30, 0]
+    np.testing.assert_allclose(place, data.xpos[disc], rtol=0, atol=1e-6)  # Rerun keeps float32
+    np.testing.assert_allclose(turn, np.roll(data.xquat[disc], -1), rtol=0, atol=1e-6)
+
+
+def test_it_is_small_and_carries_a_blueprint(file):
+    from rerun.chunk import RrdReader
+
+    assert file.stat().st_size < 10e6
+    assert len(RrdReader(file).blueprints()) == 1
+    assert len(RrdReader(file).recordings()) == 1
+
+
+def test_every_kind_of_visible_geom_is_drawn_once():
+    from sim.geoms import shapes
+
+    drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
+    assert {name.removeprefix("robot/") for name in drawn} == {
+        "world/plane",
+        "thing/box",
+        "thing/sphere",
+        "thing/ellipsoid",
+        "thing/cylinder",
+        "thing/capsule",
+        "thing/mesh_8",
+    }
+    box = drawn["robot/thing/box"]
+    np.testing.assert_allclose(box.centers.as_arrow_array().to_pylist(), [[1, 2, 3]])
+    np.testing.assert_allclose(box.half_sizes.as_arrow_array().to_pylist(), [[0.1, 0.2, 0.3]])
+    # MuJoCo centres a capsule, Rerun starts it: from z = 2 - 0.5.
+    capsule = drawn["robot/thing/capsule"]
+    np.testing.assert_allclose(capsule.translations.as_arrow_array().to_pylist(), [[0, 0, 1.5]])
+
+
+def test_a_model_of_another_robot_is_refused(tmp_path, motion_and_phi, runs):
+    from sim.replay import write_replay
+
+    other = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
+    with pytest.raises(ValueError, match="18 joint positions, the model has 7"):
+        write_replay(tmp_path / "r.rrd", other, runs, motion_and_phi[0], LARGE_ROBOT)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_motors_that_follow_exactly_show_no_deviation_though_the_tool_does(
+    tmp_path, motion_and_phi, runs
+):
+    from sim.replay import write_replay
+
+    motion, phi = motion_and_phi
+    run = replace(runs[0], recording=replace(runs[0].recording, motor_angle=phi))
+    write_replay(tmp_path / "r.rrd", MJ, [run], motion, LARGE_ROBOT)
+    ((batch),) = columns(tmp_path / "r.rrd", "arm_error")
+    motors = values(batch["scalars"])[motion.on_contour, 1]
+    np.testing.assert_allclose(motors, 0.0, rtol=0, atol=1e-3)
