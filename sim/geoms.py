@@ -28,7 +28,7 @@ def shapes(mj: mujoco.MjModel) -> Iterator[tuple[str, rr.AsComponents]]:
             name = mjtGeom(kind).name.removeprefix("mjGEOM_").lower()
             if kind == mjtGeom.mjGEOM_MESH:
                 for g in geoms:
-                    yield f"{body_entity(mj, body)}/mesh_{g}", _mesh(mj, g)
+                    yield f"{body_entity(mj, body)}/mesh_{g}", _mesh(mj, int(g))
             elif (shape := _primitive(mj, mjtGeom(kind), geoms)) is not None:
                 yield f"{body_entity(mj, body)}/{name}", shape
 

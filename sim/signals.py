@@ -103,7 +103,7 @@ def write_signals(
             partial,
             compression="zstd",
             use_dictionary=False,  # measured floats hardly repeat
-            use_byte_stream_split=_float_columns(table.schema),
+            use_byte_stream_split=_float_columns(table.schema),  # pyright: ignore[reportArgumentType]
         )
 
 
@@ -119,7 +119,7 @@ def read_signals(path: Path) -> Signals:
         raise ValueError(f"{path} holds no signals of armside: no armside.config in its metadata")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     runs = []
-    for k in pc.unique(table["k"]).to_pylist():
+    for k in table["k"].unique().to_pylist():
         hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit[str(k)])
         runs.append(_run(k, table.filter(pc.field("k") == k), hits))
     return Signals(

@@ -100,7 +100,7 @@ def cut(
     contour_time = _contour_time(path, timing, rest_before)
 
     n_samples = int(np.ceil((rest_before + timing.duration + rest_after) / step - 1e-9)) + 1
-    time = np.arange(n_samples) * step
+    time: Array = np.arange(n_samples, dtype=np.float64) * step
     s, _, _ = timing.at(time - rest_before)
     return ToolMotion(
         time=time,
