@@ -20,7 +20,7 @@ def robot() -> Sequence[Row]:
     experiment = laser.prepare(laser.LaserCfg(), seed=0)
     job = experiment.job
     correction = np.zeros_like(job.reference)
-    controls = job.controls_with(correction, None)[None]
+    controls = job.controls_with(correction, None)[0][None]
     state, data = job.initial_state[None], [mujoco.MjData(job.model.mj)]
     rng = np.random.default_rng(0)
 

@@ -1,0 +1,172 @@
+"""The large robot's MJCF: what it weighs, where it is, and that it is the D-H robot."""
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+import assets
+import kinematics
+from sim.model import AXES, load_model
+from sim.motion.poses import LARGE_ROBOT_POSES
+
+# Both sides are products of a dozen rotations in double precision on lengths of a few metres.
+SAME = 1e-12
+# numbers in the file have eight decimals
+FILE_DIGITS = 1e-7
+
+# large-robot calibration: first four locked modes [Hz] and masses of the data set
+LOCKED = {"p1": (7.1, 7.3, 11.8, 14.7), "p2": (6.1, 6.5, 12.5, 15.3), "p3": (5.5, 5.9, 13.5, 17.0)}
+POSE_DEG = {
+    "p1": (0, -18.9, 36.7, -5.4, -6.4, 11.1),
+    "p2": (3.5, 7.8, 12.4, 18.2, -9.2, -11.6),
+    "p3": (5.6, 29.9, -16.4, 67.6, -5.4, -60.7),
+}
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_model(assets.LARGE_ROBOT_XML)
+
+
+@pytest.fixture
+def data(model):
+    return mujoco.MjData(model.mj)
+
+
+def test_robot_and_tool_weigh_what_the_data_set_says(model):
+    assert model.mj.body("tool").subtreemass[0] == pytest.approx(40.0)
+    assert model.mj.body_mass.sum() == pytest.approx(1700.0 + 40.0)
+
+
+def test_zero_pose_is_arm_up_forearm_forward(model, data):
+    mujoco.mj_resetDataKeyframe(model.mj, data, model.mj.keyframe("zero").id)
+    mujoco.mj_forward(model.mj, data)
+    assert data.site("tool0").xpos == pytest.approx([0.320 + 1.142 + 0.200, 0, 0.780 + 1.075 + 0.2])
+    imu_from_tool = data.site("imu").xpos - data.site("tool0").xpos
+    assert imu_from_tool == pytest.approx([0.032, -0.026, 0.090])  # thesis 5.1.1
+    assert data.site("imu").xmat == pytest.approx(np.eye(3).ravel())
+
+
+def test_mjcf_and_denavit_hartenberg_agree_at_random_configurations(model, data):
+    robot = kinematics.compile(kinematics.LARGE_ROBOT)
+    rng = np.random.default_rng(1)
+    jacobian = np.empty((6, model.mj.nv))
+    for phi in rng.uniform(*model.joint_range.T, size=(50, 6)):
+        data.qpos[:] = 0.0
+        data.qpos[model.motor] = phi
+        mujoco.mj_kinematics(model.mj, data)
+        mujoco.mj_comPos(model.mj, data)
+        site = data.site("tool0")
+        mujoco.mj_jacSite(model.mj, data, jacobian[:3], jacobian[3:], site.id)
+        T = robot.pose(phi)
+        assert np.abs(T[:3, 3] - site.xpos).max() < SAME
+        assert np.abs(T[:3, :3] - site.xmat.reshape(3, 3)).max() < SAME
+        assert np.abs(robot.jacobian(phi) - jacobian[:, model.motor]).max() < SAME
+
+
+def test_motor_and_flex_hinges_of_an_axis_coincide(model, data):
+    rng = np.random.default_rng(2)
+    data.qpos[model.motor] = rng.uniform(-1, 1, 6)
+    mujoco.mj_kinematics(model.mj, data)
+    for i in AXES:
+        motor, flex = data.joint(f"motor_{i}"), data.joint(f"flex_{i}")
+        assert motor.xaxis == pytest.approx(flex.xaxis, abs=SAME)
+        assert motor.xanchor == pytest.approx(flex.xanchor, abs=SAME)
+
+
+def test_inertias_are_those_of_bodies(model):
+    for i in range(1, model.mj.nbody):
+        a, b, c = sorted(model.mj.body_inertia[i])
+        assert a > 0.0, model.mj.body(i).name
+        assert c <= a + b, model.mj.body(i).name
+
+
+def test_centres_of_mass_lie_in_their_links(model, data):
+    """Inside the box around the geoms that are drawn for the link."""
+    mujoco.mj_forward(model.mj, data)
+    for i in range(1, model.mj.nbody):
+        geoms = np.flatnonzero(model.mj.geom_bodyid == i)
+        if not len(geoms):
+            continue
+        reach = model.mj.geom_rbound[geoms, None]
+        low = (data.geom_xpos[geoms] - reach).min(axis=0)
+        high = (data.geom_xpos[geoms] + reach).max(axis=0)
+        assert (low <= data.xipos[i]).all(), model.mj.body(i).name
+        assert (data.xipos[i] <= high).all(), model.mj.body(i).name
+
+
+def test_stays_quiet_under_noise(model, data):
+    rng = np.random.default_rng(3)
+    for _ in range(400):
+        data.ctrl[:] = rng.standard_normal(model.mj.nu)
+        mujoco.mj_step(model.mj, data)
+    assert not data.warning.number.any()
+    assert np.isfinite(data.qpos).all()
+
+
+def test_servo_gains_follow_from_frequency_damping_and_inertia(model):
+    frequency = np.array([6.5, 6.0, 3.8, 8.75, 10.8, 10.3])
+    arm_inertia = np.array([700, 875, 268, 2.7, 9.5, 0.8])
+    drives = model.drives
+    inertia = model.mj.dof_armature[model.motor] + arm_inertia
+    w0 = 2 * np.pi * frequency
+    assert drives.kp * drives.gear**2 == pytest.approx(inertia * w0**2, rel=FILE_DIGITS)
+    assert drives.kd * drives.gear**2 == pytest.approx(2 * 1.08 * inertia * w0, rel=FILE_DIGITS)
+
+
+def test_rotor_inertia_is_reflected_by_the_gear(model):
+    rotor = [5.0e-3, 5.9e-3, 4.0e-3, 1.6e-3, 1.2e-3, 0.9e-3]
+    assert model.mj.dof_armature[model.motor] == pytest.approx(
+        rotor * model.drives.gear**2, rel=FILE_DIGITS
+    )
+
+
+def test_balancing_cylinder_pulls_as_its_spring(model, data):
+    for q2, arm in ((np.deg2rad(30), 0.090), (np.deg2rad(60), 0.134), (0.0, 0.0)):
+        data.qpos[:] = 0.0
+        data.qpos[model.motor[1]] = q2
+        mujoco.mj_forward(model.mj, data)
+        length = data.ten_length[0]
+        force = 24e3 + 100e3 * (length - 0.481)
+        torque = -data.qfrc_spring[model.motor[1]]
+        assert torque == pytest.approx(force * arm, abs=0.03 * 5e3)  # arms are given in mm
+
+
+@pytest.mark.parametrize("pose", LOCKED)
+def test_locked_modes_are_those_of_the_calibration(model, data, pose):
+    """All motors held; the table was rounded to 0.1 Hz."""
+    data.qpos[:] = 0.0
+    data.qpos[model.motor] = np.deg2rad(POSE_DEG[pose])
+    K = _stiffness(model, data)
+    M = np.empty((model.mj.nv, model.mj.nv))
+    mujoco.mj_forward(model.mj, data)
+    mujoco.mj_fullM(model.mj, data, M)
+    s = model.springs
+    modes = np.sqrt(eigh(K[np.ix_(s, s)], M[np.ix_(s, s)], eigvals_only=True)) / (2 * np.pi)
+    assert modes[:4] == pytest.approx(LOCKED[pose], abs=0.15)
+
+
+def _stiffness(model, data, step=1e-6):
+    """Derivative of the static force with respect to the joints: springs, gravity, cylinder."""
+    K = np.empty((model.mj.nv, model.mj.nv))
+    start = data.qpos.copy()
+    for j in range(model.mj.nv):
+        ends = []
+        for sign in (1, -1):
+            data.qpos[:] = start
+            data.qpos[j] += sign * step
+            data.qvel[:] = data.qacc[:] = 0.0
+            mujoco.mj_inverse(model.mj, data)
+            ends.append(data.qfrc_inverse.copy())
+        K[:, j] = (ends[0] - ends[1]) / (2 * step)
+    data.qpos[:] = start
+    return K
+
+
+def test_thesis_poses_are_reached_by_the_known_configurations(model):
+    for name, degrees in POSE_DEG.items():
+        pose = LARGE_ROBOT_POSES[name]
+        position = kinematics.compile(kinematics.LARGE_ROBOT).pose(np.deg2rad(degrees))[:3, 3]
+        # the configurations are known to 0.1 deg, 4 mm on 2.4 m
+        assert np.abs(position - pose.position).max() < 0.006

@@ -1,0 +1,182 @@
+"""The virtual robot is physics: it rests, repeats, follows, and tells what it hit."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+import assets
+from sim.cell import LARGE_CELL
+from sim.cutting import plan
+from sim.experiment import CircleTask
+from sim.individual import with_friction
+from sim.model import ModelError, load_model
+from sim.motion.poses import LARGE_ROBOT_POSES
+from sim.robot import VirtualRobot, run_jobs
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_model(assets.LARGE_ROBOT_XML)
+
+
+@pytest.fixture(scope="module")
+def cut(model):
+    task = CircleTask(pose=LARGE_ROBOT_POSES["p2"])
+    return plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
+
+
+@pytest.fixture(scope="module")
+def job(model, cut):
+    return VirtualRobot(model).load(cut[1])
+
+
+@pytest.fixture(scope="module")
+def correction(cut):
+    """A smooth correction of the size that learning finds."""
+    t = np.linspace(0.0, 1.0, len(cut[1]))[:, None]
+    return 1e-3 * np.sin(2 * np.pi * (2 + np.arange(6)) * t) * np.sin(np.pi * t) ** 2
+
+
+def _ideal_encoder(model):
+    return replace(model, drives=replace(model.drives, encoder_counts=0.0))
+
+
+def test_a_robot_that_is_told_to_stay_stays(model, cut):
+    still = np.repeat(cut[1][:1], 120, axis=0)
+    recording = VirtualRobot(model).load(still).run()
+    moved = recording.truth.tool_position - recording.truth.tool_position[0]
+    assert np.abs(moved).max() < 1e-7  # equilibrium is found to 1e-13 rad at each spring
+
+
+def test_same_seed_same_bits_and_another_seed_other_noise(job, correction):
+    first, again = (job.run(correction, np.random.default_rng(7)) for _ in range(2))
+    other = job.run(correction, np.random.default_rng(8))
+    for name in ("motor_angle", "motor_torque"):
+        assert np.array_equal(getattr(first, name), getattr(again, name))
+    assert np.array_equal(first.truth.tool_position, again.truth.tool_position)
+    assert not np.array_equal(first.truth.tool_position, other.truth.tool_position)
+
+
+def test_the_number_of_threads_changes_no_bit(job, correction):
+    def runs(threads):
+        rngs = [np.random.default_rng(seed) for seed in range(4)]
+        return run_jobs([job] * 4, [correction] * 4, rngs, threads=threads)
+
+    for one, two in zip(runs(1), runs(2), strict=True):
+        assert np.array_equal(one.motor_angle, two.motor_angle)
+        assert np.array_equal(one.truth.qpos, two.truth.qpos)
+
+
+@pytest.mark.parametrize("learned", [False, True])
+def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(cut, correction, learned):
+    tools = []
+    for step in (0.0005, 0.00025):
+        mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
+        mj.opt.timestep = step
+        fine = VirtualRobot(_ideal_encoder(load_model(mj))).load(cut[1])
+        recording = fine.run(correction if learned else None)
+        tools.append(recording.truth.tool_position[:: round(0.0005 / step)])
+    assert np.linalg.norm(tools[0] - tools[1], axis=1).max() < 10e-6
+
+
+def test_log_is_the_truth_counted_by_the_encoder(job, model):
+    recording = job.run()
+    true = recording.truth.motor_angle[:: job.ratio]
+    count = 2 * np.pi / 16384 / model.drives.gear
+    assert np.abs(recording.motor_angle - true).max() <= 0.5 * count.max() * (1 + 1e-9)
+    turns = recording.motor_angle / count
+    assert np.abs(turns - np.rint(turns)).max() < 1e-6
+
+
+def test_rows_of_the_truth_belong_to_one_instant(job, model):
+    """Sensors and states of a step are half a step apart in a rollout; the record aligns them."""
+    truth = job.run().truth
+    data = mujoco.MjData(model.mj)
+    for i in (0, 777, len(truth.time) - 1):
+        data.qpos[:] = truth.qpos[i]
+        mujoco.mj_kinematics(model.mj, data)
+        assert data.site("tool0").xpos == pytest.approx(truth.tool_position[i], abs=1e-14)
+
+
+def test_accelerometer_is_the_second_difference_of_its_position(job, model):
+    truth = job.run().truth
+    data, site = mujoco.MjData(model.mj), model.mj.site("imu").id
+    position, R = [], []
+    for q in truth.qpos:
+        data.qpos[:] = q
+        mujoco.mj_kinematics(model.mj, data)
+        position.append(data.site_xpos[site].copy())
+        R.append(data.site_xmat[site].reshape(3, 3).copy())
+    step = model.timestep
+    acceleration = np.diff(position, n=2, axis=0) / step**2
+    specific = np.einsum("nij,nj->ni", np.array(R)[1:-1], truth.imu_acceleration[1:-1])
+    difference = specific - np.array([0, 0, 9.82]) - acceleration
+    # implicitfast evaluates the sensor before it adds the implicit part of the damping: first order
+    # in the step, and largest where the modes of 130 Hz and above ring
+    assert np.sqrt(np.mean(difference**2)) < 0.1
+
+
+def test_a_constant_correction_moves_the_motors_by_itself(job):
+    """The static gain from u to y is one."""
+    shift = 2e-3
+    ramp = np.minimum(np.arange(len(job.reference)) / 100.0, 1.0)[:, None]
+    moved = job.run(shift * ramp * np.ones(6)).motor_angle - job.run().motor_angle
+    # friction leaves each motor within Coulomb torque over kp of where it should be
+    assert moved[-1] == pytest.approx(np.full(6, shift), abs=0.5e-3)
+
+
+def test_a_cut_hits_no_limit_and_an_impossible_correction_hits_them(job):
+    assert job.run().limits_hit == ()
+    hits = job.run(0.5 * np.sin(np.linspace(0, 40, len(job.reference)))[:, None] * np.ones(6))
+    assert {name for name, _, _ in hits.limits_hit} >= {"torque", "speed"}
+    assert all(1 <= axis <= 6 and time > 0.0 for _, axis, time in hits.limits_hit)
+
+
+def test_more_friction_makes_a_larger_first_error(model, cut, job):
+    rough = VirtualRobot(with_friction(model, 1.5)).load(cut[1])
+    assert (np.abs(rough.run().error).max(axis=0) > np.abs(job.run().error).max(axis=0)).all()
+
+
+def test_friction_factors_scale_coulomb_and_static_friction(model):
+    factor = np.linspace(0.8, 1.2, 6)
+    scaled = with_friction(model, factor).mj.actuator_biasprm
+    nominal = model.mj.actuator_biasprm
+    coulomb = [1.45, 1.54, 1.07, 0.43, 0.27, 0.24]
+    assert scaled[:, 3] == pytest.approx(factor * coulomb)
+    assert scaled[:, 4] == pytest.approx(1.14 * factor * coulomb)
+    assert np.array_equal(np.delete(scaled, [3, 4], axis=1), np.delete(nominal, [3, 4], axis=1))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (np.zeros((100, 5)), "shape"),
+        (np.full((100, 6), np.nan), "finite"),
+        (np.zeros(6), "shape"),
+    ],
+)
+def test_references_that_are_none_are_refused(model, values, message):
+    with pytest.raises(ValueError, match=message):
+        VirtualRobot(model).load(values)
+
+
+def test_a_correction_of_another_length_is_refused(job):
+    with pytest.raises(ValueError, match="samples"):
+        job.run(np.zeros((10, 6)))
+
+
+def test_a_model_without_a_named_joint_is_refused_by_name(tmp_path):
+    text = assets.LARGE_ROBOT_XML.read_text().replace("motor_4", "engine_4")
+    (tmp_path / "robot.xml").write_text(text)
+    with pytest.raises(ModelError, match="motor_4"):
+        load_model(tmp_path / "robot.xml")
+
+
+def test_a_file_that_is_no_model_is_refused(tmp_path):
+    (tmp_path / "robot.xml").write_text("<mujoco><nonsense/></mujoco>")
+    with pytest.raises(ModelError, match="not a usable MJCF"):
+        load_model(tmp_path / "robot.xml")
+    with pytest.raises(ModelError):
+        load_model(tmp_path / "absent.xml")
