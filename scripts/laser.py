@@ -176,6 +176,7 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
 def _write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
+    from sim.replay import write_replay
     from sim.signals import Run, write_signals
 
     from . import figures
@@ -187,6 +188,8 @@ def _write(
     ]
     config = outcome["config"]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
+    robot = CELLS[config["robot"]].robot
+    write_replay(folder / "replay.rrd", experiment.job.model.mj, runs, experiment.motion, robot)
     rows = outcome["iterations"]
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
     figures.circles(

@@ -1,0 +1,171 @@
+"""`armside laser` as its users see it: files, numbers, exit status, and one line for bad input."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import assets
+from scripts.cli import main
+from scripts.verify_laser import laser as claim
+from sim.signals import read_signals
+
+FILES = {"summary.json", "signals.parquet", "circles.png", "errors.png", "replay.rrd"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("runs") / "default"
+    assert main(["laser", "--out", str(out), "--quiet"]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_a_run_leaves_its_files(folder):
+    assert {file.name for file in folder.iterdir()} == FILES
+
+
+def test_summary_says_what_was_asked_and_what_came_out(summary):
+    config = summary["config"]
+    assert (config["robot"], config["pose"], config["speed"], config["seed"]) == (
+        "large",
+        "p1",
+        40,
+        0,
+    )
+    assert set(config["versions"]) >= {"armside", "mujoco", "numpy", "python"}
+    assert summary["status"] == "done"
+    assert summary["limits_hit"] == []
+    assert [row["k"] for row in summary["iterations"]] == list(range(6))
+    for row in summary["iterations"]:
+        assert len(row["motor_inf"]) == len(row["motor_two"]) == 6
+        assert row["arm_rms"] == pytest.approx(row["arm_rms_true"], rel=0.05)
+
+
+def test_normalised_measures_are_those_of_the_thesis(summary):
+    rows = summary["iterations"]
+    largest = max(rows[0]["motor_inf"])
+    for row in rows:
+        assert row["motor_inf_normalised"] == pytest.approx(np.array(row["motor_inf"]) / largest)
+        assert row["arm_rms_normalised"] == pytest.approx(row["arm_rms"] / rows[0]["arm_rms"])
+
+
+def test_summary_can_be_computed_again_from_the_signals(folder, summary):
+    """Motor shaft angles: gear ratios of the large robot. Motor errors from r and y alone."""
+    gear = np.array([220, 242.73, 242.73, 145, 180, 100])
+    for run, row in zip(
+        read_signals(folder / "signals.parquet").runs, summary["iterations"], strict=True
+    ):
+        error = (run.recording.reference - run.recording.motor_angle) * gear
+        assert np.abs(error).max(axis=0) == pytest.approx(row["motor_inf"], rel=1e-12)
+        assert np.sqrt((error**2).sum(axis=0)) == pytest.approx(row["motor_two"], rel=1e-12)
+
+
+def test_two_processes_write_the_same_bits(folder, tmp_path):
+    command = [sys.executable, "-m", "scripts.cli", "laser", "--quiet", "--out", "again"]
+    subprocess.run(command, cwd=tmp_path, check=True, timeout=120)
+    first, again = folder, tmp_path / "again"
+    of = [json.loads((f / "summary.json").read_text())["iterations"] for f in (first, again)]
+    assert of[0] == of[1]
+    signals = [read_signals(f / "signals.parquet").runs for f in (first, again)]
+    for a, b in zip(*signals, strict=True):
+        assert np.array_equal(a.recording.motor_angle, b.recording.motor_angle)
+        assert np.array_equal(a.recording.correction, b.recording.correction)
+        assert np.array_equal(a.recording.truth.qpos, b.recording.truth.qpos)
+        assert np.array_equal(a.tracker.position, b.tracker.position)
+
+
+def test_another_seed_is_another_noise(folder, tmp_path, summary):
+    assert (
+        main(["laser", "--seed", "1", "--iterations", "0", "--quiet", "--out", str(tmp_path)]) == 0
+    )
+    other = json.loads((tmp_path / "summary.json").read_text())["iterations"]
+    assert other[0]["arm_rms"] != summary["iterations"][0]["arm_rms"]
+
+
+def test_first_claim_holds_for_two_seeds():
+    """Twenty seeds: armside verify laser."""
+    table = claim(range(2))
+    failed = [verdict.statement for verdict in table.verdicts if not verdict.holds]
+    assert not failed
+
+
+def test_a_run_that_diverges_stops_with_what_it_has(tmp_path, capsys):
+    assert (
+        main(["laser", "--gamma", "3", "--iterations", "20", "--quiet", "--out", str(tmp_path)])
+        == 1
+    )
+    assert "diverged" in capsys.readouterr().err
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "diverged"
+    assert 1 < len(summary["iterations"]) < 21
+
+
+def test_limits_that_were_hit_are_listed(tmp_path):
+    args = ["laser", "--speed", "100", "--iterations", "0", "--quiet", "--out", str(tmp_path)]
+    assert main(args) == 0
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [hit["limit"] for hit in summary["limits_hit"]] == ["centripetal_acceleration"]
+    assert summary["reached_speed"] == pytest.approx(np.sqrt(1.3 * 0.005))
+
+
+def test_six_values_make_a_law_per_motor(tmp_path):
+    words = ["0.9"] * 5 + ["0.5"]
+    args = ["laser", "--gamma", *words, "--iterations", "1", "--quiet", "--out", str(tmp_path)]
+    assert main(args) == 0
+    config = json.loads((tmp_path / "summary.json").read_text())["config"]
+    assert config["gamma"] == [0.9, 0.9, 0.9, 0.9, 0.9, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--pose p9", "Poses: p1, p2, p3"),
+        ("--radius 3000", "1662.024 mm outside"),
+        ("--radius 0", "radius must be > 0"),
+        ("--speed -1", "speed must be > 0"),
+        ("--cutoff 125", "Nyquist"),
+        ("--gamma 0", "gamma must be > 0"),
+        ("--delta 600", "record"),
+        ("--delta 2.5", "whole number"),
+        ("--speed nan", "finite"),
+        ("--gamma inf", "finite"),
+        ("--iterations -1", "iterations"),
+        ("--friction-spread 100", "friction-spread"),
+        ("--cutoff 10 9", "one value or six"),
+        ("--law magic", "heuristic"),
+        ("--measure wish", "motor"),
+        ("--robot r2d2", "large"),
+        ("--model missing.xml", "missing.xml"),
+    ],
+)
+def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["laser", *words.split()]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert said in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_model_that_lacks_a_joint_is_refused_by_name(tmp_path, monkeypatch, capsys):
+    robot = tmp_path / "robot.xml"
+    robot.write_text(assets.LARGE_ROBOT_XML.read_text().replace('"motor_5"', '"engine_5"'))
+    monkeypatch.chdir(tmp_path)
+    assert main(["laser", "--model", "robot.xml"]) == 2
+    assert "motor_5" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [robot]
+
+
+def test_a_folder_in_use_is_refused(tmp_path, capsys):
+    (tmp_path / "mine.txt").write_text("keep")
+    assert main(["laser", "--out", str(tmp_path)]) == 2
+    assert "not empty" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
