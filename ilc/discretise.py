@@ -15,13 +15,13 @@ def zero_order_hold(A: Array, B: Array, sample_time: float) -> tuple[Array, Arra
     block = np.zeros((*A.shape[:-2], n + m, n + m))
     block[..., :n, :n] = A
     block[..., :n, n:] = B
-    transition = expm(block * sample_time)
+    transition: Array = np.asarray(expm(block * sample_time), dtype=np.float64)
     return transition[..., :n, :n], transition[..., :n, n:]
 
 
 def state_space_to_system(A: Array, B: Array, C: Array, sample_time: float) -> System:
     """Transfer operator C (q - A)^-1 B of a discrete system with one input and one output."""
-    a = np.atleast_1d(np.poly(A).real)
+    a: Array = np.poly(A).real.astype(np.float64)
     # b follows from the first n + 1 Markov parameters: b = a * h, cut there.
     markov, x = [0.0], B[:, 0]
     for _ in range(len(A)):

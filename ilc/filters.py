@@ -9,10 +9,10 @@ faster for a short record and slower for a long one, with a table to keep for ea
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .plant import Array
 from .recursion import recursion
@@ -45,7 +45,7 @@ class RecordFilter(Protocol):
         """Filter each column; shape (N, n) in and out."""
         ...
 
-    def response(self, omega: ArrayLike) -> Array:
+    def response(self, omega: ArrayLike) -> NDArray[Any]:
         """Q(e^{j omega}) at the normalised frequencies omega [rad/sample]."""
         ...
 
@@ -66,6 +66,9 @@ class AllPass:
 
     def check(self, n_samples: int, n_columns: int) -> None:
         """Any record will do."""
+
+
+ALL_PASS: RecordFilter = AllPass()
 
 
 @dataclass(frozen=True)

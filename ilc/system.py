@@ -5,8 +5,7 @@ This form says the delay (leading zeros of b) and filters records directly. Syst
 """
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Union
+from typing import Any, Protocol, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +14,11 @@ from .plant import Array
 from .recursion import recursion
 
 Complex = NDArray[np.complex128]
+
+
+def unit_circle(omega: ArrayLike) -> Complex:
+    """z = e^{j omega} for omega [rad/sample]."""
+    return np.exp(1j * np.asarray(omega, dtype=np.float64)).astype(np.complex128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,7 @@ class System:
             )
         return cls(np.concatenate((np.zeros(len(den) - len(num)), num)), den, sample_time)
 
-    @cached_property
+    @property
     def poles(self) -> Complex:
         """Poles in the z plane that are not at the origin."""
         return np.roots(self.a).astype(np.complex128)
@@ -81,8 +85,9 @@ class System:
 
     def response(self, omega: ArrayLike) -> Complex:
         """Frequency response at omega [rad/sample]."""
-        q_inverse = np.exp(-1j * np.asarray(omega, dtype=np.float64))
-        return np.polyval(self.b[::-1], q_inverse) / np.polyval(self.a[::-1], q_inverse)
+        q_inverse = 1.0 / unit_circle(omega)
+        ratio = np.polyval(self.b[::-1], q_inverse) / np.polyval(self.a[::-1], q_inverse)
+        return ratio.astype(np.complex128)
 
     def simulate(self, signal: Array) -> Array:
         """Output for the input (N, n), each column on its own, from zero state."""
@@ -116,7 +121,19 @@ class System:
         return require_stable(loop, "the closed loop")
 
 
-def require_stable(system: System, name: str) -> System:
+class HasPoles(Protocol):
+    """Anything whose stability can be judged."""
+
+    @property
+    def poles(self) -> Complex: ...
+    @property
+    def is_stable(self) -> bool: ...
+
+
+Stable = TypeVar("Stable", bound=HasPoles)
+
+
+def require_stable(system: Stable, name: str) -> Stable:
     """The system itself, or a ValueError that names it and its largest pole."""
     if not system.is_stable:
         largest = np.abs(system.poles).max()
@@ -132,10 +149,10 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
     """
     if isinstance(model, System):
         return model
-    if isinstance(model, tuple) and len(model) == 2:
-        if sample_time is None:
-            raise ValueError("a pair (num, den) needs its sample_time")
-        return System.from_z(*model, sample_time)
+    if isinstance(model, tuple):
+        if sample_time is None or len(model) != 2:
+            raise ValueError("a model as a tuple must be (num, den), with its sample_time")
+        return System.from_z(model[0], model[1], sample_time)
     if hasattr(model, "A"):
         import control  # a state-space model has been built with it already
 

@@ -211,18 +211,23 @@ class TwoMassPlant:
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
     arm_reference: Array = field(default_factory=step_reference)
     """r_a, shape (N, 1)."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "motor_reference", self.loop.F_r.simulate(self.arm_reference))
-        object.__setattr__(self, "_T_motor", self.loop.T_motor)
-        object.__setattr__(self, "_T_arm", self.loop.T_arm)
-
     motor_reference: Array = field(init=False)
     """r_m = F_r r_a, shape (N, 1)."""
     _T_motor: System = field(init=False, repr=False)
-    _T_arm: System = field(init=False, repr=False)
+    _to_arm: System = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        loop = self.loop
+        from_motor = loop.arm_reading is ArmReading.THESIS
+        object.__setattr__(self, "motor_reference", loop.F_r.simulate(self.arm_reference))
+        object.__setattr__(self, "_T_motor", loop.T_motor)
+        # G_a after q_m keeps more digits than T_{u,a}, whose seven poles lie close together.
+        to_arm = loop.joint.arm(loop.sample_time) if from_motor else loop.T_arm
+        object.__setattr__(self, "_to_arm", to_arm)
 
     def run(self, correction: Array, /) -> TwoMassRun:
         """q_m = T_{u,m} (r_m + u), q_a = T_{u,a} (r_m + u), from rest."""
         asked = self.motor_reference + correction
-        return TwoMassRun(motor=self._T_motor.simulate(asked), arm=self._T_arm.simulate(asked))
+        motor = self._T_motor.simulate(asked)
+        from_motor = self.loop.arm_reading is ArmReading.THESIS
+        return TwoMassRun(motor=motor, arm=self._to_arm.simulate(motor if from_motor else asked))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..filters import RecordFilter, ZeroPhaseButterworth
 from ..plant import Array
-from ..system import Complex, System, require_stable
+from ..system import Complex, System, require_stable, unit_circle
 
 LOWEST = 1e-4
 """Lowest frequency of a grid, as a part of the Nyquist frequency."""
@@ -31,7 +31,7 @@ def hertz(omega: ArrayLike, sample_time: float) -> Array:
 
 def shift_response(gamma: float, delta: int, omega: ArrayLike) -> Complex:
     """L = gamma q^delta at omega [rad/sample]."""
-    return gamma * np.exp(1j * delta * np.asarray(omega))
+    return gamma * unit_circle(omega) ** delta
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,9 +66,7 @@ class Criterion:
         return [(float(self.omega[r[0]]), float(self.omega[r[-1]])) for r in runs if r.size]
 
 
-def criterion(
-    T_u: Complex, L: Complex, Q: ArrayLike, omega: Array
-) -> Criterion:
+def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion:
     """The criterion from responses of T_u, L and Q at omega, shape (M,) each.
 
     With several motors, responses of shape (M, n, n) (Q: (M,) or (M, n)): |.| becomes the largest
@@ -102,7 +100,11 @@ def heuristic_criterion(
 
 
 def largest_gamma(
-    T_u: System, deltas: Sequence[int] | Array, cutoffs: ArrayLike | None, *, order: int = 2,
+    T_u: System,
+    deltas: Sequence[int] | Array,
+    cutoffs: ArrayLike | None,
+    *,
+    order: int = 2,
     n_frequencies: int = 2000,
 ) -> Array:
     """Supremum of the gains that meet the criterion, shape (n_deltas, n_cutoffs).

@@ -1,0 +1,84 @@
+"""A gain that varies over the iterations and along the trajectory, after Norrloef (2002)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..filters import ALL_PASS, RecordFilter
+from ..plant import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Adaptive:
+    """u_{k+1} = Q(u_k + kappa_k(t) L e_k), kappa the gain of a Kalman filter over iterations.
+
+    The disturbance at each time t is taken for a random walk over the iterations, seen through
+    measurement noise: P <- P r_n / (P + r_n) + r_d, kappa = P / (P + r_n). The gain starts near
+    1, falls as the error becomes noise, and so averages the noise instead of learning it. r_d is
+    estimated from the error around t: where the error is larger than P and noise explain, the
+    gain rises again.  Norrloef, "An adaptive iterative learning control algorithm with
+    experiments on an industrial robot" (2002).
+    """
+
+    L: RecordFilter
+    """An inverse of T_u, or as near as may be."""
+    noise_variance: float
+    """r_n, of one measured sample."""
+    initial_variance: float
+    """P before the first iteration, of one sample of the disturbance."""
+    window: int = 25
+    """Samples over which the error's power is averaged."""
+    Q: RecordFilter = ALL_PASS
+
+    def __post_init__(self) -> None:
+        for name in ("noise_variance", "initial_variance"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+        if self.window < 1:
+            raise ValueError(f"window must be >= 1 sample, got {self.window}")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if self.window > n_samples:
+            raise ValueError(f"window must be within {n_samples} samples, got {self.window}")
+        self.L.check(n_samples, n_columns)
+        self.Q.check(n_samples, n_columns)
+
+    def step(
+        self, correction: Array, error: Array, memory: Array | None = None, /
+    ) -> tuple[Array, Array]:
+        """memory: P(t) after the last update, shape (N, n)."""
+        P = np.full_like(error, self.initial_variance) if memory is None else memory
+        r_n = self.noise_variance
+        r_d = np.maximum(self._power(error) - P - r_n, 0.0) if memory is not None else 0.0
+        P = P + r_d
+        kappa = P / (P + r_n)
+        return self.Q(correction + kappa * self.L(error)), P * r_n / (P + r_n)
+
+    def _power(self, error: Array) -> Array:
+        """Moving average of e^2 around each sample."""
+        box = np.ones(self.window)
+        count = np.convolve(np.ones(len(error)), box, mode="same")[:, None]
+        summed = [np.convolve(column, box, mode="same") for column in np.square(error).T]
+        return np.stack(summed, axis=1) / count
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scheduled:
+    """Another law in each iteration, such as a falling gain or a rising cutoff; the last stays."""
+
+    laws: tuple
+    """First-order laws for the updates after k = 0, 1, ..."""
+
+    def __post_init__(self) -> None:
+        if not self.laws:
+            raise ValueError("laws must hold at least one law")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        for law in self.laws:
+            law.check(n_samples, n_columns)
+
+    def step(
+        self, correction: Array, error: Array, memory: int | None = None, /
+    ) -> tuple[Array, int]:
+        k = memory or 0
+        return self.laws[min(k, len(self.laws) - 1)](correction, error), k + 1

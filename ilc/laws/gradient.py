@@ -1,0 +1,49 @@
+"""Steepest descent on ||e||^2: L = step T_u^T, the model run backwards in time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..analysis.criterion import frequency_grid
+from ..plant import Array
+from ..system import Complex, require_stable
+from ..system_matrix import Model, SystemMatrix, adjoint
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gradient:
+    """L = step T_u^T on the finite record. Converges for 0 < step < 2 / max |T_u|^2."""
+
+    T_u: Model
+    step: float = 0.0
+    """0 chooses 1 / max |T_u|^2, for which no error grows."""
+
+    def __post_init__(self) -> None:
+        require_stable(self.T_u, "T_u")
+        largest_step = 2.0 / largest_gain(self.T_u) ** 2
+        if self.step == 0.0:
+            object.__setattr__(self, "step", 0.5 * largest_step)
+        elif not 0.0 < self.step < largest_step:
+            raise ValueError(
+                f"step must be above 0 and below 2/max|T_u|^2 = {largest_step:.6g}, got {self.step}"
+            )
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
+            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+
+    def __call__(self, signal: Array, /) -> Array:
+        return self.step * adjoint(self.T_u, signal)
+
+    def response(self, omega: ArrayLike) -> Complex:
+        T = self.T_u.response(omega)
+        return self.step * (T if T.ndim == 1 else T.swapaxes(1, 2)).conj()
+
+
+def largest_gain(model: Model) -> float:
+    """max over frequency of |T_u|, the largest singular value for a matrix."""
+    response = model.response(frequency_grid(4000))
+    if response.ndim == 1:
+        return float(np.abs(response).max())
+    return float(np.linalg.norm(response, ord=2, axis=(1, 2)).max())

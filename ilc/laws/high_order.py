@@ -1,0 +1,66 @@
+"""Laws that remember more than one iteration."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..filters import ALL_PASS, RecordFilter
+from ..plant import Array
+from ..system import Complex
+
+Pair = tuple[Array, Array]
+"""(u, e) of one iteration."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HighOrder:
+    """u_{k+1} = Q sum_i (alpha_i u_{k-i} + beta_i L e_{k-i}), i = 0 .. p - 1. Thesis 7.3.
+
+    Before iteration 0 there was nothing: those u and e count as zero.
+    """
+
+    alpha: tuple[float, ...]
+    """Weights of past corrections, newest first."""
+    beta: tuple[float, ...]
+    """Weights of past errors, newest first, as many."""
+    L: RecordFilter
+    Q: RecordFilter = ALL_PASS
+
+    def __post_init__(self) -> None:
+        if not self.alpha or len(self.alpha) != len(self.beta):
+            raise ValueError(
+                f"alpha and beta must be equally many, at least 1, got {len(self.alpha)} "
+                f"and {len(self.beta)}"
+            )
+        if not np.isfinite(self.alpha + self.beta).all():
+            raise ValueError(f"alpha and beta must be finite, got {self.alpha} and {self.beta}")
+
+    @property
+    def order(self) -> int:
+        return len(self.alpha)
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        self.L.check(n_samples, n_columns)
+        self.Q.check(n_samples, n_columns)
+
+    def step(
+        self, correction: Array, error: Array, memory: tuple[Pair, ...] | None = None, /
+    ) -> tuple[Array, tuple[Pair, ...]]:
+        pairs = ((correction, error), *(memory or ()))[: self.order]
+        total = np.zeros_like(correction)
+        learned = np.zeros_like(error)
+        for alpha, beta, (u, e) in zip(self.alpha, self.beta, pairs, strict=False):
+            total += alpha * u
+            learned += beta * e
+        return self.Q(total + self.L(learned)), pairs[: self.order - 1]
+
+    def spectral_radius(self, T_u: Complex, omega: ArrayLike) -> Array:
+        """Of the iteration at each frequency, from the response of T_u there; < 1: converges."""
+        L, Q = self.L.response(omega), self.Q.response(omega)
+        # U_{k+1} = sum_i Q (alpha_i - beta_i T_u L) U_{k-i} + (terms of e_0), in companion form.
+        companion = np.zeros((np.size(omega), self.order, self.order), dtype=complex)
+        for i, (alpha, beta) in enumerate(zip(self.alpha, self.beta, strict=True)):
+            companion[:, 0, i] = Q * (alpha - beta * T_u * L)
+        companion[:, 1:, :-1] += np.eye(self.order - 1)
+        return np.abs(np.linalg.eigvals(companion)).max(axis=-1)

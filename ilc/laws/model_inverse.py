@@ -1,0 +1,81 @@
+"""Algorithm 2: L = T_u^-1 (1 - H_B), the inverse of a model up to a wanted convergence rate."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..filters import RecordFilter
+from ..plant import Array
+from ..system import Complex, require_stable
+from ..system_matrix import Model, SystemMatrix
+
+
+class Beyond(Enum):
+    """What the inverse assumes beyond the ends of a record."""
+
+    TAPERED_HOLD = "tapered hold"
+    """The end values, faded to zero over one record length: no step that L would amplify."""
+    PERIODIC = "periodic"
+    """The record repeats, as in repetitive control."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelInverse:
+    """L(omega) = T_u^H (T_u T_u^H + rho)^-1 (1 - H_B). Thesis 7.5, Algorithm 2.
+
+    T_u delays and may have zeros outside the unit circle, so its inverse is not causal; it is
+    applied by FFT, where that does not matter. With an exact model the error at each frequency
+    falls by the factor H_B an iteration.
+    """
+
+    T_u: Model
+    learned: RecordFilter
+    """1 - H_B: a low-pass whose passband is what shall be learned, such as a Butterworth."""
+    rate: float = 1.0
+    """1 - H_B is rate * learned; 1: passband errors vanish in one iteration."""
+    regularisation: float = 0.0
+    """rho relative to the largest |T_u|^2; keeps L small where T_u is."""
+    beyond: Beyond = Beyond.TAPERED_HOLD
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate < 2.0:
+            raise ValueError(f"rate must be in (0, 2) for the error to shrink, got {self.rate}")
+        if not (np.isfinite(self.regularisation) and self.regularisation >= 0.0):
+            raise ValueError(f"regularisation must be >= 0, got {self.regularisation}")
+        require_stable(self.T_u, "T_u")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
+            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """(M,), or (M, n, n) for a matrix of systems."""
+        T = self.T_u.response(omega)
+        learned = self.rate * self.learned.response(omega)
+        if T.ndim == 1:
+            size = np.square(np.abs(T))
+            return learned * np.conj(T) / (size + self.regularisation * size.max())
+        T_H = np.conj(np.swapaxes(T, 1, 2))
+        normal = T @ T_H
+        rho = self.regularisation * np.linalg.norm(T, ord=2, axis=(1, 2)).max() ** 2
+        inverse = T_H @ np.linalg.inv(normal + rho * np.eye(T.shape[1]))
+        learned = learned if learned.ndim == 2 else learned[:, None]
+        return inverse * learned[:, None, :]
+
+    def __call__(self, signal: Array, /) -> Array:
+        n_samples = len(signal)
+        extended = signal
+        if self.beyond is Beyond.TAPERED_HOLD:
+            fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, n_samples + 1) / (n_samples + 1))
+            # FFT index -1 is the sample before the first: the fade-in stands at the end.
+            extended = np.concatenate(
+                (signal, np.outer(fade, signal[-1]), np.outer(fade[::-1], signal[0]))
+            )
+        spectrum = np.fft.rfft(extended, axis=0)
+        L = self.response(2.0 * np.pi * np.fft.rfftfreq(len(extended)))
+        corrected = (
+            (L @ spectrum[:, :, None])[:, :, 0] if L.ndim == 3 else L.reshape(len(L), -1) * spectrum
+        )
+        return np.fft.irfft(corrected, len(extended), axis=0)[:n_samples]

@@ -1,0 +1,46 @@
+"""Filters that vary along the trajectory, for `FirstOrder`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..filters import RecordFilter
+from ..plant import Array
+from ..system import Complex
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blend:
+    """sum_m w_m(t) F_m: several filters, each with its weight at each time.
+
+    For a gain that varies along the trajectory, or a Q whose cutoff does. Such a filter has no
+    frequency response; the lifted analysis takes it as it is.
+    """
+
+    filters: tuple[RecordFilter, ...]
+    weights: Array
+    """(N, m); a Q wants them >= 0 with sum at most 1."""
+
+    def __post_init__(self) -> None:
+        weights = np.asarray(self.weights, dtype=np.float64)
+        if weights.ndim != 2 or weights.shape[1] != len(self.filters):
+            raise ValueError(
+                f"weights must have shape (N, {len(self.filters)}), got {weights.shape}"
+            )
+        if not np.isfinite(weights).all():
+            raise ValueError("weights must be finite")
+        object.__setattr__(self, "weights", weights)
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if len(self.weights) != n_samples:
+            raise ValueError(f"weights cover {len(self.weights)} samples, the record {n_samples}")
+        for one in self.filters:
+            one.check(n_samples, n_columns)
+
+    def __call__(self, signal: Array, /) -> Array:
+        parts = zip(self.weights.T, self.filters, strict=True)
+        return sum((w[:, None] * one(signal) for w, one in parts), np.zeros_like(signal))
+
+    def response(self, omega: ArrayLike) -> Complex:
+        raise ValueError("a filter that varies along the trajectory has no frequency response")
