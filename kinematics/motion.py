@@ -1,8 +1,11 @@
 """Pose, Jacobian and acceleration of the tool as straight-line programs of the motor angles."""
 
+from dataclasses import replace
+
 import sympy as sp
 
 from .chain import ZERO, Chain, Vector, added, crossed, joint_variables, scaled, walk
+from .derivative import tangent
 from .dh import Joint, Robot
 from .exact import exact
 from .program import Block, Program, Tape
@@ -29,6 +32,12 @@ def _phi(robot: Robot, name: str, suffix: str = "") -> Block:
     return Block(name, (robot.n_joints,), motor_symbols(robot, suffix))
 
 
+def parameter_block(robot: Robot) -> list[Block]:
+    """The symbols among the D-H parameters as one more input; nothing for a robot of numbers."""
+    symbols = tuple(sorted(robot.free_symbols, key=str))
+    return [Block("parameters", (len(symbols),), symbols)] if symbols else []
+
+
 def _walk(robot: Robot, tape: Tape) -> Chain:
     return walk(robot, joint_variables(robot, motor_symbols(robot)), tape)
 
@@ -43,7 +52,8 @@ def pose(robot: Robot) -> Program:
     x, y, z = chain.rotation
     rows = [e for i in range(3) for e in (x[i], y[i], z[i], p[i])] + [0, 0, 0, 1]
     out = Block("T", (4, 4), tuple(map(sp.sympify, rows)))
-    return tape.program("pose", [_phi(robot, "phi")], [out], notes(robot))
+    inputs = [_phi(robot, "phi"), *parameter_block(robot)]
+    return tape.program("pose", inputs, [out], notes(robot))
 
 
 def jacobian_columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
@@ -76,7 +86,17 @@ def jacobian(robot: Robot) -> Program:
     coupled = _coupled(robot, tape, columns)
     elements = tuple(column[row] for row in range(6) for column in coupled)
     out = Block("J", (6, robot.n_joints), elements)
-    return tape.program("jacobian", [_phi(robot, "phi")], [out], notes(robot))
+    return tape.program(
+        "jacobian", [_phi(robot, "phi"), *parameter_block(robot)], [out], notes(robot)
+    )
+
+
+def jacobian_rate(robot: Robot) -> Program:
+    """dJ/dt, 6 x n, from motor angles and their rates. Thesis (4.5)."""
+    program = tangent(jacobian(robot), {"phi": "phi_dot"})
+    return replace(
+        program, name="jacobian_rate", outputs=(program.outputs[0]._replace(name="J_dot"),)
+    )
 
 
 def _swept(tape: Tape, omega: Vector, alpha: Vector, arm: Vector) -> Vector:
@@ -104,6 +124,7 @@ def acceleration(robot: Robot) -> Program:
             a = added(tape, a, scaled(tape, 2 * rate, turning))
     a = added(tape, a, _swept(tape, omega, alpha, chain.tool_arm))
     inputs = [_phi(robot, "phi"), _phi(robot, "phi_dot", "d"), _phi(robot, "phi_ddot", "dd")]
+    inputs += parameter_block(robot)
     out = Block("a", (6,), (*a, *alpha))
     return tape.program("acceleration", inputs, [out], notes(robot))
 

@@ -56,7 +56,7 @@ class Program:
     ) -> "Program":
         """Share the common parts of finished expressions."""
         flat = [element for block in outputs for element in block.elements]
-        steps, reduced = sp.cse(flat, symbols=sp.numbered_symbols("x"), order="none")
+        steps, reduced = sp.cse(flat, symbols=sp.numbered_symbols("x", real=True), order="none")
         rest = iter(reduced)
         shared = tuple(
             Block(b.name, b.shape, tuple(next(rest) for _ in b.elements)) for b in outputs
@@ -67,10 +67,11 @@ class Program:
 class Tape:
     """Gives a name to each intermediate expression, once."""
 
-    def __init__(self, prefix: str = "x") -> None:
-        self.steps: list[tuple[sp.Symbol, sp.Expr]] = []
-        self._names: dict[sp.Expr, sp.Expr] = {}
-        self._prefix = prefix
+    def __init__(self, program: Program | None = None) -> None:
+        """An empty tape, or one that continues the steps of a program."""
+        self.steps: list[tuple[sp.Symbol, sp.Expr]] = list(program.steps) if program else []
+        self._names = {expression: symbol for symbol, expression in self.steps}
+        self._next = 1 + max((int(s.name[1:]) for s, _ in self.steps), default=-1)
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
         """The expression itself if it is a number, a symbol or its negative; else its name."""
@@ -81,7 +82,8 @@ class Tape:
             return -self(-expression)
         if (found := self._names.get(expression)) is not None:
             return found
-        symbol = sp.Symbol(f"{self._prefix}{len(self.steps)}")
+        symbol = sp.Symbol(f"x{self._next}", real=True)
+        self._next += 1
         self.steps.append((symbol, expression))
         self._names[expression] = symbol
         return symbol
