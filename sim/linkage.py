@@ -36,6 +36,17 @@ class Linkage:
         """(3 * number of cuts,) [m], base axes, at the positions of the last kinematics."""
         return np.concatenate([data.site_xpos[a] - data.site_xpos[b] for a, b in self._cuts])
 
+    def jacobian(self, data: mujoco.MjData) -> Array:
+        """Of `gap`, (3 * number of cuts, nv) [m/rad]; after mj_kinematics and mj_comPos."""
+        rows = np.empty((3 * len(self._cuts), self._mj.nv))
+        other = np.empty((3, self._mj.nv))
+        for i, (a, b) in enumerate(self._cuts):
+            block = rows[3 * i : 3 * i + 3]
+            mujoco.mj_jacSite(self._mj, data, block, None, a)
+            mujoco.mj_jacSite(self._mj, data, other, None, b)
+            block -= other
+        return rows
+
     def close(self, data: mujoco.MjData) -> None:
         """Move the passive joints so that the cuts close; the other joints stay.
 
@@ -43,13 +54,14 @@ class Linkage:
         """
         if self.is_open:
             return
+        gap = np.full(3, np.inf)
         for _ in range(_CLOSING_STEPS):
             mujoco.mj_kinematics(self._mj, data)
             mujoco.mj_comPos(self._mj, data)
             gap = self.gap(data)
             if np.abs(gap).max() < _CLOSED:
                 return
-            passive = self._jacobian(data)[:, self._passive]
+            passive = self.jacobian(data)[:, self._passive]
             data.qpos[self._passive] -= np.linalg.lstsq(passive, gap)[0]
         raise RuntimeError(f"the linkage stays open by {np.abs(gap).max():.3g} m")
 
@@ -61,21 +73,11 @@ class Linkage:
         Z = np.eye(self._mj.nv)
         if self.is_open:
             return Z
-        jacobian = self._jacobian(data)
+        jacobian = self.jacobian(data)
         passive = jacobian[:, self._passive]
         Z[self._passive] = -np.linalg.lstsq(passive, jacobian)[0]
         Z[:, self._passive] = 0.0
         return Z
-
-    def _jacobian(self, data: mujoco.MjData) -> Array:
-        rows = np.empty((3 * len(self._cuts), self._mj.nv))
-        other = np.empty((3, self._mj.nv))
-        for i, (a, b) in enumerate(self._cuts):
-            block = rows[3 * i : 3 * i + 3]
-            mujoco.mj_jacSite(self._mj, data, block, None, a)
-            mujoco.mj_jacSite(self._mj, data, other, None, b)
-            block -= other
-        return rows
 
 
 def passive_joints(mj: mujoco.MjModel) -> np.ndarray:

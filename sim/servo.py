@@ -138,4 +138,4 @@ def encoder_perturbation(noise: Array, step: float) -> Array:
     from scipy.signal import lfilter
 
     c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
-    return lfilter([(1.0 - c) / step, -(1.0 - c) / step], [1.0, -c], noise, axis=0)
+    return np.asarray(lfilter([(1.0 - c) / step, -(1.0 - c) / step], [1.0, -c], noise, axis=0))

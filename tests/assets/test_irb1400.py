@@ -1,0 +1,421 @@
+"""The IRB1400 of assets/irb1400.xml: its data, its closed chain, and the soundness of its physics.
+
+Reference values: thesis Table 4.2, Figure 4.1 and section 5.1.1; the modes and the linkage forces
+were found with an independent prototype of the same data.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+import pytest
+import scipy.linalg
+
+import assets
+import kinematics
+from sim.linkage import Linkage
+from sim.model import AXES, load_model
+from sim.robot import VirtualRobot
+from sim.variants import Flexibility, variant
+
+LOG_PERIOD = 0.004
+G = 9.82
+DH_TOLERANCE = 0.5e-6  # [m], rigid closed chain against D-H: the solver's compliance
+LOOP_TOLERANCE = 1e-6  # [m], the cut of the parallelogram in any run
+ROUNDING = 1e-14  # [m]
+
+
+@pytest.fixture(scope="module")
+def full():
+    return load_model(assets.IRB1400_XML)
+
+
+@pytest.fixture(scope="module")
+def rigid():
+    return load_model(variant(assets.IRB1400_XML, Flexibility.RIGID))
+
+
+@pytest.fixture(scope="module")
+def dh():
+    return kinematics.compile(kinematics.IRB1400)
+
+
+def at_rest_pose(model, phi):
+    """Kinematics of the model with its springs at zero."""
+    data = mujoco.MjData(model.mj)
+    data.qpos[:] = model.posture @ phi
+    mujoco.mj_forward(model.mj, data)
+    return data
+
+
+def through(waypoints, seconds):
+    """Log-rate reference that visits the rows of `waypoints`, at rest at each."""
+    n = round(seconds / LOG_PERIOD)
+    ramp = (1.0 - np.cos(np.pi * np.arange(n) / n))[:, None] / 2.0
+    legs = [a + ramp * (b - a) for a, b in pairwise(waypoints)]
+    rest = np.tile(waypoints[-1], (25, 1))
+    return np.concatenate((np.tile(waypoints[0], (25, 1)), *legs, rest))
+
+
+def brisk_motion():
+    """One second that uses all axes: up to 1.3 rad/s on the main axes, 5 rad/s^2."""
+    there = np.array([0.4, 0.35, -0.25, 0.6, 0.5, -0.7])
+    return through(np.array([np.zeros(6), there, np.zeros(6)]), 0.5)
+
+
+def loop_error(model, qpos):
+    """Largest distance between rod end and lever [m]."""
+    data, linkage, worst = mujoco.MjData(model.mj), Linkage(model.mj), 0.0
+    for q in qpos:
+        data.qpos[:] = q
+        mujoco.mj_kinematics(model.mj, data)
+        worst = max(worst, float(np.linalg.norm(linkage.gap(data))))
+    return worst
+
+
+def imu_position(truth):
+    """(M, 3) from tool position and orientation, with the mounting of thesis 5.1.1."""
+    in_tool = np.array([-0.090, -0.026, 0.032])  # (32, -26, 90) mm of the zero pose, in tool axes
+    moved = np.empty_like(truth.tool_position)
+    for i, q in enumerate(truth.tool_quaternion):
+        mujoco.mju_rotVecQuat(moved[i], in_tool, q)
+    return truth.tool_position + moved
+
+
+# Data
+
+
+def test_it_compiles_and_runs_without_warnings_under_noise(full):
+    data = mujoco.MjData(full.mj)
+    noise = np.random.default_rng(0).standard_normal((2000, full.mj.nu))
+    for row in noise:
+        data.ctrl[:] = 0.2 * row
+        mujoco.mj_step(full.mj, data)
+    assert np.isfinite(data.qpos).all()
+    assert not any(warning.number for warning in data.warning)
+
+
+def test_the_scene_holds_the_robot_and_its_cameras():
+    scene = mujoco.MjModel.from_xml_path(str(assets.IRB1400_XML.with_name("irb1400_scene.xml")))
+    assert load_model(scene).mj.ncam == 3
+
+
+def test_both_robots_expose_the_same_interface(full):
+    large = load_model(assets.LARGE_ROBOT_XML)
+    assert set(full.sensors) == set(large.sensors)
+    for site in ("tool0", "imu", "tracker_target"):
+        assert full.mj.site(site).id >= 0
+    for i in AXES:
+        assert full.mj.actuator(f"axis_{i}").trnid[0] == full.mj.joint(f"motor_{i}").id
+    assert full.mj.key("zero").qpos == pytest.approx(np.zeros(full.mj.nq))
+
+
+def test_the_robot_weighs_225_kg_beside_its_imu(full):
+    mount = full.mj.body("imu_mount").mass[0]
+    assert full.mj.body_mass.sum() - mount == pytest.approx(225.0, abs=1e-9)
+
+
+def test_the_wrist_reaches_1_44_m_within_the_limits_of_the_axes(full):
+    p2, p3 = np.radians(70.0), np.arctan2(0.12, 0.72)
+    wrist = at_rest_pose(full, np.array([0.0, p2, p3, 0.0, 0.0, 0.0])).body("tilt").xpos
+    assert wrist[0] == pytest.approx(1.44, abs=0.005)
+
+
+def test_the_zero_pose_is_that_of_the_thesis(full):
+    data = at_rest_pose(full, np.zeros(6))
+    assert data.site("tool0").xpos == pytest.approx([0.955, 0.0, 1.195], abs=ROUNDING)
+    rotation = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    assert data.site("tool0").xmat.reshape(3, 3) == pytest.approx(np.array(rotation), abs=1e-15)
+    assert data.site("imu").xpos == pytest.approx([0.987, -0.026, 1.285], abs=ROUNDING)
+    assert data.site("imu").xmat.reshape(3, 3) == pytest.approx(np.eye(3), abs=1e-15)
+
+
+def test_each_centre_of_mass_lies_in_its_link(full):
+    mj = full.mj
+    for body in range(1, mj.nbody):
+        drawn = body
+        while not mj.body_geomnum[drawn]:  # lumped masses lie in the link that carries them
+            drawn = mj.body_parentid[drawn]
+        corners = []
+        for geom in range(mj.body_geomadr[drawn], mj.body_geomadr[drawn] + mj.body_geomnum[drawn]):
+            rotation = np.empty(9)
+            mujoco.mju_quat2Mat(rotation, mj.geom_quat[geom])
+            centre, half = mj.geom_aabb[geom, :3], mj.geom_aabb[geom, 3:]
+            box = centre + half * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+            corners.append(mj.geom_pos[geom] + box @ rotation.reshape(3, 3).T)
+        corners = np.concatenate(corners)
+        com = mj.body_ipos[body]
+        name = mj.body(body).name
+        assert (corners.min(axis=0) <= com).all(), name
+        assert (com <= corners.max(axis=0)).all(), name
+
+
+def test_inertias_obey_the_triangle_inequality(full):
+    inertia = np.sort(full.mj.body_inertia[1:], axis=1)
+    assert (inertia[:, 0] > 0.0).all()
+    assert (inertia[:, 0] + inertia[:, 1] >= inertia[:, 2]).all()
+
+
+def test_its_shapes_neither_collide_nor_weigh(full):
+    assert not full.mj.geom_contype.any()
+    assert not full.mj.geom_conaffinity.any()
+
+
+def test_ranges_and_speeds_are_those_of_the_kinematic_description(full):
+    limits = kinematics.IRB1400_LIMITS
+    expected = np.column_stack((limits.lower, limits.upper))
+    assert full.joint_range == pytest.approx(expected, abs=1e-5)
+    assert full.drives.speed_limit == pytest.approx(limits.speed, abs=1e-6)
+    (linkage,) = limits.coupled
+    assert full.mj.joint("link_elbow").range == pytest.approx(
+        [linkage.lower, linkage.upper], abs=1e-5
+    )
+
+
+def test_drive_data_agree_with_themselves(full):
+    drives, mj = full.drives, full.mj
+    gear = [mj.actuator(f"axis_{i}").gear[0] for i in AXES]
+    assert drives.gear == pytest.approx(gear)
+    n_Jm = [1.3e-3, 1.3e-3, 1.3e-3, 2.0e-4, 1.8e-4, 1.6e-4] * drives.gear**2
+    assert mj.dof_armature[full.motor] == pytest.approx(n_Jm)
+
+
+def test_servo_gains_follow_from_the_inertia_of_the_zero_pose(full):
+    """kp n^2 = J w0^2 with 9 Hz, kd n^2 = 2 * 0.8 J w0, ki = 4 kp."""
+    data, mass = at_rest_pose(full, np.zeros(6)), np.zeros((full.mj.nv, full.mj.nv))
+    mujoco.mj_fullM(full.mj, data, mass)
+    J = np.diag(full.posture.T @ mass @ full.posture)
+    w0, n2 = 2.0 * np.pi * 9.0, full.drives.gear**2
+    assert full.drives.kp * n2 == pytest.approx(J * w0**2, rel=1e-3)
+    assert full.drives.kd * n2 == pytest.approx(1.6 * J * w0, rel=1e-3)
+    assert full.drives.ki == pytest.approx(4.0 * full.drives.kp)
+
+
+# The closed chain
+
+
+def test_the_passive_joints_follow_the_motors_in_every_pose(full, dh):
+    """The constant map closes the loop exactly, and puts the tool where D-H with (4.10) says."""
+    rng = np.random.default_rng(1)
+    limits, linkage = kinematics.IRB1400_LIMITS, Linkage(full.mj)
+    phi = rng.uniform(limits.lower, limits.upper, (400, 6))
+    for row in phi[limits.contain(phi)]:
+        data = at_rest_pose(full, row)
+        assert np.abs(linkage.gap(data)).max() < ROUNDING
+        assert data.site("tool0").xpos == pytest.approx(dh.pose(row)[:3, 3], abs=ROUNDING)
+
+
+def test_the_constant_map_is_what_the_constraint_itself_implies(rigid):
+    """Tangent of the cut, from the Jacobians of its two sites, in an arbitrary pose."""
+    data = at_rest_pose(rigid, np.array([0.3, 0.6, -0.2, 0.1, 0.2, 0.3]))
+    follow = Linkage(rigid.mj).tangent(data)
+    assert follow[:, rigid.motor] == pytest.approx(rigid.posture, abs=1e-13)
+
+
+def test_the_rigid_closed_chain_moves_as_d_h_with_the_coupling_says(rigid, dh):
+    """To the corners of |phi_2| <= 70, |phi_3 - phi_2| <= 70, -65 <= phi_3 <= 70 deg."""
+    corners = [(0, 0), (70, 70), (70, 0), (5, -65), (-70, -65), (-70, 0), (0, 70), (0, 0)]
+    corners = np.radians(corners)
+    waypoints = np.zeros((len(corners), 6))
+    waypoints[:, 1:3] = corners
+    waypoints[:, 0] = np.radians([0, 40, -30, 20, 0, -40, 10, 0])
+    waypoints[:, 3:] = np.radians(30) * np.array([1, -1, 2])
+    run = VirtualRobot(rigid).run(through(waypoints, 1.0), rng=np.random.default_rng(0))
+    truth = run.truth
+    assert np.ptp(truth.motor_angle, axis=0)[1:3] == pytest.approx(np.radians([140, 135]), abs=0.02)
+    expected = dh.pose(truth.motor_angle)[:, :3, 3]
+    assert np.linalg.norm(truth.tool_position - expected, axis=1).max() < DH_TOLERANCE
+    assert loop_error(rigid, truth.qpos[::20]) < LOOP_TOLERANCE
+
+
+def test_the_loop_stays_closed_with_flexible_joints_and_noise(full):
+    run = VirtualRobot(full).run(brisk_motion(), rng=np.random.default_rng(0))
+    assert loop_error(full, run.truth.qpos[::10]) < LOOP_TOLERANCE
+
+
+def test_flexible_joints_move_the_tool_away_from_d_h_and_stiff_gears_bring_it_back(dh):
+    """Distance between motor-angle D-H and the tool: proportional to the gears' compliance."""
+    distance = []
+    for factor in (1.0, 4.0, 16.0):
+        mj = variant(assets.IRB1400_XML, Flexibility.GEARS, gear_stiffness=factor)
+        mj.opt.timestep = 1.25e-4  # the stiffest gear rings at 1.6 kHz
+        truth = VirtualRobot(load_model(mj)).run(brisk_motion()).truth
+        apart = truth.tool_position - dh.pose(truth.motor_angle)[:, :3, 3]
+        distance.append(np.linalg.norm(apart, axis=1).max())
+    assert 0.2e-3 < distance[0] < 1.5e-3
+    assert distance[1] / distance[0] == pytest.approx(1 / 4, rel=0.25)
+    assert distance[2] / distance[0] == pytest.approx(1 / 16, rel=0.25)
+
+
+def test_the_parallelogram_is_singular_at_90_degrees():
+    """The cut loses a direction as 0.16 m cos(phi_3 - phi_2): the planner stops at 70 deg."""
+    mj = variant(assets.IRB1400_XML, Flexibility.GEARS)
+    model, linkage = load_model(mj), Linkage(mj)
+    passive = [mj.joint(name).dofadr[0] for name in ("link_rod_y", "link_elbow")]
+    for degrees in (0.0, 60.0, 70.0, 80.0, 90.0):
+        phi = np.zeros(6)
+        phi[2] = np.radians(degrees)
+        data = at_rest_pose(model, phi)
+        jacobian = linkage.jacobian(data)[:, passive]
+        smallest = np.linalg.svd(jacobian[[0, 2]], compute_uv=False)[-1]
+        assert np.abs(np.linalg.det(jacobian[[0, 2]])) == pytest.approx(
+            0.6 * 0.16 * np.cos(phi[2]), abs=1e-12
+        )
+        assert smallest <= 0.16 * np.cos(phi[2]) + 1e-12
+
+
+@pytest.mark.parametrize(("degrees", "newton"), [(0, 387), (60, 888), (70, 1180), (80, 2040)])
+def test_the_force_in_the_rod_grows_towards_the_singularity(rigid, degrees, newton):
+    mj = variant(assets.IRB1400_XML, Flexibility.RIGID)
+    mj.jnt_limited[:] = 0
+    phi = np.zeros(6)
+    phi[2] = np.radians(degrees)
+    data = held(load_model(mj), phi)
+    rod = np.linalg.norm(data.efc_force[data.efc_id == mj.eq("rod_to_lever").id])
+    assert rod == pytest.approx(newton, rel=0.05)
+
+
+def held(model, phi, seconds=0.25):
+    """The robot with its brakes engaged at phi, after it came to rest."""
+    mj = model.mj
+    data = at_rest_pose(model, phi)
+    for i in AXES:
+        brake = mj.eq(f"brake_{i}").id
+        mj.eq_data[brake, 0] = phi[i - 1]
+        data.eq_active[brake] = 1
+    data.ctrl.reshape(6, 3)[:, 0] = model.drives.gear * phi
+    for _ in range(round(seconds / mj.opt.timestep)):
+        mujoco.mj_step(mj, data)
+    return data
+
+
+# Soundness of the physics
+
+
+@pytest.mark.parametrize("flexibility", list(Flexibility))
+def test_the_accelerometer_is_the_second_difference_of_the_imu_position(flexibility):
+    model = load_model(variant(assets.IRB1400_XML, flexibility))
+    truth = VirtualRobot(model).run(brisk_motion(), rng=np.random.default_rng(0)).truth
+    position, step = imu_position(truth), model.timestep
+    measured = np.diff(position, 2, axis=0) / step**2 + np.array([0.0, 0.0, G])
+    specific_force = np.empty_like(measured)
+    # IMU and base axes agree in the zero pose: R_base_imu = R_base_tool (R_base_tool of zero)^T.
+    zero = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
+    for i, tool in enumerate(truth.tool_quaternion[1:-1]):
+        imu = np.empty(4)
+        mujoco.mju_mulQuat(imu, tool, zero)
+        mujoco.mju_rotVecQuat(specific_force[i], truth.imu_acceleration[i + 1], imu)
+    rms = np.sqrt(np.mean((measured - specific_force) ** 2, axis=0))
+    assert np.ptp(measured, axis=0).min() > 1.0
+    assert rms.max() < 0.005
+
+
+def locked_modes(model):
+    """Frequencies [Hz], damping ratios and shapes (nv, n) with the motors held, zero pose."""
+    mj, data = model.mj, at_rest_pose(model, np.zeros(6))
+    mass = np.zeros((mj.nv, mj.nv))
+    mujoco.mj_fullM(mj, data, mass)
+    Z = Linkage(mj).tangent(data)[:, model.springs]
+    M, K, D = (Z.T @ A @ Z for A in (mass, np.diag(mj.jnt_stiffness), np.diag(mj.dof_damping)))
+    squared, shape = scipy.linalg.eigh(K, M)
+    w = np.sqrt(squared)
+    return w / (2 * np.pi), np.diag(shape.T @ D @ shape) / (2 * w), Z @ shape
+
+
+def test_the_line_near_27_hz_is_a_mode_of_the_locked_arm(full):
+    """Thesis 5.1.1: a small peak near 27 Hz. The other lines of the data set stand beside it."""
+    frequency, damping, _ = locked_modes(full)
+    assert frequency[:4] == pytest.approx([15.7, 16.8, 27.9, 34.3], rel=0.01)
+    assert damping[[0, 2]] == pytest.approx([0.016, 0.025], abs=0.001)
+
+
+@pytest.mark.parametrize("mode", [0, 2])
+def test_a_spring_that_decays_keeps_its_damping(full, mode):
+    """Plucked along one mode with the brakes on: integration adds no damping of its own."""
+    frequency, damping, shapes = locked_modes(full)
+    mj = load_model(assets.IRB1400_XML).mj
+    mj.opt.gravity[:] = 0.0
+    data = mujoco.MjData(mj)
+    for i in AXES:
+        data.eq_active[mj.eq(f"brake_{i}").id] = 1
+    shape = shapes[:, mode]
+    data.qpos[:] = 1e-5 * shape / np.abs(shape).max()
+    n = round(12.0 / frequency[mode] / mj.opt.timestep)
+    history = np.empty((n, mj.nq))
+    for i in range(n):
+        mujoco.mj_step(mj, data)
+        history[i] = data.qpos
+    swing = history[:, np.argmax(np.abs(shape))]
+    peaks = np.flatnonzero((swing[1:-1] > swing[:-2]) & (swing[1:-1] > swing[2:])) + 1
+    rate = -np.polyfit(peaks * mj.opt.timestep, np.log(swing[peaks]), 1)[0]
+    measured = rate / (2 * np.pi * frequency[mode])
+    assert measured == pytest.approx(damping[mode], rel=0.03)
+
+
+def test_the_springs_balance_170_nm_times_sine_of_the_lower_arm(full):
+    for phi_2 in (-1.0, 0.3, 1.2):
+        data = at_rest_pose(full, np.array([0.0, phi_2, phi_2, 0.0, 0.0, 0.0]))
+        torque = data.qfrc_spring[full.flex[1]]
+        assert torque == pytest.approx(-170.0 * np.sin(phi_2), abs=1e-9)
+
+
+def test_it_starts_at_rest_under_its_own_weight(full):
+    phi = np.array([0.3, 0.8, 0.2, 0.4, -0.5, 1.0])
+    run = VirtualRobot(full).run(np.tile(phi, (50, 1)))
+    assert np.ptp(run.truth.tool_position, axis=0).max() < 1e-6  # the solver's compliance settles
+    assert np.abs(np.linalg.norm(run.truth.imu_acceleration, axis=1) - G).max() < 0.005
+
+
+def test_brakes_hold_what_the_drives_let_go(full):
+    """Motors off: no current, six brakes; the arm stays, where without brakes it would fall."""
+    model = load_model(assets.IRB1400_XML)
+    mujoco_model = model.mj
+    mujoco_model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
+    phi = np.array([0.0, 0.6, 0.3, 0.0, 0.0, 0.0])
+    start = at_rest_pose(model, phi).site("tool0").xpos
+    assert np.linalg.norm(held(model, phi).site("tool0").xpos - start) < 1e-3
+    loose = at_rest_pose(model, phi)
+    for _ in range(500):
+        mujoco.mj_step(mujoco_model, loose)
+    assert np.linalg.norm(loose.site("tool0").xpos - start) > 5e-3
+
+
+# Variants
+
+
+def test_variants_drop_the_springs_they_name(full, rigid):
+    gears = load_model(variant(assets.IRB1400_XML, Flexibility.GEARS))
+    assert (rigid.mj.nv, gears.mj.nv, full.mj.nv) == (8, 14, 21)
+    assert len(rigid.springs) == 0
+    assert set(gears.springs) == set(gears.flex)
+    mass = [m.mj.body_mass.sum() for m in (rigid, gears)]
+    assert mass == pytest.approx([full.mj.body_mass.sum()] * 2)
+
+
+def test_scaled_springs_keep_their_damping_ratio(full):
+    scaled = variant(assets.IRB1400_XML, gear_stiffness=4.0)
+    assert scaled.jnt_stiffness[full.flex] == pytest.approx(4 * full.mj.jnt_stiffness[full.flex])
+    assert scaled.dof_damping[full.flex] == pytest.approx(2 * full.mj.dof_damping[full.flex])
+    structure = np.setdiff1d(full.springs, full.flex)
+    assert (scaled.jnt_stiffness[structure] == full.mj.jnt_stiffness[structure]).all()
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
+def test_a_stiffness_factor_that_is_not_positive_is_refused(factor):
+    with pytest.raises(ValueError, match="gear stiffness factor must be > 0"):
+        variant(assets.IRB1400_XML, gear_stiffness=factor)
+
+
+# The servo
+
+
+def test_the_reported_torque_contains_the_integral(full):
+    """The drive's own report = net torque on the rotor plus what friction takes, at standstill."""
+    model = replace(full, drives=replace(full.drives, torque_feedforward=0.0))
+    run = VirtualRobot(model).run(brisk_motion())
+    settled = run.motor_torque[-1]
+    expected = VirtualRobot(full).run(brisk_motion()).motor_torque[-1]
+    friction = full.drives.coulomb_friction
+    assert (np.abs(settled - expected) < 2 * 1.25 * friction).all()
+    assert np.abs(run.error).max() > np.abs(VirtualRobot(full).run(brisk_motion()).error).max()
