@@ -135,3 +135,9 @@ def test_every_dependency_has_a_lower_and_an_upper_bound():
     for requirement in PROJECT["dependencies"]:
         assert ">=" in requirement, requirement
         assert "<" in requirement, requirement
+
+
+def test_citation_and_package_agree_on_the_version():
+    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
+    assert cited is not None
+    assert cited[1] == PROJECT["version"]

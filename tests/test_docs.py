@@ -1,0 +1,104 @@
+"""What README and the docs tell people to type works as written.
+
+A block marked `python` is run; the blocks of one page share their names, as a reader's would.
+In blocks marked `sh` or `console` each line that starts with `armside` is run, with or without
+`$ ` before it. Commands that take minutes are only parsed.
+"""
+
+import re
+import shlex
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from scripts import cli
+
+ROOT = Path(__file__).parent.parent
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+TAKES_MINUTES = {"bench", "verify"}
+FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+class Block(NamedTuple):
+    """A fenced block of a page."""
+
+    language: str
+    text: str
+    line: int
+
+
+def blocks(page: str) -> list[Block]:
+    return [
+        Block(found[1], found[2], page.count("\n", 0, found.start()) + 1)
+        for found in FENCE.finditer(page)
+    ]
+
+
+def commands(block: Block) -> list[str]:
+    """The armside commands of a block, long lines joined, comments dropped."""
+    if block.language not in {"sh", "console", "bash", "shell"}:
+        return []
+    lines = block.text.replace("\\\n", " ").splitlines()
+    typed = [line.removeprefix("$ ").strip() for line in lines]
+    return [line for line in typed if line.split()[:1] == ["armside"]]
+
+
+def run_command(command: str) -> None:
+    words = shlex.split(command, comments=True)[1:]
+    if words and words[0] in TAKES_MINUTES:
+        cli.make_app(words[0]).parse_args(words)
+    else:
+        assert cli.main(words) == cli.DONE, command
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_what_a_page_tells_to_type_works(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
+    for block in blocks(page.read_text(encoding="utf-8")):
+        for command in commands(block):
+            run_command(command)
+        if block.language == "python":
+            padding = "\n" * block.line  # so that a traceback names the line of the page
+            exec(compile(padding + block.text, str(page), "exec"), names)
+
+
+def test_links_between_pages_and_to_files_lead_somewhere():
+    for page in PAGES:
+        text = FENCE.sub("", page.read_text(encoding="utf-8"))
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+            if not re.match(r"[a-z]+:", target):
+                assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+EXAMPLE = """Intro
+```python
+x = 1
+```
+```console
+$ armside laser --radius 3 \\
+    --quiet
+Results in runs/
+$ make run
+armside bench kinematics  # minutes
+```
+```text
+armside nothing
+```
+"""
+
+
+def test_blocks_and_commands_are_found_as_a_reader_would():
+    python, console, text = blocks(EXAMPLE)
+    assert (python.language, python.text, python.line) == ("python", "x = 1\n", 2)
+    assert commands(python) == commands(text) == []
+    first, second = commands(console)
+    assert shlex.split(first) == ["armside", "laser", "--radius", "3", "--quiet"]
+    assert second.startswith("armside bench kinematics")
+
+
+def test_a_command_that_does_not_work_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AssertionError, match="--radius 0"):
+        run_command("armside laser --radius 0")
