@@ -4,6 +4,9 @@ Ideal reading -> bandwidth -> bias -> noise -> range -> quantisation -> sampling
 quaternions w first; every random draw comes from a Generator that the caller passes in.
 """
 
+from .imu import Imu as Imu
+from .imu import ImuCfg as ImuCfg
+from .imu import ImuSamples as ImuSamples
 from .laser_tracker import LaserTracker as LaserTracker
 from .laser_tracker import LaserTrackerCfg as LaserTrackerCfg
 from .laser_tracker import TrackerSamples as TrackerSamples

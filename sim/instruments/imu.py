@@ -1,0 +1,240 @@
+"""A strap-down inertial measurement unit of the Xsens MTx kind, on its own clock.
+
+Ideal reading in the frame of the site -> mounting error -> scale and misalignment -> noise ->
+bandwidth -> bias and its walk -> range -> quantisation -> samples on the unit's clock. Noise passes
+the sensor's low-pass like the signal does: 0.002 m/s^2/sqrt(Hz) through 30 Hz is 0.012 m/s^2 rms.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import butter, sosfilt, sosfilt_zi
+
+from . import noise
+from .sampling import rate_of
+
+Array = NDArray[np.float64]
+
+WARM_UP = 0.5
+"""For which the unit is on before the record, so that its filters and noise are stationary [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriadCfg:
+    """Three orthogonal sensors of one kind. `unit` is m/s^2 or rad/s."""
+
+    noise_density: float
+    """One-sided, [unit/sqrt(Hz)]."""
+    bandwidth: float
+    """Corner of a second-order low-pass [Hz]."""
+    bias: float
+    """One standard deviation of the turn-on bias [unit]."""
+    bias_walk: float
+    """Random walk of the bias [unit/sqrt(s)]."""
+    scale_error: float
+    """One standard deviation, relative."""
+    misalignment: float
+    """One standard deviation of each sensitive axis from its housing axis [rad]."""
+    range: float
+    """Readings are clipped at +-range [unit]."""
+    bits: int = 16
+    """Of the converter, over the whole range; 0 does not quantise."""
+
+    def __post_init__(self) -> None:
+        for name in ("noise_density", "bias", "bias_walk", "scale_error", "misalignment", "bits"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        for name in ("bandwidth", "range"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+
+    @property
+    def resolution(self) -> float:
+        """One count [unit], 0 without quantisation."""
+        return 2.0 * self.range / 2**self.bits if self.bits else 0.0
+
+    @property
+    def delay(self) -> float:
+        """By which the low-pass holds slow signals back [s]: sqrt(2) / (2 pi bandwidth)."""
+        return float(np.sqrt(2.0) / (2.0 * np.pi * self.bandwidth))
+
+
+ACCELEROMETER = TriadCfg(
+    noise_density=0.002,  # data sheet MT0100P, +-17 m/s^2 unit
+    bandwidth=30.0,  # data sheet, from memory
+    bias=0.02,  # bias stability of the manual
+    bias_walk=1e-4,  # ESTIMATE
+    scale_error=3e-4,  # stability of scale, from memory
+    misalignment=np.deg2rad(0.1),  # data sheet MT0100P
+    range=17.0,  # +-1.7 g, thesis 5.1.1
+)
+GYROSCOPE = TriadCfg(
+    noise_density=np.deg2rad(0.1),  # data sheet MT0100P, +-1200 deg/s unit
+    bandwidth=40.0,  # data sheet, from memory
+    bias=np.deg2rad(1.0),  # bias stability of the manual
+    bias_walk=1e-5,  # ESTIMATE
+    scale_error=3e-4,  # stability of scale, from memory
+    misalignment=np.deg2rad(0.1),  # data sheet MT0100P
+    range=np.deg2rad(1200.0),  # thesis 5.1.1
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuCfg:
+    """The unit as sold and as screwed on."""
+
+    accelerometer: TriadCfg = ACCELEROMETER
+    gyroscope: TriadCfg = GYROSCOPE
+    rate: float = 100.0
+    """Of the output [Hz]. Thesis 5.1.1."""
+    mounting_error: float = np.deg2rad(0.7)
+    """One standard deviation of the housing's turn about each axis of the site [rad]. ESTIMATE: the
+    mean of -0.2 m/s^2 in thesis Fig. 5.2 is a tilt of 1.2 deg."""
+    clock_offset: float = 0.010
+    """The unit's clock starts within +- this of the robot's [s]. ESTIMATE."""
+    clock_drift: float = 0.0
+    """One standard deviation of its rate error, relative."""
+
+    def __post_init__(self) -> None:
+        if not self.rate > 0.0:
+            raise ValueError(f"IMU rate must be > 0 Hz, got {self.rate}")
+        for name in ("mounting_error", "clock_offset", "clock_drift"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuSamples:
+    """What the unit sent, in its own frame and by its own clock."""
+
+    time: Array
+    """(K,) [s], the unit's clock."""
+    acceleration: Array
+    """(K, 3) [m/s^2], specific force: gravity shows as an acceleration upwards."""
+    angular_velocity: Array
+    """(K, 3) [rad/s]."""
+    acceleration_clipped: NDArray[np.bool_]
+    """(K, 3), the reading is at the end of its range: the true one was beyond."""
+    angular_velocity_clipped: NDArray[np.bool_]
+    """(K, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Triad:
+    """One individual triad: y = sensitivity @ x + bias."""
+
+    cfg: TriadCfg
+    sensitivity: Array
+    """(3, 3), identity for a perfect one."""
+    bias: Array
+    """(3,) [unit], at the start."""
+
+    def filtered(self, ideal: Array, step: float, rng: np.random.Generator) -> Array:
+        """Noise and low-pass at the rate of the record; (M, 3) as if the unit had long been on."""
+        n_warm = round(WARM_UP / step)
+        x = np.concatenate([np.repeat(ideal[:1], n_warm, axis=0), ideal]) @ self.sensitivity.T
+        x_noisy = x + noise.from_density(rng, x.shape, self.cfg.noise_density, 1.0 / step)
+        sos = butter(2, self.cfg.bandwidth, fs=1.0 / step, output="sos")
+        settled = sosfilt_zi(sos)[:, :, np.newaxis] * x[0]
+        y, _ = sosfilt(sos, x_noisy, axis=0, zi=settled)
+        return y[n_warm:]
+
+    def digitised(
+        self, samples: Array, period: float, rng: np.random.Generator
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Bias, range and converter at the output rate: readings and which of them are clipped."""
+        cfg = self.cfg
+        walk = noise.random_walk(rng, (len(samples), 3), cfg.bias_walk, period)
+        y = samples + self.bias + walk
+        clipped = np.abs(y) >= cfg.range
+        y = np.clip(y, -cfg.range, cfg.range)
+        if cfg.resolution > 0.0:
+            y = np.clip(np.rint(y / cfg.resolution) * cfg.resolution, -cfg.range, cfg.range)
+        return y, clipped
+
+
+@dataclass(frozen=True, kw_only=True)
+class Imu:
+    """One individual unit, screwed on: `draw` makes it."""
+
+    cfg: ImuCfg
+    accelerometer: Triad
+    gyroscope: Triad
+    R_site_imu: Array
+    """(3, 3), the mounting error."""
+    clock_offset: float
+    """Robot time when the unit's clock shows 0 [s]."""
+    clock_drift: float
+    """Robot time = clock_offset + (1 + clock_drift) * unit time."""
+
+    def measure(
+        self,
+        time: Array,
+        acceleration: Array,
+        angular_velocity: Array,
+        rng: np.random.Generator,
+    ) -> ImuSamples:
+        """Readings of a record.
+
+        Args:
+            time: (M,) [s], uniform, robot time; fine enough for the bandwidths.
+            acceleration: (M, 3) [m/s^2], ideal specific force in the frame of the site.
+            angular_velocity: (M, 3) [rad/s], ideal, in the frame of the site.
+
+        The unit's instants fall between those of the record; the low-passed signal is interpolated
+        linearly there.
+        """
+        step = 1.0 / rate_of(time)
+        own_time, robot_time = self._instants(time)
+        readings = []
+        for triad, ideal in (
+            (self.accelerometer, acceleration),
+            (self.gyroscope, angular_velocity),
+        ):
+            fine = triad.filtered(ideal @ self.R_site_imu, step, rng)
+            at_samples = np.stack([np.interp(robot_time, time, c) for c in fine.T], axis=1)
+            readings.append(triad.digitised(at_samples, 1.0 / self.cfg.rate, rng))
+        (a, a_clipped), (w, w_clipped) = readings
+        return ImuSamples(
+            time=own_time,
+            acceleration=a,
+            angular_velocity=w,
+            acceleration_clipped=a_clipped,
+            angular_velocity_clipped=w_clipped,
+        )
+
+    def _instants(self, time: Array) -> tuple[Array, Array]:
+        """The samples within a record: by the unit's clock and by the robot's."""
+        pace = 1.0 + self.clock_drift
+        first, last = ((time[[0, -1]] - self.clock_offset) / pace) * self.cfg.rate
+        own = np.arange(np.ceil(first - 1e-9), np.floor(last + 1e-9) + 1) / self.cfg.rate
+        return own, self.clock_offset + pace * own
+
+
+def draw(cfg: ImuCfg, rng: np.random.Generator) -> Imu:
+    """One unit of the kind, with the errors it keeps for a day."""
+    return Imu(
+        cfg=cfg,
+        accelerometer=_draw_triad(cfg.accelerometer, rng),
+        gyroscope=_draw_triad(cfg.gyroscope, rng),
+        R_site_imu=_small_rotation(cfg.mounting_error * rng.standard_normal(3)),
+        clock_offset=float(rng.uniform(-cfg.clock_offset, cfg.clock_offset)),
+        clock_drift=float(cfg.clock_drift * rng.standard_normal()),
+    )
+
+
+def _draw_triad(cfg: TriadCfg, rng: np.random.Generator) -> Triad:
+    scale = np.diag(cfg.scale_error * rng.standard_normal(3))
+    tilt = cfg.misalignment * rng.standard_normal((3, 3)) * (1.0 - np.eye(3))
+    return Triad(
+        cfg=cfg, sensitivity=np.eye(3) + scale + tilt, bias=cfg.bias * rng.standard_normal(3)
+    )
+
+
+def _small_rotation(vector: ArrayLike) -> Array:
+    """Rotation by a vector [rad] (Rodrigues)."""
+    v = np.asarray(vector, dtype=np.float64)
+    angle = float(np.linalg.norm(v))
+    S = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / 2 / np.pi) ** 2 * S @ S

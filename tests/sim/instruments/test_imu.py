@@ -1,0 +1,203 @@
+"""The IMU's errors have the sizes configured, and its clock is its own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import welch
+
+from sim.instruments.imu import ACCELEROMETER, GYROSCOPE, Imu, ImuCfg, Triad, TriadCfg, draw
+
+STEP = 5e-4
+PERFECT = TriadCfg(
+    noise_density=0.0,
+    bandwidth=30.0,
+    bias=0.0,
+    bias_walk=0.0,
+    scale_error=0.0,
+    misalignment=0.0,
+    range=17.0,
+    bits=0,
+)
+CLEAN = ImuCfg(
+    accelerometer=PERFECT,
+    gyroscope=replace(PERFECT, bandwidth=40.0, range=20.0),
+    mounting_error=0.0,
+    clock_offset=0.0,
+)
+
+
+def rng(seed=0):
+    return np.random.default_rng(seed)
+
+
+def record(seconds):
+    return np.arange(round(seconds / STEP) + 1) * STEP
+
+
+def still(cfg, seconds, seed=0):
+    """Readings at rest, and the unit that made them."""
+    unit, time = draw(cfg, rng(seed)), record(seconds)
+    force = np.tile([0.0, 0.0, 9.82], (len(time), 1))
+    return unit, unit.measure(time, force, np.zeros_like(force), rng(seed + 1000))
+
+
+def allan_deviation(x, period, n):
+    """Overlapping, of averages over n samples."""
+    theta = np.concatenate([[0.0], np.cumsum(x)]) * period
+    difference = theta[2 * n :] - 2 * theta[n:-n] + theta[: -2 * n]
+    return np.sqrt(np.mean(difference**2) / 2) / (n * period)
+
+
+def test_the_spectrum_at_rest_is_the_configured_density_inside_the_bandwidth():
+    _, samples = still(ImuCfg(), 300.0)
+    for readings, cfg in (
+        (samples.acceleration, ACCELEROMETER),
+        (samples.angular_velocity, GYROSCOPE),
+    ):
+        f, power = welch(readings, fs=100.0, nperseg=1024, axis=0)
+        low = (f > 1.0) & (f < 10.0)
+        density = np.sqrt(power[low].mean())
+        # Aliasing from above 90 Hz and the walk below 1 Hz are each under 2 %.
+        assert density == pytest.approx(cfg.noise_density, rel=0.04)
+
+
+def test_the_noise_at_rest_is_that_of_the_data_sheet_through_its_bandwidth():
+    _, samples = still(ImuCfg(), 100.0)
+    # A second-order Butterworth passes as much as an ideal one of 1.11 times its corner.
+    for readings, cfg in (
+        (samples.acceleration, ACCELEROMETER),
+        (samples.angular_velocity, GYROSCOPE),
+    ):
+        expected = cfg.noise_density * np.sqrt(1.11 * cfg.bandwidth)
+        np.testing.assert_allclose(readings.std(axis=0), expected, rtol=0.05)
+
+
+def test_the_allan_deviation_shows_white_noise_and_then_the_walk():
+    walk = replace(ACCELEROMETER, bias_walk=2e-3, bias=0.0, bits=0)
+    _, samples = still(ImuCfg(accelerometer=walk), 1000.0)
+    x = samples.acceleration
+    at_1_s = np.mean([allan_deviation(x[:, i], 0.01, 100) for i in range(3)])
+    white = walk.noise_density / np.sqrt(2.0)  # density / sqrt(2 tau)
+    assert at_1_s == pytest.approx(np.hypot(white, walk.bias_walk / np.sqrt(3)), rel=0.05)
+    at_30_s = np.mean([allan_deviation(x[:, i], 0.01, 3000) for i in range(3)])
+    # walk * sqrt(tau / 3); 33 independent averages a channel: 10 % for three of them.
+    assert at_30_s == pytest.approx(walk.bias_walk * np.sqrt(10.0), rel=0.25)
+
+
+def test_the_errors_a_unit_keeps_spread_over_units_as_configured():
+    units = [draw(ImuCfg(), rng(seed)) for seed in range(2000)]
+    n = 3 * len(units)
+    bias = np.array([unit.accelerometer.bias for unit in units])
+    assert bias.std() == pytest.approx(ACCELEROMETER.bias, rel=5 / np.sqrt(2 * n))
+    scale = np.array([np.diag(unit.gyroscope.sensitivity) - 1 for unit in units])
+    assert scale.std() == pytest.approx(GYROSCOPE.scale_error, rel=5 / np.sqrt(2 * n))
+    tilt = np.array([unit.accelerometer.sensitivity[0, 1] for unit in units])
+    assert tilt.std() == pytest.approx(ACCELEROMETER.misalignment, rel=0.1)
+    mounting = np.array([unit.R_site_imu[1, 0] for unit in units])
+    assert mounting.std() == pytest.approx(ImuCfg().mounting_error, rel=0.1)
+    offset = np.array([unit.clock_offset for unit in units])
+    assert np.abs(offset).max() <= 0.010
+    assert offset.std() == pytest.approx(0.010 / np.sqrt(3), rel=0.1)
+
+
+def test_a_mounting_error_is_a_rotation_that_leaks_gravity():
+    unit, samples = still(replace(CLEAN, mounting_error=np.deg2rad(0.5)), 0.5)
+    R = unit.R_site_imu
+    np.testing.assert_allclose(R.T @ R, np.eye(3), rtol=0, atol=1e-15)
+    expected = R.T @ [0.0, 0.0, 9.82]
+    np.testing.assert_allclose(samples.acceleration[10], expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "bandwidth"), [("acceleration", 30.0), ("angular_velocity", 40.0)]
+)
+def test_a_slow_signal_comes_out_late_by_the_known_delay(kind, bandwidth):
+    time = record(4.0)
+    slow = np.tile(np.sin(2 * np.pi * 1.0 * time)[:, np.newaxis], (1, 3))
+    samples = draw(CLEAN, rng()).measure(time, slow, slow, rng())
+    t, y = samples.time[100:-100], getattr(samples, kind)[100:-100, 0]
+    phase = np.angle(np.exp(-2j * np.pi * t) @ y) - np.angle(
+        np.exp(-2j * np.pi * t) @ np.sin(2 * np.pi * t)
+    )
+    delay = -phase / (2 * np.pi)
+    assert delay == pytest.approx(np.sqrt(2) / (2 * np.pi * bandwidth), rel=0.01)
+    assert replace(PERFECT, bandwidth=bandwidth).delay == pytest.approx(delay, rel=0.01)
+
+
+def test_a_signal_at_the_corner_frequency_loses_half_its_power():
+    time = record(4.0)
+    fast = np.tile(np.sin(2 * np.pi * 30.0 * time)[:, np.newaxis], (1, 3))
+    samples = draw(replace(CLEAN, rate=1000.0), rng()).measure(time, fast, fast, rng())
+    power = samples.acceleration[1000:3000, 0].var() / 0.5
+    assert power == pytest.approx(0.5, rel=0.01)
+
+
+def test_readings_beyond_the_range_are_clipped_and_flagged():
+    time = record(2.0)
+    force = np.zeros((len(time), 3))
+    force[:, 2] = 9.82 + 10.0 * np.sin(2 * np.pi * time)
+    samples = draw(CLEAN, rng()).measure(time, force, 0 * force, rng())
+    z, flagged = samples.acceleration[:, 2], samples.acceleration_clipped[:, 2]
+    assert z.max() == 17.0
+    assert np.all(z[flagged] == 17.0)
+    assert np.all(z[~flagged] < 17.0)
+    assert 0.1 < flagged.mean() < 0.35
+    assert not samples.acceleration_clipped[:, :2].any()
+    assert not samples.angular_velocity_clipped.any()
+
+
+def test_readings_are_counts_of_a_16_bit_converter():
+    _, samples = still(ImuCfg(), 1.0)
+    counts = samples.acceleration / (2 * 17.0 / 2**16)
+    np.testing.assert_allclose(counts, np.rint(counts), rtol=0, atol=1e-9)
+
+
+def test_the_clock_has_its_own_zero_and_pace():
+    triad = Triad(cfg=PERFECT, sensitivity=np.eye(3), bias=np.zeros(3))
+    unit = Imu(
+        cfg=CLEAN,
+        accelerometer=triad,
+        gyroscope=triad,
+        R_site_imu=np.eye(3),
+        clock_offset=0.1234,
+        clock_drift=1e-3,
+    )
+    time = record(5.0)
+    ramp = np.tile(time[:, np.newaxis], (1, 3))
+    samples = unit.measure(time, ramp, ramp, rng())
+    np.testing.assert_allclose(np.diff(samples.time), 0.01, rtol=0, atol=1e-12)
+    robot_time = 0.1234 + 1.001 * samples.time
+    assert robot_time.min() >= 0.0
+    assert robot_time.max() <= 5.0
+    # A ramp is delayed by the low-pass and otherwise shows the time itself.
+    late = robot_time - samples.acceleration[:, 0]
+    np.testing.assert_allclose(late[50:], PERFECT.delay, rtol=0, atol=1e-5)
+
+
+def test_the_same_seed_gives_the_same_bits_and_another_does_not():
+    _, a = still(ImuCfg(), 1.0, seed=3)
+    _, b = still(ImuCfg(), 1.0, seed=3)
+    _, c = still(ImuCfg(), 1.0, seed=4)
+    np.testing.assert_array_equal(a.acceleration, b.acceleration)
+    assert np.any(a.acceleration[:50] != c.acceleration[:50])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rate": 0.0}, "rate must be > 0"),
+        ({"mounting_error": -1.0}, "mounting_error must be >= 0"),
+        ({"clock_offset": np.nan}, "clock_offset must be >= 0"),
+    ],
+)
+def test_a_unit_configuration_checks_itself(change, message):
+    with pytest.raises(ValueError, match=message):
+        replace(ImuCfg(), **change)
+
+
+def test_a_triad_configuration_checks_itself():
+    with pytest.raises(ValueError, match="range must be > 0"):
+        replace(PERFECT, range=0.0)
+    with pytest.raises(ValueError, match="noise_density must be >= 0"):
+        replace(PERFECT, noise_density=-1.0)
