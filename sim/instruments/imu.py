@@ -9,7 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import butter, sosfilt, sosfilt_zi
+
+from ilc.filters import butterworth
+from ilc.recursion import recursion
 
 from . import noise
 from .sampling import rate_of
@@ -134,10 +136,9 @@ class Triad:
         """Noise and low-pass at the rate of the record; (M, 3) as if the unit had long been on."""
         n_warm = round(WARM_UP / step)
         x = np.concatenate([np.repeat(ideal[:1], n_warm, axis=0), ideal]) @ self.sensitivity.T
-        x_noisy = x + noise.from_density(rng, x.shape, self.cfg.noise_density, 1.0 / step)
-        sos = butter(2, self.cfg.bandwidth, fs=1.0 / step, output="sos")
-        settled = sosfilt_zi(sos)[:, :, np.newaxis] * x[0]
-        y, _ = sosfilt(sos, x_noisy, axis=0, zi=settled)
+        y = x + noise.from_density(rng, x.shape, self.cfg.noise_density, 1.0 / step)
+        for b, a in butterworth(self.cfg.bandwidth, step, 2):
+            y = recursion(b, a, y)
         return y[n_warm:]
 
     def digitised(

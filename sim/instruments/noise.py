@@ -2,7 +2,8 @@
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
+
+from ilc.recursion import recursion
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ def band_limited(
     c = np.exp(-2.0 * np.pi * bandwidth * step)
     w = rng.standard_normal(shape)
     w[1:] *= np.sqrt(1.0 - c * c)
-    return lfilter([1.0], [1.0, -c], w, axis=0) * np.asarray(std, dtype=np.float64)
+    return recursion(np.array([1.0]), np.array([1.0, -c]), w) * np.asarray(std, dtype=np.float64)
 
 
 def random_walk(
