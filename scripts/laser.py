@@ -32,12 +32,12 @@ _Several = Parameter(consume_multiple=True)
 class LaserCfg:
     """What to cut, with which robot, and how to learn it."""
 
-    robot: Literal["large"] = "large"
+    robot: Literal["large", "irb1400"] = "large"
     """Which robot."""
     model: Path | None = None
     """MJCF file to use in place of that robot's own."""
     pose: str = "p1"
-    """Where: p1, p2 or p3 of thesis (9.3)."""
+    """Where: p1, p2 or p3 of thesis (9.3), or those of the other robot."""
     shape: Literal["circle"] = "circle"
     """What to cut."""
     radius: float = 5.0

@@ -7,7 +7,7 @@ from pathlib import Path
 import assets
 import kinematics
 
-from .motion.poses import LARGE_ROBOT_POSES, ToolPose
+from .motion.poses import IRB1400_POSES, LARGE_ROBOT_POSES, ToolPose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,5 +31,13 @@ LARGE_CELL = Cell(
 )
 """The large robot of thesis chapter 9."""
 
-CELLS: Mapping[str, Cell] = {"large": LARGE_CELL}
+IRB1400_CELL = Cell(
+    xml=assets.IRB1400_XML,
+    robot=kinematics.IRB1400,
+    limits=kinematics.IRB1400_LIMITS,
+    poses=IRB1400_POSES,
+)
+"""The IRB1400 of thesis chapter 5."""
+
+CELLS: Mapping[str, Cell] = {"large": LARGE_CELL, "irb1400": IRB1400_CELL}
 """Cells by the name of their robot."""

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from ilc.recursion import recursion
+
 from .model import Drives, RobotModel
 from .recording import Array
 
@@ -135,7 +137,6 @@ def friction_torque(drives: Drives, velocity: Array) -> Array:
 def encoder_perturbation(noise: Array, step: float) -> Array:
     """What noise (M, 6) [rad] of an encoder adds to the speed [rad/s] that the servo feeds back:
     its difference quotient, low-passed."""
-    from scipy.signal import lfilter
-
     c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
-    return np.asarray(lfilter([(1.0 - c) / step, -(1.0 - c) / step], [1.0, -c], noise, axis=0))
+    gain = (1.0 - c) / step
+    return recursion(np.array([gain, -gain]), np.array([1.0, -c]), noise)

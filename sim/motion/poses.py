@@ -1,4 +1,4 @@
-"""The operating points of the large robot in thesis chapter 9."""
+"""Operating points: those of the large robot in thesis chapter 9, and three for the IRB1400."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,6 +40,17 @@ LARGE_ROBOT_POSES = {
     "p3": ToolPose((2.2000, 0.2000, 1.5992), TOOL_QUATERNION),
 }
 """TCP positions with respect to the robot base frame. Thesis (9.3)."""
+
+_TO_THE_RIGHT = _normalised(0.4126, 0.1962, 0.8848, -0.0915)  # 40 deg down, 25 deg to the right
+_TO_THE_LEFT = _normalised(0.4881, -0.1874, 0.8455, 0.1082)  # 30 deg down, 25 deg to the left
+
+IRB1400_POSES = {
+    "p1": ToolPose((0.5200, -0.1200, 1.1300), _TO_THE_RIGHT),
+    "p2": ToolPose((1.2500, 0.1000, 1.1000), _TO_THE_LEFT),
+    "p3": ToolPose((1.3000, 0.2500, 0.9500), _TO_THE_LEFT),
+}
+"""Near, far and stretched, within the reach of the IRB1400; the thesis has none. The tool is turned
+so that every motor moves: one that stays within its stiction cannot be improved."""
 
 
 def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
