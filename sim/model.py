@@ -62,6 +62,31 @@ class Drives:
 
 
 @dataclass(frozen=True, kw_only=True)
+class GearError:
+    """Transmission error: arm-side motor angle minus what the gear makes of it, periodic.
+
+    epsilon(phi) = sum_h amplitude_h sin(order_h phi + phase_h), each axis.
+    """
+
+    amplitude: Array
+    """(6, H) [rad], arm side."""
+    order: Array
+    """(6, H), periods per turn of the output."""
+    phase: Array
+    """(6, H) [rad]."""
+
+    def __call__(self, phi: Array) -> Array:
+        """epsilon, shape (M, 6) [rad], at arm-side angles phi (M, 6)."""
+        angle = phi[:, :, None] * self.order + self.phase
+        return (self.amplitude * np.sin(angle)).sum(axis=2)
+
+    def rate(self, phi: Array, phi_dot: Array) -> Array:
+        """Its time derivative, shape (M, 6) [rad/s]."""
+        angle = phi[:, :, None] * self.order + self.phase
+        return (self.amplitude * self.order * np.cos(angle)).sum(axis=2) * phi_dot
+
+
+@dataclass(frozen=True, kw_only=True)
 class RobotModel:
     """A compiled MJCF with the indices and the drive data that the virtual robot needs."""
 
@@ -78,6 +103,8 @@ class RobotModel:
     springs: np.ndarray
     """Degrees of freedom with a joint spring: gears, then structure."""
     drives: Drives
+    gear_error: "GearError | None" = None
+    """Transmission error of the gears; None for exact gears."""
     joint_range: Array
     """(6, 2) [rad], hard stops of the motors on the arm side."""
     sensors: dict[str, slice]
@@ -173,7 +200,7 @@ def _posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
     for dof in passive_joints(mj):
         name = mj.joint(int(mj.dof_jntid[dof])).name
         if _has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
-            posture[dof] = _numeric(mj, name, N_AXES)
+            posture[dof] = numeric(mj, name, N_AXES)
     return posture
 
 
@@ -191,19 +218,19 @@ def _has(mj: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> bool:
 
 def _drives(mj: mujoco.MjModel) -> Drives:
     actuators = [mj.actuator(f"axis_{i}").id for i in AXES]
-    noise, bandwidth = _numeric(mj, "torque_noise", 2)
+    noise, bandwidth = numeric(mj, "torque_noise", 2)
     return Drives(
-        gear=_numeric(mj, "gear_ratio", N_AXES),
+        gear=numeric(mj, "gear_ratio", N_AXES),
         kp=mj.actuator_gainprm[actuators, 4].copy(),
         ki=mj.actuator_gainprm[actuators, 5].copy(),
         kd=mj.actuator_gainprm[actuators, 6].copy(),
         torque_limit=mj.actuator_forcerange[actuators, 1].copy(),
-        speed_limit=_numeric(mj, "speed_limit", N_AXES),
-        encoder_counts=float(_numeric(mj, "encoder_counts", 1)[0]),
-        velocity_feedforward=_numeric(mj, "velocity_feedforward", N_AXES),
-        correction_delay=float(_numeric(mj, "correction_delay", 1)[0]),
-        correction_lag=float(_numeric(mj, "correction_lag", 1)[0]),
-        elastic_compensation=float(_numeric(mj, "elastic_compensation", 1)[0]),
+        speed_limit=numeric(mj, "speed_limit", N_AXES),
+        encoder_counts=float(numeric(mj, "encoder_counts", 1)[0]),
+        velocity_feedforward=numeric(mj, "velocity_feedforward", N_AXES),
+        correction_delay=float(numeric(mj, "correction_delay", 1)[0]),
+        correction_lag=float(numeric(mj, "correction_lag", 1)[0]),
+        elastic_compensation=float(numeric(mj, "elastic_compensation", 1)[0]),
         torque_feedforward=_optional(mj, "torque_feedforward", 1.0),
         friction_feedforward=_optional(mj, "friction_feedforward", 0.0),
         coulomb_friction=mj.actuator_biasprm[actuators, 3].copy(),
@@ -213,7 +240,8 @@ def _drives(mj: mujoco.MjModel) -> Drives:
     )
 
 
-def _numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
+def numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
+    """Values of a custom numeric of the file. Raises ModelError for another number of them."""
     values = np.array(mj.numeric(name).data, dtype=np.float64)
     if values.size != size:
         raise ModelError(f"numeric {name} must hold {size} values, holds {values.size}")
@@ -223,4 +251,4 @@ def _numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
 def _optional(mj: mujoco.MjModel, name: str, default: float) -> float:
     if not _has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
         return default
-    return float(_numeric(mj, name, 1)[0])
+    return float(numeric(mj, name, 1)[0])

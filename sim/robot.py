@@ -55,14 +55,17 @@ class VirtualRobot:
         torque = self._feedforward(statics, reference, velocity)
         start = statics.equilibrium(reference[0])
         torque += start.holding_torque - torque[0]
+        velocity = drives.velocity_feedforward * velocity
+        if model.gear_error is not None:
+            # The servo brings the measured angle q - epsilon(q) to the reference.
+            velocity += model.gear_error.rate(position, velocity)
+            position = position + model.gear_error(position)
         return Job(
             model=model,
             log_period=self.log_period,
             ratio=self._ratio,
             reference=reference,
-            controls=motor_controls(
-                model, position, drives.velocity_feedforward * velocity, torque
-            ),
+            controls=motor_controls(model, position, velocity, torque),
             initial_state=_initial_state(model.mj, start.qpos),
         )
 
@@ -205,10 +208,15 @@ def _recording(
     time = np.arange(len(states)) * step
     integral = _before_step(job.initial_state, states, 1 + nq + model.mj.nv + model.integrator)
     torque = drive_torque(model, controls, qpos[:, motor], velocity, integral)
+    angle = qpos[:, motor]
+    flex = qpos[:, model.flex] if len(model.flex) else np.zeros((len(time), N_AXES))
+    if model.gear_error is not None:
+        error = model.gear_error(angle)
+        angle, flex = angle - error, flex + error
     truth = Truth(
         time=time,
-        motor_angle=qpos[:, motor],
-        flex_angle=qpos[:, model.flex] if len(model.flex) else np.zeros((len(time), N_AXES)),
+        motor_angle=angle,
+        flex_angle=flex,
         motor_torque=torque,
         tool_position=sensors[:, model.sensors["tool0_pos"]],
         tool_quaternion=sensors[:, model.sensors["tool0_quat"]],

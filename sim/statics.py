@@ -10,7 +10,7 @@ from .linkage import Linkage
 from .model import RobotModel
 from .recording import Array
 
-_NEWTON_STEPS = 60
+_NEWTON_STEPS = 500  # a soft gear is approached with the slope of the stiff one
 _REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the softest spring
 
 
@@ -35,6 +35,7 @@ class Statics:
         self._mj.opt.disableflags |= int(flags)
         self._data = mujoco.MjData(self._mj)
         self._linkage = Linkage(self._mj)
+        self._stiffness = spring_stiffness(model)
 
     def rigid_forces(self, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
         """Generalised forces of the rigid motion, every spring at zero deflection.
@@ -72,7 +73,7 @@ class Statics:
             (N, 3) [m], base axes, from the rigid tool position.
         """
         data, springs = self._data, self._model.springs
-        stiffness = self._mj.jnt_stiffness[self._mj.dof_jntid[springs]]
+        stiffness = self._stiffness
         site = self._mj.site("tool0").id
         jacobian = np.empty((3, self._mj.nv))
         moved = np.empty((len(phi), 3))
@@ -93,7 +94,7 @@ class Statics:
         Raises RuntimeError when the springs cannot balance the load.
         """
         data, motor, springs = self._data, self._model.motor, self._model.springs
-        stiffness = self._mj.jnt_stiffness[self._mj.dof_jntid[springs]]
+        stiffness = self._stiffness
         data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
         data.qpos[:] = self._model.posture @ phi
         for _ in range(_NEWTON_STEPS):
@@ -105,3 +106,15 @@ class Statics:
                 return Equilibrium(qpos=data.qpos.copy(), holding_torque=force[motor])
             data.qpos[springs] -= residual / stiffness
         raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
+
+
+def spring_stiffness(model: RobotModel) -> Array:
+    """[N m/rad] of each of `model.springs` under load: a gear's soft and stiff part together."""
+    mj = model.mj
+    stiffness = mj.jnt_stiffness[mj.dof_jntid[model.springs]].copy()
+    for tendon in range(mj.ntendon):
+        first, count = mj.tendon_adr[tendon], mj.tendon_num[tendon]
+        if count == 1 and mj.wrap_type[first] == mujoco.mjtWrap.mjWRAP_JOINT:
+            dof = mj.jnt_dofadr[mj.wrap_objid[first]]
+            stiffness[model.springs == dof] += mj.tendon_stiffness[tendon]
+    return stiffness
