@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ilc.filters import butterworth
 from ilc.recursion import recursion
+from kinematics.rotation import from_axis_angle
 
 from . import noise
 from .sampling import rate_of
@@ -219,7 +220,7 @@ def draw(cfg: ImuCfg, rng: np.random.Generator) -> Imu:
         cfg=cfg,
         accelerometer=_draw_triad(cfg.accelerometer, rng),
         gyroscope=_draw_triad(cfg.gyroscope, rng),
-        R_site_imu=_small_rotation(cfg.mounting_error * rng.standard_normal(3)),
+        R_site_imu=from_vector(cfg.mounting_error * rng.standard_normal(3)),
         clock_offset=float(rng.uniform(-cfg.clock_offset, cfg.clock_offset)),
         clock_drift=float(cfg.clock_drift * rng.standard_normal()),
     )
@@ -233,9 +234,8 @@ def _draw_triad(cfg: TriadCfg, rng: np.random.Generator) -> Triad:
     )
 
 
-def _small_rotation(vector: ArrayLike) -> Array:
-    """Rotation by a vector [rad] (Rodrigues)."""
+def from_vector(vector: ArrayLike) -> Array:
+    """Rotation matrix of a rotation vector (3,) [rad]; none for zero."""
     v = np.asarray(vector, dtype=np.float64)
     angle = float(np.linalg.norm(v))
-    S = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / 2 / np.pi) ** 2 * S @ S
+    return from_axis_angle(v, angle) if angle > 0.0 else np.eye(3)

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import quaternion
+from kinematics.rotation import from_quaternion
+
 from . import noise
 from .sampling import rate_of, stride
 
@@ -171,7 +172,7 @@ class LaserTracker:
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
-        R_base_tool = quaternion.rotation(tool_quaternion[::every])
+        R_base_tool = from_quaternion(tool_quaternion[::every])
         offset = R_base_tool @ np.array(self.cfg.target_offset)
         reflector = tool_position + offset
 

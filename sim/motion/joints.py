@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinematics import Limits, Robot, inverse_path
+from kinematics.rigid import transform
+from kinematics.rotation import from_quaternion
 
-from .. import quaternion
 from .path import CuttingPath
 from .program import LimitHit, ToolMotion, cut
 from .timing import PathLimits
@@ -37,10 +38,7 @@ def joint_reference(
         ValueError: the joint limits forbid the pose or are left on the way.
     """
     position = motion.position if shift is None else motion.position - shift
-    T_base_tool = np.zeros((len(position), 4, 4))
-    T_base_tool[:, :3, :3] = quaternion.rotation(motion.quaternion)
-    T_base_tool[:, :3, 3] = position
-    T_base_tool[:, 3, 3] = 1.0
+    T_base_tool = transform(from_quaternion(motion.quaternion), position)
     return inverse_path(robot, T_base_tool, start, limits)
 
 

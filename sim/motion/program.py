@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..quaternion import normalised
 from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
 
@@ -105,7 +104,7 @@ def cut(
     return ToolMotion(
         time=time,
         position=path.position(s),
-        quaternion=np.tile(normalised(quaternion), (n_samples, 1)),
+        quaternion=np.tile(_unit_quaternion(quaternion), (n_samples, 1)),
         arc_length=s,
         on_contour=(time >= contour_time[0]) & (time < contour_time[1]),
         contour_time=contour_time,
@@ -142,3 +141,10 @@ def _limits_hit(
     if len(at_limit):
         hits.append(("path_acceleration", 0, rest_before + float(timing.start[at_limit[0]])))
     return tuple(hits)
+
+
+def _unit_quaternion(quaternion: ArrayLike) -> Array:
+    q = np.asarray(quaternion, dtype=np.float64)
+    if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
+        raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
+    return q / np.linalg.norm(q)

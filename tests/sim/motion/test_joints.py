@@ -7,9 +7,9 @@ import pytest
 
 import kinematics
 from kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS, UnreachableError
+from kinematics.rotation import from_quaternion
 from sim.motion import Circle, CuttingPath, Plane, joint_reference, plan_cut
 from sim.motion.poses import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
-from sim.quaternion import rotation
 
 # Solutions found independently when the robot was chosen, rounded to 0.1 deg.
 PUBLISHED = {
@@ -34,7 +34,7 @@ def test_forward_kinematics_of_the_reference_is_the_programmed_motion(name):
     T = kinematics.compile(LARGE_ROBOT).pose(phi)
     # 1e-10 m: rounding of the inverse, magnified near the wrist singularity of these poses.
     np.testing.assert_allclose(T[:, :3, 3], motion.position, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(T[:, :3, :3], rotation(motion.quaternion), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(T[:, :3, :3], from_quaternion(motion.quaternion), rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("name", LARGE_ROBOT_POSES)
