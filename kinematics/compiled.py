@@ -1,6 +1,5 @@
-"""A robot of numbers as compiled functions of its motor angles."""
+"""A robot of numbers as compiled functions of its motor angles: kinematics and dynamics."""
 
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
@@ -9,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import native
+from .binding import bind
 from .dh import Robot
+from .model import RobotModel
 
 Array = NDArray[np.float64]
 
@@ -20,14 +21,22 @@ class OfAngles(Protocol):
     def __call__(self, phi: ArrayLike, /, out: Array | None = None) -> Array: ...
 
 
+class OfRates(Protocol):
+    """A function of motor angles and their rates."""
+
+    def __call__(
+        self, phi: ArrayLike, phi_dot: ArrayLike, /, out: Array | None = None
+    ) -> Array: ...
+
+
 class OfMotion(Protocol):
-    """A function of motor angles, their rates and accelerations."""
+    """A function of motor angles, their rates, and accelerations or torques."""
 
     def __call__(
         self,
         phi: ArrayLike,
         phi_dot: ArrayLike,
-        phi_ddot: ArrayLike,
+        third: ArrayLike,
         /,
         out: Array | None = None,
     ) -> Array: ...
@@ -41,16 +50,14 @@ class CompiledRobot:
     """
 
     def __init__(self, robot: Robot, cache: Path | None = None) -> None:
-        if robot.free_symbols:
-            names = ", ".join(sorted(map(str, robot.free_symbols)))
-            raise ValueError(f"compile needs a robot of numbers; {robot.name} has symbols: {names}")
+        _refuse_symbols("compile", robot.name, robot.free_symbols)
         self.robot = robot
         self._cache = cache
 
     @cached_property
     def pose(self) -> OfAngles:
         """pose(phi): T_base_tool, shape (4, 4). Thesis (3.26)."""
-        return self._of_angles("pose", (4, 4))
+        return self._function("pose", 1, (4, 4))
 
     @cached_property
     def jacobian(self) -> OfAngles:
@@ -58,27 +65,29 @@ class CompiledRobot:
 
         Thesis (3.39), with (4.10): J_phi = J_theta coupling.
         """
-        return self._of_angles("jacobian", (6, self.robot.n_joints))
+        return self._function("jacobian", 1, (6, self.robot.n_joints))
+
+    @cached_property
+    def jacobian_rate(self) -> OfRates:
+        """jacobian_rate(phi, phi_dot): shape (6, n), dJ/dt. Thesis (4.5)."""
+        return self._function("jacobian_rate", 2, (6, self.robot.n_joints))
 
     @cached_property
     def acceleration(self) -> OfMotion:
         """acceleration(phi, phi_dot, phi_ddot): shape (6,), classical (v_dot, omega_dot) of the
         tool origin in base axes, without gravity. Thesis (3.57).
         """
-        n = self.robot.n_joints
-        return _of_motion(self._module("acceleration"), n, (6,))
+        return self._function("acceleration", 3, (6,))
 
-    def _of_angles(self, name: str, shape: tuple[int, ...]) -> OfAngles:
-        return _of_angles(self._module(name), self.robot.n_joints, shape)
-
-    def _module(self, program: str) -> Any:
+    def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
         def source() -> str:
             from . import motion
             from .codegen import numba_module
 
-            return numba_module(getattr(motion, program)(self.robot))
+            return numba_module(getattr(motion, name)(self.robot))
 
-        return native.load(program, self.robot.key, source, self._cache)
+        module = native.load(name, self.robot.key, source, self._cache)
+        return bind(module, (self.robot.n_joints,) * arguments, shape)
 
 
 def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
@@ -94,59 +103,71 @@ def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
     return CompiledRobot(robot, None if cache is None else Path(cache))
 
 
-def _of_angles(module: Any, n: int, shape: tuple[int, ...]) -> OfAngles:
-    one, empty, slow = module.one, np.empty, _slow(module, n, shape)
+class CompiledModel:
+    """Numeric dynamics of one robot model; see `compile_dynamics`. Built on first use.
 
-    def function(phi: Any, /, out: Array | None = None) -> Array:
-        try:
-            if phi.ndim == 1:
-                result = empty(shape) if out is None else out
-                one(phi, result)
-                return result
-        except (AttributeError, TypeError, ValueError):
-            pass
-        return slow(out, phi)
+    Torques are those of the motors on the arm side of the gear. Thesis (2.15).
+    """
 
-    return function
+    def __init__(self, model: RobotModel, cache: Path | None = None) -> None:
+        _refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
+        self.model = model
+        self._cache = cache
+
+    @cached_property
+    def mass_matrix(self) -> OfAngles:
+        """mass_matrix(phi): D, shape (n, n), rotor inertia included."""
+        n = self.model.robot.n_joints
+        return self._function("mass_matrix", 1, (n, n))
+
+    @cached_property
+    def gravity_torque(self) -> OfAngles:
+        """gravity_torque(phi): g, shape (n,)."""
+        return self._function("gravity_torque", 1)
+
+    @cached_property
+    def bias_torque(self) -> OfRates:
+        """bias_torque(phi, phi_dot): C phi_dot + g + f, shape (n,)."""
+        return self._function("bias_torque", 2)
+
+    @cached_property
+    def coriolis_matrix(self) -> OfRates:
+        """coriolis_matrix(phi, phi_dot): C, shape (n, n), with dD/dt - 2 C skew. Thesis (2.16)."""
+        n = self.model.robot.n_joints
+        return self._function("coriolis_matrix", 2, (n, n))
+
+    @cached_property
+    def inverse_dynamics(self) -> OfMotion:
+        """inverse_dynamics(phi, phi_dot, phi_ddot): tau, shape (n,), friction included."""
+        return self._function("inverse_dynamics", 3)
+
+    @cached_property
+    def forward_dynamics(self) -> OfMotion:
+        """forward_dynamics(phi, phi_dot, tau): phi_ddot, shape (n,)."""
+        return self._function("forward_dynamics", 3)
+
+    def _function(self, name: str, arguments: int, shape: tuple[int, ...] = ()) -> Any:
+        def source() -> str:
+            from . import dynamics
+            from .codegen import numba_module
+
+            return numba_module(getattr(dynamics, name)(self.model))
+
+        module = native.load(name, self.model.key, source, self._cache)
+        n = self.model.robot.n_joints
+        return bind(module, (n,) * arguments, shape or (n,))
 
 
-def _of_motion(module: Any, n: int, shape: tuple[int, ...]) -> OfMotion:
-    one, empty, slow = module.one, np.empty, _slow(module, n, shape)
+def compile_dynamics(model: RobotModel, *, cache: Path | str | None = None) -> CompiledModel:
+    """Compiled dynamics of a robot model, all of whose parameters must be numbers.
 
-    def function(phi: Any, phi_dot: Any, phi_ddot: Any, /, out: Array | None = None) -> Array:
-        try:
-            if phi.ndim == 1:
-                result = empty(shape) if out is None else out
-                one(phi, phi_dot, phi_ddot, result)
-                return result
-        except (AttributeError, TypeError, ValueError):
-            pass
-        return slow(out, phi, phi_dot, phi_ddot)
-
-    return function
+    Args:
+        cache: folder for generated code; the platform's cache folder by default.
+    """
+    return CompiledModel(model, None if cache is None else Path(cache))
 
 
-def _slow(module: Any, n: int, shape: tuple[int, ...]) -> Callable[..., Array]:
-    """The way for batches, for array-likes, and for everything that deserves an error message."""
-
-    def function(out: Array | None, *arguments: ArrayLike) -> Array:
-        # Compiled code takes writeable arrays only; those of a record are not.
-        arrays = [np.require(a, np.float64, ["C", "W"]) for a in arguments]
-        for array in arrays:
-            if array.ndim not in (1, 2) or array.shape[-1] != n or array.shape != arrays[0].shape:
-                shapes = ", ".join(str(a.shape) for a in arrays)
-                raise ValueError(f"arguments must all be ({n},) or (N, {n}); got {shapes}")
-        expected = (*arrays[0].shape[:-1], *shape)
-        if out is not None and (out.shape != expected or out.dtype != np.float64):
-            raise ValueError(
-                f"out must be float64 of shape {expected}, got {out.dtype} of {out.shape}"
-            )
-        direct = out is not None and out.flags.c_contiguous and out.flags.writeable
-        result = out if direct else np.empty(expected)
-        (module.one if arrays[0].ndim == 1 else module.many)(*arrays, result)
-        if out is None or direct:
-            return result
-        out[...] = result
-        return out
-
-    return function
+def _refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:
+    if symbols:
+        names = ", ".join(sorted(map(str, symbols)))
+        raise ValueError(f"{function} needs a robot of numbers; {name} has symbols: {names}")

@@ -28,7 +28,7 @@ def cache_folder() -> Path:
 def _generator() -> bytes:
     """Digest of the code that generates code: a changed generator must not find old files."""
     digest = hashlib.sha256()
-    for file in sorted(_PACKAGE.glob("*.py")):
+    for file in sorted(_PACKAGE.rglob("*.py")):
         digest.update(file.read_bytes())
     return digest.digest()
 

@@ -1,0 +1,44 @@
+"""Straight-line programs as text in five languages, and as the numba module we run ourselves.
+
+Every function says in its header comment which robot it belongs to, the convention, units, and
+the order of its arguments. Matrices are row by row in C and matrices elsewhere.
+"""
+
+from collections.abc import Callable
+from enum import Enum
+
+from ..program import Program
+from . import c, fortran, latex, matlab, python
+from .naming import distinct
+from .python import numba_module as numba_module
+
+
+class Language(Enum):
+    """What a program can be written in; the value is the word of the command line."""
+
+    C = "c"
+    MATLAB = "matlab"
+    FORTRAN = "fortran"
+    PYTHON = "python"
+    LATEX = "latex"
+
+
+_WRITERS: dict[Language, Callable[[Program, str], dict[str, str]]] = {
+    Language.C: c.write,
+    Language.MATLAB: matlab.write,
+    Language.FORTRAN: fortran.write,
+    Language.PYTHON: python.write,
+    Language.LATEX: latex.write,
+}
+
+
+def write(program: Program, language: Language, name: str | None = None) -> dict[str, str]:
+    """Files of a program: name and text of each.
+
+    Args:
+        name: of the function and its files; the program's own by default.
+    """
+    name = name or program.name
+    if not (name.isidentifier() and name.isascii()):
+        raise ValueError(f"a function's name has letters, digits and _, got {name!r}")
+    return _WRITERS[language](distinct(program), name)
