@@ -1,0 +1,240 @@
+"""Chapter 5's processing, on readings that are exact until an instrument makes them worse.
+
+The robot is rigid here and moves by a formula, so measurement and prediction must agree to what
+instruments and filters leave; with physics instead of a formula the same functions tell elasticity.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import kinematics
+from ilc import ZeroPhaseButterworth
+from kinematics import IRB1400_IMU
+from kinematics.rotation import from_axis_angle
+from sim.instruments.encoder import quantise
+from sim.instruments.imu import ImuCfg, draw
+from sim.processing import (
+    Compensation,
+    Order,
+    ProcessingCfg,
+    Scheme,
+    clock_offset,
+    compare,
+    moving_rms,
+    predict,
+)
+from sim.processing.compensation import GRAVITY, Calibration, Prior, calibrate, to_base, to_imu
+from sim.processing.differences import difference_quotients, resample
+
+STEP, LOG, SECONDS = 5e-4, 0.004, 10.0
+SILENT_TRIADS = {
+    kind: replace(
+        getattr(ImuCfg(), kind),
+        noise_density=0.0,
+        bias=0.0,
+        bias_walk=0.0,
+        scale_error=0.0,
+        misalignment=0.0,
+        bits=0,
+    )
+    for kind in ("accelerometer", "gyroscope")
+}
+PERFECT = ImuCfg(**SILENT_TRIADS, mounting_error=0.0, clock_offset=0.0)
+SIZE = np.array([0.3, 0.25, 0.2, 0.5, 0.4, 0.5])
+FREQUENCY = np.array([0.50, 0.63, 0.45, 0.80, 0.71, 0.55])  # Hz, so slow that 5 Hz passes it
+
+
+def angles(time):
+    """(M, 6) [rad]: all motors at once, at rest for the first and last second, smooth in
+    between."""
+    inside = np.clip((time - 1.0) / (SECONDS - 2.0), 0.0, 1.0)
+    window = (np.sin(np.pi * inside) ** 4)[:, np.newaxis]
+    return SIZE * window * np.sin(2 * np.pi * FREQUENCY * (time - 1.0)[:, np.newaxis])
+
+
+@cache
+def ideal():
+    """Time, specific force and angular velocity in the IMU frame, every physics step."""
+    time = np.arange(round(SECONDS / STEP) + 1) * STEP
+    h = 1e-4
+    before, phi, after = angles(time - h), angles(time), angles(time + h)
+    rate, acceleration = (after - before) / (2 * h), (after - 2 * phi + before) / h**2
+    robot = kinematics.compile(IRB1400_IMU)
+    R = robot.pose(phi)[:, :3, :3]
+    a = robot.acceleration(phi, rate, acceleration)[:, :3]
+    omega = np.einsum("kij,kj->ki", robot.jacobian(phi)[:, 3:], rate)
+    return time, to_imu(R, a + GRAVITY), to_imu(R, omega)
+
+
+def logged():
+    """The motor log: quantised as in the thesis, 118 motor turns for one of the arm."""
+    time = np.arange(round(SECONDS / LOG) + 1) * LOG
+    return time, quantise(angles(time), 4095, 118.0)
+
+
+def run(cfg, seed=0, processing=None, **options):
+    unit = draw(cfg, np.random.default_rng(seed))
+    samples = unit.measure(*ideal(), np.random.default_rng(seed + 1000))
+    return unit, compare(samples, *logged(), IRB1400_IMU, processing, **options)
+
+
+def rms(error):
+    return np.sqrt(np.mean(error**2))
+
+
+def test_a_perfect_imu_and_the_motor_angles_agree():
+    best = ProcessingCfg(order=Order.MAP_THEN_FILTER, scheme=Scheme.CENTRAL)
+    _, seen = run(PERFECT, processing=best)
+    # What is left is encoder steps through the second difference; the motion is 5 m/s^2, 2 rad/s.
+    assert np.ptp(seen.acceleration_measured) > 5.0
+    assert rms(seen.acceleration_error) < 0.01
+    assert rms(seen.angular_velocity_error) < 0.001
+
+
+def test_a_real_imu_agrees_within_its_noise_once_it_is_calibrated():
+    best = ProcessingCfg(order=Order.MAP_THEN_FILTER, scheme=Scheme.CENTRAL)
+    for seed in range(3):
+        _, seen = run(ImuCfg(), seed, best)
+        # Noise of 0.012 m/s^2 and 0.012 rad/s through 5 Hz is a third of that; scale 3e-4 of 5.
+        assert rms(seen.acceleration_error) < 0.015
+        assert rms(seen.angular_velocity_error) < 0.006
+
+
+def test_the_actual_orientation_compensates_better_than_the_mean_at_rest():
+    def error(compensation, seed):
+        # Forward differences would add an error of their own, half a sample of jerk, to both.
+        processing = ProcessingCfg(compensation=compensation, scheme=Scheme.CENTRAL)
+        _, seen = run(ImuCfg(), seed, processing)
+        return rms(seen.acceleration_error)
+
+    for seed in range(3):
+        thesis = error(Compensation.MEAN_AT_REST, seed)
+        assert error(Compensation.ACTUAL_ORIENTATION, seed) < 0.5 * thesis
+
+
+def test_filtering_joint_rates_before_the_map_costs_what_filtering_after_does_not():
+    def error(order):
+        processing = ProcessingCfg(order=order, scheme=Scheme.CENTRAL, cutoff=2.0)
+        return rms(run(PERFECT, processing=processing)[1].angular_velocity_error)
+
+    assert error(Order.MAP_THEN_FILTER) < 0.2 * error(Order.FILTER_THEN_MAP)
+
+
+def test_a_delay_that_is_not_compensated_costs_jerk_and_turning_gravity():
+    processing = ProcessingCfg(
+        order=Order.MAP_THEN_FILTER,
+        scheme=Scheme.CENTRAL,
+        compensation=Compensation.MEAN_AT_REST,
+    )
+    _, right = run(PERFECT, processing=processing, offset=0.0)
+    _, late = run(PERFECT, processing=replace(processing, accelerometer_delay=0.0), offset=0.0)
+    jerk = np.gradient(right.acceleration_measured, 0.01, axis=0)
+    # The late reading is turned to base by an orientation that has moved on: omega x (a + g).
+    force = right.acceleration_measured + GRAVITY
+    turning = np.cross(right.angular_velocity_measured, force)
+    expected = SILENT_TRIADS["accelerometer"].delay * rms(jerk - turning)
+    assert rms(late.acceleration_error) == pytest.approx(expected, rel=0.02)
+    assert rms(turning) > rms(jerk)
+
+
+def test_the_clock_offset_is_found_over_20_seeds():
+    errors = []
+    for seed in range(20):
+        unit, seen = run(replace(ImuCfg(), clock_offset=0.4), seed)
+        errors.append(seen.clock_offset - unit.clock_offset)
+    assert np.std(errors) < 0.3e-3
+    assert np.max(np.abs(errors)) < 1e-3
+
+
+def test_a_clock_offset_beyond_the_search_is_an_error():
+    unit = replace(draw(PERFECT, np.random.default_rng(0)), clock_offset=1.0)
+    samples = unit.measure(*ideal(), np.random.default_rng(1))
+    with pytest.raises(ValueError, match="search further"):
+        compare(samples, *logged(), IRB1400_IMU, ProcessingCfg(search=0.2))
+
+
+def test_clocks_of_a_robot_that_stands_still_cannot_be_synchronised():
+    t = np.arange(100) * 0.01
+    gyro = np.random.default_rng(0).normal(size=(100, 3))
+    with pytest.raises(ValueError, match="does not rotate"):
+        clock_offset(t, gyro, t, np.zeros((100, 3)))
+
+
+def test_calibration_finds_mounting_and_biases_of_a_sensor_that_turns():
+    rng = np.random.default_rng(5)
+    truth = Calibration(
+        R_site_imu=from_axis_angle([1.0, -2.0, 0.5], np.deg2rad(2.0)),
+        accelerometer_bias=np.array([0.02, -0.03, 0.01]),
+        gyroscope_bias=np.array([0.01, 0.0, -0.02]),
+    )
+    force, rate = 9.82 * rng.normal(size=(500, 3)), rng.normal(size=(500, 3))
+    found = calibrate(
+        force @ truth.R_site_imu + truth.accelerometer_bias,
+        rate @ truth.R_site_imu + truth.gyroscope_bias,
+        force,
+        rate,
+        Prior(acceleration=1e-4, angular_velocity=1e-4),
+    )
+    # The prior pulls by (reading / prior)^2 / samples of the value: below 1e-6.
+    np.testing.assert_allclose(found.R_site_imu, truth.R_site_imu, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.accelerometer_bias, truth.accelerometer_bias, atol=1e-6)
+    np.testing.assert_allclose(found.gyroscope_bias, truth.gyroscope_bias, rtol=0, atol=1e-6)
+    a, omega = found.corrected(
+        force @ truth.R_site_imu + truth.accelerometer_bias,
+        rate @ truth.R_site_imu + truth.gyroscope_bias,
+    )
+    np.testing.assert_allclose(a, force, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(omega, rate, rtol=0, atol=1e-5)
+
+
+def test_a_sensor_that_never_turns_shares_its_offset_by_what_was_known_before():
+    still = np.tile(GRAVITY, (200, 1))
+    tilted = still @ from_axis_angle([0.0, 1.0, 0.0], np.deg2rad(1.0))
+    found = calibrate(tilted, 0 * still, still, 0 * still)
+    tilt = np.deg2rad(1.0)
+    # One equation, g sin(tilt) = g angle + bias, split as the variances are.
+    share = (9.82 * Prior().mounting) ** 2 / ((9.82 * Prior().mounting) ** 2 + 0.02**2)
+    assert found.R_site_imu[0, 2] == pytest.approx(share * tilt, rel=0.01)
+
+
+def test_difference_quotients_are_those_of_the_thesis():
+    h = 0.01
+    t = np.arange(50)[:, np.newaxis] * h
+    phi = np.hstack([t**2, 3 * t])
+    forward, second = difference_quotients(phi, h, Scheme.FORWARD)
+    central, _ = difference_quotients(phi, h, Scheme.CENTRAL)
+    np.testing.assert_allclose(forward[1:-1, 0], (2 * t + h)[1:-1, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(central[1:-1, 0], 2 * t[1:-1, 0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(second[1:-1], np.tile([2.0, 0.0], (48, 1)), rtol=0, atol=1e-10)
+
+
+def test_resampling_keeps_samples_and_holds_the_ends():
+    time, phi = logged()
+    np.testing.assert_allclose(resample(time, phi, time), phi, rtol=0, atol=1e-15)
+    held = resample(time, phi, np.array([-1.0, SECONDS + 1.0]))
+    np.testing.assert_allclose(held, phi[[0, -1]], rtol=0, atol=1e-15)
+
+
+def test_rotation_to_base_and_back_is_the_identity():
+    R = from_axis_angle(np.random.default_rng(0).normal(size=(20, 3)), np.linspace(0, 3, 20))
+    v = np.random.default_rng(1).normal(size=(20, 3))
+    np.testing.assert_allclose(to_imu(R, to_base(R, v)), v, rtol=0, atol=1e-14)
+
+
+def test_at_rest_nothing_is_predicted():
+    phi = np.tile(SIZE, (200, 1))
+    still = predict(IRB1400_IMU, phi, 0.01, ZeroPhaseButterworth(5.0, 0.01))
+    np.testing.assert_allclose(still.angular_velocity, 0.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(still.acceleration, 0.0, rtol=0, atol=1e-10)
+
+
+def test_the_moving_rms_of_a_constant_is_the_constant_and_sees_only_its_window():
+    error = np.full((100, 2), [2.0, 3.0])
+    np.testing.assert_allclose(moving_rms(error, 0.5, 0.01), error, rtol=1e-12)
+    burst = np.zeros((300, 1))
+    burst[150] = 1.0
+    seen = np.flatnonzero(moving_rms(burst, 0.5, 0.01)[:, 0] > 1e-6)
+    assert (seen[0], seen[-1]) == (125, 175)
