@@ -25,3 +25,15 @@ def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
     mj.actuator_biasprm[axes, _COULOMB] *= factor
     mj.actuator_biasprm[axes, _STATIC] *= factor
     return replace(model, mj=mj)
+
+
+def braked_at(model: RobotModel, phi: ArrayLike) -> RobotModel:
+    """The robot with its brakes set to hold the motors at phi, (6,) [rad], once they engage.
+
+    Raises ValueError for a robot without brakes.
+    """
+    if not len(model.brakes):
+        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
+    mj = copy.copy(model.mj)
+    mj.eq_data[model.brakes, 0] = phi
+    return replace(model, mj=mj)

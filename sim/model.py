@@ -107,6 +107,8 @@ class RobotModel:
     """Transmission error of the gears; None for exact gears."""
     joint_range: Array
     """(6, 2) [rad], hard stops of the motors on the arm side."""
+    brakes: np.ndarray
+    """(6,) equality constraints that hold a motor; (0,) for a robot without brakes."""
     sensors: dict[str, slice]
     """Columns of `sensordata` by sensor name."""
 
@@ -138,6 +140,7 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
         springs=mj.jnt_dofadr[springs],
         drives=_drives(mj),
         joint_range=np.array([mj.joint(f"motor_{i}").range for i in AXES]),
+        brakes=_brakes(mj),
         sensors=sensors,
     )
 
@@ -210,6 +213,13 @@ def _integrators(mj: mujoco.MjModel) -> np.ndarray:
     if not mj.actuator_gainprm[actuators, 5].any():
         return np.array([], dtype=int)
     return mj.actuator_actadr[actuators].copy()
+
+
+def _brakes(mj: mujoco.MjModel) -> np.ndarray:
+    names = [f"brake_{i}" for i in AXES]
+    if not all(_has(mj, mujoco.mjtObj.mjOBJ_EQUALITY, name) for name in names):
+        return np.array([], dtype=int)
+    return np.array([mj.eq(name).id for name in names])
 
 
 def _has(mj: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> bool:

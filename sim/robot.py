@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from .individual import braked_at
 from .instruments.encoder import quantise
 from .instruments.noise import band_limited, white
 from .model import N_AXES, RobotModel
@@ -40,13 +41,14 @@ class VirtualRobot:
         self.log_period = log_period
         self._ratio = substeps(model.timestep, log_period)
 
-    def load(self, reference: Array) -> "Job":
+    def load(self, reference: Array, *, motors_on_at: float = 0.0) -> "Job":
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
         Args:
             reference: (N, 6) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
+            motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
 
-        Raises ValueError for a wrong shape or values that are not finite.
+        Raises ValueError for a wrong shape, values that are not finite, or brakes the robot lacks.
         """
         reference = _checked(reference, "reference")
         model, drives = self.model, self.model.drives
@@ -55,6 +57,10 @@ class VirtualRobot:
         torque = self._feedforward(statics, reference, velocity)
         start = statics.equilibrium(reference[0])
         torque += start.holding_torque - torque[0]
+        powered = np.arange(len(position)) * model.timestep >= motors_on_at
+        if not powered.all():
+            model = braked_at(model, reference[0])
+            torque[~powered] = 0.0
         velocity = drives.velocity_feedforward * velocity
         if model.gear_error is not None:
             # The servo brings the measured angle q - epsilon(q) to the reference.
@@ -66,6 +72,7 @@ class VirtualRobot:
             ratio=self._ratio,
             reference=reference,
             controls=motor_controls(model, position, velocity, torque),
+            powered=powered,
             initial_state=_initial_state(model.mj, start.qpos),
         )
 
@@ -102,6 +109,8 @@ class Job:
     """(N, 6) [rad]."""
     controls: Array
     """(M, 18), motor units, with zero correction and no noise."""
+    powered: np.ndarray
+    """(M,) bool: the drives are on; otherwise the brakes hold."""
     initial_state: Array
     """Full physics state: static equilibrium at the first reference."""
 
@@ -129,11 +138,12 @@ class Job:
             correction, self.log_period, self.ratio, drives.correction_delay, drives.correction_lag
         )
         controls = self.controls.copy().reshape(-1, N_AXES, 3)
+        on = self.powered[:, None]
         controls[:, :, 0] += drives.gear * path.position
         controls[:, :, 1] += drives.gear * drives.velocity_feedforward * path.velocity
         encoder_noise = None
         if rng is not None and drives.torque_noise > 0.0:
-            controls[:, :, 2] += band_limited(
+            controls[:, :, 2] += on * band_limited(
                 rng,
                 (len(controls), N_AXES),
                 drives.torque_noise * drives.torque_limit,
@@ -143,8 +153,8 @@ class Job:
         if rng is not None and drives.encoder_noise > 0.0 and drives.encoder_counts > 0.0:
             std = drives.encoder_noise * 2.0 * np.pi / drives.encoder_counts
             encoder_noise = white(rng, (len(controls), N_AXES), std)
-            controls[:, :, 0] -= encoder_noise
-            controls[:, :, 1] -= encoder_perturbation(encoder_noise, step)
+            controls[:, :, 0] -= on * encoder_noise
+            controls[:, :, 1] -= on * encoder_perturbation(encoder_noise, step)
         return controls.reshape(len(controls), -1), encoder_noise
 
 
@@ -177,11 +187,24 @@ def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array
     initial = np.stack([job.initial_state for job in jobs])
     n_data = min(threads, len(jobs))
     data = [mujoco.MjData(models[0]) for _ in range(n_data)]
+    what = mujoco.mjtState.mjSTATE_CTRL
+    if not all(job.powered.all() for job in jobs):
+        what |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
+        closed = np.stack([_closed_constraints(job) for job in jobs])
+        controls = np.concatenate((controls, closed), axis=2)
     with Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
-        states, sensors = rollout.rollout(models, data, initial, controls)
+        states, sensors = rollout.rollout(models, data, initial, controls, control_spec=int(what))
     for i, job in enumerate(jobs):
         _blank_after_instability(states[i], sensors[i], job.model.timestep)
     return states, sensors
+
+
+def _closed_constraints(job: Job) -> Array:
+    """(M, neq): those of the model throughout, and its brakes while the drives are off."""
+    mj = job.model.mj
+    closed = np.tile(mj.eq_active0.astype(np.float64), (len(job.powered), 1))
+    closed[:, job.model.brakes] = ~job.powered[:, None]
+    return closed
 
 
 def _blank_after_instability(states: Array, sensors: Array, step: float) -> None:
