@@ -1,8 +1,9 @@
 """A robot of numbers as compiled functions of its motor angles: kinematics and dynamics."""
 
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,9 @@ from . import native
 from .binding import bind
 from .dh import Robot
 from .model import RobotModel
+
+if TYPE_CHECKING:
+    from .program import Program
 
 Array = NDArray[np.float64]
 
@@ -27,6 +31,12 @@ class OfRates(Protocol):
     def __call__(
         self, phi: ArrayLike, phi_dot: ArrayLike, /, out: Array | None = None
     ) -> Array: ...
+
+
+class OfState(Protocol):
+    """A function of a state x and motor torques tau."""
+
+    def __call__(self, x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array: ...
 
 
 class OfMotion(Protocol):
@@ -146,16 +156,78 @@ class CompiledModel:
         """forward_dynamics(phi, phi_dot, tau): phi_ddot, shape (n,)."""
         return self._function("forward_dynamics", 3)
 
+    @cached_property
+    def rigid_rate(self) -> OfState:
+        """rigid_rate(x, tau): x', x = (phi, phi_dot), shape (2 n,)."""
+        return self._rate("rigid_rate", 2)
+
+    @cached_property
+    def flexible_rate(self) -> OfState:
+        """flexible_rate(x, tau): x', x = (phi_arm, phi_motor, rates), shape (4 n,). K12."""
+        return self._rate("flexible_rate", 4)
+
+    @cached_property
+    def rigid_rate_jacobian(self) -> OfState:
+        """rigid_rate_jacobian(x, tau): dx'/dx, shape (2 n, 2 n)."""
+        return self._rate_jacobian("rigid_rate", 2)
+
+    @cached_property
+    def flexible_rate_jacobian(self) -> OfState:
+        """flexible_rate_jacobian(x, tau): dx'/dx, shape (4 n, 4 n)."""
+        return self._rate_jacobian("flexible_rate", 4)
+
     def _function(self, name: str, arguments: int, shape: tuple[int, ...] = ()) -> Any:
+        def program() -> "Program":
+            from . import coriolis, dynamics
+
+            home = coriolis if name == "coriolis_matrix" else dynamics
+            return getattr(home, name)(self.model)
+
+        n = self.model.robot.n_joints
+        return bind(self._module(name, program), (n,) * arguments, shape or (n,))
+
+    def _rate(self, name: str, orders: int) -> Any:
+        def program() -> "Program":
+            from . import process
+
+            return getattr(process, name)(self.model)
+
+        n = self.model.robot.n_joints
+        return bind(self._module(name, program), (orders * n, n), (orders * n,))
+
+    def _rate_jacobian(self, name: str, orders: int) -> OfState:
+        """Columns are directional derivatives along the axes of x, one batch for all."""
+
+        def program() -> "Program":
+            from . import process
+
+            return process.rate_tangent(getattr(process, name)(self.model))
+
+        size, n = orders * self.model.robot.n_joints, self.model.robot.n_joints
+        along = bind(self._module(f"{name}_tangent", program), (size, n, size), (size,))
+        units = np.eye(size)
+
+        def function(x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array:
+            x, tau = np.asarray(x, dtype=np.float64), np.asarray(tau, dtype=np.float64)
+            if x.shape != (size,) or tau.shape != (n,):
+                raise ValueError(
+                    f"x must be ({size},) and tau ({n},), got {x.shape} and {tau.shape}"
+                )
+            rows = along(np.tile(x, (size, 1)), np.tile(tau, (size, 1)), units)
+            if out is None:
+                return np.ascontiguousarray(rows.T)
+            out[...] = rows.T
+            return out
+
+        return function
+
+    def _module(self, name: str, program: "Callable[[], Program]") -> Any:
         def source() -> str:
-            from . import dynamics
             from .codegen import numba_module
 
-            return numba_module(getattr(dynamics, name)(self.model))
+            return numba_module(program())
 
-        module = native.load(name, self.model.key, source, self._cache)
-        n = self.model.robot.n_joints
-        return bind(module, (n,) * arguments, shape or (n,))
+        return native.load(name, self.model.key, source, self._cache)
 
 
 def compile_dynamics(model: RobotModel, *, cache: Path | str | None = None) -> CompiledModel:

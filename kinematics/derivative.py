@@ -14,11 +14,17 @@ from .program import Block, Program, Tape
 def _step_derivative(tape: Tape, expression: sp.Expr, known: Mapping[sp.Expr, sp.Expr]) -> sp.Expr:
     """The directional derivative of one expression, given those of its symbols."""
     parts = [
-        expression.diff(symbol) * known[symbol]
+        _partial(expression, symbol) * known[symbol]
         for symbol in sorted(expression.free_symbols, key=str)
         if known.get(symbol, 0) != 0
     ]
     return tape(sp.Add(*parts))
+
+
+def _partial(expression: sp.Expr, symbol: sp.Basic) -> sp.Expr:
+    """The derivative where it exists: a sign has none at its jump and 0 elsewhere."""
+    derivative = expression.diff(symbol)
+    return derivative.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
 
 
 def _direction(
