@@ -52,7 +52,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader of our output left; nobody is there to be told
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_unwritten_output()
         return FAILED
     except KeyboardInterrupt:
         return _complain("interrupted, nothing was kept", INTERRUPTED)
@@ -86,8 +86,17 @@ def _failure(error: Exception) -> str:
 
 
 def _complain(message: str, status: int) -> int:
+    _drop_unwritten_output()
     print(f"armside: {message}", file=sys.stderr)
     return status
+
+
+def _drop_unwritten_output() -> None:
+    """Forget what stdout does not take, or Python would fail on it once more at its end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """The probe experiment, run in this process or in one of its own."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -46,8 +47,11 @@ def armside_process(tmp_path):
 
     def run(line: str, **options) -> Outcome:
         command = [sys.executable, "-c", START, *line.split()]
+        env = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
         streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
-        done = subprocess.run(command, cwd=tmp_path, text=True, timeout=60, check=False, **streams)
+        done = subprocess.run(
+            command, cwd=tmp_path, env=env, text=True, timeout=60, check=False, **streams
+        )
         return Outcome(done.returncode, done.stdout or "", done.stderr or "")
 
     return run

@@ -82,3 +82,12 @@ def test_bench_as_json_has_the_same_numbers(armside, one_benchmark):
         "ratio": 0.8,
     }
     assert second["ratio"] is None
+
+
+def test_a_folder_that_is_not_empty_is_refused_before_anything_is_measured(
+    armside, one_benchmark, monkeypatch, tmp_path
+):
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    monkeypatch.setattr(bench, "load", lambda path: pytest.fail("measured"))
+    assert armside("bench --out full").status == 2

@@ -177,18 +177,20 @@ def test_a_file_that_cannot_be_written_is_one_line_and_status_1(armside_process,
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_behind_stdout_is_status_1(armside_process):
+@pytest.mark.parametrize("line", ["probe", "probe --json"])
+def test_a_full_disk_behind_stdout_is_status_1(armside_process, line):
     with open("/dev/full", "w") as full:
-        status, _, err = armside_process("probe", stdout=full)
+        status, _, err = armside_process(line, stdout=full)
     assert status == 1
     assert "No space left" in err
     assert err.count("\n") == 1
 
 
-def test_a_reader_that_leaves_is_no_traceback(armside_process):
+@pytest.mark.parametrize("line", ["probe", "probe --json"])
+def test_a_reader_that_leaves_is_no_traceback(armside_process, line):
     with subprocess.Popen(["true"], stdin=subprocess.PIPE) as gone:
         gone.wait()
-        status, _, err = armside_process("probe", stdout=gone.stdin)
+        status, _, err = armside_process(line, stdout=gone.stdin)
     assert (status, err) == (1, "")
 
 

@@ -40,6 +40,23 @@ def test_other_arrays_give_another_picture(tmp_path):
     assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
 
 
+def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    draw_circles(tmp_path / "c.png", np.array([2e-4, 1e-4]))
+    (figure,) = drawn
+    for axes, amplitude in zip(figure.axes, (2e-4, 1e-4), strict=True):
+        reference, measured = (np.asarray(line.get_xydata()) * 1e-3 for line in axes.lines)
+        np.testing.assert_allclose(reference[:-1], CIRCLE, rtol=1e-12)
+        # 0.6 R / 0.2 mm = 15, so 10 times. The foot is on a 400-gon: its sides turn by 2 pi / 400
+        # and lie below the circle by up to R (pi / 400)^2 / 2.
+        turn = np.pi / len(CIRCLE)
+        atol = 9 * (amplitude * turn + 0.5 * RADIUS * turn**2)
+        np.testing.assert_allclose(measured, wavy(10 * amplitude), atol=atol)
+    assert "magnified 10 times" in figure.get_suptitle()
+    assert "RMS 200 µm, max 200 µm" in figure.axes[0].get_title()
+
+
 def test_a_perfect_path_can_be_drawn(tmp_path):
     draw_circles(tmp_path / "c.png", np.array([0.0]))
     assert (tmp_path / "c.png").exists()

@@ -43,12 +43,15 @@ def test_an_error_in_the_block_leaves_nothing(tmp_path):
 
 
 def test_an_empty_folder_and_a_link_to_one_can_be_named(tmp_path):
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "link").symlink_to("empty")
+    empty = tmp_path / "other-disk" / "empty"
+    empty.mkdir(parents=True)
+    (tmp_path / "link").symlink_to(empty)
     with RunFolder("laser", seed=0, out=tmp_path / "link") as folder:
         (folder / "summary.json").write_text("{}")
+        beside = (folder / "summary.json").parent.parent
+    assert beside == empty.parent
     assert (tmp_path / "link").is_symlink()
-    assert (tmp_path / "empty" / "summary.json").exists()
+    assert (empty / "summary.json").exists()
 
 
 def test_a_folder_filled_meanwhile_is_not_overwritten(tmp_path):
@@ -79,11 +82,13 @@ def test_a_results_folder_is_as_readable_as_any_other(tmp_path):
 
 
 def test_a_text_file_is_replaced_whole_or_not_at_all(tmp_path):
-    page = tmp_path / "page.md"
+    page, same_file = tmp_path / "page.md", tmp_path / "same-file.md"
     write_whole(page, "first")
+    same_file.hardlink_to(page)
     with pytest.raises(UnicodeEncodeError):
         write_whole(page, "half \udcff")
     assert page.read_text() == "first"
     write_whole(page, "second")
     assert page.read_text() == "second"
-    assert list(tmp_path.iterdir()) == [page]
+    assert same_file.read_text() == "first"
+    assert sorted(tmp_path.iterdir()) == [page, same_file]
