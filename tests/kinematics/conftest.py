@@ -1,0 +1,85 @@
+"""Generated code without its compiler, and robots with random numbers."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinematics import Convention, Joint, Link, Robot
+from kinematics.model import Body, Motor, RobotModel
+
+
+@pytest.fixture(scope="session")
+def interpreted() -> Callable[..., Callable[..., np.ndarray]]:
+    """A program as a Python function: the text that numba would compile, run by Python."""
+    from kinematics.codegen import numba_module
+
+    def build(program) -> Callable[..., np.ndarray]:
+        text = numba_module(program).replace(
+            "from numba import njit", "def njit(*_, **__):\n    return lambda f: f"
+        )
+        namespace: dict = {}
+        exec(text, namespace)
+
+        def function(*arguments) -> np.ndarray:
+            arrays = [np.asarray(a, dtype=float) for a in arguments]
+            out = np.empty(program.outputs[0].shape)
+            namespace["one"](*arrays, out)
+            return out
+
+        return function
+
+    return build
+
+
+def make_robot(
+    rng: np.random.Generator, n: int, convention: Convention, joints: list[Joint] | None = None
+) -> Robot:
+    """Any joints, any numbers, a coupling that mixes neighbours, constant links here and there."""
+    links = []
+    for i in range(n):
+        joint = joints[i] if joints else rng.choice([Joint.REVOLUTE] * 2 + [Joint.PRISMATIC])
+        links.append(Link(*rng.uniform(-1, 1, 4), joint=joint))
+        if rng.random() < 0.2:
+            links.append(Link(*rng.uniform(-1, 1, 4), joint=Joint.FIXED))
+    coupling = np.eye(n) + np.diag(rng.uniform(-0.5, 0.5, n - 1), -1) if n > 1 else None
+    return Robot(links, coupling, rng.uniform(-1, 1, n), convention)
+
+
+def make_body(rng: np.random.Generator) -> Body:
+    """Ten point masses, so that the inertia is that of a real body."""
+    points, masses = rng.normal(0, 0.2, (10, 3)), rng.uniform(0.1, 1.0, 10)
+    com = masses @ points / masses.sum()
+    r = points - com
+    tensor = np.einsum("k,kij->ij", masses, (r**2).sum(1)[:, None, None] * np.eye(3)) - (
+        (masses[:, None] * r).T @ r
+    )
+    i = tensor
+    inertia = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    return Body(mass=masses.sum(), com=tuple(com), inertia=inertia)
+
+
+def make_model(rng: np.random.Generator, robot: Robot) -> RobotModel:
+    motors = [
+        Motor(
+            inertia=rng.uniform(0.1, 1),
+            viscous=rng.uniform(0, 1),
+            coulomb=rng.uniform(0, 1),
+            stiffness=rng.uniform(50, 100),
+            damping=rng.uniform(0.1, 1),
+        )
+        for _ in range(robot.n_joints)
+    ]
+    return RobotModel(
+        robot, [make_body(rng) for _ in robot.links], motors, tuple(rng.normal(size=3) * 5)
+    )
+
+
+@pytest.fixture(scope="session")
+def random_robot():
+    return make_robot
+
+
+@pytest.fixture(scope="session")
+def random_model():
+    return make_model
