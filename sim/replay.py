@@ -65,7 +65,8 @@ def write_replay(
         raise ValueError("a replay needs at least one run")
     if (nq := runs[0].recording.truth.qpos.shape[1]) != mj.nq:
         raise ValueError(f"the runs have {nq} joint positions, the model has {mj.nq}")
-    contours = [_Contour(run, motion, robot) for run in runs]
+    compiled = kinematics.compile(robot)
+    contours = [_Contour(run, motion, compiled) for run in runs]
     factor = magnification or _magnification(contours)
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial:
@@ -84,13 +85,13 @@ def write_replay(
 class _Contour:
     """Programmed, motor-side and true tool path of one run in the plane, at the log's instants."""
 
-    def __init__(self, run: Run, motion: Programmed, robot: kinematics.Robot) -> None:
+    def __init__(self, run: Run, motion: Programmed, robot: kinematics.CompiledRobot) -> None:
         recording, plane = run.recording, motion.plane
         self.time = recording.time
         self.programmed = plane.from_base(motion.position_at(self.time))[:, :2]
         self.cutting = motion.is_on_contour(self.time)
         self.normal = _normals(self.programmed)
-        motor = kinematics.compile(robot).pose(recording.motor_angle)[:, :3, 3]
+        motor = robot.pose(recording.motor_angle)[:, :3, 3]
         self.motor = self._deviation(plane.from_base(motor)[:, :2])
         self.tool = self._deviation(plane.from_base(_at_log(recording))[:, :2])
 

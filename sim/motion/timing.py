@@ -91,10 +91,10 @@ def rest_to_rest(length: float, speed: float, limits: PathLimits) -> Timing:
     result = ruckig.Ruckig(1).calculate(wanted, trajectory)
     if result not in (ruckig.Result.Finished, ruckig.Result.Working):
         raise RuntimeError(f"no timing over {length} m at {speed} m/s: {result}")
-    return _from_profile(trajectory.profiles[0][0], trajectory.duration)
+    return from_profile(trajectory.profiles[0][0], trajectory.duration)
 
 
-def _from_profile(profile: ruckig.Profile, duration: float) -> Timing:
+def from_profile(profile: ruckig.Profile, duration: float) -> Timing:
     """The phases of a ruckig profile; empty ones are left out."""
     phase_time = np.asarray(profile.t)
     start = np.concatenate([[0.0], np.cumsum(phase_time)[:-1]])

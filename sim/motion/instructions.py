@@ -1,0 +1,159 @@
+"""Motion instructions in the manner of RAPID, as data in SI units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+class ProgramError(ValueError):
+    """A program that cannot be read or run; the message names file, line and reason."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """Where a move ends: motor angles, or a tool pose."""
+
+    motors: tuple[float, ...] | None = None
+    """(6,) [rad], arm side."""
+    position: tuple[float, float, float] | None = None
+    """[m], TCP0 in base axes."""
+    quaternion: tuple[float, float, float, float] | None = None
+    """Base to tool; left out, the orientation is kept."""
+    near: tuple[float, ...] | None = None
+    """(6,) [rad]: of all solutions for a pose, MoveJ takes the nearest to these motor angles. Left
+    out, the nearest to where it starts."""
+
+    def __post_init__(self) -> None:
+        if (self.motors is None) == (self.position is None):
+            raise ValueError("a target has either motors or a position")
+        if self.motors is not None and (self.quaternion is not None or self.near is not None):
+            raise ValueError("a target with motors has no orientation and no near")
+        for name, length in (("motors", 6), ("position", 3), ("quaternion", 4), ("near", 6)):
+            value = getattr(self, name)
+            if value is not None and not (len(value) == length and np.isfinite(value).all()):
+                raise ValueError(f"{name} must be {length} finite numbers, got {value}")
+        if self.quaternion is not None and np.linalg.norm(self.quaternion) < 1e-9:
+            raise ValueError("orientation must not be all zero")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Speed:
+    """Of the tool along its path, or a share of what the joints can do."""
+
+    path: float | None = None
+    """[m/s]."""
+    share: float | None = None
+    """Of the highest speed that the joint limits allow on this move, in (0, 1]. The move is slowed
+    as a whole: its accelerations by the square of the share."""
+
+    def __post_init__(self) -> None:
+        if (self.path is None) == (self.share is None):
+            raise ValueError("a speed is either along the path or a share of the joints'")
+        if self.path is not None and not (np.isfinite(self.path) and self.path > 0.0):
+            raise ValueError(f"speed must be > 0, got {self.path:g} m/s")
+        if self.share is not None and not 0.0 < self.share <= 1.0:
+            raise ValueError(f"speed must be above 0 and at most 100 %, got {100 * self.share:g} %")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Move:
+    to: Target
+    speed: Speed
+    zone: float = 0.0
+    """Within this distance of its end the move is blended into the next [m]; 0 is a stop point."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.zone) and self.zone >= 0.0):
+            raise ValueError(f"zone must be >= 0 m, got {self.zone}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveJ(_Move):
+    """Linear in the motor angles."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveL(_Move):
+    """The tool on a straight line, its orientation turned at an even rate about one axis."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _needs_pose("MoveL", self.to, self.speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveC(_Move):
+    """The tool on a circle from where it is, through `via`, to the target."""
+
+    via: tuple[float, float, float]
+    """[m], base axes."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _needs_pose("MoveC", self.to, self.speed)
+        if not (len(self.via) == 3 and np.isfinite(self.via).all()):
+            raise ValueError(f"via must be 3 finite numbers, got {self.via}")
+
+
+def _needs_pose(name: str, to: Target, speed: Speed) -> None:
+    if to.position is None:
+        raise ValueError(f"{name} needs a target with a position; MoveJ goes to motor angles")
+    if speed.path is None:
+        raise ValueError(f"{name} needs a speed along its path; MoveJ can take a percentage")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wait:
+    """Stand still."""
+
+    seconds: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.seconds) and self.seconds > 0.0):
+            raise ValueError(f"seconds must be > 0, got {self.seconds}")
+
+
+Instruction = MoveJ | MoveL | MoveC | Wait
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dynamics:
+    """How fast a program may change speed."""
+
+    joint_acceleration: tuple[float, ...] = (14.0, 12.0, 12.0, 50.0, 50.0, 70.0)
+    """(6,) [rad/s^2]. ESTIMATE for the IRB1400, from its peak torques."""
+    path_acceleration: float = 9.0
+    """Of the tool in MoveL and MoveC, along and across its path [m/s^2]. ESTIMATE."""
+    jerk_time: float = 0.05
+    """In which the full acceleration is built up [s]. ESTIMATE."""
+
+    def __post_init__(self) -> None:
+        limits = np.array([*self.joint_acceleration, self.path_acceleration, self.jerk_time])
+        if len(self.joint_acceleration) != 6 or not (limits > 0.0).all():
+            raise ValueError(f"six joint accelerations and all limits must be > 0, got {self}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Program:
+    """Instructions from a start at rest; the last one ends at rest."""
+
+    instructions: tuple[Instruction, ...]
+    start: tuple[float, ...] = (0.0,) * 6
+    """(6,) [rad], motor angles."""
+    dynamics: Dynamics = Dynamics()
+    source: str = "program"
+    """Where it was written: the name of a file."""
+    lines: tuple[int, ...] = ()
+    """The line of each instruction in it."""
+
+    def __post_init__(self) -> None:
+        if not any(not isinstance(i, Wait) for i in self.instructions):
+            raise ProgramError(f"{self.source}: a program needs at least one move")
+        if len(self.start) != 6 or not np.isfinite(self.start).all():
+            raise ProgramError(f"{self.source}: start must be 6 finite motor angles")
+
+    def place(self, index: int) -> str:
+        """Where an instruction stands, for a message."""
+        name = type(self.instructions[index]).__name__
+        where = f"line {self.lines[index]}" if self.lines else f"instruction {index + 1}"
+        return f"{self.source}, {where} ({name})"

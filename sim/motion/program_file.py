@@ -1,0 +1,224 @@
+"""Programs as TOML, so that a person writes one without Python: degrees, mm, mm/s and percent.
+
+    start = [0, 0, 0, 0, 0, 0]                # motor angles, deg; the zero pose if left out
+
+    [targets.corner]                          # named targets; a move may also hold one inline
+    position = [968, -127, 1030]              # mm, TCP0 in base axes
+    orientation = [0.7071, 0, 0.7071, 0]      # quaternion, w first; left out: kept
+
+    [[program]]
+    do = "MoveJ"
+    to = "corner"                             # or { motors = [...] }, { position = [...] }
+    speed = "80 %"                            # of the joints' speed, or a number: mm/s
+    zone = 10                                 # mm; left out: a stop point
+
+    [[program]]
+    do = "Wait"
+    seconds = 0.5
+
+`[dynamics]` may hold joint_acceleration [rad/s^2], path_acceleration [m/s^2], jerk_time [ms].
+"""
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .instructions import (
+    Dynamics,
+    Instruction,
+    MoveC,
+    MoveJ,
+    MoveL,
+    Program,
+    ProgramError,
+    Speed,
+    Target,
+    Wait,
+)
+
+MM, MS, DEG = 1e-3, 1e-3, np.pi / 180.0
+
+
+def read_program(path: Path) -> Program:
+    """The program in a file.
+
+    Raises:
+        ProgramError: file, line and reason.
+        OSError: the file cannot be read.
+    """
+    return parse_program(path.read_text(encoding="utf-8"), source=path.name)
+
+
+def parse_program(text: str, *, source: str = "program") -> Program:
+    """The program in a text; see the module for its form."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ProgramError(f"{source}: {error}") from error
+    return _Reader(text, source).program(data)
+
+
+class _Reader:
+    """One text, to find lines in."""
+
+    def __init__(self, text: str, source: str) -> None:
+        self.source = source
+        self.text_lines = text.splitlines()
+        heads = [i for i, line in enumerate(self.text_lines) if re.match(r"\s*\[", line)]
+        ends = [*heads[1:], len(self.text_lines)]
+        self.blocks = [(self.text_lines[a].strip(), a, b) for a, b in zip(heads, ends, strict=True)]
+
+    def program(self, data: Mapping[str, Any]) -> Program:
+        self._known(data, {"start", "targets", "dynamics", "program"}, 0, len(self.text_lines))
+        targets = {
+            name: self._in(self._named("targets", name), lambda t=table: _target(t))
+            for name, table in self._table(data, "targets").items()
+        }
+        dynamics = self._table(data, "dynamics")
+        places = [(a, b) for head, a, b in self.blocks if re.match(r"\[\[\s*program\s*\]\]", head)]
+        steps = data.get("program", [])
+        if not (isinstance(steps, list) and all(isinstance(s, dict) for s in steps)):
+            raise ProgramError(f"{self.source}: program must be a list of [[program]] tables")
+        if len(steps) != len(places):
+            raise ProgramError(f"{self.source}: write each instruction as a [[program]] table")
+        instructions = tuple(
+            self._in(place, lambda s=step: _instruction(s, targets))
+            for step, place in zip(steps, places, strict=True)
+        )
+        top = (0, self.blocks[0][1] if self.blocks else len(self.text_lines))
+        return Program(
+            instructions=instructions,
+            start=self._in(top, lambda: _numbers("start", data.get("start", [0] * 6), 6, DEG)),
+            dynamics=self._in(self._named("dynamics"), lambda: _dynamics(dynamics)),
+            source=self.source,
+            lines=tuple(a + 1 for a, _ in places),
+        )
+
+    def _table(self, data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+        table = data.get(name, {})
+        if not isinstance(table, dict):
+            raise ProgramError(f"{self.source}: {name} must be a table")
+        return table
+
+    def _named(self, *names: str) -> tuple[int, int]:
+        """The lines of a table, the whole text if it is written in another way."""
+        for head, a, b in self.blocks:
+            if re.sub(r"[\s\"']", "", head).strip("[]") == ".".join(names):
+                return a, b
+        return 0, len(self.text_lines)
+
+    def _in(self, place: tuple[int, int], make: Callable[[], Any]) -> Any:
+        """What `make` gives; its errors get file and line: that of the key they begin with."""
+        try:
+            return make()
+        except ValueError as error:
+            first, last = place
+            word = re.match(r"\w+", str(error))
+            keys = [
+                i
+                for i in range(first, last)
+                if word and re.match(rf"\s*{word.group(0)}\s*=", self.text_lines[i])
+            ]
+            line = keys[0] if keys else first
+            raise ProgramError(f"{self.source}, line {line + 1}: {error}") from error
+
+    def _known(self, table: Mapping[str, Any], names: set[str], first: int, last: int) -> None:
+        self._in((first, last), lambda: _only(table, names))
+
+
+def _only(table: Mapping[str, Any], names: set[str]) -> None:
+    for name in table:
+        if name not in names:
+            raise ValueError(f"{name} is not known here. Known: {', '.join(sorted(names))}")
+
+
+def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target]) -> Instruction:
+    kind = _required(table, "do")
+    if kind == "Wait":
+        _only(table, {"do", "seconds"})
+        return Wait(seconds=_number("seconds", _required(table, "seconds")))
+    if kind not in ("MoveJ", "MoveL", "MoveC"):
+        raise ValueError(f"do: unknown instruction {kind!r}. Known: MoveJ, MoveL, MoveC, Wait")
+    _only(table, {"do", "to", "speed", "zone"} | ({"via"} if kind == "MoveC" else set()))
+    common: dict[str, Any] = {
+        "to": _to(_required(table, "to"), targets),
+        "speed": _speed(_required(table, "speed")),
+        "zone": _number("zone", table.get("zone", 0.0)) * MM,
+    }
+    if kind == "MoveJ":
+        return MoveJ(**common)
+    if kind == "MoveL":
+        return MoveL(**common)
+    via = _to(_required(table, "via"), targets, "via").position
+    if via is None:
+        raise ValueError("via needs a position")
+    return MoveC(**common, via=via)
+
+
+def _required(table: Mapping[str, Any], name: str) -> Any:
+    if name not in table:
+        raise ValueError(f"{name} is missing")
+    return table[name]
+
+
+def _to(value: Any, targets: Mapping[str, Target], key: str = "to") -> Target:
+    if isinstance(value, str):
+        if value not in targets:
+            known = ", ".join(targets) or "none"
+            raise ValueError(f"{key}: unknown target {value!r}. Targets: {known}")
+        return targets[value]
+    if not isinstance(value, dict):
+        raise ValueError(f"{key} must be the name of a target or a table, got {value!r}")
+    return _target(value)
+
+
+def _target(table: Mapping[str, Any]) -> Target:
+    _only(table, {"motors", "position", "orientation", "near"})
+
+    def numbers(name: str, n: int, unit: float) -> Any:
+        return _numbers(name, table[name], n, unit) if name in table else None
+
+    return Target(
+        motors=numbers("motors", 6, DEG),
+        position=numbers("position", 3, MM),
+        quaternion=numbers("orientation", 4, 1.0),
+        near=numbers("near", 6, DEG),
+    )
+
+
+def _speed(value: Any) -> Speed:
+    if isinstance(value, str):
+        percent = re.fullmatch(r"\s*([0-9.]+)\s*%\s*", value)
+        if not percent:
+            raise ValueError(f'speed must be mm/s or a percentage like "80 %", got {value!r}')
+        return Speed(share=_number("speed", float(percent.group(1))) / 100.0)
+    return Speed(path=_number("speed", value) * MM)
+
+
+def _dynamics(table: Mapping[str, Any]) -> Dynamics:
+    _only(table, {"joint_acceleration", "path_acceleration", "jerk_time"})
+    given: dict[str, Any] = {}
+    if "joint_acceleration" in table:
+        given["joint_acceleration"] = _numbers(
+            "joint_acceleration", table["joint_acceleration"], 6, 1.0
+        )
+    for name, unit in (("path_acceleration", 1.0), ("jerk_time", MS)):
+        if name in table:
+            given[name] = _number(name, table[name]) * unit
+    return Dynamics(**given)
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+        raise ValueError(f"{name} must be a finite number, got {value!r}")
+    return float(value)
+
+
+def _numbers(name: str, values: Any, n: int, unit: float) -> tuple[float, ...]:
+    if not isinstance(values, Sequence) or isinstance(values, str) or len(values) != n:
+        raise ValueError(f"{name} must be {n} numbers, got {values!r}")
+    return tuple(_number(name, value) * unit for value in values)
