@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -39,24 +39,28 @@ def circles(
     measured: for each iteration k, (M_k, 2) [m], registered to the reference.
     rms, maxdev: for each iteration [m], written above its panel.
     All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
+    Points that are not finite (a lost beam, a run that diverged) leave a gap.
     """
+    measured = [np.where(np.isfinite(p).all(axis=1)[:, None], p, np.nan) for p in measured]
     foot = [_nearest(path, reference) for path in measured]
     half_width = 0.5 * float(np.ptp(reference, axis=0).max())
-    worst = max(float(np.hypot(*(p - f).T).max()) for p, f in zip(measured, foot, strict=True))
+    worst = _largest([np.hypot(*(p - f).T) for p, f in zip(measured, foot, strict=True)])
     factor = _magnification(SHOWN_DEVIATION * half_width / max(worst, 1e-12))
 
     magnified = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
     closed = np.vstack([reference, reference[:1]]) * 1e3
-    reach = 1.06 * max(float(np.abs(path).max()) for path in [closed, *magnified])
+    reach = 1.06 * _largest([closed, *magnified])
+    scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
     shown = _panels(len(measured))
     figure, panels = _panel_grid(len(shown))
-    figure.suptitle(f"{title}: deviation magnified {factor:g} times", x=0.02, y=0.985, ha="left")
-    label = f"measured, deviation × {factor:g}"
+    figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
     for axes, k in zip(panels, shown, strict=True):
         axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
-        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=label)
+        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"measured, {scale}")
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
         numbers = f"RMS {rms[k] * 1e6:.0f} µm, max {maxdev[k] * 1e6:.0f} µm"
         axes.set_title(f"k = {k}    {numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
@@ -84,6 +88,9 @@ def errors(
         label = f"motor {i + 1}"
         left.plot(iterations, motor[:, i], marker=marker, color=color, ms=5, lw=1.3, label=label)
     left.set_yscale("log")
+    left.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+    left.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    left.yaxis.set_minor_formatter(StrMethodFormatter("{x:g}"))
     left.set_title("Motor side: what the robot sees", loc="left")
     left.set_ylabel(motor_label)
     left.legend(ncols=2, frameon=False, fontsize=8)
@@ -137,7 +144,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
 def _save(figure: Figure, file: Path) -> None:
     for axes in figure.axes:
         axes.spines[["top", "right"]].set_visible(False)
-        axes.tick_params(colors=INK, labelsize=8)
+        axes.tick_params(which="both", colors=INK, labelsize=8)
     figure.savefig(file, metadata={"Software": None})
 
 
@@ -145,6 +152,12 @@ def _panels(n_iterations: int) -> list[int]:
     """The iterations that get a panel: all, or some evenly spread with the first and the last."""
     n_shown = min(n_iterations, MOST_PANELS)
     return sorted({round(k) for k in np.linspace(0, n_iterations - 1, n_shown)})
+
+
+def _largest(arrays: Sequence[Array]) -> float:
+    """The largest magnitude among all finite values; 0 if there are none."""
+    values = np.abs(np.concatenate([array.ravel() for array in arrays]))
+    return float(values.max(where=np.isfinite(values), initial=0.0))
 
 
 def _magnification(at_most: float) -> float:

@@ -57,6 +57,37 @@ def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
     assert "RMS 200 µm, max 200 µm" in figure.axes[0].get_title()
 
 
+def test_large_deviations_are_drawn_to_scale(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    draw_circles(tmp_path / "c.png", np.array([4e-3]))
+    assert "to scale" in drawn[0].get_suptitle()
+
+
+def test_what_is_not_finite_leaves_a_gap_and_nothing_else(tmp_path, monkeypatch):
+    path = wavy(1e-4)
+    path[10:20] = np.nan
+    path[30, 0] = np.inf
+    lost = np.full_like(path, np.nan)
+    drawn = []
+    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    numbers = [1e-4, np.nan]
+    figures.circles(tmp_path / "c.png", CIRCLE, [path, lost], rms=numbers, maxdev=numbers)
+    first, second = drawn[0].axes
+    shown = np.isfinite(np.asarray(first.lines[1].get_xydata())).all(axis=1)
+    np.testing.assert_array_equal(shown, np.isfinite(path).all(axis=1))
+    assert first.get_xlim() == second.get_xlim()
+    assert 5.0 < first.get_xlim()[1] < 10.0
+
+
+def test_errors_of_a_run_that_diverged_can_be_drawn(tmp_path):
+    motor = np.full((3, 6), 0.1)
+    motor[2] = np.inf
+    motor[1, 0] = 0.0
+    figures.errors(tmp_path / "e.png", motor, [1e-4, np.inf, np.nan], [2e-4, np.nan, np.inf])
+    assert (tmp_path / "e.png").exists()
+
+
 def test_a_perfect_path_can_be_drawn(tmp_path):
     draw_circles(tmp_path / "c.png", np.array([0.0]))
     assert (tmp_path / "c.png").exists()
