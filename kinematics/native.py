@@ -38,6 +38,9 @@ def load(name: str, key: str, source: Callable[[], str], folder: Path | None = N
     digest = hashlib.sha256(_generator() + name.encode() + key.encode()).hexdigest()[:16]
     module_name = f"{name}_{digest}"
     path = (folder or cache_folder()) / f"{module_name}.py"
+    loaded = sys.modules.get(module_name)
+    if loaded is not None and getattr(loaded, "__file__", None) == str(path):
+        return loaded
     try:
         if not path.exists():
             _write(path, source())
