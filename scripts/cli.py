@@ -20,6 +20,7 @@ from .registry import unknown
 COMMANDS = {
     "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
+    "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
     "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),
 }
 """Name: (module:function, one line of help). A new experiment is one line here."""

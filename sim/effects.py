@@ -31,14 +31,11 @@ class Effect(Enum):
     """Friction follows from holding torque and temperature. Frozen per pose."""
 
 
-def with_effects(
-    model: RobotModel, effects: Collection[Effect], *, phi: Array, temperature: float = 33.0
-) -> RobotModel:
+def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) -> RobotModel:
     """The robot with these effects added.
 
     Args:
         phi: (6,) [rad], pose that friction is frozen at.
-        temperature: of the gears [deg C]; 33 is where the friction data were taken.
     """
     mj = copy.copy(model.mj)
     model = replace(model, mj=mj)
@@ -55,7 +52,7 @@ def with_effects(
     if Effect.GEAR_ERROR in effects:
         model = replace(model, gear_error=_gear_error(model))
     if Effect.LOAD_FRICTION in effects:
-        model = _loaded(model, phi, temperature)
+        model = _loaded(model, phi)
     return model
 
 
@@ -102,11 +99,14 @@ def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float,
     return coulomb, static, viscous, -24.81 + 0.98 * temperature
 
 
-def _loaded(model: RobotModel, phi: Array, temperature: float) -> RobotModel:
+def _loaded(model: RobotModel, phi: Array) -> RobotModel:
     limit, gear = model.drives.torque_limit, model.drives.gear
     load = Statics(model).equilibrium(phi).holding_torque / gear / limit
+    (temperature,) = numeric(model.mj, "gear_temperature", 1)
     coulomb, static, viscous, stribeck = load_friction(load, temperature)
     scale = numeric(model.mj, "load_friction_scale", 6)
+    (excess,) = numeric(model.mj, "load_friction_static", 1)
+    static = coulomb + excess * (static - coulomb)
     mj = model.mj
     for i in range(len(AXES)):
         axis = _axis(model, i)
