@@ -1,0 +1,150 @@
+"""Design variables of the law, and their normalised form: the action of the env.
+
+| variable | low | high | unit | scale |
+|---|---|---|---|---|
+| gamma | 0.1 | 1.5 | - | linear |
+| delta | 0 | 15 | samples of 4 ms | whole numbers |
+| cutoff | 2 | 30 | Hz | logarithmic |
+
+An action is float32 in [-1, 1]: -1 is low, +1 is high. With one design for all motors it has shape
+(3,), in the order of the table; with one for each motor (18,), six of each variable.
+"""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ilc.filters import ZeroPhaseButterworth
+from ilc.laws import Heuristic
+
+from ..model import N_AXES
+from ..recording import Array
+from ..robot import LOG_PERIOD
+
+
+class Scale(Enum):
+    """How a variable runs from low to high."""
+
+    LINEAR = "linear"
+    WHOLE = "whole numbers"
+    LOGARITHMIC = "logarithmic"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One design variable and its range."""
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    scale: Scale
+
+    def physical(self, normalised: Array) -> Array:
+        """From [-1, 1] to [low, high]."""
+        part = 0.5 * (np.asarray(normalised, dtype=np.float64) + 1.0)
+        if self.scale is Scale.LOGARITHMIC:
+            # Clipped: the power of a ratio may miss the end of the range by a rounding error.
+            value = self.low * (self.high / self.low) ** part
+            return np.clip(value, self.low, self.high)
+        value = self.low + part * (self.high - self.low)
+        return np.rint(value) if self.scale is Scale.WHOLE else value
+
+    def normalised(self, physical: Array) -> Array:
+        """From [low, high] to [-1, 1]. Raises ValueError outside."""
+        value = np.asarray(physical, dtype=np.float64)
+        if not ((value >= self.low) & (value <= self.high)).all():
+            raise ValueError(
+                f"{self.name} must be in [{self.low:g}, {self.high:g}] {self.unit}, "
+                f"got {value.tolist()}"
+            )
+        if self.scale is Scale.LOGARITHMIC:
+            return 2.0 * np.log(value / self.low) / np.log(self.high / self.low) - 1.0
+        return 2.0 * (value - self.low) / (self.high - self.low) - 1.0
+
+
+VARIABLES = (
+    Variable("gamma", 0.1, 1.5, "", Scale.LINEAR),
+    Variable("delta", 0.0, 15.0, "samples", Scale.WHOLE),
+    Variable("cutoff", 2.0, 30.0, "Hz", Scale.LOGARITHMIC),
+)
+
+
+class Motors(Enum):
+    """Whether all motors share a design."""
+
+    SHARED = "shared"
+    EACH = "each"
+
+    @property
+    def count(self) -> int:
+        """Values of one variable."""
+        return 1 if self is Motors.SHARED else N_AXES
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """Design variables, each one value for all motors or six."""
+
+    gamma: tuple[float, ...]
+    delta: tuple[int, ...]
+    """[samples]"""
+    cutoff: tuple[float, ...]
+    """[Hz]"""
+    law: Heuristic = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        gamma, delta, cutoff = (
+            value if len(value) > 1 else value[0] for value in (self.gamma, self.delta, self.cutoff)
+        )
+        Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
+        object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
+
+    def arrays(self) -> dict[str, Array]:
+        """Values of each motor by name: (6,) arrays."""
+        return {
+            v.name: np.array(np.broadcast_to(getattr(self, v.name), N_AXES), dtype=np.float64)
+            for v in VARIABLES
+        }
+
+
+THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
+"""The design of thesis chapter 9."""
+
+
+def design_of(action: ArrayLike, motors: Motors) -> Design:
+    """The design that an action stands for.
+
+    Raises:
+        ValueError: wrong shape, NaN or outside of [-1, 1]; the message names the first bad value.
+    """
+    values = np.asarray(action, dtype=np.float64)
+    expected = (len(VARIABLES) * motors.count,)
+    if values.shape != expected:
+        raise ValueError(f"an action must have shape {expected}, got {values.shape}")
+    wrong = ~((values >= -1.0) & (values <= 1.0))  # true for NaN too
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        name = VARIABLES[i // motors.count].name
+        raise ValueError(f"an action must be in [-1, 1], got {values[i]} at index {i} ({name})")
+    gamma, delta, cutoff = (
+        tuple(v.physical(part).tolist())
+        for v, part in zip(VARIABLES, values.reshape(len(VARIABLES), -1), strict=True)
+    )
+    return Design(gamma=gamma, delta=tuple(int(d) for d in delta), cutoff=cutoff)
+
+
+def action_of(design: Design, motors: Motors) -> np.ndarray:
+    """The float32 action that stands for a design, to the rounding of float32.
+
+    Raises ValueError for a design outside of the ranges, or of six motors where they share one.
+    """
+    parts = []
+    for variable in VARIABLES:
+        value = np.array(getattr(design, variable.name), dtype=np.float64)
+        if len(value) > motors.count:
+            raise ValueError(f"{variable.name} has six values, but all motors share one design")
+        parts.append(variable.normalised(np.broadcast_to(value, motors.count)))
+    return np.concatenate(parts).astype(np.float32)

@@ -1,0 +1,104 @@
+"""`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
+
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+
+from .picture import Picture
+from .rules import Rules
+from .situation import Situation
+
+Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
+
+
+class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
+    """One step is one ILC iteration: learn with the design of the action, run, look.
+
+    Observation: (50,) float32, table in `sim.tuning.observation`. Action: (3,) or (18,) float32,
+    table in `sim.tuning.design`. Reward and info: `sim.tuning.rules`. Tasks: `sim.tuning.task`.
+    An episode is truncated after `iterations` steps and terminated by a run that diverges.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 1}
+
+    def __init__(
+        self,
+        *,
+        robot: str = "large",
+        motors: str = "shared",
+        reward: str = "tracker",
+        iterations: int = 5,
+        sealed: bool = False,
+        render_mode: str | None = None,
+        picture: str = "drawing",
+    ) -> None:
+        """
+        Args:
+            robot: large or irb1400.
+            motors: shared, one design for all motors, or each.
+            reward: the sensor that the reward is computed from, tracker or motor.
+            iterations: learning iterations of an episode.
+            sealed: take the sealed test seeds, and only those.
+            render_mode: rgb_array or None.
+            picture: drawing (circle and errors, no GL needed) or mujoco (the robot).
+
+        Raises ValueError for a value that does not exist; the message lists those that do.
+        """
+        self.rules = Rules(
+            robot=robot, motors=motors, reward=reward, iterations=iterations, sealed=sealed
+        )
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
+        self.render_mode = render_mode
+        self.picture = Picture(picture)
+        self.action_space = self.rules.action_space
+        self.observation_space = self.rules.observation_space
+        self._history: list[Situation] = []
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Draw a task, or take from `options` what they give, and run once without learning.
+
+        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` [kg] and
+        `individual` (a seed).
+
+        Raises ValueError for options that do not exist or cannot be done.
+        """
+        self.rules.check_seed(seed)
+        super().reset(seed=seed)
+        situation = self.rules.begin(self.rules.draw(self.np_random, options))
+        self._history = [situation]
+        return self.rules.observe(situation), self.rules.info(situation, None, 0.0)
+
+    def step(self, action: np.ndarray) -> Step:
+        """Learn once and run. Raises ValueError for an action outside of its space or NaN."""
+        design = self.rules.design(action)
+        before = self._now
+        if before.diverged or self.rules.truncated(before):
+            raise RuntimeError("this episode is over: call reset before the next step")
+        after = self.rules.advance(before, design)
+        self._history.append(after)
+        reward = self.rules.score(before, after)
+        return (
+            self.rules.observe(after),
+            reward,
+            after.diverged,
+            self.rules.truncated(after),
+            self.rules.info(after, design, reward),
+        )
+
+    def render(self) -> np.ndarray | None:  # type: ignore[override]
+        """(height, width, 3) uint8 of the episode so far; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if not self._history:
+            raise RuntimeError("there is nothing to draw yet: call reset first")
+        return self.picture.draw(self._history)
+
+    @property
+    def _now(self) -> Situation:
+        if not self._history:
+            raise RuntimeError("call reset before the first step")
+        return self._history[-1]

@@ -1,0 +1,107 @@
+"""What a robot cell knows after a run, as a vector: the observation of the env.
+
+| entries | feature | unit | low | high | scale |
+|---|---|---|---|---|---|
+| 0:6 | motor error, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
+| 6:12 | motor error, infinity-norm | rad | 1e-4 | 1e1 | log10 |
+| 12:18 | motor error, RMS in 0-3 Hz | rad | 1e-6 | 1e1 | log10 |
+| 18:24 | motor error, RMS in 3-8 Hz | rad | 1e-6 | 1e1 | log10 |
+| 24:30 | motor error, RMS in 8-16 Hz | rad | 1e-6 | 1e1 | log10 |
+| 30:36 | motor error, RMS in 16-125 Hz | rad | 1e-6 | 1e1 | log10 |
+| 36:42 | correction, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
+| 42:48 | joint position at the start, motors on the arm side | rad | -6.2832 | 6.2832 | linear |
+| 48:49 | commanded speed | m/s | 0 | 0.1 | linear |
+| 49:50 | iteration k | - | 0 | 10 | linear |
+
+Errors and corrections are those of the motor shaft. Each entry is float32, low becomes -1 and high
++1; what lies outside is clipped, and what is not finite (a run that fell apart) becomes +1.
+Nothing here knows where the tool was.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ilc.measures import inf_norm, two_norm
+
+from ..model import N_AXES
+from ..recording import Array
+from ..robot import LOG_PERIOD
+from .situation import Situation
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Some entries of the observation and the range that [-1, 1] stands for."""
+
+    name: str
+    size: int
+    unit: str
+    low: float
+    high: float
+    logarithmic: bool = True
+
+    def normalised(self, values: Array) -> Array:
+        """To [-1, 1], clipped; not finite becomes +1."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.logarithmic:
+                part = np.log(values / self.low) / np.log(self.high / self.low)
+            else:
+                part = (values - self.low) / (self.high - self.low)
+        part = np.where(np.isfinite(values), part, 1.0)
+        return 2.0 * np.clip(part, 0.0, 1.0) - 1.0
+
+
+BANDS = ((0.0, 3.0), (3.0, 8.0), (8.0, 16.0), (16.0, 125.0))
+"""[Hz]"""
+
+FEATURES = (
+    Feature("motor error, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
+    Feature("motor error, infinity-norm", N_AXES, "rad", 1e-4, 1e1),
+    *(
+        Feature(f"motor error, RMS in {low:g}-{high:g} Hz", N_AXES, "rad", 1e-6, 1e1)
+        for low, high in BANDS
+    ),
+    Feature("correction, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
+    Feature(
+        "joint position at the start, motors on the arm side", N_AXES, "rad", -6.2832, 6.2832, False
+    ),
+    Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
+    Feature("iteration k", 1, "-", 0.0, 10.0, False),
+)
+SIZE = sum(feature.size for feature in FEATURES)
+
+
+def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...]) -> Array:
+    """(len(bands), n): the part of each column's RMS that lies in each band [low, high) Hz.
+
+    signal: (N, n), one row each `period` [s]. The Nyquist frequency counts to a band that ends
+    there.
+    """
+    n = len(signal)
+    power = np.abs(np.fft.rfft(signal, axis=0) / n) ** 2
+    power[1 : (n + 1) // 2] *= 2.0  # both halves of the spectrum, mean and Nyquist but once
+    frequency = np.fft.rfftfreq(n, period)
+    nyquist = 0.5 / period
+    inside = [
+        (frequency >= low) & ((frequency < high) | (high >= nyquist)) for low, high in bands
+    ]
+    return np.sqrt(np.stack([power[band].sum(axis=0) for band in inside]))
+
+
+def observation(situation: Situation) -> np.ndarray:
+    """(50,) float32 in [-1, 1], as the table says."""
+    job = situation.experiment.job
+    gear = job.model.drives.gear
+    error, correction = situation.error * gear, situation.correction * gear
+    values = (
+        two_norm(error),
+        inf_norm(error),
+        *band_rms(error, LOG_PERIOD, BANDS),
+        two_norm(correction),
+        job.reference[0],
+        np.array([situation.experiment.motion.programmed_speed]),
+        np.array([float(situation.k)]),
+    )
+    parts = [f.normalised(value) for f, value in zip(FEATURES, values, strict=True)]
+    return np.concatenate(parts).astype(np.float32)

@@ -1,0 +1,205 @@
+"""Many robot cells at once: the same episodes as the single env, rolled out on all cores.
+
+Each robot's run is one rollout of the physics. Rollouts release Python's lock, so as many go on at
+once as there are cores, and what Python has to do for one robot is done while the physics of another
+runs. Records differ in length with the speed: one common rollout would pad all to the longest.
+"""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from .env import Step
+from .rules import Rules
+from .situation import Situation
+
+Result = TypeVar("Result")
+
+
+class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """`num_envs` copies of `armside/IlcTuning-v0`; row i is bitwise what the single env returns.
+
+    `gymnasium.make_vec(..., vectorization_mode="vector_entry_point")` makes it. Episodes that are
+    over start again by themselves, at the next step as Gymnasium does by default, or as
+    `autoreset_mode` says.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        robot: str = "large",
+        motors: str = "shared",
+        reward: str = "tracker",
+        iterations: int = 5,
+        sealed: bool = False,
+        threads: int | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        render_mode: None = None,
+    ) -> None:
+        """
+        Args:
+            threads: robots that run at the same time; all cores if None.
+            autoreset_mode: NextStep, SameStep or Disabled.
+
+        The others are those of the single env. Raises ValueError as it does.
+        """
+        if num_envs < 1:
+            raise ValueError(f"num_envs must be >= 1, got {num_envs}")
+        if threads is not None and threads < 1:
+            raise ValueError(f"threads must be >= 1, got {threads}")
+        if render_mode is not None:
+            raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
+        self.rules = Rules(
+            robot=robot, motors=motors, reward=reward, iterations=iterations, sealed=sealed
+        )
+        self.num_envs = num_envs
+        self.render_mode = None
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
+        self.single_action_space = self.rules.action_space
+        self.single_observation_space = self.rules.observation_space
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self._rngs: list[np.random.Generator | None] = [None] * num_envs
+        self._situations: list[Situation | None] = [None] * num_envs
+        self._over = np.zeros(num_envs, dtype=bool)
+        self._pool = ThreadPoolExecutor(threads or _cores())
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Reset all robots, or those of the boolean array options["reset_mask"].
+
+        seed: of the first robot, the others count up from it, or one for each. Other options are
+        those of the single env and hold for all robots.
+        """
+        seeds = self._seeds(seed)
+        options = dict(options or {})
+        mask = self._mask(options.pop("reset_mask", None))
+        chosen = np.flatnonzero(mask)
+        for i in chosen:
+            self.rules.check_seed(seeds[i])
+        for i in chosen:
+            if seeds[i] is not None or self._rngs[i] is None:
+                self._rngs[i], _ = np_random(seeds[i])
+        tasks = [self.rules.draw(self._rng(i), options) for i in chosen]
+        began = self._all(lambda n: self.rules.begin(tasks[n]), range(len(tasks)))
+        observations = np.zeros(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
+        infos: dict[str, Any] = {}
+        for i, situation in zip(chosen, began, strict=True):
+            self._situations[i] = situation
+            self._over[i] = False
+            infos = self._add_info(infos, self.rules.info(situation, None, 0.0), i)
+        for i, situation in enumerate(self._situations):
+            if situation is not None:
+                observations[i] = self.rules.observe(situation)
+        return observations, infos
+
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """One iteration of each robot, in parallel. Raises ValueError as the single env does."""
+        actions = np.asarray(actions)
+        if actions.shape != self.action_space.shape:
+            raise ValueError(
+                f"actions must have shape {self.action_space.shape}, got {actions.shape}"
+            )
+        if any(situation is None for situation in self._situations):
+            raise RuntimeError("call reset before the first step")
+        anew = self._over.copy()
+        if anew.any() and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
+            raise RuntimeError("episodes are over: reset them with options['reset_mask']")
+        designs = [None if anew[i] else self.rules.design(a) for i, a in enumerate(actions)]
+        steps = self._all(
+            lambda i: self._start(i) if designs[i] is None else self._advance(i, designs[i]),
+            range(self.num_envs),
+        )
+        infos: dict[str, Any] = {}
+        for i, (observed, _, terminated, truncated, info) in enumerate(steps):
+            self._over[i] = terminated or truncated
+            if self._over[i] and self.autoreset_mode is AutoresetMode.SAME_STEP:
+                infos = self._add_info(infos, {"final_obs": observed, "final_info": info}, i)
+        ended = np.flatnonzero(self._over)
+        rows = [step[0] for step in steps]
+        latest = [step[4] for step in steps]
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            for i, begun in zip(ended, self._all(self._start, ended), strict=True):
+                rows[i], latest[i] = begun[0], begun[4]
+            self._over[:] = False
+        for i, info in enumerate(latest):
+            infos = self._add_info(infos, info, i)
+        rewards, terminated, truncated = (np.array([s[n] for s in steps]) for n in (1, 2, 3))
+        return np.stack(rows), rewards, terminated, truncated, infos
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Stop the threads."""
+        self._pool.shutdown()
+
+    def _start(self, i: int) -> Step:
+        """A new episode of robot i, as the step that follows the end of one."""
+        situation = self.rules.begin(self.rules.draw(self._rng(i)))
+        self._situations[i] = situation
+        info = self.rules.info(situation, None, 0.0)
+        return self.rules.observe(situation), 0.0, False, False, info
+
+    def _advance(self, i: int, design: Any) -> Step:
+        before = self._situations[i]
+        assert before is not None
+        after = self.rules.advance(before, design)
+        self._situations[i] = after
+        reward = self.rules.score(before, after)
+        return (
+            self.rules.observe(after),
+            reward,
+            after.diverged,
+            self.rules.truncated(after),
+            self.rules.info(after, design, reward),
+        )
+
+    def _all(self, function: Callable[[int], Result], items: Sequence[int]) -> list[Result]:
+        """function of each item on the threads, longest record first; results in order."""
+        order = sorted(range(len(items)), key=lambda n: -self._length(items[n]))
+        futures = {n: self._pool.submit(function, items[n]) for n in order}
+        return [futures[n].result() for n in range(len(items))]
+
+    def _length(self, i: int) -> int:
+        situation = self._situations[i] if i < self.num_envs else None
+        return 0 if situation is None else len(situation.error)
+
+    def _rng(self, i: int) -> np.random.Generator:
+        rng = self._rngs[i]
+        assert rng is not None
+        return rng
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, (int, np.integer)):
+            return [int(seed) + i for i in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ValueError(f"{self.num_envs} robots need as many seeds, got {len(seed)}")
+        return list(seed)
+
+    def _mask(self, mask: Any) -> np.ndarray:
+        if mask is None:
+            return np.ones(self.num_envs, dtype=bool)
+        mask = np.asarray(mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise ValueError(f"reset_mask must be {self.num_envs} booleans, one of them true")
+        return mask
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
