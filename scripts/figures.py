@@ -41,7 +41,7 @@ def circles(
     All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
     Points that are not finite (a lost beam, a run that diverged) leave a gap.
     """
-    measured = [np.where(np.isfinite(p).all(axis=1)[:, None], p, np.nan) for p in measured]
+    measured = [np.where(np.isfinite(p).all(axis=1, keepdims=True), p, np.nan) for p in measured]
     foot = [_nearest(path, reference) for path in measured]
     half_width = 0.5 * float(np.ptp(reference, axis=0).max())
     worst = _largest([np.hypot(*(p - f).T) for p, f in zip(measured, foot, strict=True)])
@@ -65,7 +65,7 @@ def circles(
         axes.set_title(f"k = {k}    {numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
-    _save(figure, file)
+    save(figure, file)
 
 
 def errors(
@@ -80,7 +80,7 @@ def errors(
 
     motor: (K, 6) normalised motor errors. arm_rms, arm_maxdev: (K,) [m].
     """
-    figure = _figure(9.6, 4.0)
+    figure = new_figure(9.6, 4.0)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.91, wspace=0.24)
     iterations = np.arange(len(motor))
@@ -106,10 +106,10 @@ def errors(
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    _save(figure, file)
+    save(figure, file)
 
 
-def _figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), dpi=120)
     FigureCanvasAgg(figure)
     return figure
@@ -122,7 +122,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
     n_rows = -(-n_panels // n_columns)
     width = left + n_columns * side + (n_columns - 1) * gap + right
     height = bottom + n_rows * side + (n_rows - 1) * gap + top
-    figure = _figure(width, height)
+    figure = new_figure(width, height)
     grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(
         left=left / width,
@@ -141,7 +141,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
     return figure, list(grid.flat[:n_panels])
 
 
-def _save(figure: Figure, file: Path) -> None:
+def save(figure: Figure, file: Path) -> None:
     for axes in figure.axes:
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(which="both", colors=INK, labelsize=8)

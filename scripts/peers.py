@@ -1,5 +1,7 @@
 """The same robot in other libraries, to be timed beside ours. None of them is a dependency."""
 
+# pyright: reportMissingImports=false
+
 from types import SimpleNamespace
 from typing import Any
 
