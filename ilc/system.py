@@ -55,14 +55,14 @@ class System:
         Raises:
             ValueError: if the numerator has the higher degree: such a model is not causal.
         """
-        num = np.trim_zeros(np.atleast_1d(np.asarray(num, float)), "f")
-        den = np.trim_zeros(np.atleast_1d(np.asarray(den, float)), "f")
-        if len(num) > len(den):
+        b = np.trim_zeros(np.atleast_1d(np.array(num, dtype=np.float64)), "f")
+        a = np.trim_zeros(np.atleast_1d(np.array(den, dtype=np.float64)), "f")
+        if len(b) > len(a):
             raise ValueError(
-                f"the model is not causal: numerator degree {len(num) - 1} in q exceeds "
-                f"denominator degree {len(den) - 1}"
+                f"the model is not causal: numerator degree {len(b) - 1} in q exceeds "
+                f"denominator degree {len(a) - 1}"
             )
-        return cls(np.concatenate((np.zeros(len(den) - len(num)), num)), den, sample_time)
+        return cls(np.concatenate((np.zeros(len(a) - len(b)), b)), a, sample_time)
 
     @property
     def poles(self) -> Complex:
@@ -107,8 +107,8 @@ class System:
 
     __rmul__ = __mul__
 
-    def feedback(self) -> "System":
-        """The closed loop G / (1 + G). Thesis (8.15).
+    def feedback(self, name: str = "the closed loop") -> "System":
+        """The closed loop G / (1 + G), called `name` in messages. Thesis (8.15).
 
         Raises:
             ValueError: if the closed loop is unstable or has no solution.
@@ -116,9 +116,9 @@ class System:
         degree = max(len(self.a), len(self.b))
         a = _padded(self.a, degree) + _padded(self.b, degree)
         if a[0] == 0.0:
-            raise ValueError("the closed loop has no solution: 1 + G is 0 at infinite frequency")
+            raise ValueError(f"{name} has no solution: 1 + G is 0 at infinite frequency")
         loop = System(self.b, a, self.sample_time)
-        return require_stable(loop, "the closed loop")
+        return require_stable(loop, name)
 
 
 class HasPoles(Protocol):

@@ -72,3 +72,12 @@ def adjoint(model: Model, signal: Array) -> Array:
     """T^T e on the finite record, exactly: filter the time-reversed record, reverse again."""
     back = model.transposed if isinstance(model, SystemMatrix) else model
     return back.simulate(np.asarray(signal)[::-1])[::-1]
+
+
+def largest_gain(model: Model) -> float:
+    """max over frequency of |T_u|, the largest singular value for a matrix."""
+    low, even = np.geomspace(1e-4, 1.0, 2000), np.linspace(0.0, 1.0, 2001)
+    response = model.response(np.pi * np.concatenate((low, even)))
+    if response.ndim == 1:
+        return float(np.abs(response).max())
+    return float(np.linalg.norm(response, ord=2, axis=(1, 2)).max())

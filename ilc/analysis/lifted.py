@@ -24,10 +24,13 @@ def lifted_system(T_u: System, n_samples: int) -> Array:
 def lifted_law(law: FirstOrderLaw, n_samples: int) -> tuple[Array, Array]:
     """(M_u, M_e) with u_{k+1} = M_u u_k + M_e e_k, whatever the law does at its edges.
 
-    The law must treat all columns alike.
+    Column by column, as one motor: what the law makes of a one at each sample.
     """
-    unit, zero = np.eye(n_samples), np.zeros((n_samples, n_samples))
-    return law(unit, zero), law(zero, unit)
+    zero = np.zeros((n_samples, 1))
+    units = np.eye(n_samples)[:, :, None]
+    M_u = np.concatenate([law(unit, zero) for unit in units], axis=1)
+    M_e = np.concatenate([law(zero, unit) for unit in units], axis=1)
+    return M_u, M_e
 
 
 @dataclass(frozen=True, eq=False)

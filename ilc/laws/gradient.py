@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from ..analysis.criterion import frequency_grid
 from ..plant import Array
 from ..system import Complex, require_stable
-from ..system_matrix import Model, SystemMatrix, adjoint
+from ..system_matrix import Model, SystemMatrix, adjoint, largest_gain
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,11 +37,3 @@ class Gradient:
     def response(self, omega: ArrayLike) -> Complex:
         T = self.T_u.response(omega)
         return self.step * (T if T.ndim == 1 else T.swapaxes(1, 2)).conj()
-
-
-def largest_gain(model: Model) -> float:
-    """max over frequency of |T_u|, the largest singular value for a matrix."""
-    response = model.response(frequency_grid(4000))
-    if response.ndim == 1:
-        return float(np.abs(response).max())
-    return float(np.linalg.norm(response, ord=2, axis=(1, 2)).max())

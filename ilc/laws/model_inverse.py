@@ -1,6 +1,6 @@
 """Algorithm 2: L = T_u^-1 (1 - H_B), the inverse of a model up to a wanted convergence rate."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..filters import RecordFilter
 from ..plant import Array
 from ..system import Complex, require_stable
-from ..system_matrix import Model, SystemMatrix
+from ..system_matrix import Model, SystemMatrix, largest_gain
 
 
 class Beyond(Enum):
@@ -45,6 +45,9 @@ class ModelInverse:
         if not (np.isfinite(self.regularisation) and self.regularisation >= 0.0):
             raise ValueError(f"regularisation must be >= 0, got {self.regularisation}")
         require_stable(self.T_u, "T_u")
+        object.__setattr__(self, "_rho", self.regularisation * largest_gain(self.T_u) ** 2)
+
+    _rho: float = field(init=False, repr=False)
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
@@ -55,12 +58,9 @@ class ModelInverse:
         T = self.T_u.response(omega)
         learned = self.rate * self.learned.response(omega)
         if T.ndim == 1:
-            size = np.square(np.abs(T))
-            return learned * np.conj(T) / (size + self.regularisation * size.max())
+            return learned * np.conj(T) / (np.square(np.abs(T)) + self._rho)
         T_H = np.conj(np.swapaxes(T, 1, 2))
-        normal = T @ T_H
-        rho = self.regularisation * np.linalg.norm(T, ord=2, axis=(1, 2)).max() ** 2
-        inverse = T_H @ np.linalg.inv(normal + rho * np.eye(T.shape[1]))
+        inverse = T_H @ np.linalg.inv(T @ T_H + self._rho * np.eye(T.shape[1]))
         learned = learned if learned.ndim == 2 else learned[:, None]
         return inverse * learned[:, None, :]
 

@@ -1,0 +1,104 @@
+"""Learning where the program cannot run the plant: a person runs it and brings the log.
+
+```
+state = ByHand(law=law, reference=r)       # k = 0: run the task without correction
+state = state.record(y_0)                  # state.correction is now u_1
+state.save("learning.npz")                 # tomorrow: ByHand.load("learning.npz", law)
+```
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .laws.law import Law
+from .measures import inf_norm, two_norm
+from .plant import Array, as_record
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ByHand:
+    """What is known between two runs; `record` returns the next state, nothing changes in place.
+
+    Corrections of laws with memory are recomputed from the logs, so a saved state needs the
+    arrays only.
+    """
+
+    law: Law
+    reference: Array
+    """r, shape (N, n)."""
+    outputs: tuple[Array, ...] = ()
+    """y_0 .. y_{k-1}, as recorded."""
+    corrections: tuple[Array, ...] = field(default=())
+    """u_0 .. u_k; the last is the one to run next."""
+
+    def __post_init__(self) -> None:
+        reference = as_record(self.reference, "reference")
+        object.__setattr__(self, "reference", reference)
+        self.law.check(*reference.shape)
+        if not self.corrections:
+            object.__setattr__(self, "corrections", (np.zeros_like(reference),))
+        if len(self.corrections) != len(self.outputs) + 1:
+            raise ValueError(
+                f"{len(self.outputs)} outputs need {len(self.outputs) + 1} corrections, "
+                f"got {len(self.corrections)}"
+            )
+
+    @property
+    def k(self) -> int:
+        """The iteration to run next."""
+        return len(self.outputs)
+
+    @property
+    def correction(self) -> Array:
+        """u_k, to be run next, shape (N, n)."""
+        return self.corrections[-1]
+
+    @property
+    def errors(self) -> list[Array]:
+        """e_0 .. e_{k-1}."""
+        return [self.reference - y for y in self.outputs]
+
+    def record(self, output: ArrayLike) -> "ByHand":
+        """The state after the task was run with `correction` and gave `output`, shape (N, n)."""
+        y = as_record(output, "output")
+        if y.shape != self.reference.shape:
+            raise ValueError(f"output must have shape {self.reference.shape}, got {y.shape}")
+        outputs = (*self.outputs, y)
+        memory, correction = None, self.correction
+        for u, y in zip(self.corrections, outputs, strict=True):
+            correction, memory = self.law.step(u, self.reference - y, memory)
+        return replace(self, outputs=outputs, corrections=(*self.corrections, correction))
+
+    def table(self) -> str:
+        """2-norm and largest error of each recorded iteration, one line each."""
+        lines = ["k  two-norm  largest"]
+        for k, e in enumerate(self.errors):
+            lines.append(f"{k}  {np.linalg.norm(two_norm(e)):.4g}  {inf_norm(e).max():.4g}")
+        return "\n".join(lines)
+
+    def save(self, file: str | Path) -> None:
+        """All arrays as .npz."""
+        with open(file, "wb") as stream:
+            np.savez(
+                stream,
+                reference=self.reference,
+                outputs=np.array(self.outputs).reshape(-1, *self.reference.shape),
+                corrections=np.array(self.corrections),
+            )
+
+    @classmethod
+    def load(cls, file: str | Path, law: Law) -> "ByHand":
+        """Continue a saved learning with the same law, or another one from here on."""
+        with np.load(file) as saved:
+            missing = {"reference", "outputs", "corrections"} - set(saved.files)
+            if missing:
+                raise ValueError(f"{file} lacks {', '.join(sorted(missing))}")
+            return cls(
+                law=law,
+                reference=saved["reference"],
+                outputs=tuple(saved["outputs"]),
+                corrections=tuple(saved["corrections"]),
+            )

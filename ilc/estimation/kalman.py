@@ -1,0 +1,176 @@
+"""Kalman filter and fixed-interval smoother (Rauch, Tung, Striebel) of a sampled linear process.
+
+The covariances do not depend on the data: `Smoother` computes all gains once and then costs one
+recursion forwards and one backwards a record. Samples that are missing are predicted over; which
+ones they are belongs to the set-up.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..plant import Array
+from .riccati import settled
+from .state_space import Process
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Filtered:
+    """What a filter leaves of a record of N samples."""
+
+    innovation: Array
+    """(N, p), measured minus predicted; NaN where nothing was measured."""
+    innovation_covariance: Array
+    """(N, p, p), or (1, p, p) once settled."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Smoothed(Filtered):
+    """Filtered and smoothed states, (N, n)."""
+
+    filtered: Array
+    smoothed: Array
+
+
+class SettledFilter:
+    """The filter with the gain at which it settles: one recursion, and the cheapest set-up."""
+
+    def __init__(self, process: Process) -> None:
+        """Raises RuntimeError where the filter does not settle."""
+        self.process = process
+        P = settled(process)
+        S = process.C @ P @ process.C.T + process.R
+        self.innovation_covariance = 0.5 * (S + S.T)
+        self.gain = np.linalg.solve(self.innovation_covariance, process.C @ P).T
+
+    def __call__(self, y: Array, start: Array | None = None) -> Filtered:
+        """Innovations of y (N, p); NaN marks rows that are missing. start: (n,), 0 if None."""
+        x = np.zeros(len(self.process.A)) if start is None else start.copy()
+        e = _predict(self.process.A, self.process.C, np.ascontiguousarray(self.gain), y, x)
+        return Filtered(innovation=e, innovation_covariance=self.innovation_covariance[None])
+
+    @property
+    def whitening(self) -> tuple[Array, float]:
+        """W with W S W^T = 1, and log det S."""
+        L = np.linalg.cholesky(self.innovation_covariance)
+        return np.linalg.inv(L), 2.0 * float(np.log(np.diag(L)).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Smoother:
+    """Gains of filter and smoother for records of N samples with the same rows missing."""
+
+    process: Process
+    start_covariance: Array
+    """(n, n), of the state before the first sample."""
+    seen: NDArray[np.bool_]
+    """(N,), False where nothing was measured."""
+    _gains: tuple[Array, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        p = self.process
+        object.__setattr__(
+            self, "_gains", _covariances(p.A, p.Q, p.C, p.R, self.start_covariance, self.seen)
+        )
+
+    @property
+    def filtered_covariance(self) -> Array:
+        """(N, n, n), given the past."""
+        return self._gains[3]
+
+    @property
+    def smoothed_covariance(self) -> Array:
+        """(N, n, n), given the whole record."""
+        return _smoothed_covariances(self._gains[3], self._gains[4], self._gains[1])
+
+    def __call__(self, y: Array, start: Array | None = None) -> Smoothed:
+        """States of y (N, p). start: (n,), expected state at the first sample, 0 if None."""
+        if y.shape != (len(self.seen), len(self.process.C)):
+            raise ValueError(
+                f"y must have shape {(len(self.seen), len(self.process.C))}, got {y.shape}"
+            )
+        gain, back, S, _, _ = self._gains
+        x = np.zeros(len(self.process.A)) if start is None else start.copy()
+        A, C = self.process.A, self.process.C
+        e, filtered, predicted = _forwards(A, C, gain, np.ascontiguousarray(y), self.seen, x)
+        return Smoothed(
+            innovation=e,
+            innovation_covariance=S,
+            filtered=filtered,
+            smoothed=_backwards(filtered, predicted, back),
+        )
+
+
+@njit(cache=True)
+def _predict(A: Array, C: Array, K: Array, y: Array, x: Array) -> Array:  # pragma: no cover
+    e = np.empty_like(y)
+    for i in range(len(y)):
+        e[i] = y[i] - C @ x
+        if np.isfinite(e[i]).all():
+            x = x + K @ e[i]
+        x = A @ x
+    return e
+
+
+@njit(cache=True)
+def _forwards(
+    A: Array, C: Array, gain: Array, y: Array, seen: NDArray[np.bool_], x: Array
+) -> tuple[Array, Array, Array]:  # pragma: no cover - compiled
+    n_samples, n = len(y), len(A)
+    e = np.full(y.shape, np.nan)
+    filtered, predicted = np.empty((n_samples, n)), np.empty((n_samples, n))
+    for i in range(n_samples):
+        predicted[i] = x
+        if seen[i]:
+            e[i] = y[i] - C @ x
+            x = x + gain[i] @ e[i]
+        filtered[i] = x
+        x = A @ x
+    return e, filtered, predicted
+
+
+@njit(cache=True)
+def _backwards(filtered: Array, predicted: Array, back: Array) -> Array:  # pragma: no cover
+    smoothed = filtered.copy()
+    for i in range(len(filtered) - 2, -1, -1):
+        smoothed[i] += back[i] @ (smoothed[i + 1] - predicted[i + 1])
+    return smoothed
+
+
+@njit(cache=True)
+def _covariances(
+    A: Array, Q: Array, C: Array, R: Array, P: Array, seen: NDArray[np.bool_]
+) -> tuple[Array, Array, Array, Array, Array]:  # pragma: no cover - compiled
+    n_samples, n, p = len(seen), len(A), len(C)
+    gain, back = np.zeros((n_samples, n, p)), np.zeros((n_samples, n, n))
+    S_all = np.zeros((n_samples, p, p))
+    given, predicted = np.empty((n_samples, n, n)), np.empty((n_samples, n, n))
+    identity = np.eye(n)
+    for i in range(n_samples):
+        predicted[i] = P
+        if seen[i]:
+            PC = P @ C.T
+            S = C @ PC + R
+            K = np.ascontiguousarray(np.linalg.solve(S, np.ascontiguousarray(PC.T)).T)
+            # Joseph's form stays symmetric and positive whatever the rounding.
+            left = identity - K @ C
+            P = left @ P @ left.T + K @ R @ K.T
+            gain[i], S_all[i] = K, S
+        given[i] = P
+        P = A @ P @ A.T + Q
+        P = 0.5 * (P + P.T)
+        if i < n_samples - 1:
+            AP = A @ given[i]
+            back[i] = np.linalg.solve(P, AP).T
+    return gain, back, S_all, given, predicted
+
+
+@njit(cache=True)
+def _smoothed_covariances(given: Array, predicted: Array, back: Array) -> Array:  # pragma: no cover
+    smoothed = given.copy()
+    for i in range(len(given) - 2, -1, -1):
+        change = smoothed[i + 1] - predicted[i + 1]
+        smoothed[i] = given[i] + back[i] @ change @ back[i].T
+    return smoothed

@@ -1,0 +1,131 @@
+"""Parameters of a filter's model from its innovations: the prediction-error method.
+
+    minimise over theta   sum_i e_i^T S^-1 e_i + N log det S + |(theta - prior) / sd|^2
+
+e are the innovations, S their covariance: the negative log-likelihood of the record times two. An
+innovation looks one sample ahead, so that the filter keeps the model in step with the record; a
+fit to the simulated output would fall into a local minimum wherever the two lose count of an
+oscillation. Several starts guard against what minima are left.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..plant import Array
+
+_DIFFERENCE = 1e-4  # of a standard deviation of the prior
+_ACCEPTED = 1e-4  # fall of the cost below which the search has ended
+_STEPS = 25
+
+
+class Whitened(NamedTuple):
+    """Innovations divided by what the model says of them."""
+
+    innovation: Array
+    """(N, p), S^-1/2 e: white with unit variance if the model is right."""
+    log_det: float
+    """Of S, each sample."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """The best of all starts."""
+
+    theta: Array
+    """(m,)."""
+    covariance: Array
+    """(m, m), data and prior together."""
+    information: Array
+    """(m,) in [0, 1]: what the data tell of each parameter; 0 is what the prior said already."""
+    cost: float
+    innovation: Array
+    """(N, p), whitened, at theta."""
+    costs: tuple[float, ...]
+    """Of each start."""
+
+    @property
+    def standard_deviation(self) -> Array:
+        return np.sqrt(np.diag(self.covariance))
+
+
+def fit(
+    model: Callable[[Array], Whitened],
+    prior: Array,
+    prior_sd: Array,
+    starts: Sequence[Array],
+) -> Fit:
+    """Search from each start by damped Gauss-Newton steps; the lowest cost wins.
+
+    Args:
+        model: whitened innovations of the record at theta (m,).
+        prior, prior_sd: (m,), what is known beforehand.
+        starts: each (m,).
+
+    Raises:
+        RuntimeError: no start leads to a finite cost.
+    """
+    found = [_search(model, prior, prior_sd, start) for start in starts]
+    costs = tuple(cost for _, cost in found)
+    if not np.isfinite(min(costs)):
+        raise RuntimeError("the prediction error is not finite at any start")
+    theta, cost = found[int(np.argmin(costs))]
+    residual, J, _ = _linearised(model, prior, prior_sd, theta)
+    information = J.T @ J + np.diag(prior_sd**-2.0)
+    covariance = np.linalg.inv(information)
+    return Fit(
+        theta=theta,
+        covariance=covariance,
+        information=1.0 - np.diag(covariance) / prior_sd**2,
+        cost=cost,
+        innovation=residual.innovation,
+        costs=costs,
+    )
+
+
+def _cost(residual: Whitened, theta: Array, prior: Array, sd: Array) -> float:
+    e = residual.innovation[np.isfinite(residual.innovation).all(axis=1)]
+    value = np.square(e).sum() + len(e) * residual.log_det + np.square((theta - prior) / sd).sum()
+    return float(value) if np.isfinite(value) else np.inf
+
+
+def _linearised(
+    model: Callable[[Array], Whitened], prior: Array, sd: Array, theta: Array
+) -> tuple[Whitened, Array, Array]:
+    """Innovations, their Jacobian (N p, m) and the gradient of half the cost (m,)."""
+    here = model(theta)
+    seen = np.isfinite(here.innovation).all(axis=1)
+    e = here.innovation[seen].ravel()
+    J, d_log_det = np.empty((e.size, theta.size)), np.empty(theta.size)
+    for i, step in enumerate(np.diag(_DIFFERENCE * sd)):
+        there = model(theta + step)
+        J[:, i] = (there.innovation[seen].ravel() - e) / step[i]
+        d_log_det[i] = (there.log_det - here.log_det) / step[i]
+    gradient = J.T @ e + 0.5 * seen.sum() * d_log_det + (theta - prior) / sd**2
+    return here, J, gradient
+
+
+def _search(
+    model: Callable[[Array], Whitened], prior: Array, sd: Array, start: Array
+) -> tuple[Array, float]:
+    theta, damping = np.array(start, dtype=np.float64), 1e-2
+    cost = _cost(model(theta), theta, prior, sd)
+    for _ in range(_STEPS):
+        _, J, gradient = _linearised(model, prior, sd, theta)
+        H = J.T @ J + np.diag(sd**-2.0)
+        while damping < 1e6:
+            step = -np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
+            tried = theta + step
+            reached = _cost(model(tried), tried, prior, sd)
+            if reached < cost:
+                break
+            damping *= 5.0
+        else:
+            return theta, cost
+        gained, theta, cost = cost - reached, tried, reached
+        damping = max(damping / 5.0, 1e-6)
+        if gained < _ACCEPTED * max(1.0, abs(cost)) * 1e-1:
+            break
+    return theta, cost
