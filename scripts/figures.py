@@ -110,6 +110,7 @@ def errors(
 
 
 def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of width and height [inch], apart from any global state of matplotlib."""
     figure = Figure(figsize=(width, height), dpi=120)
     FigureCanvasAgg(figure)
     return figure
@@ -142,6 +143,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
 
 
 def save(figure: Figure, file: Path) -> None:
+    """Give all axes the common look and write a PNG without anything that changes by itself."""
     for axes in figure.axes:
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(which="both", colors=INK, labelsize=8)

@@ -42,7 +42,7 @@ def test_other_arrays_give_another_picture(tmp_path):
 
 def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
     draw_circles(tmp_path / "c.png", np.array([2e-4, 1e-4]))
     (figure,) = drawn
     for axes, amplitude in zip(figure.axes, (2e-4, 1e-4), strict=True):
@@ -59,7 +59,7 @@ def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
 
 def test_large_deviations_are_drawn_to_scale(tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
     draw_circles(tmp_path / "c.png", np.array([4e-3]))
     assert "to scale" in drawn[0].get_suptitle()
 
@@ -70,7 +70,7 @@ def test_what_is_not_finite_leaves_a_gap_and_nothing_else(tmp_path, monkeypatch)
     path[30, 0] = np.inf
     lost = np.full_like(path, np.nan)
     drawn = []
-    monkeypatch.setattr(figures, "_save", lambda figure, file: drawn.append(figure))
+    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
     numbers = [1e-4, np.nan]
     figures.circles(tmp_path / "c.png", CIRCLE, [path, lost], rms=numbers, maxdev=numbers)
     first, second = drawn[0].axes
