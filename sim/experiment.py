@@ -10,7 +10,7 @@ from ilc.laws.law import Law
 
 from .cell import Cell
 from .cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
-from .individual import with_friction
+from .individual import Individual, with_friction, with_individual
 from .instruments.laser_tracker import LaserTrackerCfg, set_up
 from .model import RobotModel
 from .motion.path import Circle, CuttingPath, Plane
@@ -66,7 +66,15 @@ class Iteration:
 
 
 def prepare(
-    cell: Cell, nominal: RobotModel, task: CircleTask, *, seed: int, friction_spread: float = 0.02
+    cell: Cell,
+    nominal: RobotModel,
+    task: CircleTask,
+    *,
+    seed: int,
+    friction_spread: float = 0.02,
+    hardware: RobotModel | None = None,
+    individual: Individual | None = None,
+    repetition: int = 0,
 ) -> Experiment:
     """Draw the robot individual, set up the tracker and load the motion.
 
@@ -74,18 +82,26 @@ def prepare(
         nominal: the robot as its controller knows it.
         seed: of the individual, of the tracker's set-up and of all noise, in separate streams.
         friction_spread: friction of each axis is uniform within +- this part of the nominal.
+        hardware: the robot as it is, where it is not what its controller knows.
+        individual: in place of one that only differs in friction.
+        repetition: of the same experiment: other noise, everything else alike.
 
     Raises:
         ValueError: the task leaves the joint limits (where) or the reach (by how much).
     """
-    individual, tracking, noise = (
-        np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3)
-    )
+    drawing, tracking, noise = np.random.SeedSequence(seed).spawn(3)
+    if repetition:
+        noise = noise.spawn(repetition)[-1]
     motion, reference = plan(cell, nominal, task.path, task.pose.quaternion, task.speed)
-    factor = 1.0 + individual.uniform(-friction_spread, friction_spread, 6)
-    job = VirtualRobot(with_friction(nominal, factor)).load(reference)
-    tracker = set_up(LaserTrackerCfg(), tracking)
-    plant = CuttingPlant(job, tracker, noise)
+    real = hardware or nominal
+    if individual is not None:
+        real = with_individual(real, individual)
+    else:
+        factor = np.random.default_rng(drawing).uniform(-friction_spread, friction_spread, 6)
+        real = with_friction(real, 1.0 + factor)
+    job = VirtualRobot(real, nominal=nominal).load(reference)
+    tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
+    plant = CuttingPlant(job, tracker, np.random.default_rng(noise))
     return Experiment(task=task, motion=motion, job=job, plant=plant)
 
 

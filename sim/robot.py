@@ -35,9 +35,19 @@ _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 class VirtualRobot:
     """One robot individual. `load` a reference, then `run` it as often as needed."""
 
-    def __init__(self, model: RobotModel, *, log_period: float = LOG_PERIOD) -> None:
-        """log_period: [s], a whole number of physics steps."""
+    def __init__(
+        self,
+        model: RobotModel,
+        *,
+        nominal: RobotModel | None = None,
+        log_period: float = LOG_PERIOD,
+    ) -> None:
+        """Args:
+        nominal: what its controller computes torques with; the robot itself if None.
+        log_period: [s], a whole number of physics steps.
+        """
         self.model = model
+        self.nominal = nominal or model
         self.log_period = log_period
         self._ratio = substeps(model.timestep, log_period)
 
@@ -54,7 +64,7 @@ class VirtualRobot:
         model, drives = self.model, self.model.drives
         statics = Statics(model)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
-        torque = self._feedforward(statics, reference, velocity)
+        torque = self._feedforward(reference, velocity)
         start = statics.equilibrium(reference[0])
         torque += start.holding_torque - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
@@ -85,9 +95,9 @@ class VirtualRobot:
         """Load a reference and run it once. See `Job.run`."""
         return self.load(reference).run(correction, rng)
 
-    def _feedforward(self, statics: Statics, reference: Array, velocity: Array) -> Array:
+    def _feedforward(self, reference: Array, velocity: Array) -> Array:
         """(M, 6) [N m], arm side: rigid computed torque, evaluated at the log rate and splined."""
-        drives = self.model.drives
+        statics, drives = Statics(self.nominal), self.nominal.drives
         if drives.torque_feedforward == 0.0:
             return np.zeros_like(velocity)
         _, phi_dot, phi_ddot = interpolate(reference, self.log_period, 1)
