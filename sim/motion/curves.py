@@ -67,7 +67,17 @@ def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> A
         return np.array(to.motors)
     T_start = robot.pose(start)
     T = transform(_end_rotation(T_start, to), np.array(to.position))
-    return inverse_nearest(robot.robot, T, start if to.near is None else to.near, limits)
+    try:
+        return inverse_nearest(robot.robot, T, start if to.near is None else to.near, limits)
+    except UnreachableError as error:
+        raise ValueError(_unreachable("at its target", error, robot)) from error
+
+
+def _unreachable(where: str, error: UnreachableError, robot: CompiledRobot) -> str:
+    return (
+        f"{where} the wrist centre would lie {1e3 * error.distance:.1f} mm outside the workspace "
+        f"of {robot.robot.name}"
+    )
 
 
 def _end_rotation(T_start: Array, to: Target) -> Array:
@@ -125,10 +135,8 @@ def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRo
     try:
         phi = inverse_path(robot.robot, poses, start)
     except UnreachableError as error:
-        raise ValueError(
-            f"{100 * u[error.index]:.0f} % of the way, the wrist centre would lie "
-            f"{1e3 * error.distance:.1f} mm outside the workspace of {robot.robot.name}"
-        ) from error
+        where = f"{100 * u[error.index]:.0f} % of the way"
+        raise ValueError(_unreachable(where, error, robot)) from error
     return Curve(CubicSpline(u, phi), on_path=True)
 
 

@@ -2,34 +2,15 @@
 lead-out."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .curve import ClosedCurve
+from .spiral import Spiral
+
 Array = NDArray[np.float64]
-
-
-class ClosedCurve(Protocol):
-    """A closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
-
-    @property
-    def length(self) -> float:
-        """Once around [m]."""
-        ...
-
-    @property
-    def smallest_radius(self) -> float:
-        """Smallest radius of curvature [m]."""
-        ...
-
-    def point(self, s: ArrayLike) -> Array:
-        """Shape (..., 2) [m]."""
-        ...
-
-    def tangent(self, s: ArrayLike) -> Array:
-        """Unit vector along increasing s, shape (..., 2)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -58,6 +39,9 @@ class Circle:
     def tangent(self, s: ArrayLike) -> Array:
         angle = np.asarray(s) / self.radius
         return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+    def nearest(self, p: Array) -> Array:
+        return self.radius * np.mod(np.arctan2(p[:, 1], p[:, 0]), 2.0 * np.pi)
 
 
 def _unit(name: str, vector: ArrayLike) -> Array:
@@ -116,31 +100,39 @@ class Plane:
 
 @dataclass(frozen=True, kw_only=True)
 class CuttingPath:
-    """A contour cut once, with lead-in and lead-out along the contour itself.
+    """A contour cut once, with a lead-in and a lead-out.
 
-    s = 0 is the start of the lead-in, which lies at the curve's own s = 0 (on the circle: at +x),
-    so the start pose of the robot does not depend on the lead-in. The contour is one full turn
-    after it."""
+    s = 0 is the start of the lead-in. Without a spiral the leads run along the contour itself and s
+    = 0 lies at the curve's own s = 0 (on the circle: at +x), so the start pose of the robot does
+    not depend on the lead-in. The contour is one full turn after it.
+    """
 
     curve: ClosedCurve
     plane: Plane
     lead_in: float
-    """[m], along the contour."""
+    """[m]."""
     lead_out: float
     """[m], along the contour."""
+    spiral: float | None = None
+    """The lead-in starts on the contour shrunk to this share of its size, in (0, 1), and spirals
+    outwards: the first hole is cut inside what is thrown away. The contour then starts where a
+    lead-in along it would have ended."""
 
     def __post_init__(self) -> None:
         for name in ("lead_in", "lead_out"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0.0):
                 raise ValueError(f"{name} must be >= 0 m, got {value}")
+        if self.spiral is not None and not 0.0 < self.spiral < 1.0:
+            raise ValueError(f"spiral must be between 0 and 1, got {self.spiral}")
 
     @classmethod
-    def around(cls, curve: ClosedCurve, plane: Plane, *, lead: float = 0.1) -> "CuttingPath":
+    def around(
+        cls, curve: ClosedCurve, plane: Plane, *, lead: float = 0.1, spiral: float | None = None
+    ) -> "CuttingPath":
         """Lead-in and lead-out of the fraction `lead` of a turn each."""
-        return cls(
-            curve=curve, plane=plane, lead_in=lead * curve.length, lead_out=lead * curve.length
-        )
+        length = lead * curve.length
+        return cls(curve=curve, plane=plane, lead_in=length, lead_out=length, spiral=spiral)
 
     @property
     def contour_start(self) -> float:
@@ -159,13 +151,31 @@ class CuttingPath:
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest radius of curvature [m]."""
-        return self.curve.smallest_radius
+        """Smallest radius of curvature [m], of contour and spiral."""
+        return min(
+            self.curve.smallest_radius, self._spiral.smallest_radius if self._spiral else np.inf
+        )
 
     def position(self, s: ArrayLike) -> Array:
         """Shape (..., 3) [m], base axes."""
-        return self.plane.to_base(self.curve.point(s))
+        s = np.asarray(s, dtype=np.float64)
+        p = self.curve.point(s)
+        if self._spiral:
+            inside = (s < self.lead_in)[..., np.newaxis]
+            p = np.where(inside, self._spiral.point(np.minimum(s, self.lead_in)), p)
+        return self.plane.to_base(p)
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector along the motion, shape (..., 3), base axes."""
-        return self.curve.tangent(s) @ self.plane.axes[:, :2].T
+        s = np.asarray(s, dtype=np.float64)
+        t = self.curve.tangent(s)
+        if self._spiral:
+            inside = (s < self.lead_in)[..., np.newaxis]
+            t = np.where(inside, self._spiral.tangent(np.minimum(s, self.lead_in)), t)
+        return t @ self.plane.axes[:, :2].T
+
+    @cached_property
+    def _spiral(self) -> Spiral | None:
+        if self.spiral is None or self.lead_in == 0.0:
+            return None
+        return Spiral(self.curve, self.lead_in, self.lead_in, self.spiral)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.motion.path import Circle, CuttingPath, Plane
+from sim.motion.shapes import square
 
 TILTED = Plane.perpendicular_to([0.98, 0.01, -0.2], [1.3, 0.1, 1.6])
 
@@ -67,3 +68,43 @@ def test_a_plane_refuses_axes_that_are_no_rotation():
         Plane(np.zeros(3), 2 * np.eye(3))
     with pytest.raises(ValueError, match="zero vector"):
         Plane.perpendicular_to([0, 0, 0], [0, 0, 0])
+
+
+@pytest.mark.parametrize("curve", [Circle(0.005), square(0.02, 0.003)], ids=["circle", "square"])
+def test_a_spiral_lead_in_starts_inside_and_joins_the_contour_smoothly(curve):
+    path = CuttingPath.around(curve, TILTED, lead=0.5, spiral=0.4)
+    s, h = np.linspace(0.0, path.length, 400), 1e-7
+    difference = (path.position(s[1:-1] + h) - path.position(s[1:-1] - h)) / (2 * h)
+    # Arc length: the derivative is a unit vector, and the tangent; 2e-5 where lines meet arcs.
+    np.testing.assert_allclose(difference, path.tangent(s[1:-1]), rtol=0, atol=2e-5)
+    np.testing.assert_allclose(np.linalg.norm(difference, axis=1), 1.0, rtol=0, atol=1e-6)
+    plane = TILTED.from_base(path.position(s))[:, :2]
+    on_contour = np.linalg.norm(plane - curve.point(curve.nearest(plane)), axis=1)
+    assert np.all(on_contour[s >= path.contour_start] < 1e-12)
+    assert on_contour[0] > 0.3 * curve.smallest_radius
+    begin = path.contour_start
+    e = 1e-9
+    for side in (begin - e, begin + e):
+        np.testing.assert_allclose(path.position(side), path.position(begin), rtol=0, atol=2e-9)
+        np.testing.assert_allclose(path.tangent(side), path.tangent(begin), rtol=0, atol=1e-6)
+
+
+def test_a_spiral_grows_from_the_share_asked_for():
+    path = CuttingPath.around(Circle(0.005), TILTED, lead=0.5, spiral=0.4)
+    radius = np.linalg.norm(
+        path.position(np.linspace(0.0, path.contour_start, 200)) - TILTED.origin, axis=1
+    )
+    assert radius[0] == pytest.approx(0.4 * 0.005, rel=1e-12)
+    assert np.all(np.diff(radius) > 0.0)
+    assert path.smallest_radius < 0.005
+
+
+def test_a_spiral_too_short_for_its_way_outwards_says_what_it_needs():
+    path = CuttingPath.around(Circle(0.005), TILTED, lead=0.05, spiral=0.4)
+    with pytest.raises(ValueError, match=r"too short to spiral from 0\.4 .* it needs 0\.003 m"):
+        path.position(0.0)
+
+
+def test_a_spiral_of_no_size_is_refused():
+    with pytest.raises(ValueError, match="spiral must be between 0 and 1"):
+        CuttingPath.around(Circle(0.005), TILTED, spiral=1.0)

@@ -8,7 +8,7 @@ import pytest
 
 import kinematics
 from assets import IRB1400_XML
-from kinematics import IRB1400, IRB1400_LIMITS
+from kinematics import IRB1400, IRB1400_LIMITS, LARGE_ROBOT, LARGE_ROBOT_LIMITS
 from kinematics.rigid import transform
 from kinematics.rotation import from_quaternion, slerp
 from sim.motion.instructions import (
@@ -26,6 +26,7 @@ from sim.motion.planner import plan_program
 from sim.motion.program_file import read_program
 
 PROGRAMS = sorted((IRB1400_XML.parent / "programs").glob("*.toml"))
+ROBOTS = {"irb1400": (IRB1400, IRB1400_LIMITS), "large": (LARGE_ROBOT, LARGE_ROBOT_LIMITS)}
 ROBOT = kinematics.compile(IRB1400)
 STEP = 0.004
 FORWARD = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)
@@ -66,7 +67,7 @@ def rates(motion):
 @cache
 def shipped(name):
     program = read_program(IRB1400_XML.parent / "programs" / name)
-    return program, plan_program(program, IRB1400, IRB1400_LIMITS)
+    return program, plan_program(program, *ROBOTS[name.split("_")[0]])
 
 
 def test_a_line_is_straight_and_run_at_its_speed():
@@ -159,10 +160,11 @@ def test_through_a_corner_acceleration_is_continuous():
 def test_shipped_programs_keep_every_limit_and_come_home(file):
     program, motion = shipped(file.name)
     rate, acceleration = rates(motion)
-    assert np.all(np.abs(rate).max(axis=0) <= np.array(IRB1400_LIMITS.speed) * (1 + 1e-3))
+    _, limits = ROBOTS[file.name.split("_")[0]]
+    assert np.all(np.abs(rate).max(axis=0) <= np.array(limits.speed) * (1 + 1e-3))
     allowed = np.array(program.dynamics.joint_acceleration)
     assert np.all(np.abs(acceleration).max(axis=0) <= allowed * (1 + 1e-2))
-    assert IRB1400_LIMITS.contain(motion.phi).all()
+    assert limits.contain(motion.phi).all()
     np.testing.assert_allclose(motion.phi[[0, -1]], 0.0, rtol=0, atol=1e-12)
     moves = [i for i in program.instructions if not isinstance(i, Wait)]
     assert len(motion.reports) == len(moves)
@@ -240,9 +242,9 @@ def test_no_circle_goes_through_points_on_a_line():
 
 
 def test_a_target_out_of_reach_says_where_and_by_how_much():
-    with pytest.raises(ProgramError, match=r"MoveL\): \d+ % of the way.* mm outside"):
+    with pytest.raises(ProgramError, match=r"MoveL\): \d+ % of the way the wrist.* mm outside"):
         plan(line((2.5, 0.0, 1.0)))
-    with pytest.raises(ProgramError, match=r"MoveJ\): .* mm outside the workspace"):
+    with pytest.raises(ProgramError, match=r"MoveJ\): at its target .* mm outside the workspace"):
         plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(share=1.0)))
 
 
