@@ -19,6 +19,7 @@ from .registry import unknown
 
 COMMANDS = {
     "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
+    "imu": ("scripts.imu:imu", "Predict what an IMU on the moving tool measures."),
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
     "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
     "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),
@@ -55,8 +56,8 @@ def main(tokens: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output left; nobody is there to be told
         _drop_unwritten_output()
         return FAILED
-    except KeyboardInterrupt:
-        return _complain("interrupted, nothing was kept", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return _complain(str(stop) or "interrupted, nothing was kept", INTERRUPTED)
     except Exception as error:
         if "--debug" in tokens:
             traceback.print_exc()

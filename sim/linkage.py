@@ -84,3 +84,16 @@ def passive_joints(mj: mujoco.MjModel) -> np.ndarray:
     """Degrees of freedom of the joints link_*."""
     dofs = [j.dofadr[0] for j in map(mj.joint, range(mj.njnt)) if j.name.startswith("link_")]
     return np.array(dofs, dtype=int)
+
+
+def loop_error(mj: mujoco.MjModel, qpos: Array) -> float:
+    """Widest opening of any cut over the positions (M, nq) [m]; 0 for an open chain."""
+    linkage = Linkage(mj)
+    if linkage.is_open:
+        return 0.0
+    data, widest = mujoco.MjData(mj), 0.0
+    for q in qpos:
+        data.qpos[:] = q
+        mujoco.mj_kinematics(mj, data)
+        widest = max(widest, float(np.abs(linkage.gap(data)).max()))
+    return widest

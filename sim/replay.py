@@ -74,7 +74,7 @@ def write_replay(
         _send_static(stream, mj, contours[0])
         start = 0.0
         for run, contour in zip(runs, contours, strict=True):
-            _send_bodies(stream, mj, run, start)
+            send_bodies(stream, mj, run, start)
             _send_contour(stream, run.k, contour, factor, start)
             _send_series(stream, run, contour, start)
             start += float(run.recording.time[-1]) + FRAME_PERIOD
@@ -157,7 +157,7 @@ def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel, contour: _Conto
     stream.log("arm_error", rr.SeriesLines(names=names, colors=[ORANGE, BLUE]), static=True)
 
 
-def _send_bodies(stream: rr.RecordingStream, mj: mujoco.MjModel, run: Run, start: float) -> None:
+def send_bodies(stream: rr.RecordingStream, mj: mujoco.MjModel, run: Run, start: float) -> None:
     """Poses of all bodies over time, from the joint positions."""
     truth = run.recording.truth
     every = max(1, round(FRAME_PERIOD / (truth.time[1] - truth.time[0])))

@@ -14,7 +14,7 @@ import scipy.linalg
 
 import assets
 import kinematics
-from sim.linkage import Linkage
+from sim.linkage import Linkage, loop_error
 from sim.model import AXES, load_model
 from sim.robot import VirtualRobot
 from sim.variants import Flexibility, variant
@@ -62,16 +62,6 @@ def brisk_motion():
     """One second that uses all axes: up to 1.3 rad/s on the main axes, 5 rad/s^2."""
     there = np.array([0.4, 0.35, -0.25, 0.6, 0.5, -0.7])
     return through(np.array([np.zeros(6), there, np.zeros(6)]), 0.5)
-
-
-def loop_error(model, qpos):
-    """Largest distance between rod end and lever [m]."""
-    data, linkage, worst = mujoco.MjData(model.mj), Linkage(model.mj), 0.0
-    for q in qpos:
-        data.qpos[:] = q
-        mujoco.mj_kinematics(model.mj, data)
-        worst = max(worst, float(np.linalg.norm(linkage.gap(data))))
-    return worst
 
 
 def imu_position(truth):
@@ -226,12 +216,12 @@ def test_the_rigid_closed_chain_moves_as_d_h_with_the_coupling_says(rigid, dh):
     assert np.ptp(truth.motor_angle, axis=0)[1:3] == pytest.approx(np.radians([140, 135]), abs=0.02)
     expected = dh.pose(truth.motor_angle)[:, :3, 3]
     assert np.linalg.norm(truth.tool_position - expected, axis=1).max() < DH_TOLERANCE
-    assert loop_error(rigid, truth.qpos[::20]) < LOOP_TOLERANCE
+    assert loop_error(rigid.mj, truth.qpos[::20]) < LOOP_TOLERANCE
 
 
 def test_the_loop_stays_closed_with_flexible_joints_and_noise(full):
     run = VirtualRobot(full).run(brisk_motion(), rng=np.random.default_rng(0))
-    assert loop_error(full, run.truth.qpos[::10]) < LOOP_TOLERANCE
+    assert loop_error(full.mj, run.truth.qpos[::10]) < LOOP_TOLERANCE
 
 
 def test_flexible_joints_move_the_tool_away_from_d_h_and_stiff_gears_bring_it_back(dh):
