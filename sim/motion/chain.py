@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from kinematics import CompiledRobot, Limits
 
-from .curves import SAMPLES, Curve
 from .instructions import Dynamics, Speed
+from .moves import SAMPLES, Curve
 from .timing import Timing, from_profile
 
 Array = NDArray[np.float64]

@@ -1,20 +1,13 @@
 """How far points lie from a contour, after the rigid motion that brings them closest to it."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+
+from .contour import ClosedCurve
 
 Array = NDArray[np.float64]
-
-
-class Contour(Protocol):
-    """A closed curve that knows its nearest points."""
-
-    def point(self, s: ArrayLike) -> Array: ...
-    def tangent(self, s: ArrayLike) -> Array: ...
-    def nearest(self, p: Array) -> Array: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +24,7 @@ class Fit:
     """By which the points were turned [rad]."""
 
 
-def signed_distance(contour: Contour, p: Array) -> Array:
+def signed_distance(contour: ClosedCurve, p: Array) -> Array:
     """(N,) [m], above 0 to the right of the contour: outside if it is counter-clockwise."""
     s = contour.nearest(p)
     tangent = contour.tangent(s)
@@ -39,7 +32,7 @@ def signed_distance(contour: Contour, p: Array) -> Array:
     return np.einsum("ij,ij->i", p - contour.point(s), outwards)
 
 
-def fit(contour: Contour, p: Array, *, turn: bool = True, iterations: int = 20) -> Fit:
+def fit(contour: ClosedCurve, p: Array, *, turn: bool = True, iterations: int = 20) -> Fit:
     """Least-squares registration of points (N, 2) [m] on a contour, by Gauss-Newton.
 
     Args:

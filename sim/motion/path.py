@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .curve import ClosedCurve
+from .contour import ClosedCurve
 from .spiral import Spiral
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ from kinematics import CompiledRobot, Limits, Robot
 from kinematics import compile as compile_robot
 
 from .chain import PieceLimits, piece_limits, time_chain
-from .curves import Curve, blend, check_limits, move_curve, zone_share
 from .instructions import Instruction, Program, ProgramError, Speed, Wait
+from .moves import Curve, blend, check_limits, move_curve, zone_share
 from .timing import Timing
 
 Array = NDArray[np.float64]

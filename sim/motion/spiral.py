@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .curve import ClosedCurve
+from .contour import ClosedCurve
 
 Array = NDArray[np.float64]
 
