@@ -96,9 +96,9 @@ class Design:
     law: Heuristic = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        gamma, delta, cutoff = (
-            value if len(value) > 1 else value[0] for value in (self.gamma, self.delta, self.cutoff)
-        )
+        gamma = self.gamma if len(self.gamma) > 1 else self.gamma[0]
+        delta = self.delta if len(self.delta) > 1 else self.delta[0]
+        cutoff = self.cutoff if len(self.cutoff) > 1 else self.cutoff[0]
         Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
 

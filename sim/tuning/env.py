@@ -1,6 +1,6 @@
 """`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -20,7 +20,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 1}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012 - of Gymnasium
 
     def __init__(
         self,
@@ -61,8 +61,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Draw a task, or take from `options` what they give, and run once without learning.
 
-        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` [kg] and
-        `individual` (a seed).
+        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` (mass of the tool,
+        [kg]) and `individual` (a seed).
 
         Raises ValueError for options that do not exist or cannot be done.
         """

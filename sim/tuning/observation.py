@@ -83,9 +83,7 @@ def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...
     power[1 : (n + 1) // 2] *= 2.0  # both halves of the spectrum, mean and Nyquist but once
     frequency = np.fft.rfftfreq(n, period)
     nyquist = 0.5 / period
-    inside = [
-        (frequency >= low) & ((frequency < high) | (high >= nyquist)) for low, high in bands
-    ]
+    inside = [(frequency >= low) & ((frequency < high) | (high >= nyquist)) for low, high in bands]
     return np.sqrt(np.stack([power[band].sum(axis=0) for band in inside]))
 
 

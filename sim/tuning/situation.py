@@ -56,7 +56,9 @@ def by_motors(robot: str) -> Sensor:
 
     def sensor(experiment: Experiment, cut: Pass) -> ArmSide:
         recording, motion = cut.recording, experiment.motion
-        asked, got = (arm.pose(phi)[:, :3, 3] for phi in (recording.reference, recording.motor_angle))
+        asked, got = (
+            arm.pose(phi)[:, :3, 3] for phi in (recording.reference, recording.motor_angle)
+        )
         # r is shifted against the deflection that the controller expects: compare with r, not with
         # the programmed path.
         tool = motion.position + got - asked

@@ -4,37 +4,34 @@
 |---|---|
 | pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
 | speed | uniform in [20, 60] mm/s |
-| payload | uniform in [0, 40] kg beside the tool's own mass; nothing on the IRB1400 |
-| individual | friction of each axis and stiffness of each gear within +-10 % of nominal, uniform |
+| payload | mass of the tool, uniform in [20, 80] kg; the IRB1400 keeps its own |
+| individual | friction, stiffness, ripple and geometry of one robot: `sim.individual.draw` |
 
-Ranges of payload and individual are an ESTIMATE of what a cell meets in a year.
+The ranges are an ESTIMATE of what a cell meets in a year. The controller is told the payload, and
+knows nothing of the individual.
 """
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mujoco
 import numpy as np
 
+from .. import individual
 from ..cell import CELLS, Cell
-from ..cutting import CuttingPlant, plan
-from ..experiment import CircleTask, Experiment
-from ..individual import with_friction
-from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..model import AXES, RobotModel
+from ..experiment import CircleTask, Experiment, prepare
+from ..individual import structure_hinges, with_payload
+from ..model import RobotModel
 from ..motion.poses import ToolPose, pose
-from ..robot import VirtualRobot
 
 POSE_SPREAD = 0.050
 """[m]"""
 SPEEDS = (0.020, 0.060)
 """[m/s]"""
-PAYLOADS = {"large": (0.0, 40.0), "irb1400": (0.0, 0.0)}
-"""[kg], by robot."""
-SPREAD = 0.10
-"""Of friction and stiffness."""
+PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
+"""[kg], by robot; a robot that is not here keeps the tool of its model."""
+RADIUS = 0.005
+"""[m], of every circle. Thesis 9.2."""
 
 TEST_SEEDS = range(900_000_000, 900_000_100)
 """Seeds of episodes that results are reported on. Training and search refuse them."""
@@ -49,8 +46,8 @@ class Task:
     pose: ToolPose
     speed: float
     """[m/s]"""
-    payload: float
-    """[kg], beside the tool's own mass. The controller is told."""
+    payload: float | None
+    """Mass of the tool [kg]; None for the one of the model."""
     individual: int
     """Seed of the robot individual, the tracker's set-up and all noise."""
 
@@ -61,8 +58,8 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
     The draws do not depend on the options: fixing the speed leaves the pose of a seed.
 
     Args:
-        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` [kg] and
-            `individual` (a seed).
+        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` (mass of the tool,
+            [kg]) and `individual` (a seed).
 
     Raises:
         ValueError: an option that does not exist or is out of range.
@@ -75,10 +72,11 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
     base = list(cell.poses.values())[rng.integers(len(cell.poses))]
     offset = rng.uniform(-POSE_SPREAD, POSE_SPREAD, 3)
     x, y, z = (np.array(base.position) + offset).tolist()
+    payload = float(rng.uniform(*PAYLOADS.get(robot, (0.0, 1.0))))
     drawn = {
         "pose": replace(base, position=(x, y, z)),
         "speed": float(rng.uniform(*SPEEDS)),
-        "payload": float(rng.uniform(*PAYLOADS[robot])),
+        "payload": payload if robot in PAYLOADS else None,
         "individual": int(rng.integers(2**31)),
     }
     return Task(**{name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS})
@@ -95,6 +93,8 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
         if not isinstance(value, (int, np.integer)) or value < 0:
             raise ValueError(f"individual must be a seed, a whole number >= 0, got {value!r}")
         return int(value)
+    if name == "payload" and value is None:
+        return None
     low = 0.0 if name == "payload" else 1e-3
     if not isinstance(value, (int, float, np.number)) or not low <= value < np.inf:
         unit = "kg" if name == "payload" else "m/s"
@@ -102,49 +102,16 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
     return float(value)
 
 
-def experiment(cell: Cell, nominal: RobotModel, task: Task, radius: float = 0.005) -> Experiment:
+def experiment(cell: Cell, nominal: RobotModel, task: Task) -> Experiment:
     """Build the robot individual, set up the tracker and load the motion.
 
     Raises:
-        ValueError: the task leaves the joint limits or the reach.
+        ValueError: the task leaves the joint limits or the reach, or the robot cannot carry it.
     """
-    individual, tracking, noise = (
-        np.random.default_rng(s) for s in np.random.SeedSequence(task.individual).spawn(3)
-    )
-    circle = CircleTask(pose=task.pose, radius=radius, speed=task.speed)
-    loaded = with_payload(nominal, task.payload)
-    motion, reference = plan(cell, loaded, circle.path, task.pose.quaternion, task.speed)
-    friction, stiffness = individual.uniform(1.0 - SPREAD, 1.0 + SPREAD, (2, len(AXES)))
-    robot = with_friction(with_gear_stiffness(loaded, stiffness), friction)
-    job = VirtualRobot(robot).load(reference)
-    plant = CuttingPlant(job, set_up(LaserTrackerCfg(), tracking), noise)
-    return Experiment(task=circle, motion=motion, job=job, plant=plant)
-
-
-def with_payload(model: RobotModel, payload: float) -> RobotModel:
-    """The robot with a payload [kg] added to its tool, spread as the tool's own mass is.
-
-    Raises ValueError for a payload on a robot whose model has no body `tool`.
-    """
-    if payload == 0.0:
-        return model
-    mj = copy.copy(model.mj)
-    body = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
-    if body < 0:
-        raise ValueError("this robot's model has no body `tool` that could carry a payload")
-    factor = 1.0 + payload / mj.body_mass[body]
-    mj.body_mass[body] *= factor
-    mj.body_inertia[body] *= factor
-    mujoco.mj_setConst(mj, mujoco.MjData(mj))
-    return replace(model, mj=mj)
-
-
-def with_gear_stiffness(model: RobotModel, factor: np.ndarray) -> RobotModel:
-    """The robot with the spring of each gear scaled; its damping by the square root, so that the
-    damping ratio stays. factor: (6,), > 0. A robot with rigid gears stays as it is."""
-    mj = copy.copy(model.mj)
-    if len(model.flex):
-        joints = [mj.joint(f"flex_{i}").id for i in AXES]
-        mj.jnt_stiffness[joints] *= factor
-        mj.dof_damping[model.flex] *= np.sqrt(factor)
-    return replace(model, mj=mj)
+    if task.payload is not None:
+        nominal = with_payload(nominal, task.payload)
+    # Beside the three streams of `prepare`.
+    stream = np.random.SeedSequence(task.individual).spawn(4)[3]
+    own = individual.draw(np.random.default_rng(stream), len(structure_hinges(nominal)))
+    circle = CircleTask(pose=task.pose, radius=RADIUS, speed=task.speed)
+    return prepare(cell, nominal, circle, seed=task.individual, individual=own)

@@ -1,14 +1,14 @@
 """Many robot cells at once: the same episodes as the single env, rolled out on all cores.
 
 Each robot's run is one rollout of the physics. Rollouts release Python's lock, so as many go on at
-once as there are cores, and what Python has to do for one robot is done while the physics of another
-runs. Records differ in length with the speed: one common rollout would pad all to the longest.
+once as there are cores, and what Python has to do for one robot is done while another one moves.
+Records differ in length with the speed: one common rollout would pad all to the longest.
 """
 
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from gymnasium.utils.seeding import np_random
@@ -29,8 +29,6 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     over start again by themselves, at the next step as Gymnasium does by default, or as
     `autoreset_mode` says.
     """
-
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(
         self,
@@ -64,7 +62,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.num_envs = num_envs
         self.render_mode = None
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
+        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.single_action_space = self.rules.action_space
         self.single_observation_space = self.rules.observation_space
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -88,14 +86,14 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         seeds = self._seeds(seed)
         options = dict(options or {})
         mask = self._mask(options.pop("reset_mask", None))
-        chosen = np.flatnonzero(mask)
+        chosen: list[int] = np.flatnonzero(mask).tolist()
         for i in chosen:
             self.rules.check_seed(seeds[i])
         for i in chosen:
             if seeds[i] is not None or self._rngs[i] is None:
                 self._rngs[i], _ = np_random(seeds[i])
         tasks = [self.rules.draw(self._rng(i), options) for i in chosen]
-        began = self._all(lambda n: self.rules.begin(tasks[n]), range(len(tasks)))
+        began = list(self._pool.map(self.rules.begin, tasks))
         observations = np.zeros(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         infos: dict[str, Any] = {}
         for i, situation in zip(chosen, began, strict=True):
@@ -131,7 +129,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             self._over[i] = terminated or truncated
             if self._over[i] and self.autoreset_mode is AutoresetMode.SAME_STEP:
                 infos = self._add_info(infos, {"final_obs": observed, "final_info": info}, i)
-        ended = np.flatnonzero(self._over)
+        ended: list[int] = np.flatnonzero(self._over).tolist()
         rows = [step[0] for step in steps]
         latest = [step[4] for step in steps]
         if self.autoreset_mode is AutoresetMode.SAME_STEP:
@@ -168,15 +166,14 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             self.rules.info(after, design, reward),
         )
 
-    def _all(self, function: Callable[[int], Result], items: Sequence[int]) -> list[Result]:
-        """function of each item on the threads, longest record first; results in order."""
-        order = sorted(range(len(items)), key=lambda n: -self._length(items[n]))
-        futures = {n: self._pool.submit(function, items[n]) for n in order}
-        return [futures[n].result() for n in range(len(items))]
+    def _all(self, function: Callable[[int], Result], robots: Sequence[int]) -> list[Result]:
+        """function of each robot on the threads, longest record first; results in order."""
+        futures = {i: self._pool.submit(function, i) for i in sorted(robots, key=self._order)}
+        return [futures[i].result() for i in robots]
 
-    def _length(self, i: int) -> int:
-        situation = self._situations[i] if i < self.num_envs else None
-        return 0 if situation is None else len(situation.error)
+    def _order(self, i: int) -> int:
+        situation = self._situations[i]
+        return 0 if situation is None else -len(situation.error)
 
     def _rng(self, i: int) -> np.random.Generator:
         rng = self._rngs[i]
