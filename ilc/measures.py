@@ -111,6 +111,18 @@ def circle_maxdev(radii: Array, r_ref: float) -> float:
     return float(np.max(np.abs(r_ref - np.asarray(radii))))
 
 
+def circle_ripple(radii: Array, turn_time: float, low: float, high: float) -> float:
+    """rms of the radius between two frequencies [Hz], radii sampled evenly over one full turn.
+
+    turn_time: [s] of the turn; its harmonics in [low, high] count.
+    """
+    radii = np.asarray(radii, dtype=np.float64)
+    amplitude = np.fft.rfft(radii - radii.mean()) / len(radii)
+    frequency = np.arange(len(amplitude)) / turn_time
+    chosen = amplitude[(frequency >= low) & (frequency <= high)]
+    return float(np.sqrt(2.0 * np.square(np.abs(chosen)).sum()))
+
+
 def _plane_axes(centred: Array, normal: ArrayLike | None) -> Array:
     """Rows: two unit vectors in the plane and its normal, right-handed."""
     if normal is None:

@@ -6,7 +6,14 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -39,6 +46,23 @@ class Report:
         ) as bar:
             task_id = bar.add_task(task, total=total)
             yield lambda: bar.advance(task_id)
+
+    @contextmanager
+    def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
+        """As `progress`, for steps of unequal weight; shows the time that is left."""
+        shown = sys.stderr.isatty() and not self.common.quiet
+        columns = (TextColumn("{task.description} {task.percentage:3.0f} %"), BarColumn())
+        console = Console(file=sys.stderr)
+        with Progress(
+            *columns,
+            TimeRemainingColumn(elapsed_when_finished=True),
+            console=console,
+            disable=not shown,
+            transient=True,
+            speed_estimate_period=120.0,
+        ) as bar:
+            task_id = bar.add_task(task, total=total)
+            yield lambda weight: bar.advance(task_id, weight)
 
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
         """A table on stdout: text columns to the left, numbers to the right."""

@@ -2,8 +2,9 @@
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -27,7 +28,9 @@ class Workers:
     def __enter__(self) -> "Workers":
         # Forked threads are unsafe: workers are started afresh.
         context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-        self._pool = ProcessPoolExecutor(self.count, mp_context=context)
+        self._pool = ProcessPoolExecutor(
+            self.count, mp_context=context, initializer=_leave_interrupts_to_the_parent
+        )
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -40,3 +43,22 @@ class Workers:
     def stream(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
         """As `map`, each result as soon as it and all before it are there."""
         return self._pool.map(function, items)
+
+    def unordered(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | Exception]]:
+        """Each item with function(item) or what it raised, as soon as it is there.
+
+        A worker that dies makes `BrokenProcessPool` the outcome of all items without one.
+        """
+        futures = {self._pool.submit(function, item): item for item in items}
+        for future in as_completed(futures):
+            error = future.exception()
+            if error is not None and not isinstance(error, Exception):
+                raise error
+            yield futures.pop(future), future.result() if error is None else error
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    """Ctrl-C reaches every process of a terminal; the parent decides what ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
