@@ -9,10 +9,12 @@ from typing import Any
 
 import sympy as sp
 
+from .dh import Robot
 from .exact import exact
 from .model import RobotModel
 from .motion import motor_symbols
-from .symbolic import at, matrix_t
+from .recursion import settled
+from .symbolic import angular_jacobian, at, matrix_t
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,6 @@ def symbolic_dynamics(model: RobotModel) -> SymbolicDynamics:
     """All terms of (2.15) as expressions of phi, phi_dot and the model's own symbols."""
     phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "d")
     D, potential = _energies(model, phi)
-    n = len(phi)
     for i, motor in enumerate(model.motors):
         D[i, i] += exact(motor.inertia)
     f = [
@@ -44,24 +45,35 @@ def symbolic_dynamics(model: RobotModel) -> SymbolicDynamics:
         for motor, rate in zip(model.motors, phi_dot, strict=True)
     ]
     g = sp.Matrix([potential.diff(angle) for angle in phi])
-    C = sp.Matrix(n, n, lambda k, j: _christoffel_row(D, phi, phi_dot, k, j))
+    C = _christoffel(D, phi, phi_dot)
     return SymbolicDynamics(phi, phi_dot, D, C, g, sp.Matrix(f))
 
 
-def _christoffel_row(D: sp.Matrix, phi: Any, phi_dot: Any, k: int, j: int) -> sp.Expr:
+def _christoffel(D: sp.Matrix, phi: Any, phi_dot: Any) -> sp.Matrix:
     """C_kj = sum_i (dD_kj/dphi_i + dD_ki/dphi_j - dD_ij/dphi_k) phi_dot_i / 2."""
-    return sp.Add(
-        *(
-            (D[k, j].diff(phi[i]) + D[k, i].diff(phi[j]) - D[i, j].diff(phi[k])) * phi_dot[i] / 2
-            for i in range(len(phi))
-        )
+    n = len(phi)
+    d = [D.diff(angle) for angle in phi]
+    return sp.Matrix(
+        n,
+        n,
+        lambda k, j: sp.Add(
+            *((d[i][k, j] + d[j][k, i] - d[k][i, j]) * phi_dot[i] / 2 for i in range(n))
+        ),
     )
+
+
+def _collected(expression: sp.Expr) -> sp.Expr:
+    """Constant sines and cosines as numbers, and like terms together."""
+    constants = {
+        f: settled(f) for f in expression.atoms(sp.cos, sp.sin) if f.is_number and f not in (0, 1)
+    }
+    return sp.expand(expression.xreplace(constants))
 
 
 def _energies(model: RobotModel, phi: Any) -> tuple[sp.Matrix, sp.Expr]:
     """D of all bodies, and the potential energy."""
     robot = at(model.robot, phi)
-    T = matrix_t(robot)
+    T = [frame.applyfunc(_collected) for frame in matrix_t(robot)]
     n = len(phi)
     D, potential = sp.zeros(n, n), sp.S.Zero
     gravity = sp.Matrix([exact(value) for value in model.gravity])
@@ -71,19 +83,17 @@ def _energies(model: RobotModel, phi: Any) -> tuple[sp.Matrix, sp.Expr]:
         frame = T[number + 1]
         c = frame[:3, 3] + frame[:3, :3] * sp.Matrix([exact(v) for v in body.com])
         J_c = c.jacobian(phi)
-        J_omega = _angular(model, robot, T, number, n)
+        J_omega = _angular(model, robot, number).applyfunc(_collected)
         xx, yy, zz, xy, xz, yz = map(exact, body.inertia)
         tensor = sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        local = frame[:3, :3].T * J_omega
+        local = (frame[:3, :3].T * J_omega).applyfunc(sp.expand)
         D += exact(body.mass) * J_c.T * J_c + local.T * tensor * local
         potential -= exact(body.mass) * gravity.dot(c)
-    return D, potential
+    return D.applyfunc(sp.expand), sp.expand(potential)
 
 
-def _angular(model: RobotModel, robot: Any, T: Any, number: int, n: int) -> sp.Matrix:
+def _angular(model: RobotModel, robot: Robot, number: int) -> sp.Matrix:
     """omega of one link per motor rate: joint axes times coupling."""
-    from .symbolic import angular_jacobian
-
-    J = angular_jacobian(robot, number + 1)
+    n = model.robot.n_joints
     coupling = sp.Matrix(n, n, lambda i, j: exact(model.robot.coupling[i, j]))
-    return J * coupling
+    return angular_jacobian(robot, number + 1) * coupling

@@ -10,7 +10,7 @@ _RESERVED = {
     *("lambda", "in", "is", "if", "for", "while", "def", "pass", "as", "or", "and", "not", "del"),
     *("int", "double", "float", "const", "void", "return", "char", "long", "short", "auto"),
     *("end", "function", "real", "integer", "do", "pi", "sin", "cos", "sqrt", "sign", "merge"),
-    *("dp", "one", "many", "njit", "i", "j", "e"),
+    *("dp", "one", "many", "njit"),
 }
 
 

@@ -5,6 +5,11 @@ from .naming import distinct
 from .printing import Printer, header, step_lines
 
 
+class PythonPrinter(Printer):
+    def _sign_of(self, x: str) -> str:
+        return f"(float({x} > 0) - float({x} < 0))"
+
+
 def write(program: Program, name: str) -> dict[str, str]:
     return {f"{name}.py": numba_module(program, name)}
 
@@ -36,7 +41,7 @@ def _stores(printer: Printer, block: Block) -> str:
 
 def numba_module(program: Program, name: str | None = None) -> str:
     """Module with `one(inputs..., outputs...)` and `many`, whose arrays have a leading axis."""
-    program, printer, name = distinct(program), Printer(), name or program.name
+    program, printer, name = distinct(program), PythonPrinter(), name or program.name
     blocks = (*program.inputs, *program.outputs)
     arguments = ", ".join(block.name for block in blocks)
     body = "".join(

@@ -33,17 +33,23 @@ def interpreted() -> Callable[..., Callable[..., np.ndarray]]:
 
 
 def make_robot(
-    rng: np.random.Generator, n: int, convention: Convention, joints: list[Joint] | None = None
+    rng: np.random.Generator, n: int, convention: Convention, square: bool = False
 ) -> Robot:
-    """Any joints, any numbers, a coupling that mixes neighbours, constant links here and there."""
+    """Any joints, short numbers, a coupling of neighbours, constant links here and there.
+
+    square: twists of 0 and 90 degrees only, which keeps fully symbolic dynamics small.
+    """
     links = []
-    for i in range(n):
-        joint = joints[i] if joints else rng.choice([Joint.REVOLUTE] * 2 + [Joint.PRISMATIC])
-        links.append(Link(*rng.uniform(-1, 1, 4), joint=joint))
-        if rng.random() < 0.2:
-            links.append(Link(*rng.uniform(-1, 1, 4), joint=Joint.FIXED))
-    coupling = np.eye(n) + np.diag(rng.uniform(-0.5, 0.5, n - 1), -1) if n > 1 else None
-    return Robot(links, coupling, rng.uniform(-1, 1, n), convention)
+    for _ in range(n):
+        joint = rng.choice([Joint.REVOLUTE] * 2 + [Joint.PRISMATIC])
+        theta, d, a, alpha = rng.uniform(-1, 1, 4).round(2)
+        if square:
+            alpha = rng.choice([0.0, np.pi / 2, -np.pi / 2])
+        links.append(Link(theta, d, a, alpha, joint=joint))
+        if rng.random() < 0.2 and not square:
+            links.append(Link(*rng.uniform(-1, 1, 4).round(2), joint=Joint.FIXED))
+    coupling = np.eye(n) + np.diag(rng.uniform(-0.5, 0.5, n - 1).round(2), -1) if n > 1 else None
+    return Robot(links, coupling, rng.uniform(-1, 1, n).round(2), convention)
 
 
 def make_body(rng: np.random.Generator) -> Body:
@@ -56,7 +62,7 @@ def make_body(rng: np.random.Generator) -> Body:
     )
     i = tensor
     inertia = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
-    return Body(mass=masses.sum(), com=tuple(com), inertia=inertia)
+    return Body(mass=masses.sum().round(2), com=tuple(com.round(2)), inertia=np.round(inertia, 3))
 
 
 def make_model(rng: np.random.Generator, robot: Robot) -> RobotModel:

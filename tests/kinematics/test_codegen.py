@@ -1,0 +1,193 @@
+"""One program in five languages: all of them compute the same numbers."""
+
+import ctypes
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from kinematics import (
+    IRB1400,
+    IRB1400_IMU,
+    LARGE_ROBOT,
+    Convention,
+    Joint,
+    Link,
+    Robot,
+    dynamics,
+    measurement,
+    motion,
+    symbolic,
+)
+from kinematics.codegen import Language, write
+from kinematics.program import Program
+from kinematics.symbols import moving
+from kinematics.translate import program_of
+
+RNG = np.random.default_rng(0)
+Evaluate = Callable[[Program, list[np.ndarray]], np.ndarray]
+
+
+def run_c(program: Program, arguments: list[np.ndarray], folder: Path, cc: str) -> np.ndarray:
+    symbol = f"c{len(list(folder.iterdir()))}"  # a library is loaded once for each name
+    for name, text in write(program, Language.C, symbol).items():
+        (folder / name).write_text(text)
+    library = folder / f"{symbol}.so"
+    strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wno-unused-variable", "-Werror", "-O1"]
+    source = folder / f"{symbol}.c"
+    subprocess.run([cc, *strict, "-shared", "-fPIC", "-o", library, source, "-lm"], check=True)
+    out = np.empty(program.outputs[0].shape)
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in [*arguments, out]]
+    getattr(ctypes.CDLL(str(library)), symbol)(*pointers)
+    return out
+
+
+def run_fortran(program: Program, arguments: list[np.ndarray], folder: Path, fc: str) -> np.ndarray:
+    symbol = f"f{len(list(folder.iterdir()))}"
+    ((name, text),) = write(program, Language.FORTRAN, symbol).items()
+    (folder / name).write_text(text)
+    library = folder / f"{symbol}.so"
+    strict = ["-std=f2008", "-Wall", "-Wno-unused-variable", "-Wno-unused-dummy-argument"]
+    command = [fc, *strict, "-Werror", "-O1", "-shared", "-fPIC", "-o", library, folder / name]
+    subprocess.run(command, check=True, cwd=folder)
+    out = np.empty(program.outputs[0].shape, order="F")
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in [*arguments, out]]
+    getattr(ctypes.CDLL(str(library)), symbol)(*pointers)
+    return out
+
+
+def run_octave(programs: list[tuple[Program, list[np.ndarray]]], folder: Path, octave: str):
+    """All programs in one start of Octave, results printed with all their digits."""
+    script = []
+    for k, (program, arguments) in enumerate(programs):
+        (text,) = write(program, Language.MATLAB, f"f{k}").values()
+        (folder / f"f{k}.m").write_text(text)
+        columns = ", ".join(f"[{';'.join(repr(float(x)) for x in a)}]" for a in arguments)
+        script.append(f"y = f{k}({columns})'; printf('%.17g ', y(:)); printf('\\n');")
+    command = [octave, "--no-gui", "--quiet", "--eval", f"cd '{folder}'; {' '.join(script)}"]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    lines = output.strip().splitlines()
+    return [
+        np.array([float(x) for x in line.split()]).reshape(program.outputs[0].shape)
+        for line, (program, _) in zip(lines, programs, strict=True)
+    ]
+
+
+def handful(random_model, random_robot) -> list[Program]:
+    """Kinematics of the two robots, and a few random ones, dynamics among them."""
+    rng = np.random.default_rng(1)
+    programs = [build(IRB1400) for build in (motion.pose, motion.jacobian, motion.jacobian_rate)]
+    programs += [motion.acceleration(IRB1400_IMU), motion.jacobian(LARGE_ROBOT)]
+    programs.append(measurement.measurement(IRB1400_IMU))
+    for n, convention in ((2, Convention.STANDARD), (7, Convention.MODIFIED)):
+        programs.append(motion.acceleration(random_robot(rng, n, convention)))
+    model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
+    programs += [dynamics.inverse_dynamics(model), dynamics.mass_matrix(model)]
+    symbols = [Link("q[1](t)", "d[1]", "a[1]", "alpha[1]"), Link("q[2](t)", 0, "a[2]", 0)]
+    programs.append(program_of("velocity", symbolic.velocity(symbols)))
+    programs.append(motion.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")])))
+    return programs
+
+
+@pytest.fixture(scope="module")
+def programs(random_model, random_robot):
+    """Programs with random arguments."""
+    built = handful(random_model, random_robot)
+    return [(p, [RNG.uniform(-1, 1, b.shape) for b in p.inputs]) for p in built]
+
+
+def assert_close(actual, expected):
+    scale = max(1.0, float(np.abs(expected).max()))
+    np.testing.assert_allclose(actual / scale, expected / scale, rtol=0, atol=1e-12)
+
+
+def test_c99_computes_what_python_computes(programs, interpreted, tmp_path, require_program):
+    cc = require_program("cc")
+    for program, arguments in programs:
+        assert_close(run_c(program, arguments, tmp_path, cc), interpreted(program)(*arguments))
+
+
+def test_fortran_computes_what_python_computes(programs, interpreted, tmp_path, require_program):
+    fc = require_program("gfortran")
+    for program, arguments in programs:
+        assert_close(
+            run_fortran(program, arguments, tmp_path, fc), interpreted(program)(*arguments)
+        )
+
+
+def test_matlab_computes_what_python_computes(programs, interpreted, tmp_path, require_program):
+    octave = require_program("octave-cli")
+    results = run_octave(programs, tmp_path, octave)
+    for result, (program, arguments) in zip(results, programs, strict=True):
+        assert_close(result, interpreted(program)(*arguments))
+
+
+def test_python_computes_what_the_symbols_say(interpreted):
+    """The full expressions of K15, evaluated by SymPy with 30 digits."""
+    phi = RNG.uniform(-1, 1, 6)
+    exact = [sp.Rational(repr(float(x))) for x in phi]
+    for robot in (IRB1400, LARGE_ROBOT):
+        T = symbolic.matrix_t(symbolic.at(robot, exact))[-1].evalf(30)
+        assert_close(interpreted(motion.pose(robot))(phi), np.array(T, dtype=float))
+        J = symbolic.motor_jacobian(robot, exact).evalf(30)
+        assert_close(interpreted(motion.jacobian(robot))(phi), np.array(J, dtype=float))
+
+
+def test_python_acceleration_is_the_symbolic_one(interpreted):
+    phi = symbolic.motor_functions(IRB1400)
+    a = symbolic.acceleration(symbolic.at(IRB1400, phi))
+    program = program_of("a", a)
+    names = [f"phi_{i}{d}" for d in ("", "d", "dd") for i in range(1, 7)]
+    used = [str(s) for s in program.inputs[0].elements]
+    assert used == [name for name in names if name != "phi_6"]  # the last axis shows no angle
+    motion_ = RNG.uniform(-1, 1, (3, 6))
+    values = [x for name, x in zip(names, motion_.ravel(), strict=True) if name in used]
+    actual = interpreted(motion.acceleration(IRB1400))(*motion_)
+    assert_close(actual, interpreted(program)(values))
+
+
+def test_c_allocates_nothing_and_states_robot_convention_units_and_orders():
+    header, source = write(motion.jacobian(IRB1400), Language.C).values()
+    assert "void jacobian(const double *phi, double *J);" in header
+    assert not re.search(r"malloc|static|\[\d*\]\s*=\s*\{", source)
+    for text in (header, source):
+        for fact in ("IRB1400", "standard Denavit-Hartenberg", "[rad]", "row by row", "6 x 6"):
+            assert fact in text
+
+
+def test_the_coupling_is_stated_in_every_language():
+    for language in Language:
+        text = "".join(write(motion.pose(IRB1400), language).values())
+        assert "-1.0, 1.0" in text
+
+
+def test_latex_has_one_line_for_each_intermediate():
+    program = motion.pose(IRB1400)
+    (text,) = write(program, Language.LATEX).values()
+    assert text.count(r"\\") >= len(program.steps)
+    assert r"\cos{\left(\phi_{1} \right)}" in text
+
+
+def test_names_that_languages_reserve_or_confuse_are_changed():
+    robot = Robot([Link(a="lambda", d="phi"), Link(a="X0", joint=Joint.PRISMATIC)])
+    for language in (Language.C, Language.PYTHON, Language.FORTRAN):
+        text = "".join(write(motion.jacobian(robot), language).values())
+        names = re.findall(r"^\s*(?:const double )?(\w+) = ", text, re.MULTILINE)
+        assert "lambda" not in names
+        assert len(names) == len({name.lower() for name in names})
+
+
+def test_a_file_name_that_is_no_name_is_refused():
+    with pytest.raises(ValueError, match="letters, digits and _"):
+        write(motion.pose(IRB1400), Language.C, "../pose")
+
+
+def test_functions_of_time_become_names_that_code_can_use():
+    """Thesis 4.2.2: q_1(t) -> q_1, its derivative -> q_1d."""
+    program = program_of("w", symbolic.angular_velocity([Link("q[1](t)", 0, 0, "Pi/2")] * 2))
+    assert [str(s) for s in program.inputs[0].elements] == ["q_1", "q_1d"]
+    assert not any(e.has(moving("q", 1)) for _, e in program.steps)
