@@ -81,9 +81,8 @@ class ArcsAndLines:
         to_centre = offset @ normal - 1.0 / curvature
         angle = np.arctan2(offset @ tangent * np.sign(curvature), -to_centre * np.sign(curvature))
         along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
-        beyond = along > length
-        middle = length + 0.5 * (2.0 * np.pi / abs(curvature) - length)
-        return np.where(beyond, np.where(along > middle, 0.0, length), along)
+        # Beyond its end another element is as near: the start of this one is the end of the last.
+        return np.minimum(along, length)
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
         """The element at each arc length, and how far along it."""

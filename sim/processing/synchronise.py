@@ -67,19 +67,15 @@ def _refined(tau: float, gyro: Array, at: Callable[..., Array]) -> float:
 
     Without delta, a turned housing would pass for an offset wherever the axis of rotation turns.
     """
-    delta = np.zeros(3)
     # What is known before about delta, beside the readings' noise; about one axis it is not seen.
     prior = np.diag([0.0, *np.full(3, (READING / MOUNTING) ** 2)])
     for _ in range(10):
         omega, slope = at(tau), at(tau, 1)
-        turning = cross_matrices(omega)
-        residual = _centred(gyro - omega - turning @ delta)
-        J = np.concatenate([slope[:, :, np.newaxis], turning], axis=2)
+        J = np.concatenate([slope[:, :, np.newaxis], cross_matrices(omega)], axis=2)
         J = J - J.mean(axis=0)
         information = np.einsum("kia,kib->ab", J, J) + prior
-        score = np.einsum("kia,ki->a", J, residual) - prior @ [0.0, *delta]
-        step = np.linalg.solve(information, score)
-        tau, delta = tau + float(step[0]), delta + step[1:]
+        score = np.einsum("kia,ki->a", J, _centred(gyro - omega))
+        tau += float(np.linalg.solve(information, score)[0])
     return tau
 
 

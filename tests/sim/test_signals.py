@@ -121,6 +121,9 @@ def test_the_same_data_gives_the_same_bytes(tmp_path):
     for name in ("a", "b"):
         write_signals(tmp_path / name, some_runs(), config=CONFIG, seed=1)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    reordered = dict(reversed(CONFIG.items()))
+    write_signals(tmp_path / "d", some_runs(), config=reordered, seed=1)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "d").read_bytes()
     write_signals(tmp_path / "c", some_runs(seed=1), config=CONFIG, seed=1)
     assert (tmp_path / "a").read_bytes() != (tmp_path / "c").read_bytes()
 

@@ -149,9 +149,9 @@ def test_an_offset_target_sees_the_tilt_of_the_tool_times_its_lever():
     tilt = 1e-3 * np.sin(2 * np.pi * time)
     cfg = replace(SILENT, target_offset=(0.1, 0.0, 0.0))
     samples = set_up(cfg, rng()).measure(time, np.tile(POINT, (2001, 1)), turned(tilt), rng())
-    np.testing.assert_allclose(
-        samples.position[:, 1] - POINT[1], 0.1 * np.sin(tilt[::2]), rtol=0, atol=1e-12
-    )
+    seen = samples.position - POINT
+    np.testing.assert_allclose(seen[:, 1], 0.1 * np.sin(tilt[::2]), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(seen[:, 0], 0.1 * (np.cos(tilt[::2]) - 1), rtol=0, atol=1e-12)
 
 
 def test_the_same_seed_gives_the_same_bits():
