@@ -35,19 +35,22 @@ class Finding:
     value: float
     low: float = -np.inf
     high: float = np.inf
+    margin: float = 0.05
+    """How far inside a calibration should bring it, relative to the end of the band."""
 
     @property
     def holds(self) -> bool:
         """Inside the band, ends included."""
         return self.low <= self.value <= self.high
 
-    def outside(self, margin: float = 0.0) -> float:
-        """How far outside the band, in parts of its nearer end; 0 inside by `margin` of it."""
+    @property
+    def outside(self) -> float:
+        """How far outside its band less the margin, in parts of the band's end; 0 inside."""
         short = 0.0
         if np.isfinite(self.low):
-            short = max(short, self.low + margin * abs(self.low) - self.value)
+            short = max(short, self.low + self.margin * abs(self.low) - self.value)
         if np.isfinite(self.high):
-            short = max(short, self.value - self.high + margin * abs(self.high))
+            short = max(short, self.value - self.high + self.margin * abs(self.high))
         ends = [abs(end) for end in (self.low, self.high) if np.isfinite(end)]
         return short / max([*ends, 0.05])
 
@@ -131,7 +134,9 @@ def learning_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator
     own = last / np.array([run.motor_inf[0] for run in base.values()])
     yield Finding("worst motor after five updates, (9.5)", float((last / largest).max()), high=0.10)
     yield Finding("best motor after five updates, (9.5)", float((last / largest).min()), high=0.02)
-    yield Finding("motors at a tenth of their own k = 0", float((own <= 0.10).sum()), low=14)
+    yield Finding(
+        "motors at a tenth of their own k = 0", float((own <= 0.10).sum()), 14, margin=1 / 14
+    )
     yield Finding("worst motor of its own k = 0", float(own.max()), high=0.30)
 
     ratio = {pose: float(run.rms[5] / run.rms[0]) for pose, run in base.items()}
@@ -150,7 +155,7 @@ def learning_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator
     yield Finding("15 Hz of 10 Hz: maximum at p1", float(fast.maxdev[5] / p1.maxdev[5]), low=1.10)
     yield Finding("15 Hz of 10 Hz: ripple 5-14 Hz at p1", fast.ripple / p1.ripple, low=1.2)
     yield Finding("15 Hz of 10 Hz: median motor", float(np.median(motors)), high=1.0)
-    yield Finding("15 Hz of 10 Hz: motors below 0.7", float((motors < 0.7).sum()), low=2)
+    yield Finding("15 Hz of 10 Hz: motors below 0.7", float((motors < 0.7).sum()), 2, margin=0.0)
     for pose, high in (("p1", 0.97), ("p2", 0.95)):
         late = learned(model, effects, pose, delta=6)
         value = float(late.rms[5] / base[pose].rms[5])
@@ -166,7 +171,7 @@ def nominal_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator[
     at_50 = {pose: first(pose, 0.050) for pose in POSES}
     largest = max(errors.max() for errors in at_50.values())
     fourth = {pose: errors[3] / largest for pose, errors in at_50.items()}
-    yield Finding("motor 3 at p3 of the largest", float(at_50["p3"][2] / largest), low=1.0)
+    yield Finding("motor 3 at p3 of the largest", float(at_50["p3"][2] / largest), 1.0, margin=0.0)
     yield Finding("motor 4 at p1 of the largest", float(fourth["p1"]), low=0.50)
     yield Finding("motor 4 at p3 of the largest", float(fourth["p3"]), low=0.45)
     smaller = min(fourth["p1"], fourth["p3"])
@@ -232,6 +237,6 @@ def model_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Fi
     runs = [learned(model, effects, "p1", speed=speed) for speed in (0.030, 0.040, 0.060)]
     found = identify_first_order(runs, motors=(3, 5))
     yield Finding("T_u: fit", found.fit, low=0.90)
-    yield Finding("T_u: static gain", found.gain, 0.97, 1.03)
+    yield Finding("T_u: static gain", found.gain, 0.97, 1.03, margin=0.0)
     yield Finding("T_u: delay and lag [samples]", found.total_delay, 5.0, 7.0)
     yield Finding("T_u: pole", found.pole, 0.20, 0.65)
