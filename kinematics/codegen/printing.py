@@ -17,6 +17,11 @@ class Printer(C99CodePrinter):
     def _sign_of(self, x: str) -> str:
         return f"(({x} > 0) - ({x} < 0))"
 
+    def parenthesize(self, item: sp.Expr, level: int, strict: bool = False) -> str:
+        if item.is_Rational and item >= 0:  # printed as one number, not as a fraction
+            return self._print(item)
+        return super().parenthesize(item, level, strict)
+
     def _print_Rational(self, expr: sp.Rational) -> str:
         return self._number(float(expr))
 

@@ -7,7 +7,7 @@ from .printing import Printer, header, step_lines
 
 class PythonPrinter(Printer):
     def _sign_of(self, x: str) -> str:
-        return f"(float({x} > 0) - float({x} < 0))"
+        return f"(1.0 if {x} > 0 else -1.0 if {x} < 0 else 0.0)"
 
 
 def write(program: Program, name: str) -> dict[str, str]:

@@ -1,0 +1,134 @@
+"""Inverse velocity and acceleration, statics, and where an arm loses a direction."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from kinematics import IRB1400, LARGE_ROBOT, Link, Robot, compile
+from kinematics.inverse_velocity import (
+    InconsistentMotionError,
+    inverse_acceleration,
+    inverse_velocity,
+    joint_torques,
+)
+from kinematics.singularity import (
+    conditions,
+    decoupled_determinant,
+    distance_to_singularity,
+    lost_directions,
+    manipulability,
+)
+from kinematics.wrist_arm import UnsolvableGeometryError
+
+RNG = np.random.default_rng(0)
+REGULAR = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
+# Seven revolute axes at right angles, as common collaborative arms have.
+SEVEN = Robot(
+    [
+        Link(d=0.34, alpha=-np.pi / 2),
+        Link(alpha=np.pi / 2),
+        Link(d=0.40, alpha=np.pi / 2),
+        Link(alpha=-np.pi / 2),
+        Link(d=0.40, alpha=-np.pi / 2),
+        Link(alpha=np.pi / 2),
+        Link(d=0.126),
+    ],
+    name="seven axes",
+)
+
+
+def test_regular_square_jacobian_is_inverted():
+    J = compile(IRB1400).jacobian(REGULAR)
+    X_dot = RNG.normal(size=6)
+    found = inverse_velocity(J, X_dot)
+    assert found.rank == 6
+    np.testing.assert_allclose(found.value, np.linalg.solve(J, X_dot), rtol=1e-10)
+
+
+def test_seven_axes_have_internal_motion_that_the_tool_does_not_feel():
+    """(2.13): the null-space term moves the arm and not the tool; without it the norm is least."""
+    J = compile(SEVEN).jacobian(RNG.uniform(0.3, 1, 7))
+    X_dot, b = RNG.normal(size=6), RNG.normal(size=7)
+    least, other = inverse_velocity(J, X_dot), inverse_velocity(J, X_dot, b)
+    np.testing.assert_allclose(J @ other.value, X_dot, rtol=0, atol=1e-12)
+    assert np.linalg.norm(other.value - least.value) > 1e-2
+    assert np.linalg.norm(least.value) < np.linalg.norm(other.value)
+    pseudo = np.linalg.pinv(J)
+    expected = pseudo @ X_dot + (np.eye(7) - pseudo @ J) @ b
+    np.testing.assert_allclose(other.value, expected, rtol=0, atol=1e-12)
+
+
+def test_motion_in_a_lost_direction_fails_the_rank_test():
+    """The zero pose aligns axes 4 and 6: rank 5, thesis (2.12)."""
+    J = compile(IRB1400).jacobian(np.zeros(6))
+    (lost,) = lost_directions(J).T
+    with pytest.raises(InconsistentMotionError, match="rank 5 and cannot make"):
+        inverse_velocity(J, lost)
+    possible = J @ RNG.normal(size=6)
+    assert inverse_velocity(J, possible).rank == 5
+
+
+def test_inverse_acceleration_undoes_acceleration():
+    functions = compile(IRB1400)
+    rate, rate_dot = RNG.uniform(-1, 1, (2, 6))
+    X_ddot = functions.acceleration(REGULAR, rate, rate_dot)
+    found = inverse_acceleration(functions, REGULAR, rate, X_ddot)
+    np.testing.assert_allclose(found.value, rate_dot, rtol=0, atol=1e-10)
+    with pytest.raises(InconsistentMotionError):
+        inverse_acceleration(functions, np.zeros(6), np.zeros(6), np.arange(6.0))
+
+
+@pytest.mark.parametrize("bad", [np.full((6, 6), np.nan), np.eye(5), np.zeros(6)])
+def test_bad_jacobians_are_refused(bad):
+    with pytest.raises(ValueError, match=r"finite|must be \(m, n\)"):
+        inverse_velocity(bad, np.zeros(6))
+    with pytest.raises(ValueError, match="b must have shape"):
+        inverse_velocity(np.eye(6), np.zeros(6), np.zeros(5))
+
+
+def test_torques_do_the_work_of_the_wrench_through_the_coupling():
+    functions = compile(IRB1400)
+    rate, wrench = RNG.normal(size=6), RNG.normal(size=6)
+    J = functions.jacobian(REGULAR)
+    tau = joint_torques(J, wrench)
+    assert tau @ rate == pytest.approx(wrench @ (J @ rate))
+    J_theta = J @ np.linalg.inv(IRB1400.coupling)
+    np.testing.assert_allclose(tau, IRB1400.coupling.T @ J_theta.T @ wrench, rtol=1e-12)
+
+
+@pytest.mark.parametrize("robot", [IRB1400, LARGE_ROBOT], ids=lambda robot: robot.name)
+def test_determinant_is_the_product_of_its_factors(robot):
+    arm, wrist = decoupled_determinant(robot)
+    at_wrist = Robot([*robot.links[:5], Link()], robot.coupling, robot.offset)
+    functions = compile(at_wrist)
+    for phi in RNG.uniform(-1, 1, (5, 6)):
+        theta = robot.joint_variables(phi)
+        values = {sp.Symbol(f"theta_{i}", real=True): theta[i - 1] for i in (2, 3, 5)}
+        J_theta = functions.jacobian(phi) @ np.linalg.inv(robot.coupling)
+        expected = float((arm * wrist).subs(values))
+        assert np.linalg.det(J_theta) == pytest.approx(expected, rel=1e-9)
+
+
+def test_conditions_vanish_at_the_singularities_and_name_them():
+    found = conditions(LARGE_ROBOT)
+    theta2, theta3, theta5 = (sp.Symbol(f"theta_{i}", real=True) for i in (2, 3, 5))
+    assert found.elbow.free_symbols == {theta3}
+    assert found.shoulder.free_symbols == {theta2, theta3}
+    assert sp.solve(found.wrist, theta5)[0] == 0
+    stretched = sp.atan2(-sp.Rational(571, 100), 1)
+    assert abs(float(found.elbow.subs(theta3, stretched))) < 1e-12
+
+
+def test_conditions_need_a_spherical_wrist():
+    with pytest.raises(UnsolvableGeometryError, match="7 joints"):
+        conditions(SEVEN)
+
+
+def test_measures_fall_to_zero_at_a_singularity():
+    functions = compile(IRB1400)
+    near = [functions.jacobian([0.1, 0.2, 0.3, 0.4, q5, 0.6]) for q5 in (1e-1, 1e-3, 1e-5, 0)]
+    for measure in (manipulability(near), distance_to_singularity(near)):
+        assert (np.diff(measure) < 0).all()
+        assert measure[-1] == pytest.approx(0, abs=1e-12)
+    assert lost_directions(near[-1]).shape == (6, 1)
+    assert lost_directions(near[0]).shape == (6, 0)
