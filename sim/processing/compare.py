@@ -22,8 +22,8 @@ SYNC_CUTOFF = 40.0
 """Smooths the encoder's steps before the clocks are compared, above the motion's content [Hz]."""
 REST_RATE = 0.005
 """A sensor that turns and a tool that accelerates less than this is at rest [rad/s]."""
-REST_ACCELERATION = 0.02
-"""[m/s^2]."""
+REST_ACCELERATION = 0.1
+"""[m/s^2]; four times what the noise of the encoders predicts at rest."""
 
 
 class Compensation(Enum):
