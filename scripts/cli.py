@@ -20,6 +20,9 @@ from .registry import unknown
 COMMANDS = {
     "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
     "imu": ("scripts.imu:imu", "Predict what an IMU on the moving tool measures."),
+    "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
+    "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
+    "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
     "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
     "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),

@@ -96,9 +96,9 @@ class Design:
     law: Heuristic = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        gamma = self.gamma if len(self.gamma) > 1 else self.gamma[0]
-        delta = self.delta if len(self.delta) > 1 else self.delta[0]
-        cutoff = self.cutoff if len(self.cutoff) > 1 else self.cutoff[0]
+        gamma = self.gamma[0] if len(self.gamma) == 1 else self.gamma
+        delta = self.delta[0] if len(self.delta) == 1 else self.delta
+        cutoff = self.cutoff[0] if len(self.cutoff) == 1 else self.cutoff
         Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
 

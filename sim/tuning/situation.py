@@ -1,7 +1,8 @@
 """Where an episode stands: what the last run left behind, and how one more iteration changes it."""
 
+import copy
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -78,6 +79,13 @@ def advance(situation: Situation, design: Design, sensor: Sensor) -> Situation:
     return _situation(
         situation.experiment, sensor, situation.k + 1, correction, situation.first_norm
     )
+
+
+def restarted(situation: Situation) -> Situation:
+    """The same situation with a noise source of its own: what follows can be run again, alike."""
+    plant = situation.experiment.plant
+    plant = replace(plant, rng=copy.deepcopy(plant.rng))
+    return replace(situation, experiment=replace(situation.experiment, plant=plant))
 
 
 def _situation(

@@ -1,0 +1,62 @@
+"""How good a design or a policy is: whole episodes, measured by the truth."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..recording import Array
+from .design import Design, Motors, action_of
+from .rules import Rules
+
+Policy = Callable[[np.ndarray], np.ndarray]
+"""From an observation (50,) to an action."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Episode:
+    """What became of one episode."""
+
+    seed: int
+    rms_true: Array
+    """(K + 1,) [m], of the tool after each run; ends early where learning diverged."""
+    rms_seen: Array
+    """(K + 1,) [m], the same as the configured sensor has it."""
+    diverged: bool
+
+    @property
+    def ratio(self) -> float:
+        """RMS of the tool after the last run over that before learning."""
+        return float(self.rms_true[-1] / self.rms_true[0])
+
+
+def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
+    """The episode of `reset(seed=seed)`, with the policy's actions."""
+    rules.check_seed(seed)
+    situation = rules.begin(rules.draw(np.random.default_rng(seed)))
+    runs = [situation]
+    while not (situation.diverged or rules.truncated(situation)):
+        design = rules.design(policy(rules.observe(situation)))
+        situation = rules.advance(situation, design)
+        runs.append(situation)
+    return Episode(
+        seed=seed,
+        rms_true=np.array([run.true.rms for run in runs]),
+        rms_seen=np.array([run.seen.rms for run in runs]),
+        diverged=situation.diverged,
+    )
+
+
+def evaluate(
+    rules: Rules, seeds: Sequence[int], policy: Policy, *, threads: int = 1
+) -> Iterator[Episode]:
+    """The episodes of these seeds, in their order."""
+    with ThreadPoolExecutor(threads) as pool:
+        yield from pool.map(lambda seed: run_episode(rules, seed, policy), seeds)
+
+
+def always(design: Design, motors: Motors) -> Policy:
+    """The policy that takes the same design in each iteration."""
+    action = action_of(design, motors)
+    return lambda observed: action
