@@ -24,7 +24,7 @@ def notes(robot: Robot) -> tuple[str, ...]:
         "offset",
         f"coupling: {robot.coupling.tolist()}",
         f"offset: {robot.offset.tolist()}",
-        "SI units; six-vectors are (v, omega) in base axes; matrices are row by row",
+        "SI units; six-vectors are (v, omega) in base axes",
     )
 
 

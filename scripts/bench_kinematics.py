@@ -7,13 +7,16 @@ and are given joint variables, which favours them on the IRB1400.
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
+from kinematics.compiled import compile_dynamics
+from kinematics.model import Body, RobotModel
 
-from .peers import pinocchio_functions, toolbox_robot
+from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
 from .timing import Row, interleaved
 
 BATCH = 100_000
@@ -22,7 +25,14 @@ PATH = 2000
 
 def kinematics() -> Sequence[Row]:
     """Rows of the benchmark; peers that are not installed are left out."""
-    return [*_single_calls(), *_into_given_arrays(), *_batches(), _inverse(), _first_use()]
+    return [
+        *_single_calls(),
+        *_into_given_arrays(),
+        *_batches(),
+        *_dynamics(),
+        _inverse(),
+        _first_use(),
+    ]
 
 
 def _random(*shape: int) -> np.ndarray:
@@ -81,11 +91,12 @@ def _into_given_arrays() -> list[Row]:
     rows = []
     for name, shape, arguments in (
         ("pose", (4, 4), (phi,)),
-        ("jacobian", (6, 6), (phi,)),
+        ("Jacobian", (6, 6), (phi,)),
         ("acceleration", (6,), (phi, rate, acceleration)),
     ):
-        function, out, theirs = getattr(ours, name), np.empty(shape), np.empty(shape)
-        copied = {"Pinocchio": _copying(getattr(peer, name), theirs) if peer else None}
+        out, theirs = np.empty(shape), np.empty(shape)
+        function = getattr(ours, name.lower())
+        copied = {"Pinocchio": _copying(getattr(peer, name.lower()), theirs) if peer else None}
         rows += _against(
             f"IRB1400 {name}, out=", lambda *a, f=function, o=out: f(*a, out=o), copied, arguments
         )
@@ -111,6 +122,37 @@ def _batches() -> list[Row]:
         Row(f"IRB1400 {name}, each of {BATCH}", seconds / BATCH)
         for name, seconds in zip(names, times, strict=True)
     ]
+
+
+def _dynamics() -> list[Row]:
+    """Mass matrix and inverse dynamics of the large robot's geometry with bodies of round numbers.
+
+    A batch stands beside a loop over the peer's single calls.
+    """
+    body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
+    model = RobotModel(LARGE_ROBOT, [body] * 6)
+    ours, peer = compile_dynamics(model), None
+    with suppress(ImportError):
+        peer = pinocchio_dynamics(model)
+    rows, loop = [], 1000
+    for name, count in (("mass_matrix", 1), ("inverse_dynamics", 3)):
+        function, arguments = getattr(ours, name), tuple(_random(count, 6))
+        theirs = getattr(peer, name, None)
+        label = name.replace("_", " ")
+        rows += _against(f"LARGE_ROBOT {label}", function, {"Pinocchio": theirs}, arguments)
+        batch = tuple(_random(count, loop, 6))
+        looped = _looping(theirs) if theirs else None
+        many = _against(f"LARGE_ROBOT {label}, {loop}", function, {"Pinocchio loop": looped}, batch)
+        rows += many
+    return rows
+
+
+def _looping(function: Callable[..., Any]) -> Callable[..., None]:
+    def loop(*arguments: np.ndarray) -> None:
+        for row in zip(*arguments, strict=True):
+            function(*row)
+
+    return loop
 
 
 def _inverse() -> Row:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from kinematics import Joint, Robot
+from kinematics.model import RobotModel
 from kinematics.wrist_arm import link_transform, standard_links
 
 
@@ -29,6 +30,32 @@ def pinocchio_model(robot: Robot) -> tuple[Any, int]:
         placement = placement * pin.SE3(link_transform(link))
     tool = pin.Frame("tool0", parent, 0, placement, pin.FrameType.OP_FRAME)
     return model, model.addFrame(tool)
+
+
+def pinocchio_dynamics(model: RobotModel) -> SimpleNamespace:
+    """mass_matrix(q) and inverse_dynamics(q, v, a) of a model without motors, standard convention.
+
+    The mass matrix is handed over as Pinocchio makes it: its upper triangle is filled.
+    """
+    import pinocchio as pin
+
+    pinocchio, _ = pinocchio_model(model.robot)
+    joint, placement = 0, pin.SE3.Identity()
+    for link, body in zip(model.robot.links, model.bodies, strict=True):
+        if link.moves:
+            joint, placement = joint + 1, pin.SE3.Identity()
+        placement = placement * pin.SE3(link_transform(link))
+        xx, yy, zz, xy, xz, yz = body.inertia
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=float)
+        inertia = pin.Inertia(body.mass, np.array(body.com, dtype=float), tensor)
+        pinocchio.appendBodyToJoint(joint, inertia, placement)
+    pinocchio.gravity.linear = np.array(model.gravity, dtype=float)
+    data = pinocchio.createData()
+    crba, rnea = pin.crba, pin.rnea
+    return SimpleNamespace(
+        mass_matrix=lambda q: crba(pinocchio, data, q),
+        inverse_dynamics=lambda q, v, a: rnea(pinocchio, data, q, v, a),
+    )
 
 
 def pinocchio_functions(robot: Robot) -> SimpleNamespace:

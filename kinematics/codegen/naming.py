@@ -15,7 +15,9 @@ _RESERVED = {
 
 
 def distinct(program: Program) -> Program:
-    """The same program with colliding names changed by a trailing underscore."""
+    """The same program with steps numbered without gaps, and a trailing underscore where names
+    collide.
+    """
     taken = {block.name.lower() for block in program.inputs} | _RESERVED
     outputs = []
     for block in program.outputs:
@@ -23,9 +25,10 @@ def distinct(program: Program) -> Program:
         taken.add(name.lower())
         outputs.append(block._replace(name=name))
     renamed: dict[sp.Basic, sp.Basic] = {}
-    symbols = [s for block in program.inputs for s in block.elements]
-    for symbol in [*symbols, *(s for s, _ in program.steps)]:
-        name = _free(str(symbol), taken)
+    wanted = [(s, str(s)) for block in program.inputs for s in block.elements]
+    wanted += [(s, f"x{number}") for number, (s, _) in enumerate(program.steps)]
+    for symbol, wish in wanted:
+        name = _free(wish, taken)
         taken.add(name.lower())
         if name != str(symbol):
             renamed[symbol] = sp.Symbol(name, real=True)
