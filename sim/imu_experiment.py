@@ -181,7 +181,7 @@ def idle_peaks(recording: Recording) -> Array:
     period = float(recording.time[1] - recording.time[0])
     moving = np.abs(np.gradient(recording.reference, period, axis=0)) > MOVING
     peaks = np.full(6, np.nan)
-    for start, stop in _stretches(moving.any(axis=1)):
+    for start, stop in _stretches(np.any(moving, axis=1)):
         for axis in np.flatnonzero(~moving[start:stop].any(axis=0)):
             angle = recording.motor_angle[start:stop, axis]
             peaks[axis] = np.fmax(peaks[axis], np.abs(angle - angle[0]).max())

@@ -69,7 +69,7 @@ def power_spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
     power = np.mean(np.abs(np.fft.rfft(segments * window, axis=1)) ** 2, axis=0)
     density = power / (rate * np.sum(window**2))
     density[1 : (n + 1) // 2] *= 2.0
-    return np.fft.rfftfreq(n, 1.0 / rate), density
+    return np.arange(n // 2 + 1, dtype=np.float64) * (rate / n), density
 
 
 def lines(frequency: Array, density: Array, *, above: float = 5.0) -> list[tuple[float, float]]:

@@ -203,7 +203,8 @@ def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array
         closed = np.stack([_closed_constraints(job) for job in jobs])
         controls = np.concatenate((controls, closed), axis=2)
     with Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
-        states, sensors = rollout.rollout(models, data, initial, controls, control_spec=int(what))
+        result = rollout.rollout(models, data, initial, controls, control_spec=int(what))
+    states, sensors = (np.asarray(part, dtype=np.float64) for part in result)
     for i, job in enumerate(jobs):
         _blank_after_instability(states[i], sensors[i], job.model.timestep)
     return states, sensors
@@ -238,7 +239,7 @@ def _recording(
     nq, motor = model.mj.nq, model.motor
     qpos = _before_step(job.initial_state, states, 1 + np.arange(nq))
     velocity = _before_step(job.initial_state, states, 1 + nq + motor)
-    time = np.arange(len(states)) * step
+    time: Array = np.arange(len(states), dtype=np.float64) * step
     integral = _before_step(job.initial_state, states, 1 + nq + model.mj.nv + model.integrator)
     torque = drive_torque(model, controls, qpos[:, motor], velocity, integral)
     angle = qpos[:, motor]

@@ -1,4 +1,4 @@
-"""`armside imu`: chapter 5 of the thesis on the virtual IRB1400, and what its errors are made of."""
+"""`armside imu`: chapter 5 of the thesis on the virtual IRB1400, and what its errors consist of."""
 
 import json
 from dataclasses import replace
