@@ -49,14 +49,15 @@ def variant(
         if not (np.isfinite(factor) and factor > 0.0):
             raise ValueError(f"{name} stiffness factor must be > 0, got {factor}")
     spec = mujoco.MjSpec.from_file(str(source))
-    _remove(spec, flexibility)
+    without(spec, flexibility)
     mj = spec.compile()
     _scale(mj, "flex_", gear_stiffness)
     _scale(mj, "struct_", structure_stiffness)
     return mj
 
 
-def _remove(spec: mujoco.MjSpec, flexibility: Flexibility) -> None:
+def without(spec: mujoco.MjSpec, flexibility: Flexibility) -> None:
+    """Take the springs out of a specification that this flexibility does not have."""
     prefixes = _REMOVED[flexibility]
     for joint in list(spec.joints):
         stiffens = joint.name.startswith(prefixes) if prefixes else False

@@ -10,6 +10,8 @@ import numpy as np
 
 from ..plant import Array
 
+_SERIES = 12  # terms: 0.5^12 / 12! is far below rounding
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Process:
@@ -37,18 +39,22 @@ class Process:
 
 
 def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
-    """exp(A h), and the covariance that white noise of intensity GWG leaves after h. Van Loan."""
-    from scipy.linalg import expm
+    """exp(A h), and the covariance that white noise of intensity GWG leaves after h.
 
-    n = len(A)
-    block = np.zeros((2 * n, 2 * n))
-    block[:n, :n], block[:n, n:], block[n:, n:] = -A, GWG, A.T
-    # exp(-A h) of a fast pole overflows digits: split the step until it is short.
-    halvings = max(0, int(np.ceil(np.log2(max(1.0, np.abs(A).sum(axis=1).max() * step / 4.0)))))
-    exp = expm(block * (step / 2**halvings))
-    Ad: Array = np.ascontiguousarray(exp[n:, n:].T)
-    Qd: Array = Ad @ exp[:n, n:]
-    for _ in range(halvings):
+    A series over a short step, which is then doubled until it is h:
+    Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
+    """
+    doublings = _doublings(A * step)
+    d = step / 2**doublings
+    Ad, Qd = np.eye(len(A)), np.zeros_like(A)
+    power, spread = np.eye(len(A)), GWG * d
+    for k in range(1, _SERIES + 1):
+        Qd = Qd + spread
+        AX = A @ spread
+        spread = (AX + AX.T) * (d / (k + 1))
+        power = A @ power * (d / k)
+        Ad = Ad + power
+    for _ in range(doublings):
         Qd = Qd + Ad @ Qd @ Ad.T
         Ad = Ad @ Ad
     return Ad, 0.5 * (Qd + Qd.T)
@@ -56,12 +62,32 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
 
 def first_order_hold(A: Array, B: Array, step: float) -> tuple[Array, Array, Array]:
     """Ad, B0, B1 of x_{i+1} = Ad x_i + B0 u_i + B1 u_{i+1}: u is linear between samples."""
-    from scipy.linalg import expm
-
     n, m = B.shape
     block = np.zeros((n + 2 * m, n + 2 * m))
     block[:n, :n], block[:n, n : n + m] = A * step, B * step
     block[n : n + m, n + m :] = np.eye(m)
-    exp = expm(block)
-    B1 = exp[:n, n + m :]
-    return exp[:n, :n], exp[:n, n : n + m] - B1, B1
+    grown = exponential(block)
+    B1 = grown[:n, n + m :]
+    return grown[:n, :n], grown[:n, n : n + m] - B1, B1
+
+
+def exponential(A: Array) -> Array:
+    """e^A by scaling and squaring of its series.
+
+    For matrices of this size it is as exact as scipy's and keeps off the threads of LAPACK, whose
+    start-up costs more than the calculation where cores are shared.
+    """
+    doublings = _doublings(A)
+    scaled = A / 2**doublings
+    total = power = np.eye(len(A))
+    for k in range(1, _SERIES + 1):
+        power = scaled @ power / k
+        total = total + power
+    for _ in range(doublings):
+        total = total @ total
+    return total
+
+
+def _doublings(A: Array) -> int:
+    """How often A is to be halved until its norm is at most a half."""
+    return max(0, int(np.ceil(np.log2(max(2.0 * np.abs(A).sum(axis=1).max(), 1.0)))))

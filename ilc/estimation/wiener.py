@@ -1,0 +1,49 @@
+"""The smoother of a stationary process in the frequency domain: the non-causal Wiener filter.
+
+    T(w) = S_zy(w) S_yy(w)^-1
+
+with S the spectra of what is wanted, z = Z x, and what is measured, y = C x + v, of x' = A x + G w.
+Exact far from the ends of a record; nothing but products of spectra.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..plant import Array
+from ..system import Complex
+
+
+@dataclass(frozen=True, eq=False)
+class NonCausal:
+    """z from y of a continuous process."""
+
+    A: Array
+    """(n, n)."""
+    intensity: Array
+    """(n, n), of the white noise on x'."""
+    C: Array
+    """(p, n)."""
+    Z: Array
+    """(q, n), what is wanted."""
+
+    def response(self, frequency: Array, sample_time: float, R: Array) -> Complex:
+        """T, (M, q, p), at frequencies [Hz] below the Nyquist frequency.
+
+        R: (p, p), covariance of v, which sampling spreads over the band as an intensity R h. What
+        of y lies beyond the band is taken to be nothing: its sensor is to have a low-pass.
+        """
+        s = 2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]  # slow drifts: poles at 0
+        states = np.linalg.inv(s * np.eye(len(self.A)) - self.A)
+        spectrum = states @ self.intensity @ np.conj(np.swapaxes(states, 1, 2))
+        S_yy = self.C @ spectrum @ self.C.T + R * sample_time
+        S_zy = self.Z @ spectrum @ self.C.T
+        return S_zy @ np.linalg.inv(S_yy)
+
+    def __call__(self, y: Array, sample_time: float, R: Array) -> Array:
+        """z (N, q) from y (N, p), both at rest around zero at the ends."""
+        padded = 2 * len(y)
+        frequency = np.fft.rfftfreq(padded, sample_time)
+        Y = np.fft.rfft(np.nan_to_num(y), padded, axis=0)
+        T = self.response(frequency, sample_time, R)
+        return np.fft.irfft((T @ Y[:, :, None])[:, :, 0], padded, axis=0)[: len(y)]

@@ -1,0 +1,119 @@
+"""A law for several outputs and inputs: the regularised inverse of a frequency response.
+
+    U_{k+1} = Q (U_k + gamma L E_k)        L = (G^H W G + rho S^-2)^-1 G^H W
+
+W weighs the outputs, S is the natural size of each input: of all corrections with the same effect
+the law takes the smallest, measured in S. G need be neither square nor invertible. The record is
+extended by its last value, tapered back to its first, so that its ends make no step that L would
+amplify.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..plant import Array
+from ..system import Complex
+from .law import FirstOrderLaw
+
+
+class Response(Protocol):
+    """A linear model that can be asked for its frequency response."""
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """(M, p, n) at omega (M,) [rad/sample]."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RegularisedInverse(FirstOrderLaw):
+    """Maps errors of p outputs to corrections of n inputs; records (N, p) and (N, n)."""
+
+    G: Response
+    """From the correction to the output."""
+    sample_time: float
+    """[s]."""
+    cutoff: float
+    """At which Q has fallen to one half [Hz]."""
+    sharpness: int = 8
+    """Q = 1 / (1 + (f / cutoff)^sharpness), without phase."""
+    gamma: float = 0.8
+    """Learning gain, in (0, 2)."""
+    output_weight: tuple[float, ...]
+    """(p,), square roots of W's diagonal; 0 for an output that is not to be learned."""
+    input_size: tuple[float, ...]
+    """(n,), diagonal of S, > 0."""
+    regularisation: float = 0.01
+    """rho relative to the largest static gain of W^1/2 G S, squared."""
+    limit: float = np.inf
+    """Of the correction, each input over its size."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.cutoff < 0.5 / self.sample_time:
+            raise ValueError(
+                f"cutoff must be above 0 and below {0.5 / self.sample_time:g} Hz, got {self.cutoff}"
+            )
+        if not 0.0 < self.gamma < 2.0:
+            raise ValueError(f"gamma must be in (0, 2), got {self.gamma}")
+        if not (np.isfinite(self.regularisation) and self.regularisation > 0.0):
+            raise ValueError(f"regularisation must be > 0, got {self.regularisation}")
+        weight, size = np.array(self.output_weight), np.array(self.input_size)
+        if not ((weight >= 0.0).all() and weight.any()):
+            raise ValueError(f"output_weight must be >= 0 and not all 0, got {self.output_weight}")
+        if not (size > 0.0).all():
+            raise ValueError(f"input_size must be > 0, got {self.input_size}")
+        if not self.limit > 0.0:
+            raise ValueError(f"limit must be > 0, got {self.limit}")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if n_columns != len(self.input_size):
+            raise ValueError(
+                f"the law has {len(self.input_size)} inputs, the record {n_columns} columns"
+            )
+
+    def Q(self, omega: ArrayLike) -> Array:
+        """Real, (M,), at omega [rad/sample]."""
+        f = np.asarray(omega, dtype=np.float64) / (2.0 * np.pi * self.sample_time)
+        return 1.0 / (1.0 + (f / self.cutoff) ** self.sharpness)
+
+    def L(self, omega: ArrayLike) -> Complex:
+        """(M, n, p) at omega (M,) [rad/sample]."""
+        weight, size = np.array(self.output_weight), np.array(self.input_size)
+
+        def scaled(at: ArrayLike) -> Complex:
+            return weight[:, None] * self.G.response(at) * size
+
+        T = scaled(omega)
+        rho = self.regularisation * np.linalg.norm(scaled(np.zeros(1))[0], ord=2) ** 2
+        T_H = np.conj(np.swapaxes(T, 1, 2))
+        inverse = np.linalg.solve(T_H @ T + rho * np.eye(len(size)), T_H)
+        return size[:, None] * inverse * weight
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        n_samples = len(correction)
+        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n_samples)
+        E = np.fft.rfft(tapered(error), axis=0)
+        U = np.fft.rfft(tapered(correction), axis=0)
+        learned = U + self.gamma * (self.L(omega) @ E[:, :, None])[:, :, 0]
+        u = np.fft.irfft(self.Q(omega)[:, None] * learned, 2 * n_samples, axis=0)[:n_samples]
+        largest = self.limit * np.array(self.input_size)
+        return np.clip(u, -largest, largest)
+
+    def contraction(self, omega: ArrayLike, plant: Response) -> Array:
+        """(M,): the largest singular value of Q (1 - gamma L G) on a plant, inputs in their size.
+
+        Below 1 at each frequency the correction converges without growing on the way.
+        """
+        size = np.array(self.input_size)
+        LG = self.L(omega) @ plant.response(omega)
+        moved = np.eye(len(size)) - self.gamma * LG / size[:, None] * size
+        return self.Q(omega) * np.linalg.norm(moved, ord=2, axis=(1, 2))
+
+
+def tapered(signal: Array) -> Array:
+    """(2 N, n): a record (N, n), then its last value fading into its first: periodic, no step."""
+    n = len(signal)
+    fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, n + 1) / (n + 1))
+    return np.concatenate((signal, signal[0] + np.outer(fade, signal[-1] - signal[0])))

@@ -1,0 +1,87 @@
+"""What is unknown of an arm's springs and of the IMU's clock, as parameters of an identification.
+
+    theta = (log K_11..K_66, log D scale, clock offset, couplings rho_ij)
+
+relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
+that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .model import N_AXES
+from .nominal import NominalArm
+from .recording import Array
+
+COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
+"""Axes 2, 3, 5 and axes 1, 4, 6, counted from 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringPrior:
+    """Standard deviations of what is known before: how wrong the nominal arm may be."""
+
+    stiffness: float = 0.5
+    """Of log K."""
+    damping: float = 0.5
+    """Of the log of the damping's scale."""
+    clock: float = 0.010
+    """[s]."""
+    coupling: float = 0.3
+    """Of rho; 0 keeps to gear springs."""
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "damping", "clock"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+        if not self.coupling >= 0.0:
+            raise ValueError(f"coupling must be >= 0, got {self.coupling}")
+
+    @property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        return COUPLED if self.coupling > 0.0 else ()
+
+    @property
+    def standard_deviation(self) -> Array:
+        """(m,), of theta; its mean is 0."""
+        return np.array(
+            [self.stiffness] * N_AXES
+            + [self.damping, self.clock]
+            + [self.coupling] * len(self.pairs)
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(m,), of the entries of theta."""
+        pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
+        return (*(f"stiffness {i}" for i in range(1, N_AXES + 1)), "damping", "clock", *pairs)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Springs:
+    """Springs of an arm, and when its IMU's clock started."""
+
+    stiffness: Array
+    """(6, 6) [N m/rad]."""
+    damping: Array
+    """(6,) [N m s/rad]."""
+    clock_offset: float
+    """Robot time when the unit's clock shows 0 [s]."""
+
+    def on(self, arm: NominalArm) -> NominalArm:
+        """The arm on these springs."""
+        return arm.with_springs(self.stiffness, self.damping)
+
+
+def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array) -> Springs:
+    """The springs that parameters mean on a nominal arm."""
+    own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
+    K = np.diag(own)
+    for rho, (i, j) in zip(theta[N_AXES + 2 :], prior.pairs, strict=True):
+        K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
+    return Springs(
+        stiffness=K,
+        damping=arm.damping * np.exp(theta[N_AXES]),
+        clock_offset=float(theta[N_AXES + 1]),
+    )
