@@ -26,6 +26,10 @@ COMMANDS = {
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
     "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
     "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),
+    "reproduce": (
+        "scripts.reproduce:reproduce",
+        "Make the figures of the thesis again, with verdicts.",
+    ),
 }
 """Name: (module:function, one line of help). A new experiment is one line here."""
 
