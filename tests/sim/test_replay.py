@@ -17,19 +17,22 @@ RADIUS = 0.005
 MJ = mujoco.MjModel.from_xml_path(str(LARGE_ROBOT_XML))
 EVERY_SHAPE = """
 <mujoco>
-  <asset><mesh name="wedge" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset>
+  <asset>
+    <mesh name="wedge" vertex="0 0 0  1 0 0  0 2 0  0 0 3"/>
+    <material name="blue" rgba="0 0 1 1"/>
+  </asset>
   <worldbody>
     <geom name="floor" type="plane" size="0 0 1"/>
     <body name="thing" pos="0 0 1">
       <freejoint/>
-      <geom type="box" size=".1 .2 .3" pos="1 2 3" rgba="1 0 0 1"/>
+      <geom type="box" size=".1 .2 .3" pos="1 2 3" quat=".6 .8 0 0" rgba="1 0 0 1"/>
       <geom type="box" size=".1 .1 .1" group="3"/>
       <geom type="box" size=".1 .1 .1" rgba="1 0 0 0"/>
-      <geom type="sphere" size=".1"/>
+      <geom type="sphere" size=".1" material="blue"/>
       <geom type="ellipsoid" size=".1 .2 .3"/>
       <geom type="cylinder" size=".1 .5"/>
       <geom type="capsule" size=".1 .5" pos="0 0 2"/>
-      <geom type="mesh" mesh="wedge"/>
+      <geom type="mesh" mesh="wedge" pos="1 0 0" euler="90 0 0"/>
     </body>
   </worldbody>
 </mujoco>
@@ -181,6 +184,31 @@ def test_every_kind_of_visible_geom_is_drawn_once():
     # MuJoCo centres a capsule, Rerun starts it: from z = 2 - 0.5.
     capsule = drawn["robot/thing/capsule"]
     np.testing.assert_allclose(capsule.translations.as_arrow_array().to_pylist(), [[0, 0, 1.5]])
+
+
+def test_geoms_are_turned_and_coloured_as_in_the_model():
+    from sim.geoms import shapes
+
+    drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
+    box, sphere = drawn["robot/thing/box"], drawn["robot/thing/sphere"]
+    turn = box.quaternions.as_arrow_array().to_pylist()[0]
+    np.testing.assert_allclose(turn, [0.8, 0.0, 0.0, 0.6], rtol=0, atol=1e-6)  # w last
+    red, blue = (shape.colors.as_arrow_array().to_pylist()[0] for shape in (box, sphere))
+    assert (red, blue) == (0xFF0000FF, 0x0000FFFF)
+
+
+def test_a_mesh_is_drawn_where_the_physics_has_it():
+    from sim.geoms import shapes
+
+    mj = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
+    data = mujoco.MjData(mj)
+    data.qpos[:] = [0, 0, 0, 1, 0, 0, 0]  # the body's frame is the world's
+    mujoco.mj_kinematics(mj, data)
+    geom = mj.ngeom - 1
+    expected = mj.mesh_vert @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+    mesh = dict(shapes(mj))["robot/thing/mesh_8"]
+    found = mesh.vertex_positions.as_arrow_array().to_pylist()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
 
 
 def test_a_model_of_another_robot_is_refused(tmp_path, motion_and_phi, runs):

@@ -101,6 +101,17 @@ def test_the_errors_a_unit_keeps_spread_over_units_as_configured():
     assert offset.std() == pytest.approx(0.010 / np.sqrt(3), rel=0.1)
 
 
+def test_a_triad_reads_its_sensitivity_times_the_input_plus_its_bias():
+    S = np.array([[1.01, 0.02, 0.0], [0.0, 0.99, 0.03], [-0.01, 0.0, 1.0]])
+    bias = np.array([0.1, -0.2, 0.3])
+    unit = draw(CLEAN, rng())
+    unit = replace(unit, accelerometer=Triad(cfg=PERFECT, sensitivity=S, bias=bias))
+    time = record(0.2)
+    force = np.tile([1.0, 2.0, 9.82], (len(time), 1))
+    samples = unit.measure(time, force, 0 * force, rng())
+    np.testing.assert_allclose(samples.acceleration[5], S @ force[0] + bias, rtol=0, atol=1e-12)
+
+
 def test_a_mounting_error_is_a_rotation_that_leaks_gravity():
     unit, samples = still(replace(CLEAN, mounting_error=np.deg2rad(0.5)), 0.5)
     R = unit.R_site_imu

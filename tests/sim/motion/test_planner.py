@@ -22,6 +22,7 @@ from sim.motion.instructions import (
     Target,
     Wait,
 )
+from sim.motion.moves import move_curve, zone_share
 from sim.motion.planner import plan_program
 from sim.motion.program_file import read_program
 
@@ -101,6 +102,52 @@ def test_a_circle_goes_through_its_three_points_the_way_they_are_ordered():
     radius = np.linalg.norm(p - centre, axis=1)
     # The spline through solutions 2 mm apart leaves the circle by 20 nm where the wrist turns fast.
     np.testing.assert_allclose(radius, np.linalg.norm(a - centre), rtol=0, atol=1e-7)
+
+
+def test_a_circle_may_go_three_quarters_around():
+    centre, radius = np.array([0.95, 0.0, 1.0]), 0.15
+    over = (0.95, -radius * np.cos(0.3), 1.0 + radius * np.sin(0.3))
+    down = (0.95, 0.0, 1.0 - radius)
+    p, _ = tool(plan(MoveC(via=over, to=Target(position=down), speed=Speed(path=0.2))))
+    way = np.linalg.norm(np.diff(p, axis=0), axis=1).sum()
+    assert way == pytest.approx(1.5 * np.pi * radius, rel=1e-4)
+    np.testing.assert_allclose(np.linalg.norm(p - centre, axis=1), radius, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(p[-1], down, rtol=0, atol=1e-9)
+
+
+def test_circles_keep_the_path_acceleration_while_they_speed_up():
+    dynamics = Dynamics(path_acceleration=1.0)
+    move = MoveC(via=C, to=Target(position=B), speed=Speed(path=0.35))
+    p, _ = tool(plan(move, dynamics=dynamics))
+    a = np.linalg.norm(np.gradient(np.gradient(p, STEP, axis=0), STEP, axis=0), axis=1)
+    assert 0.9 < a.max() < 1.0 + 1e-3
+
+
+def test_circles_keep_the_joint_accelerations_while_they_speed_up():
+    slow = (0.5, 0.5, 0.5, 1.0, 1.0, 1.0)
+    dynamics = Dynamics(joint_acceleration=slow, path_acceleration=100.0)
+    motion = plan(MoveC(via=C, to=Target(position=B), speed=Speed(path=1.0)), dynamics=dynamics)
+    use = np.abs(rates(motion)[1]).max(axis=0) / slow
+    assert 0.8 < use.max() < 1.0 + 1e-2
+
+
+def test_a_pose_is_reached_in_the_configuration_asked_for():
+    def wrist(near):
+        to = Target(position=A, quaternion=FORWARD, near=near)
+        return plan(MoveJ(to=to, speed=Speed(share=1.0)), start=(0.0,) * 6).phi[-1, 4]
+
+    assert wrist((0.0, 0.0, 0.0, 0.0, -0.3, 0.0)) < 0.0
+    assert wrist((0.0, 0.0, 0.0, 2.5, 0.3, -2.5)) > 0.0
+
+
+def test_a_zone_is_measured_at_the_tool_from_either_end():
+    move = joints(0.8, -0.3, 0.2, 0.0, -0.5, 0.0)
+    curve = move_curve(move, np.array(START), ROBOT, IRB1400_LIMITS)
+    ends = ROBOT.pose(np.ascontiguousarray(curve.at([0.0, 1.0])))[:, :3, 3]
+    for at_end in (False, True):
+        share = zone_share(curve, 0.05, ROBOT, at_end=at_end)
+        edge = ROBOT.pose(curve.at(1.0 - share if at_end else share))[:3, 3]
+        assert np.linalg.norm(edge - ends[int(at_end)]) == pytest.approx(0.05, rel=1e-3)
 
 
 def test_a_joint_move_is_straight_in_the_motor_angles():
