@@ -17,6 +17,9 @@ from .filters import ZeroPhaseButterworth
 from .laws.heuristic import Heuristic
 from .system import System, require_stable
 
+SLOWEST = 0.99
+"""Contraction an iteration beyond which a design counts as infeasible: 300 iterations to 5 %."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Proposal:
@@ -85,7 +88,7 @@ def propose(
 
     Raises:
         ValueError: an unstable T_u, a bandwidth beyond Nyquist, or an infeasible design: no
-            shift in `deltas` contracts. The message says which bandwidth would do.
+            shift in `deltas` contracts by `SLOWEST`. The message says which bandwidth would do.
     """
     require_stable(T_u, "T_u")
     if T_u.static_gain <= 0.0:
@@ -94,35 +97,65 @@ def propose(
         )
     if not 0.0 < share < 1.0:
         raise ValueError(f"share must be in (0, 1), got {share}")
-    Q = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order)
-    omega = frequency_grid()
-    shifts = np.array(deltas)
-    limits = largest_gamma(T_u, shifts, [bandwidth], order=order)[:, 0]
-    gammas = np.minimum(1.0 / T_u.static_gain, share * limits)
-    candidates = [
-        (heuristic_criterion(T_u, gamma, int(delta), Q, omega), gamma, int(delta), limit)
-        for gamma, delta, limit in zip(gammas, shifts, limits, strict=True)
-        if gamma > 1e-6
-    ]
-    candidates = [candidate for candidate in candidates if candidate[0].is_met]
-    if not candidates:
-        gamma = 0.5 / T_u.static_gain
-        best = max(largest_cutoff(T_u, gamma, int(delta), order=order) for delta in shifts)
+    found = _candidates(T_u, bandwidth, deltas, share, order)
+    if not found:
+        feasible = _largest_bandwidth(T_u, bandwidth, deltas, share, order)
         raise ValueError(
-            f"infeasible design: with a cutoff of {bandwidth:g} Hz no shift from {shifts[0]} to "
-            f"{shifts[-1]} contracts for any gain; up to {best:.3g} Hz one does"
+            f"infeasible design: with a cutoff of {bandwidth:g} Hz no shift from {deltas[0]} to "
+            f"{deltas[-1]} contracts by {SLOWEST:g} an iteration; up to {feasible:.3g} Hz one does"
         )
     # Fastest first; among nearly equal ones the shift with the widest admissible gain.
-    fastest = min(candidate[0].contraction for candidate in candidates)
-    near = [c for c in candidates if c[0].contraction <= fastest + 0.005]
-    result, gamma, delta, limit = max(near, key=lambda candidate: candidate[3])
+    fastest = min(candidate.criterion.contraction for candidate in found)
+    near = [c for c in found if c.criterion.contraction <= fastest + 0.005]
+    best = max(near, key=lambda candidate: candidate.largest_gamma)
     return Proposal(
-        law=Heuristic(Q=Q, gamma=float(gamma), delta=delta),
-        gamma=float(gamma),
-        delta=delta,
+        law=Heuristic(
+            Q=ZeroPhaseButterworth(bandwidth, T_u.sample_time, order),
+            gamma=best.gamma,
+            delta=best.delta,
+        ),
+        gamma=best.gamma,
+        delta=best.delta,
         cutoff=bandwidth,
         T_u=T_u,
-        criterion=result,
-        largest_gamma=float(limit),
-        largest_cutoff=largest_cutoff(T_u, float(gamma), delta, order=order),
+        criterion=best.criterion,
+        largest_gamma=best.largest_gamma,
+        largest_cutoff=largest_cutoff(T_u, best.gamma, best.delta, order=order),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    gamma: float
+    delta: int
+    largest_gamma: float
+    criterion: Criterion
+
+
+def _candidates(
+    T_u: System, bandwidth: float, deltas: range, share: float, order: int
+) -> list[_Candidate]:
+    """One for each shift that contracts fast enough."""
+    Q, omega = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order), frequency_grid()
+    limits = largest_gamma(T_u, deltas, [bandwidth], order=order)[:, 0]
+    found = []
+    for delta, limit in zip(deltas, limits, strict=True):
+        gamma = float(min(1.0 / T_u.static_gain, share * limit))
+        result = heuristic_criterion(T_u, gamma, delta, Q, omega)
+        if result.contraction <= SLOWEST:
+            found.append(_Candidate(gamma, delta, float(limit), result))
+    return found
+
+
+def _largest_bandwidth(
+    T_u: System, infeasible: float, deltas: range, share: float, order: int
+) -> float:
+    """[Hz] below an infeasible bandwidth, to 1 %."""
+    low, high = 0.0, infeasible
+    while high - low > 0.01 * high and high > 1e-3 * infeasible:
+        middle = 0.5 * (low + high)
+        if _candidates(T_u, middle, deltas, share, order):
+            low = middle
+        else:
+            high = middle
+    return low

@@ -1,9 +1,9 @@
 """How far the two-mass joint may differ from its model before a design fails."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .analysis.criterion import frequency_grid, heuristic_criterion
 from .filters import RecordFilter
@@ -35,15 +35,17 @@ def contraction(loop: TwoMassLoop, design: Design, omega: Array | None = None) -
 def contraction_map(
     loop: TwoMassLoop,
     design: Design,
-    first: tuple[str, Sequence[float]],
-    second: tuple[str, Sequence[float]],
+    first: tuple[str, ArrayLike],
+    second: tuple[str, ArrayLike],
 ) -> Array:
     """Contraction over two parameters of the true joint, each a name and factors on it.
 
     Shape (factors of the first, factors of the second).
     """
     omega = frequency_grid(800)
-    (name_1, factors_1), (name_2, factors_2) = first, second
+    (name_1, factors_1), (name_2, factors_2) = (
+        (name, np.asarray(factors, dtype=np.float64)) for name, factors in (first, second)
+    )
     return np.array(
         [
             [

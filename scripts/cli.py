@@ -23,6 +23,12 @@ COMMANDS = {
     "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
     "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
     "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),
+    "sweep": ("scripts.sweep:sweep", "Run the laser experiment over a grid of its options."),
+    "model": (
+        "scripts.model:model",
+        "Describe a robot: D-H table, zero pose, reach, singularities.",
+    ),
+    "export": ("scripts.export:export", "Write a robot's equations as code, or the robot as URDF."),
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
     "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
     "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),

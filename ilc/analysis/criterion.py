@@ -4,7 +4,6 @@ It promises that ||e_k - e_inf|| shrinks in every iteration, on records without 
 thesis says e_k itself, which holds only for Q = 1.)  Thesis (7.5), (8.13), (9.13).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,7 +100,7 @@ def heuristic_criterion(
 
 def largest_gamma(
     T_u: System,
-    deltas: Sequence[int] | Array,
+    deltas: ArrayLike,
     cutoffs: ArrayLike | None,
     *,
     order: int = 2,

@@ -58,9 +58,10 @@ class ModelInverse:
         T = self.T_u.response(omega)
         learned = self.rate * self.learned.response(omega)
         if T.ndim == 1:
-            return learned * np.conj(T) / (np.square(np.abs(T)) + self._rho)
-        T_H = np.conj(np.swapaxes(T, 1, 2))
-        inverse = T_H @ np.linalg.inv(T @ T_H + self._rho * np.eye(T.shape[1]))
+            return learned * T.conj() / (np.square(np.abs(T)) + self._rho)
+        T_H = T.conj().swapaxes(1, 2)
+        normal: Complex = T @ T_H + self._rho * np.eye(T.shape[1])
+        inverse = T_H @ np.linalg.inv(normal).astype(np.complex128)
         learned = learned if learned.ndim == 2 else learned[:, None]
         return inverse * learned[:, None, :]
 

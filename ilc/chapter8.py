@@ -1,0 +1,126 @@
+"""The simulation study of chapter 8: its designs, its runs and the numbers in its figures."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from .discretise import zoh
+from .filters import ALL_PASS, End, RecordFilter, ZeroPhaseButterworth
+from .laws.first_order import FirstOrder
+from .laws.heuristic import Heuristic
+from .laws.law import Law
+from .laws.model_inverse import ModelInverse
+from .laws.norm_optimal import NormOptimal, QuadraticCriterion
+from .learning import Trial, learn
+from .measures import two_norm
+from .plant import Array
+from .system import System
+from .two_mass import PdController, TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun
+from .two_mass_friction import FrictionPlant
+
+GAMMA, DELTA = 0.9, 5
+"""Design variables of Figs 8.8 to 8.12."""
+CUTOFFS = (1.0, 6.0, 17.0)
+"""[Hz], of Q in Fig 8.8."""
+SHIFTS = np.arange(-50, 51)
+"""Search of Fig 8.7."""
+SEARCHED_CUTOFFS = np.linspace(0.5, 49.5, 99)
+"""[Hz], search of Fig 8.7, half-Hz steps where the thesis took whole ones from 1 Hz."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Learning:
+    """500 iterations in a few arrays."""
+
+    motor: Array
+    """||e_m,k||, shape (K + 1,)."""
+    arm: Array
+    """||e_a,k||, shape (K + 1,)."""
+    kept: dict[int, Trial[TwoMassRun]]
+    """The trials that figures show, by iteration."""
+    plant: TwoMassPlant | FrictionPlant
+
+
+def heuristic(cutoff: float | None, delta: int = DELTA, sample_time: float = 0.01) -> Heuristic:
+    """The law of chapter 8; cutoff None: Q = 1. Zeros are shifted in, as the thesis's code does."""
+    Q: RecordFilter = ALL_PASS if cutoff is None else ZeroPhaseButterworth(cutoff, sample_time)
+    return Heuristic(Q=Q, gamma=GAMMA, delta=delta, end=End.ZERO)
+
+
+@lru_cache(maxsize=32)
+def learned(
+    cutoff: float | None,
+    *,
+    delta: int = DELTA,
+    stiffness_factor: float = 1.0,
+    iterations: int = 500,
+) -> Learning:
+    """Learning on the motor side; stiffness_factor: of the joint that F_r believes in."""
+    loop = TwoMassLoop()
+    if stiffness_factor != 1.0:
+        loop = loop.with_stiffness_error(stiffness_factor)
+    return run(TwoMassPlant(loop=loop), heuristic(cutoff, delta), iterations)
+
+
+def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> Learning:
+    """Any law on the motor side of the joint; never stopped, so that growth can be shown."""
+    motor, arm, kept = [], [], {}
+    for trial in learn(
+        plant,
+        law,
+        plant.motor_reference,
+        iterations,
+        output_of=lambda record: record.motor,
+        divergence_ratio=np.inf,
+    ):
+        motor.append(two_norm(trial.error)[0])
+        arm.append(two_norm(plant.arm_reference - trial.result.arm)[0])
+        if trial.k in (0, 1, 2, 5, iterations):
+            kept[trial.k] = trial
+    return Learning(motor=np.array(motor), arm=np.array(arm), kept=kept, plant=plant)
+
+
+def algorithms(cutoff: float = 17.0) -> dict[str, Law]:
+    """Algorithms 1 to 3 of 7.5 for the motor side, all with the bandwidth of `cutoff` [Hz]."""
+    loop = TwoMassLoop()
+    Q = ZeroPhaseButterworth(cutoff, loop.sample_time)
+    T_u = loop.T_motor
+    inverse = ModelInverse(T_u=T_u, learned=Q, regularisation=1e-6)
+    weights = QuadraticCriterion(correction=1e-6, change=1e-4)
+    return {
+        "1 heuristic": Heuristic(Q=Q, gamma=GAMMA, delta=DELTA),
+        "2 model inverse": FirstOrder(Q=Q, L=inverse),
+        "3 norm-optimal": NormOptimal(T_u=T_u, n_samples=800, criterion=weights),
+    }
+
+
+def rough_models(sample_time: float = 0.01) -> dict[str, System]:
+    """Models of T_u,m from exact to crude, for L = gamma T^T: how much must be known?"""
+    joint, F = TwoMassJoint(), PdController().discrete(sample_time)
+    inertia = joint.Jm + joint.rg**2 * joint.Ja
+    rigid = zoh([joint.kt], [inertia, joint.fm, 0.0], sample_time)
+    stiffer = replace(joint, k=4.0 * joint.k).motor(sample_time)
+
+    def lag(delay: int) -> System:
+        return System(np.array([0.0] * delay + [0.2]), np.array([1.0, -0.8]), sample_time)
+
+    return {
+        "exact": TwoMassLoop().T_motor,
+        "stiffness x 4": (stiffer * F).feedback(),
+        "rigid, one inertia": (rigid * F).feedback(),
+        "lag 0.2/(q - 0.8), delay 1": lag(1),
+        "the same, delay 2": lag(2),
+    }
+
+
+def phase_error(model: System, T_u: System, omega: Array) -> Array:
+    """Phase of conj(model) T_u [rad], in (-pi, pi]: below pi/2 everywhere, L = gamma model^T with
+    a small enough gamma satisfies the criterion with Q = 1."""
+    return np.angle(np.conj(model.response(omega)) * T_u.response(omega))
+
+
+def iterations_to(norms: Array, part: float) -> int | None:
+    """First iteration whose error is at most `part` of the first; None: never."""
+    below = np.flatnonzero(norms <= part * norms[0])
+    return int(below[0]) if below.size else None

@@ -1,0 +1,164 @@
+"""The design helper keeps its word on the plant it was designed for."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from ilc import Edge, Heuristic, learn
+from ilc.analysis import LiftedIteration
+from ilc.design import propose
+from ilc.linear_plant import LinearPlant
+from ilc.measures import two_norm
+from ilc.model_file import read_model
+from ilc.robustness import Design, contraction, contraction_map, monte_carlo
+from ilc.system import System
+from ilc.two_mass import PdController, TwoMassLoop
+
+ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)
+
+
+def bump(n):
+    t = np.linspace(0, 1, n)
+    return np.exp(-(((t - 0.4) / 0.08) ** 2))[:, None]
+
+
+def test_the_servo_of_chapter_9_gets_the_shift_that_its_delay_and_lag_ask_for():
+    assert propose(ARX, 10.0).delta == 6
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    pole=st.floats(0.0, 0.9),
+    delay=st.integers(1, 8),
+    gain=st.floats(0.2, 5.0),
+    bandwidth=st.floats(2.0, 20.0),
+)
+def test_the_error_falls_at_least_as_fast_as_proposed(pole, delay, gain, bandwidth):
+    T_u = System([0.0] * delay + [gain * (1 - pole)], [1, -pole], 0.004)
+    proposal = propose(T_u, bandwidth)
+    reference = bump(1000)
+    trials = list(learn(LinearPlant(T_u=T_u, reference=reference), proposal.law, reference, 120))
+    limit = trials[-1].error
+    distance = np.array([two_norm(trial.error - limit)[0] for trial in trials[:30]])
+    assume(distance[0] > 1e-6)
+    k = proposal.iterations_to_5_percent
+    assume(k < 30)
+    assert distance[k] <= 0.05 * distance[0]
+
+
+def test_what_is_left_over_at_a_frequency_is_what_a_sine_keeps():
+    proposal = propose(ARX, 10.0)
+    t = np.arange(3000)[:, None] * 0.004
+    sine = np.sin(2 * np.pi * 8.0 * t)
+    plant = LinearPlant(T_u=ARX, reference=0 * sine, loads=(sine,))
+    *_, last = learn(plant, proposal.law, 0 * sine, 30)
+    amplitude = np.sqrt(2 * np.mean(last.error[1000:2000] ** 2))
+    assert amplitude == pytest.approx(proposal.left_over(8.0), rel=0.01)
+
+
+def test_the_sentence_names_design_prediction_and_limit():
+    sentence = propose(TwoMassLoop().T_motor, 6.0).sentence()
+    for part in ("gamma = 1", "delta = 8", "6 Hz", "0.495", "cutoff of 16.8 Hz would no longer"):
+        assert part in sentence
+
+
+def test_an_infeasible_design_says_up_to_where_it_would_work():
+    T_arm = TwoMassLoop().T_arm
+    with pytest.raises(
+        ValueError, match=r"infeasible design: with a cutoff of 45 Hz .* up to"
+    ) as e:
+        propose(T_arm, 45.0)
+    feasible = float(str(e.value).split("up to ")[1].split(" Hz")[0])
+    propose(T_arm, 0.98 * feasible)
+    with pytest.raises(ValueError, match="infeasible"):
+        propose(T_arm, 1.05 * feasible)
+
+
+@pytest.mark.parametrize(
+    ("model", "bandwidth", "message"),
+    [
+        (System([0, 1], [1, -1.5], 0.01), 5.0, "T_u is unstable"),
+        (System([0, -1], [1, -0.5], 0.01), 5.0, "static gain of T_u must be > 0"),
+        (ARX, 125.0, "below the Nyquist frequency 125 Hz"),
+    ],
+)
+def test_a_model_that_cannot_be_designed_for_is_refused(model, bandwidth, message):
+    with pytest.raises(ValueError, match=message):
+        propose(model, bandwidth)
+
+
+def test_a_model_file_gives_the_system_in_either_form(tmp_path):
+    file = tmp_path / "model.json"
+    file.write_text(json.dumps({"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}))
+    one = read_model(file)
+    file.write_text(json.dumps({"sample_time": 0.004, "num": [0.5], "den": [1, -0.5]}))
+    np.testing.assert_array_equal(one.b, read_model(file).b)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "not a readable JSON file"),
+        ("[]", "must hold an object"),
+        ('{"b": [1], "a": [1]}', "lacks sample_time"),
+        ('{"b": [1], "a": [0, 1], "sample_time": 0.01}', "not causal"),
+        ('{"num": [1, 0, 0], "den": [1, 0.5], "sample_time": 0.01}', "not causal"),
+        ('{"b": "x", "a": [1], "sample_time": 0.01}', "model.json: "),
+    ],
+)
+def test_a_model_file_that_is_no_model_is_refused_with_its_name(tmp_path, text, message):
+    file = tmp_path / "model.json"
+    file.write_text(text)
+    with pytest.raises(ValueError, match=message) as refused:
+        read_model(file)
+    assert "model.json" in str(refused.value)
+
+
+# Robustness of the two-mass joint
+
+LOOP = TwoMassLoop()
+CHAPTER_8 = Design(gamma=0.9, delta=5, Q=propose(LOOP.T_motor, 17.0).law.Q)
+
+
+def test_the_nominal_joint_has_the_contraction_of_the_criterion():
+    assert contraction(LOOP, CHAPTER_8) == pytest.approx(0.8142, abs=1e-3)
+
+
+def test_the_map_holds_the_nominal_value_at_factor_one_and_finds_where_learning_fails():
+    grid = contraction_map(LOOP, CHAPTER_8, ("Jm", [0.5, 1.0, 4.5]), ("k", [1.0, 5.0]))
+    assert grid.shape == (3, 2)
+    assert grid[1, 0] == pytest.approx(0.8142, abs=2e-3)
+    assert grid[2, 1] > 1.0 > grid[0, 0]
+
+
+def test_a_prediction_of_failure_is_growth_on_the_finite_record():
+    other = replace(LOOP, joint=replace(LOOP.joint, Jm=5 * LOOP.joint.Jm, k=5 * LOOP.joint.k))
+    assert contraction(other, CHAPTER_8) > 1.2
+    law = Heuristic(Q=replace(CHAPTER_8.Q, edge=Edge.REST), gamma=0.9, delta=5)
+    assert LiftedIteration.build(other.T_motor, law, 300).contraction > 1.2
+    assert LiftedIteration.build(LOOP.T_motor, law, 300).contraction < 1.0
+
+
+def test_an_unstable_joint_counts_as_not_contracting():
+    loop = TwoMassLoop(controller=PdController(Kp=600.0))
+    assert contraction(loop, CHAPTER_8) == np.inf
+
+
+def test_uncertainty_spreads_the_contraction_and_the_seed_fixes_it():
+    narrow, wide = (
+        monte_carlo(LOOP, CHAPTER_8, spread, 30, np.random.default_rng(1)) for spread in (0.1, 1.0)
+    )
+    again = monte_carlo(LOOP, CHAPTER_8, 0.1, 30, np.random.default_rng(1))
+    np.testing.assert_array_equal(narrow.contraction, again.contraction)
+    assert np.ptp(wide.contraction) > 2 * np.ptp(narrow.contraction)
+    assert narrow.share_converging == 1.0
+    assert wide.most_harmful() in ("k", "d", "Ja", "Jm", "fm", "kt")
+
+
+def test_an_unknown_parameter_is_refused_with_the_names_there_are():
+    with pytest.raises(ValueError, match=r"Unknown parameter 'stiffness'\. Parameters: k, d, Ja"):
+        contraction_map(LOOP, CHAPTER_8, ("stiffness", [1.0]), ("k", [1.0]))
