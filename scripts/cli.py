@@ -26,7 +26,7 @@ COMMANDS = {
     "sweep": ("scripts.sweep:sweep", "Run the laser experiment over a grid of its options."),
     "model": (
         "scripts.model:model",
-        "Describe a robot: D-H table, zero pose, reach, singularities.",
+        "Describe a robot: D-H table, reach, singularities.",
     ),
     "export": ("scripts.export:export", "Write a robot's equations as code, or the robot as URDF."),
     "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),

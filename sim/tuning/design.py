@@ -4,7 +4,7 @@
 |---|---|---|---|---|
 | gamma | 0.1 | 1.5 | - | linear |
 | delta | 0 | 15 | samples of 4 ms | whole numbers |
-| cutoff | 2 | 30 | Hz | logarithmic |
+| cutoff | 1 | 30 | Hz | logarithmic |
 
 An action is float32 in [-1, 1]: -1 is low, +1 is high. With one design for all motors it has shape
 (3,), in the order of the table; with one for each motor (18,), six of each variable.
@@ -68,7 +68,7 @@ class Variable:
 VARIABLES = (
     Variable("gamma", 0.1, 1.5, "", Scale.LINEAR),
     Variable("delta", 0.0, 15.0, "samples", Scale.WHOLE),
-    Variable("cutoff", 2.0, 30.0, "Hz", Scale.LOGARITHMIC),
+    Variable("cutoff", 1.0, 30.0, "Hz", Scale.LOGARITHMIC),
 )
 
 
