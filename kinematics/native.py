@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 
 _PACKAGE = Path(__file__).parent
@@ -33,14 +34,22 @@ def _generator() -> bytes:
     return digest.digest()
 
 
+_LOADING = RLock()
+
+
 def load(name: str, key: str, source: Callable[[], str], folder: Path | None = None) -> ModuleType:
     """The module that `source()` is the text of, from the cache when `key` is there already."""
     digest = hashlib.sha256(_generator() + name.encode() + key.encode()).hexdigest()[:16]
     module_name = f"{name}_{digest}"
     path = (folder or cache_folder()) / f"{module_name}.py"
-    loaded = sys.modules.get(module_name)
-    if loaded is not None and getattr(loaded, "__file__", None) == str(path):
-        return loaded
+    with _LOADING:  # a second thread must not see a module that is half imported
+        loaded = sys.modules.get(module_name)
+        if loaded is not None and getattr(loaded, "__file__", None) == str(path):
+            return loaded
+        return _from_disk(module_name, path, source)
+
+
+def _from_disk(module_name: str, path: Path, source: Callable[[], str]) -> ModuleType:
     try:
         if not path.exists():
             _write(path, source())

@@ -23,6 +23,7 @@ COMMANDS = {
     "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
     "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
     "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),
+    "train": ("scripts.train:train", "Learn a policy that chooses designs (extra [learn])."),
     "sweep": ("scripts.sweep:sweep", "Run the laser experiment over a grid of its options."),
     "model": (
         "scripts.model:model",
