@@ -1,0 +1,95 @@
+"""`armside train`: learn a policy for the tuning env with PPO, in minutes on two cores.
+
+Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a small network that
+`scripts.policy` runs with NumPy alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from sim.tuning.rules import Rules
+from sim.tuning.task import TEST_SEEDS
+from sim.tuning.vector_env import IlcTuningVectorEnv
+
+from .console import Report
+from .errors import InputError, checking_input
+from .options import Common, options
+from .run_folder import RunFolder
+from .summary import dumps, summary
+
+GAMMA = 1.0
+"""Discount: what counts is the error after the last iteration, however it was reached."""
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class TrainCfg:
+    """What to learn, and for how long."""
+
+    robot: Literal["large", "irb1400"] = "large"
+    """Which robot."""
+    motors: Literal["shared", "each"] = "shared"
+    """One design for all motors, or one for each."""
+    reward: Literal["tracker", "motor", "estimate"] = "tracker"
+    """Sensor that the reward is computed from (estimate: not available yet)."""
+    robots: int = 64
+    """Robot cells that learn at the same time."""
+    steps: int = 12800
+    """Learning iterations of ILC over all cells."""
+
+    def __post_init__(self) -> None:
+        for name in ("robots", "steps"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
+        Rules(robot=self.robot, motors=self.motors, reward=self.reward)
+
+
+def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
+    """Learn to choose the design of every ILC iteration with PPO. Sealed test seeds are refused.
+
+    Writes policy.npz and summary.json.
+    """
+    report = Report(common)
+    with checking_input():
+        refuse_sealed(range(common.seed, common.seed + cfg.robots))
+        try:
+            from . import ppo
+        except ImportError as error:
+            raise InputError(
+                f"training needs the package {error.name}: pip install 'armside[learn]'"
+            ) from error
+        env = IlcTuningVectorEnv(
+            cfg.robots,
+            robot=cfg.robot,
+            motors=cfg.motors,
+            reward=cfg.reward,
+            autoreset_mode="SameStep",
+        )
+    with report.progress("learning", total=cfg.steps) as step:
+        network, curve = ppo.learn(env, cfg.steps, seed=common.seed, discount=GAMMA, done=step)
+    env.close()
+    outcome = summary("train", cfg, common, curve=curve)
+    with RunFolder("train", seed=common.seed, out=common.out) as folder:
+        network.save(folder / "policy.npz")
+        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    _print(report, curve, folder.path)
+    report.summary(outcome)
+
+
+def refuse_sealed(seeds: Sequence[int]) -> None:
+    """Raise InputError where a seed is one that results are reported on."""
+    for seed in seeds:
+        if seed in TEST_SEEDS:
+            raise InputError(f"seed {seed} belongs to the sealed test seeds {TEST_SEEDS}")
+
+
+def _print(report: Report, curve: Sequence[dict[str, Any]], path: Path) -> None:
+    shown = curve[:: max(1, len(curve) // 12)]
+    report.table(
+        "Return of an episode: log of the tool's RMS before learning over that after",
+        ["steps", "mean", "diverged [%]"],
+        [[row["steps"], row["mean_return"], 100.0 * row["diverged"]] for row in shown],
+    )
+    report.line(f"Results in {path}")
