@@ -108,7 +108,7 @@ def repeatability(seed: int) -> Part:
         low, middle, high = np.percentile(values, [5, 50, 95], axis=0)
         figures.panels(
             folder / "repeatability.png",
-            "Difference of two identical experiments over the best error with ILC, (9.10)",
+            "Difference of two identical experiments, (9.10)",
             {
                 f"largest motor, {len(pairs)} pairs of {len(runs)} experiments": {
                     "95 % of pairs below": high,
@@ -555,4 +555,5 @@ def _circles(file: Path, result: Result, shown: range | tuple[int, ...], title: 
         rms=[float(result["arm_rms"][k]) for k in shown],
         maxdev=[float(result["arm_maxdev"][k]) for k in shown],
         title=title,
+        iterations=shown,
     )

@@ -43,22 +43,25 @@ def panels(
     n = len(content)
     columns = min(columns, n)
     rows = -(-n // columns)
-    figure, grid = _grid(rows, columns, 4.4 if wide else 3.1, 2.5 if rows > 1 else 3.2)
-    figure.suptitle(title, x=0.02, y=0.985, ha="left")
+    width = 6.2 if n == 1 else 4.4 if wide else 3.1
+    figure, grid = _grid(rows, columns, width, 2.5 if rows > 1 else 3.2, share_y=True)
+    _title(figure, title)
     for axes, (name, curves) in zip(grid, content.items(), strict=False):
         _draw(axes, curves, x, ordered)
         axes.set_title(name, loc="left", fontsize=9)
         _scale(axes, log, x)
+    if not log:
+        top = max(
+            float(np.nanmax(values)) for curves in content.values() for values in curves.values()
+        )
+        grid[0].set_ylim(0.0, 1.06 * top)
     for axes in grid[:n][-columns:]:
         axes.set_xlabel(xlabel)
     for axes in grid[::columns]:
         axes.set_ylabel(ylabel, fontsize=9)
     for axes in grid[n:]:
         axes.set_visible(False)
-    handles, labels = grid[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="lower center", ncols=min(len(labels), 8), frameon=False, fontsize=8
-    )
+    _legend(figure, grid[0])
     save(figure, file)
 
 
@@ -106,12 +109,7 @@ def criterion(
     frequency: (M,) [Hz]. learning: model: shift: (M,). bounds: cutoff: (M,).
     """
     figure, grid = _grid(1, len(learning), 4.9, 3.6)
-    figure.suptitle(
-        "Convergence criterion: each coloured curve must stay below 1/|Q|",
-        x=0.02,
-        y=0.985,
-        ha="left",
-    )
+    _title(figure, "Convergence criterion: each coloured curve must stay below 1/|Q|")
     for axes, (name, curves) in zip(grid, learning.items(), strict=True):
         for color, (label, values) in zip(_sequence(len(curves)), curves.items(), strict=True):
             axes.semilogx(frequency, values, color=color, lw=1.4, label=label)
@@ -122,30 +120,24 @@ def criterion(
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axes.set_title(name, loc="left", fontsize=9)
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    grid[0].set_ylabel("|1 − L Tᵤ|")
-    handles, labels = grid[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
+    grid[0].set_ylabel(r"$|1 - L\,T_u|$")
+    _legend(figure, grid[0])
     save(figure, file)
 
 
 def simulated(file: Path, time: Array, cases: Mapping[str, tuple[Array, Array]]) -> None:
     """Measured response to the correction and its simulation by a model; (N,) [mrad] each."""
     figure, grid = _grid(-(-len(cases) // 2), 2, 4.6, 2.4)
-    figure.suptitle(
-        "Response of the motor to the correction, and the identified model",
-        x=0.02,
-        y=0.985,
-        ha="left",
-    )
+    _title(figure, "Response of the motor to the correction, and the identified model")
     for axes, (name, (measured, model)) in zip(grid, cases.items(), strict=False):
-        axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, y₅ − y₀")
-        axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, Tᵤ u₅")
+        axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, $y_5 - y_0$")
+        axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, $T_u u_5$")
         axes.set_title(name, loc="left", fontsize=9)
+    for axes in grid[-2:]:
         axes.set_xlabel("time [s]")
     for axes in grid[::2]:
         axes.set_ylabel("[mrad]")
-    handles, labels = grid[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False, fontsize=8)
+    _legend(figure, grid[0])
     save(figure, file)
 
 
@@ -154,7 +146,7 @@ def distributions(
 ) -> None:
     """Histograms of samples, a panel each; a band that should hold them is shaded."""
     figure, grid = _grid(-(-len(content) // 3), min(3, len(content)), 3.3, 2.6)
-    figure.suptitle(title, x=0.02, y=0.985, ha="left")
+    _title(figure, title)
     for axes, (name, values) in zip(grid, content.items(), strict=False):
         low, high = bands.get(name, (np.nan, np.nan))
         axes.hist(values, bins=20, color=COLORS[0])
@@ -170,8 +162,7 @@ def distributions(
     for axes in grid[len(content) :]:
         axes.set_visible(False)
     grid[0].set_ylabel("robots")
-    handles, labels = grid[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False, fontsize=8)
+    _legend(figure, grid[0])
     save(figure, file)
 
 
@@ -192,7 +183,7 @@ def fields(
     n = len(content)
     height = 0.36 * len(rows) + 0.75
     figure, grid = _grid(-(-n // 3), min(3, n), 0.52 * len(columns) + 0.8, height)
-    figure.suptitle(title, x=0.02, y=0.985, ha="left")
+    _title(figure, title)
     for axes, (name, (values, holds)) in zip(grid, content.items(), strict=False):
         for i in range(len(rows)):
             for j in range(len(columns)):
@@ -225,13 +216,27 @@ def _cell(column: int, row: int, color: str) -> Rectangle:
     return Rectangle((column - 0.5, row - 0.5), 1.0, 1.0, facecolor=color, edgecolor="white")
 
 
-def _grid(rows: int, columns: int, width: float, height: float) -> tuple[Figure, list[Axes]]:
+def _title(figure: Figure, text: str) -> None:
+    figure.suptitle(text, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    """One legend below all panels, as many columns as fit."""
+    handles, labels = axes.get_legend_handles_labels()
+    widest = 0.55 + 0.075 * max(map(len, labels))  # [inch] at this size of letters
+    columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
+    figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8)
+
+
+def _grid(
+    rows: int, columns: int, width: float, height: float, *, share_y: bool = False
+) -> tuple[Figure, list[Axes]]:
     """Panels of width x height [inch], with room for a title above and a legend below."""
-    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.85, 0.75, 0.45, 0.62
+    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.95, 0.62, 0.45, 0.62
     total_width = left + right + columns * width + (columns - 1) * gap_x
     total_height = bottom + top + rows * height + (rows - 1) * gap_y
     figure = new_figure(total_width, total_height)
-    grid = figure.subplots(rows, columns, squeeze=False)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=share_y)
     figure.subplots_adjust(
         left=left / total_width,
         right=1.0 - right / total_width,
@@ -263,8 +268,6 @@ def _scale(axes: Axes, log: bool, x: ArrayLike | None) -> None:
     if log:
         axes.set_yscale("log")
         axes.yaxis.set_minor_formatter(NullFormatter())
-    else:
-        axes.set_ylim(bottom=0.0)
     if x is None:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.grid(True, which="major", color="#DDDDDD", lw=0.6)

@@ -32,12 +32,14 @@ def circles(
     rms: Sequence[float],
     maxdev: Sequence[float],
     title: str = "Tool path at every iteration",
+    iterations: Sequence[int] | None = None,
 ) -> None:
     """Reference and measured path, a panel per iteration, deviations magnified. Thesis Fig 9.10.
 
     reference: (M, 2) closed path [m] in the plane of the shape, moved to the origin.
     measured: for each iteration k, (M_k, 2) [m], registered to the reference.
     rms, maxdev: for each iteration [m], written above its panel.
+    iterations: k of each measured path; 0, 1, 2 ... if None.
     All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
     Points that are not finite (a lost beam, a run that diverged) leave a gap.
     """
@@ -52,6 +54,7 @@ def circles(
     reach = 1.06 * _largest([closed, *magnified])
     scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
+    names = range(len(measured)) if iterations is None else iterations
     shown = _panels(len(measured))
     figure, panels = _panel_grid(len(shown))
     figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
@@ -62,7 +65,7 @@ def circles(
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
         numbers = f"RMS {rms[k] * 1e6:.0f} µm, max {maxdev[k] * 1e6:.0f} µm"
-        axes.set_title(f"k = {k}    {numbers}", fontsize=9)
+        axes.set_title(f"k = {names[k]}    {numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
     save(figure, file)

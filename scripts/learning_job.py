@@ -7,6 +7,7 @@ import numpy as np
 from ilc import measures
 from sim import experiment as experiments
 from sim.cell import CELLS
+from sim.effects import Effect
 from sim.experiment import Experiment, Iteration
 from sim.individual import draw, structure_hinges, with_payload
 from sim.model import RobotModel, load_model
@@ -49,17 +50,20 @@ class LearningJob:
         """Run it. Arrays have the iterations 0 .. K first.
 
         motor_inf, motor_two: (K, 6) [motor rad]. arm_rms, arm_maxdev, arm_rms_true,
-        arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (6,), diverged.
+        arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (6,), diverged. NaN where a
+        diverged experiment had ended.
         With `series`: error, correction (K, N, 6) [rad], path (K, M, 2) [m].
         """
         experiment = self.prepare()
         law = learning_law(self.laser)
-        rows = [
-            self._row(it, experiment)
-            for it in experiments.iterate(experiment, law, self.laser.iterations)
-        ]
-        arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        rows, last_diverged = [], False
+        for it in experiments.iterate(experiment, law, self.laser.iterations):
+            rows.append(self._row(it, experiment))
+            last_diverged = it.trial.diverged
+        missing = self.laser.iterations + 1 - len(rows)
+        arrays = {name: _stack([row[name] for row in rows], missing) for name in rows[0]}
         return arrays | {
+            "diverged": np.array(missing > 0 or last_diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "gear": experiment.job.model.drives.gear,
         }
@@ -83,6 +87,7 @@ class LearningJob:
             hardware=loaded,
             individual=individual,
             repetition=self.repetition,
+            without=[Effect(name) for name in cfg.without],
         )
 
     def _as_known(self, model: RobotModel) -> RobotModel:
@@ -100,7 +105,6 @@ class LearningJob:
             "arm_rms_true": np.array(it.arm_true.rms),
             "arm_maxdev_true": np.array(it.arm_true.maxdev),
             "ripple": np.array(measures.circle_ripple(radii, last - first, *RIPPLE_BAND)),
-            "diverged": np.array(it.trial.diverged),
         }
         if self.series:
             # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
@@ -108,3 +112,8 @@ class LearningJob:
             row["correction"] = it.trial.correction.astype(np.float32)
             row["path"] = it.arm.path[::_PATH_STRIDE].astype(np.float32)
         return row
+
+
+def _stack(rows: list[Array], missing: int) -> Array:
+    """(K, ...) with NaN for the iterations that were not run."""
+    return np.array(rows + [np.full_like(rows[0], np.nan)] * missing)

@@ -86,6 +86,8 @@ class Part:
     jobs: Sequence[Job]
     draw: Callable[[Callable[[Job], Result], Path], Section]
     """Called with a reader of results and the folder for figures."""
+    follow_up: Callable[[Callable[[Job], Result]], Sequence[Job]] | None = None
+    """Further jobs that depend on the results of the first."""
 
 
 class ReportFolder:

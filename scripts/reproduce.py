@@ -103,9 +103,15 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
     total = sum(job.cost for job in jobs) + DRAWING * len(parts)
     try:
         with report.weighted_progress("reproducing", total) as step:
-            if jobs:
-                with Workers() as workers:
-                    run_batch(jobs, store, workers=workers, done=step)
+            with Workers() as workers:
+                run_batch(jobs, store, workers=workers, done=step)
+                later = [
+                    job
+                    for _, part in parts
+                    if part.follow_up is not None
+                    for job in part.follow_up(store.load)
+                ]
+                run_batch(missing(later, store), store, workers=workers)
             for entry, part in parts:
                 section = part.draw(store.load, folder.figures)
                 folder.keep(replace(section, id=entry.id, made_with=_made_with(entry, config)))
