@@ -23,8 +23,7 @@ ARCSEC = np.pi / 180.0 / 3600.0
 
 @dataclass(frozen=True, kw_only=True)
 class LaserTrackerCfg:
-    """A tracker of the Leica LTD500 kind; figures from memory of its data sheet where not
-    marked."""
+    """A tracker of the Leica LTD500 kind; unmarked figures are its data sheet's, from memory."""
 
     position: tuple[float, float, float] = (4.6, -2.4, 1.2)
     """[m], base axes: about 4 m from the poses of thesis (9.3), in front of the robot. ESTIMATE."""
@@ -184,8 +183,7 @@ class LaserTracker:
     def _beam_holds(
         self, reflector: Array, R_base_tool: Array, target_axis: ArrayLike | None
     ) -> NDArray[np.bool_]:
-        """Until the reflector first leaves the cone: an interferometer that lost count stays
-        lost."""
+        """Until the reflector first leaves the cone: a lost interferometer stays lost."""
         to_tracker = np.array(self.cfg.position) - reflector
         to_tracker /= np.linalg.norm(to_tracker, axis=1, keepdims=True)
         if target_axis is None:

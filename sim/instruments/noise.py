@@ -35,7 +35,8 @@ def band_limited(
 
     Its spectrum falls to half its power at `bandwidth` [Hz]; `shape` is (samples, channels),
     sampled every `step` [s]. x[i+1] = c x[i] + sqrt(1 - c^2) w, c = exp(-2 pi bandwidth step),
-    exact at the samples whatever the step, and stationary from the first one."""
+    exact at the samples whatever the step, and stationary from the first one.
+    """
     if not (bandwidth > 0.0 and step > 0.0):
         raise ValueError(f"bandwidth and step must be > 0, got {bandwidth} Hz, {step} s")
     c = np.exp(-2.0 * np.pi * bandwidth * step)

@@ -188,8 +188,7 @@ def blend(before: Curve, after: Curve) -> Curve:
 
 
 def zone_share(curve: Curve, zone: float, robot: CompiledRobot, *, at_end: bool) -> float:
-    """Share of an uncut curve that lies within `zone` [m] of one end, a little below half at
-    most."""
+    """Share of an uncut curve within `zone` [m] of one end; below half of it."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     w_of = 1.0 - w if at_end else w
     p = robot.pose(np.ascontiguousarray(curve.at(w_of)))[:, :3, 3]

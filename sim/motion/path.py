@@ -1,5 +1,4 @@
-"""Geometric paths by arc length: a closed plane curve, placed in space, with lead-in and
-lead-out."""
+"""Paths of the tool by arc length: a plane contour placed in space, with leads."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -56,8 +55,10 @@ def _unit(name: str, vector: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane in base axes. Columns of `axes` are its x, y and normal: p_base = origin + axes[:,
-    :2] @ p."""
+    """A plane in base axes: p_base = origin + axes[:, :2] @ p.
+
+    Columns of `axes` are its x, its y and its normal.
+    """
 
     origin: Array
     """(3,) [m]."""
@@ -77,12 +78,12 @@ class Plane:
 
     @classmethod
     def perpendicular_to(cls, normal: ArrayLike, origin: ArrayLike) -> "Plane":
-        """The plane whose +x is the base x axis projected into it, and whose y follows the right
-        hand.
+        """The plane through `origin` with that normal; its +x is the base x axis projected into it.
 
         Where the normal is (nearly) the base x axis itself, the base y axis is projected instead.
         The normal is turned upwards if it points down, so that counter-clockwise means the same as
-        in the base x-y plane."""
+        in the base x-y plane.
+        """
         z = _unit("normal", normal)
         z = -z if z[2] < 0.0 else z
         along = np.eye(3)[0] if abs(z[0]) < 0.999 else np.eye(3)[1]
@@ -102,9 +103,9 @@ class Plane:
 class CuttingPath:
     """A contour cut once, with a lead-in and a lead-out.
 
-    s = 0 is the start of the lead-in. Without a spiral the leads run along the contour itself and s
-    = 0 lies at the curve's own s = 0 (on the circle: at +x), so the start pose of the robot does
-    not depend on the lead-in. The contour is one full turn after it.
+    s = 0 is the start of the lead-in. Without a spiral the leads run along the contour itself and
+    start at the curve's own s = 0 (on the circle: at +x), so the start pose of the robot does not
+    depend on the lead-in. The contour is one full turn after it.
     """
 
     curve: ClosedCurve

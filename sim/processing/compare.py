@@ -22,8 +22,8 @@ SYNC_CUTOFF = 40.0
 """Smooths the encoder's steps before the clocks are compared, above the motion's content [Hz]."""
 REST_RATE = 0.005
 """A sensor that turns and a tool that accelerates less than this is at rest [rad/s]."""
-REST_ACCELERATION = 0.1
-"""[m/s^2]; four times what the noise of the encoders predicts at rest."""
+REST_ACCELERATION = 0.2
+"""[m/s^2]; above what encoder noise predicts at rest, which is largest at the record's end."""
 
 
 class Compensation(Enum):
@@ -177,8 +177,7 @@ def _calibrated(
 
 
 def moving_rms(error: Array, window: float, period: float) -> Array:
-    """Root mean square of (K, n) over a centred window [s], shorter at the ends. Thesis Fig.
-    5.10."""
+    """RMS of (K, n) over a centred window [s], shorter at the ends. Thesis Fig. 5.10."""
     half = max(1, round(window / period / 2))
     total = np.concatenate([np.zeros((1, error.shape[1])), np.cumsum(error**2, axis=0)])
     index = np.arange(len(error))

@@ -1,5 +1,4 @@
-"""Gravity and offsets of an accelerometer and a gyro taken off, the thesis's way and a better
-one."""
+"""Gravity and offsets of an IMU taken off, the thesis's way and a better one."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,4 @@
-"""What is written to `signals.parquet` is read back bit for bit; an interrupted write leaves
-nothing."""
+"""`signals.parquet` is read back bit for bit; an interrupted write leaves nothing."""
 
 from dataclasses import fields, replace
 

@@ -1,5 +1,4 @@
-"""The tool motion of a cut: constant speed around the contour, rest at both ends, limits
-reported."""
+"""A cut: constant speed around the contour, rest at both ends, limits reported."""
 
 import numpy as np
 import pytest

@@ -56,8 +56,7 @@ FREQUENCY = np.array([0.50, 0.63, 0.45, 0.80, 0.71, 0.55])  # Hz, so slow that 5
 
 
 def angles(time):
-    """(M, 6) [rad]: all motors at once, at rest for the first and last second, smooth in
-    between."""
+    """(M, 6) [rad]: all motors at once, smooth, at rest for the first and last second."""
     inside = np.clip((time - 1.0) / (SECONDS - 2.0), 0.0, 1.0)
     window = (np.sin(np.pi * inside) ** 4)[:, np.newaxis]
     return SIZE * window * np.sin(2 * np.pi * FREQUENCY * (time - 1.0)[:, np.newaxis])
