@@ -16,6 +16,7 @@ from .summary import keep, summary
 from .timing import Row
 
 BENCHMARKS = {
+    "imu": "scripts.bench_imu:imu",
     "kinematics": "scripts.bench_kinematics:kinematics",
     "robot": "scripts.bench_robot:robot",
     "scaling": "scripts.bench_robot:scaling",

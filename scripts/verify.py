@@ -50,6 +50,11 @@ class Claim(NamedTuple):
 
 CLAIMS: dict[str, Claim] = {
     "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
+    "chapter9": Claim("scripts.verify_chapter9:chapter9", n_seeds=5),
+    "imu": Claim("scripts.verify_irb1400:imu", n_seeds=20),
+    "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
+    "imu-rest": Claim("scripts.verify_irb1400:rest", n_seeds=10),
+    "laser-irb1400": Claim("scripts.verify_irb1400:laser", n_seeds=20),
 }
 """Name: claim. A new claim is one line here."""
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import welch
 
 import assets
+from scripts import verify_irb1400
 from scripts.cli import main
 from scripts.imu import BEST, ImuExperimentCfg, causes, prepare, processing, run_one, run_rest
 from sim.cell import CELLS
@@ -311,3 +312,10 @@ def test_it_is_faster_than_real_time_by_more_than_the_promise_over_three():
     start = perf_counter()
     recording = job.run(rng=np.random.default_rng(0))
     assert recording.time[-1] / (perf_counter() - start) > 20 / 3
+
+
+@pytest.mark.parametrize("claim", ["imu", "imu_causes", "rest", "laser"])
+def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
+    """`armside verify` runs the same functions over all their seeds."""
+    table = getattr(verify_irb1400, claim)([0])
+    assert [verdict.statement for verdict in table.verdicts if not verdict.holds] == []
