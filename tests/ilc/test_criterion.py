@@ -19,11 +19,13 @@ from ilc.analysis import (
     largest_cutoff,
     largest_gamma,
 )
+from ilc.chapter8 import phase_error, rough_models
+from ilc.discretise import zoh
 from ilc.laws.gains import MatrixGain, PType
 from ilc.measures import two_norm
 from ilc.system import System
 from ilc.system_matrix import SystemMatrix
-from ilc.two_mass import TwoMassLoop, TwoMassPlant
+from ilc.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
 
 LOOP = TwoMassLoop()
 T_MOTOR, T_ARM = LOOP.T_motor, LOOP.T_arm
@@ -255,3 +257,44 @@ def test_on_a_periodic_record_the_limit_is_the_asymptotic_error(cutoff):
     *_, last = learn(SteadyState(), Law(), np.zeros((n, 1)), 150)
     predicted = asymptotic_error(disturbance, T_MOTOR, L, Q)
     np.testing.assert_allclose(last.error, predicted, atol=1e-9)
+
+
+# Why Q: docs/why-q.md
+
+
+def beyond_90_degrees(angle, omega):
+    """First and last frequency [Hz] at which an angle [rad] is beyond 90 degrees, or None."""
+    bad = np.flatnonzero(np.cos(angle) <= 0.0)
+    return None if bad.size == 0 else tuple(hertz(omega[bad[[0, -1]]], 0.01))
+
+
+def test_every_shift_turns_the_phase_too_far_somewhere():
+    omega = frequency_grid(8000)
+    phase = np.angle(T_MOTOR.response(omega))
+    expected = {0: (4.06, 50), 1: (5.04, 41.1), 2: (45.3, 50), 3: (28.4, 46.5), 5: (15.1, 47.5)}
+    for delta, band in expected.items():
+        found = beyond_90_degrees(phase + delta * omega, omega)
+        np.testing.assert_allclose(found, band, atol=0.1)
+    # at the Nyquist frequency the sign decides: only odd shifts have the right one
+    assert T_MOTOR.response(np.pi).real < 0
+
+
+def test_the_flexibility_is_not_why():
+    joint = TwoMassJoint()
+    inertia = joint.Jm + joint.rg**2 * joint.Ja
+    rigid = zoh([joint.kt], [inertia, joint.fm, 0.0], 0.01) * LOOP.F
+    assert (largest_gamma(rigid.feedback(), SHIFTS, None) == 0.0).all()
+
+
+def test_a_rough_model_run_backwards_needs_no_q_but_must_know_the_delay():
+    omega = frequency_grid(8000)
+    T = T_MOTOR.response(omega)
+    for name, model in rough_models().items():
+        band = beyond_90_degrees(phase_error(model, T_MOTOR, omega), omega)
+        if name == "the same, delay 2":
+            assert band is not None
+            continue
+        assert band is None
+        L = np.conj(model.response(omega))
+        gamma = 0.5 * np.min(2 * np.real(L * T) / np.abs(L * T) ** 2)
+        assert criterion(T, gamma * L, np.ones(len(omega)), omega).is_met
