@@ -50,10 +50,10 @@ def design_for(model: System, fit: float) -> Proposal:
 def per_motor(seed: int) -> Part:
     """F08: gain, shift and cutoff of each motor from its own identified model, at p1."""
     base = STUDIES["operating point"].jobs(seed)
-    data = {v: job for (p, v), job in STUDIES["identification"].jobs(seed).items() if p == "p1"}
+    data = STUDIES["identification"].jobs(seed)
 
     def designed(read: Read) -> tuple[list[FirstOrder], list[Proposal], dict[str, LearningJob]]:
-        results = {speed: read(data[speed]) for speed in SPEEDS}
+        results = {pose: {v: read(data[pose, v]) for v in SPEEDS} for pose in ("p1", "p2")}
         models = [identify(results, (motor,)) for motor in range(6)]
         designs = [design_for(model.system, model.fit) for model in models]
         tuned = laser(
@@ -85,7 +85,7 @@ def per_motor(seed: int) -> Part:
             id="F08",
             title="F08: design variables for each motor",
             caption="Gain, shift and cutoff of each motor are chosen from the model identified for "
-            "it at p1 and used at all positions. The thesis names this as the way to lower errors "
+            "it and used at all positions. The thesis names this as the way to lower errors "
             "of the motors; what the tool makes of it is in the table.",
             figures=["F08.png"],
             checks=[
