@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from cyclopts import Parameter
@@ -13,6 +13,7 @@ from ilc.filters import ZeroPhaseButterworth
 from ilc.laws import Heuristic
 from sim import experiment as experiments
 from sim.cell import CELLS
+from sim.effects import Effect
 from sim.experiment import CircleTask, Experiment, Iteration
 from sim.model import load_model
 from sim.motion.poses import pose
@@ -24,7 +25,11 @@ from .options import Common, options
 from .run_folder import RunFolder
 from .summary import dumps, summary
 
+Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
+SMALLEST_RADIUS = 0.1
+"""[mm]; a smaller circle is below what a robot of this size resolves."""
+EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 
 @options
@@ -58,6 +63,8 @@ class LaserCfg:
     """Cutoff of Q [Hz], one for all motors or six."""
     iterations: int = 5
     """Number of updates; one run more is made."""
+    without: Annotated[tuple[EffectName, ...], _Several] = ()
+    """Effects of gears and drives to leave out, for ablations."""
     friction_spread: float = 2.0
     """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
 
@@ -66,6 +73,8 @@ class LaserCfg:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
+        if self.radius < SMALLEST_RADIUS:
+            raise ValueError(f"radius must be >= {SMALLEST_RADIUS:g} mm, got {self.radius:g}")
         if self.iterations < 0:
             raise ValueError(f"iterations must be >= 0, got {self.iterations}")
         if not 0.0 <= self.friction_spread < 100.0:
@@ -78,8 +87,13 @@ class LaserCfg:
 
 def learning_law(cfg: LaserCfg) -> Heuristic:
     """The law of the options. Raises ValueError where they are out of range."""
-    gamma, delta, cutoff = (v if len(v) > 1 else v[0] for v in (cfg.gamma, cfg.delta, cfg.cutoff))
-    return Heuristic(Q=ZeroPhaseButterworth(cutoff, LOG_PERIOD), gamma=gamma, delta=delta)
+    Q = ZeroPhaseButterworth(_shared(cfg.cutoff), LOG_PERIOD)
+    return Heuristic(Q=Q, gamma=_shared(cfg.gamma), delta=_shared(cfg.delta))
+
+
+def _shared(values: tuple[Number, ...]) -> Number | tuple[Number, ...]:
+    """One value for all motors where one is given."""
+    return values[0] if len(values) == 1 else values
 
 
 def task(cfg: LaserCfg) -> CircleTask:
@@ -101,6 +115,7 @@ def prepare(cfg: LaserCfg, seed: int) -> Experiment:
         task(cfg),
         seed=seed,
         friction_spread=cfg.friction_spread * 1e-2,
+        without=[Effect(name) for name in cfg.without],
     )
     learning_law(cfg).check(*experiment.job.reference.shape)
     return experiment
@@ -201,9 +216,10 @@ def _write(
     )
     figures.errors(
         folder / "errors.png",
-        np.array([row["motor_two_normalised"] for row in rows]),
+        np.array([row["motor_inf_normalised"] for row in rows]),
         [row["arm_rms"] for row in rows],
         [row["arm_maxdev"] for row in rows],
+        motor_label="motor error, ∞-norm, normalised",
     )
 
 

@@ -1,6 +1,6 @@
-"""What real gears and drives do beyond the calibrated springs and friction, switched on by name.
+"""What real gears and drives do beyond linear springs and one friction curve, switched on by name.
 
-The MJCF carries the data of each effect; a model starts with the effects that its file has active.
+The MJCF carries the data of each effect; a loaded model has none of them, as its controller does.
 """
 
 import copy
@@ -29,6 +29,20 @@ class Effect(Enum):
     """Torque of a motor depends on its angle."""
     LOAD_FRICTION = "load-friction"
     """Friction follows from holding torque and temperature. Frozen per pose."""
+
+
+_DATA = {
+    Effect.LOST_MOTION: "gear_soft_stiffness",
+    Effect.GEAR_ERROR: "gear_error",
+    Effect.RIPPLE: "torque_ripple",
+    Effect.LOAD_FRICTION: "load_friction_scale",
+}
+
+
+def available(model: RobotModel) -> frozenset[Effect]:
+    """The effects that a robot's file has data for."""
+    numerics = {model.mj.numeric(i).name for i in range(model.mj.nnumeric)}
+    return frozenset(effect for effect, name in _DATA.items() if name in numerics)
 
 
 def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) -> RobotModel:

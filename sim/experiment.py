@@ -1,6 +1,6 @@
 """One learning experiment: a task on one robot individual, iteration by iteration."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +10,7 @@ from ilc.laws.law import Law
 
 from .cell import Cell
 from .cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
+from .effects import Effect, available, with_effects
 from .individual import Individual, with_friction, with_individual
 from .instruments.laser_tracker import LaserTrackerCfg, set_up
 from .model import RobotModel
@@ -75,6 +76,7 @@ def prepare(
     hardware: RobotModel | None = None,
     individual: Individual | None = None,
     repetition: int = 0,
+    without: Collection[Effect] = (),
 ) -> Experiment:
     """Draw the robot individual, set up the tracker and load the motion.
 
@@ -85,6 +87,7 @@ def prepare(
         hardware: the robot as it is, where it is not what its controller knows.
         individual: in place of one that only differs in friction.
         repetition: of the same experiment: other noise, everything else alike.
+        without: effects of gears and drives to leave out, for ablations.
 
     Raises:
         ValueError: the task leaves the joint limits (where) or the reach (by how much).
@@ -94,6 +97,7 @@ def prepare(
         noise = noise.spawn(repetition)[-1]
     motion, reference = plan(cell, nominal, task.path, task.pose.quaternion, task.speed)
     real = hardware or nominal
+    real = with_effects(real, available(real) - frozenset(without), phi=reference[0])
     if individual is not None:
         real = with_individual(real, individual)
     else:

@@ -113,6 +113,14 @@ class RobotModel:
     """Columns of `sensordata` by sensor name."""
 
     @property
+    def implicit(self) -> bool:
+        """Whether velocity feedback acts on the velocity at the end of a step."""
+        return int(self.mj.opt.integrator) not in (
+            int(mujoco.mjtIntegrator.mjINT_EULER),
+            int(mujoco.mjtIntegrator.mjINT_RK4),
+        )
+
+    @property
     def timestep(self) -> float:
         """Physics step [s]."""
         return float(self.mj.opt.timestep)

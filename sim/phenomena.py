@@ -13,6 +13,7 @@ from ilc import measures
 from ilc.filters import ZeroPhaseButterworth
 from ilc.laws import Heuristic
 from ilc.learning import Trial, learn
+from ilc.recursion import recursion
 
 from .cell import LARGE_CELL
 from .cutting import ArmSide, arm_side, plan
@@ -224,12 +225,8 @@ def identify_first_order(experiments: list[Learned], motors: tuple[int, ...]) ->
 
 
 def _delayed_lag(signal: Array, delay: int, pole: float) -> Array:
-    from scipy.linalg import lapack
-
     delayed = np.concatenate((np.zeros(delay), signal))[: len(signal)]
-    band = np.stack((np.ones(len(signal)), np.full(len(signal), -pole)))
-    lagged, _ = lapack.dtbtrs(band, delayed[:, None], uplo="L")
-    return lagged[:, 0]
+    return recursion(np.array([1.0]), np.array([1.0, -pole]), delayed[:, None])[:, 0]
 
 
 def model_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Finding]:

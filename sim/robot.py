@@ -17,6 +17,7 @@ from .instruments.noise import band_limited, white
 from .model import N_AXES, RobotModel
 from .recording import Array, Recording, Truth
 from .servo import (
+    at_step_end,
     correction_path,
     encoder_perturbation,
     friction_torque,
@@ -65,17 +66,21 @@ class VirtualRobot:
         statics = Statics(model)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
         torque = self._feedforward(reference, velocity)
-        start = statics.equilibrium(reference[0])
+        if model.gear_error is not None:
+            # The servo brings the measured angle q - epsilon(q) to the reference.
+            error_rate = model.gear_error.rate(position, velocity)
+            position = position + model.gear_error(position)
+        start = statics.equilibrium(position[0])
         torque += start.holding_torque - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
-            model = braked_at(model, reference[0])
+            model = braked_at(model, position[0])
             torque[~powered] = 0.0
         velocity = drives.velocity_feedforward * velocity
         if model.gear_error is not None:
-            # The servo brings the measured angle q - epsilon(q) to the reference.
-            velocity += model.gear_error.rate(position, velocity)
-            position = position + model.gear_error(position)
+            velocity += error_rate
+        if model.implicit:
+            velocity = at_step_end(velocity)
         return Job(
             model=model,
             log_period=self.log_period,
@@ -145,12 +150,17 @@ class Job:
         """
         drives, step = self.model.drives, self.model.timestep
         path = correction_path(
-            correction, self.log_period, self.ratio, drives.correction_delay, drives.correction_lag
+            correction,
+            self.log_period,
+            self.ratio,
+            drives.correction_delay,
+            drives.correction_lag,
         )
         controls = self.controls.copy().reshape(-1, N_AXES, 3)
         on = self.powered[:, None]
         controls[:, :, 0] += drives.gear * path.position
-        controls[:, :, 1] += drives.gear * drives.velocity_feedforward * path.velocity
+        velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
+        controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
         encoder_noise = None
         if rng is not None and drives.torque_noise > 0.0:
             controls[:, :, 2] += on * band_limited(

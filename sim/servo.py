@@ -72,17 +72,15 @@ def correction_path(
 
     Args:
         correction: (N, 6) [rad], u at the log rate.
-        delay: [s]; rounded to a physics step.
+        delay: [s].
         lag: corner frequency [Hz].
     """
-    held = np.empty(((len(correction) - 1) * ratio + 1, correction.shape[1]))
-    weight = np.arange(ratio)[None, :, None] / ratio
-    rise = correction[:-1, None] * (1.0 - weight) + correction[1:, None] * weight
-    held[:-1] = rise.reshape(-1, correction.shape[1])
-    held[-1] = correction[-1]
-    step = period / ratio
-    n_delay = round(delay / step)
-    delayed = np.concatenate((np.repeat(held[:1], n_delay, axis=0), held))[: len(held)]
+    n, step = len(correction), period / ratio
+    t = np.arange((n - 1) * ratio + 1) * step - delay
+    sample = np.clip(t / period, 0.0, n - 1.0)
+    before = np.minimum(sample.astype(np.int64), n - 2)
+    weight = (sample - before)[:, None]
+    delayed = correction[before] * (1.0 - weight) + correction[before + 1] * weight
     position, velocity = np.empty_like(delayed), np.empty_like(delayed)
     _first_order_lag(delayed, 2.0 * np.pi * lag, step, position, velocity)
     return Setpoints(position=position, velocity=velocity)
@@ -104,6 +102,11 @@ def _first_order_lag(
             x = steady + (x - signal[i - 1, j] + slope / omega) * decay
             position[i, j] = x
             velocity[i, j] = omega * (signal[i, j] - x)
+
+
+def at_step_end(signal: Array) -> Array:
+    """Each row replaced by the next: a set point for feedback that is taken at the step's end."""
+    return np.concatenate((signal[1:], signal[-1:]))
 
 
 def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
