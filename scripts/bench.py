@@ -16,9 +16,12 @@ from .summary import keep, summary
 from .timing import Row
 
 BENCHMARKS = {
+    "ilc": "scripts.bench_ilc:ilc",
     "imu": "scripts.bench_imu:imu",
     "kinematics": "scripts.bench_kinematics:kinematics",
     "robot": "scripts.bench_robot:robot",
+    "env": "scripts.bench_env:env",
+    "sweep": "scripts.bench_sweep:sweep",
     "scaling": "scripts.bench_robot:scaling",
 }
 """Name: module:function. A new benchmark is one line here."""

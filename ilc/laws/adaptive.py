@@ -60,25 +60,3 @@ class Adaptive:
         count = np.convolve(np.ones(len(error)), box, mode="same")[:, None]
         summed = [np.convolve(column, box, mode="same") for column in np.square(error).T]
         return np.stack(summed, axis=1) / count
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scheduled:
-    """Another law in each iteration, such as a falling gain or a rising cutoff; the last stays."""
-
-    laws: tuple
-    """First-order laws for the updates after k = 0, 1, ..."""
-
-    def __post_init__(self) -> None:
-        if not self.laws:
-            raise ValueError("laws must hold at least one law")
-
-    def check(self, n_samples: int, n_columns: int) -> None:
-        for law in self.laws:
-            law.check(n_samples, n_columns)
-
-    def step(
-        self, correction: Array, error: Array, memory: int | None = None, /
-    ) -> tuple[Array, int]:
-        k = memory or 0
-        return self.laws[min(k, len(self.laws) - 1)](correction, error), k + 1

@@ -13,17 +13,19 @@ from scipy.optimize import lsq_linear
 from ilc import AllPass, Edge, Heuristic, ZeroPhaseButterworth, learn
 from ilc.alternating import Alternating
 from ilc.analysis import LiftedIteration
-from ilc.laws.adaptive import Adaptive, Scheduled
+from ilc.laws.adaptive import Adaptive
 from ilc.laws.constrained import Constrained
 from ilc.laws.disturbance_observer import DisturbanceObserver
+from ilc.laws.finite_difference import FiniteDifference, b_splines
 from ilc.laws.first_order import FirstOrder
 from ilc.laws.gains import DType, MatrixGain, PType
 from ilc.laws.gradient import Gradient
 from ilc.laws.high_order import HighOrder
 from ilc.laws.internal_model import internal_model, periodic_pattern
-from ilc.laws.model_free import FiniteDifference, MeasuredGradient, b_splines
+from ilc.laws.model_free import MeasuredGradient
 from ilc.laws.model_inverse import Beyond, ModelInverse
 from ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from ilc.laws.scheduled import Scheduled
 from ilc.laws.time_varying import Blend
 from ilc.linear_plant import LinearPlant, with_direct_term
 from ilc.measures import two_norm

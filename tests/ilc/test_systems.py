@@ -1,0 +1,132 @@
+"""Linear systems, their way in from `control`, and the plant of (7.1)."""
+
+import control
+import numpy as np
+import pytest
+from scipy import signal
+
+from ilc import AllPass, Heuristic, learn
+from ilc.alternating import Alternating
+from ilc.discretise import tustin, zoh
+from ilc.linear_plant import LinearPlant
+from ilc.system import System, as_system
+from ilc.system_matrix import SystemMatrix
+
+T_S = 0.01
+SYSTEM = System([0, 0, 0.5, -0.2], [1, -0.7, 0.1], T_S)
+
+
+def test_a_system_filters_as_scipy_does():
+    u = np.random.default_rng(0).standard_normal((100, 3))
+    np.testing.assert_allclose(
+        SYSTEM.simulate(u), signal.lfilter(SYSTEM.b, SYSTEM.a, u, axis=0), atol=1e-13
+    )
+
+
+def test_response_delay_gain_and_poles_belong_to_one_system():
+    assert SYSTEM.delay == 2
+    assert SYSTEM.response(0.0) == pytest.approx(SYSTEM.static_gain)
+    np.testing.assert_allclose(sorted(SYSTEM.poles.real), [0.2, 0.5])
+    h = SYSTEM.impulse(400)
+    omega = np.array([0.3, 1.0, 2.5])
+    by_sum = (h * np.exp(-1j * np.outer(omega, np.arange(400)))).sum(axis=1)
+    np.testing.assert_allclose(SYSTEM.response(omega), by_sum, atol=1e-12)
+
+
+def test_feedback_solves_its_own_loop():
+    loop = SYSTEM.feedback()
+    r = np.random.default_rng(1).standard_normal((80, 1))
+    y = loop.simulate(r)
+    np.testing.assert_allclose(SYSTEM.simulate(r - y), y, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        control.tf([0.5, -0.2], [1, -0.7, 0.1, 0], T_S),
+        control.tf2ss(control.tf([0.5, -0.2], [1, -0.7, 0.1, 0], T_S)),
+    ],
+    ids=["transfer function", "state space"],
+)
+def test_systems_of_the_control_package_are_taken(model):
+    omega = np.linspace(0.1, 3.0, 20)
+    ours = as_system(model)
+    np.testing.assert_allclose(ours.response(omega), SYSTEM.response(omega), atol=1e-9)
+    assert ours.sample_time == T_S
+
+
+def test_other_models_are_refused_with_what_is_wrong():
+    with pytest.raises(ValueError, match="must be discrete with a sample time"):
+        as_system(control.tf([1.0], [1.0, 1.0]))
+    with pytest.raises(ValueError, match="one input and one output, got 2 and 1"):
+        as_system(control.tf([[[1.0], [1.0]]], [[[1.0, 0.5], [1.0, 0.5]]], T_S))
+    with pytest.raises(ValueError, match="model must be a System"):
+        as_system("G")
+    with pytest.raises(ValueError, match="with its sample_time"):
+        as_system(([1], [1, 2]))
+    with pytest.raises(ValueError, match="share a sample time"):
+        SYSTEM * System([1], [1], 2 * T_S)
+
+
+def test_discretisations_agree_with_control():
+    num, den = [3.0, 2.0], [1.0, 0.8, 5.0]
+    G = control.tf(num, den)
+    omega = np.linspace(0.05, 3.0, 15)
+    for ours, method in ((zoh(num, den, T_S), "zoh"), (tustin(num, den, T_S), "tustin")):
+        theirs = control.sample_system(G, T_S, method=method)
+        np.testing.assert_allclose(
+            ours.response(omega), theirs(np.exp(1j * omega)).ravel(), rtol=1e-9
+        )
+    with pytest.raises(ValueError, match="not causal: numerator degree 2 in s"):
+        zoh([1.0, 0, 0], [1.0, 1.0], T_S)
+
+
+def test_a_matrix_of_systems_adds_what_each_input_does():
+    T = SystemMatrix(((SYSTEM, SYSTEM * 0.5), (SYSTEM * 0.0, SYSTEM * 2.0)))
+    u = np.random.default_rng(2).standard_normal((60, 2))
+    one, two = SYSTEM.simulate(u).T
+    np.testing.assert_allclose(T.simulate(u), np.column_stack((one + 0.5 * two, 2 * two)))
+    expected = SYSTEM.response(0.7) * np.array([[1, 0.5], [0, 2]])
+    np.testing.assert_allclose(T.response(np.array([0.7]))[0], expected)
+
+
+def test_the_plant_adds_reference_correction_load_and_noise_through_their_own_systems():
+    rng = np.random.default_rng(3)
+    r, u, w = rng.standard_normal((3, 200, 1))
+    T_r, T_w, T_v = (System([0, 1 - p], [1, -p], T_S) for p in (0.5, 0.6, 0.7))
+    plant = LinearPlant(
+        T_u=SYSTEM, reference=r, T_r=T_r, T_w=T_w, T_v=T_v, loads=(w,), noise=0.1,
+        rng=np.random.default_rng(9),
+    )  # fmt: skip
+    v = np.random.default_rng(9).normal(0.0, 0.1, (200, 1))
+    expected = T_r.simulate(r) + SYSTEM.simulate(u) + T_w.simulate(w) + T_v.simulate(v)
+    np.testing.assert_allclose(plant.run(u), expected, atol=1e-12)
+
+
+def test_the_final_error_with_a_filter_is_driven_by_reference_error_and_load():
+    """Thesis (7.7): with Q = 1 both vanish."""
+    n = 150
+    bump = np.exp(-(((np.arange(n) - 60) / 12.0) ** 2))[:, None]
+    plant = LinearPlant(T_u=SYSTEM, reference=bump, loads=(0.3 * np.roll(bump, 10),))
+    law = Heuristic(Q=AllPass(), gamma=0.8, delta=2)
+    *_, last = learn(plant, law, bump, 400, divergence_ratio=np.inf)
+    assert np.abs(last.error[:-5]).max() < 1e-6
+
+
+def test_loads_and_plants_take_turns():
+    zero, one = np.zeros((5, 1)), np.ones((5, 1))
+    plant = LinearPlant(T_u=SYSTEM, reference=zero, loads=(zero, one))
+    assert [plant.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
+    swap = Alternating([LinearPlant(T_u=SYSTEM, reference=zero, loads=(w,)) for w in (zero, one)])
+    assert [swap.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
+
+
+def test_a_plant_of_misfitting_parts_is_refused():
+    with pytest.raises(ValueError, match=r"loads must have shape \(5, 1\)"):
+        LinearPlant(T_u=SYSTEM, reference=np.zeros((5, 1)), loads=(np.zeros((4, 1)),))
+    with pytest.raises(ValueError, match="T_u is unstable"):
+        LinearPlant(T_u=System([0, 1], [1, -2], T_S), reference=np.zeros((5, 1)))
+    with pytest.raises(ValueError, match="needs a T_u with one input"):
+        LinearPlant(
+            T_u=SystemMatrix.diagonal([SYSTEM, SYSTEM]), reference=np.zeros((5, 2)), C=SYSTEM
+        )
