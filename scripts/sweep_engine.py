@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from . import laser
 from .errors import InputError, one_line
 from .parallel import cores
+from .store import code_fingerprint
 from .summary import plain
 from .sweep_grid import Point, configuration
 from .sweep_store import Row, measures
@@ -38,7 +39,8 @@ def failed(point: Point, error: str) -> Row:
 
 def _row(point: Point) -> Row:
     options = plain(asdict(laser.LaserCfg()) | dict(point.options))
-    return {"key": point.key, "seed": point.seed, "version": version("armside"), **options}
+    by = {"version": version("armside"), "code": code_fingerprint("scripts.laser")[:12]}
+    return {"key": point.key, "seed": point.seed, **options, **by}
 
 
 class Engine(Protocol):

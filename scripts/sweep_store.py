@@ -53,6 +53,7 @@ def schema() -> pa.Schema:
             *((name, pa.list_(pa.float64())) for name in _PER_RUN),
             *((name, pa.list_(pa.list_(pa.float64()))) for name in _PER_MOTOR),
             ("version", pa.string()),
+            ("code", pa.string()),
         ]
     )
 
@@ -73,6 +74,14 @@ def read(folder: Path) -> pa.Table:
     parts = sorted(folder.glob("part-*.parquet"))
     tables = [pq.read_table(part) for part in parts]
     return pa.concat_tables(tables, promote_options="default") if tables else schema().empty_table()
+
+
+def rows_kept(folder: Path) -> int:
+    """Results that a resumed sweep would find, in parts and journals."""
+    keys = set(read(folder)["key"].to_pylist())
+    for journal in (folder / ".journal").glob("*.jsonl"):
+        keys |= {row["key"] for row in _lines(journal)}
+    return len(keys)
 
 
 class Block:

@@ -3,7 +3,7 @@
 | variable | low | high | unit | scale |
 |---|---|---|---|---|
 | gamma | 0.1 | 1.5 | - | linear |
-| delta | 0 | 15 | samples of 4 ms | whole numbers |
+| delta | 0 | 25 | samples of 4 ms | whole numbers |
 | cutoff | 1 | 30 | Hz | logarithmic |
 
 An action is float32 in [-1, 1]: -1 is low, +1 is high. With one design for all motors it has shape
@@ -67,7 +67,7 @@ class Variable:
 
 VARIABLES = (
     Variable("gamma", 0.1, 1.5, "", Scale.LINEAR),
-    Variable("delta", 0.0, 15.0, "samples", Scale.WHOLE),
+    Variable("delta", 0.0, 25.0, "samples", Scale.WHOLE),
     Variable("cutoff", 1.0, 30.0, "Hz", Scale.LOGARITHMIC),
 )
 

@@ -141,6 +141,16 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         rewards, terminated, truncated = (np.array([s[n] for s in steps]) for n in (1, 2, 3))
         return np.stack(rows), rewards, terminated, truncated, infos
 
+    @property
+    def situations(self) -> list[Situation]:
+        """Where each robot's episode stands."""
+        return [situation for situation in self._situations if situation is not None]
+
+    @property
+    def episodes_over(self) -> np.ndarray:
+        """(num_envs,) bool."""
+        return self._over.copy()
+
     def close_extras(self, **kwargs: Any) -> None:
         """Stop the threads."""
         self._pool.shutdown()

@@ -1,0 +1,127 @@
+"""The claim of `armside verify tuning`: designs and a policy on the sealed test seeds.
+
+`scripts/tuned/` holds what `armside tune` and `armside train` have written; docs/tuning.md has the
+commands.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.tuning.design import THESIS, VARIABLES, Design, Motors
+from sim.tuning.evaluation import Policy, always, evaluate
+from sim.tuning.rules import Rules
+from sim.tuning.task import TEST_SEEDS
+
+from .parallel import cores
+from .policy import Network
+from .study import parameter_names
+from .verify import Table, Verdict
+
+TUNED = Path(__file__).parent / "tuned"
+DATA_SEED = 1
+"""Of the experiments that models are identified from."""
+SIGNIFICANT = 3.0
+"""Standard errors by which a mean must beat another."""
+
+
+def tuning(seeds: Iterable[int]) -> Table:
+    """Seed i is the sealed episode TEST_SEEDS[i]; every baseline meets the same episodes."""
+    seeds = [TEST_SEEDS[i] for i in seeds]
+    shared, each = (Rules(motors=m.value, sealed=True) for m in (Motors.SHARED, Motors.EACH))
+    baselines: list[tuple[str, Rules, Policy]] = [
+        ("thesis design", shared, always(THESIS, Motors.SHARED)),
+        ("best fixed design by search", shared, always(searched("shared"), Motors.SHARED)),
+        ("best fixed design for each motor by search", each, always(searched("each"), Motors.EACH)),
+        ("designs from identified models", each, always(identified(), Motors.EACH)),
+        ("learned policy", shared, Network.load(TUNED / "policy.npz")),
+    ]
+    logs: dict[str, np.ndarray] = {}
+    rows = []
+    for name, rules, policy in baselines:
+        episodes = list(evaluate(rules, seeds, policy, threads=cores()))
+        ratio = np.array([episode.ratio for episode in episodes])
+        logs[name] = np.log(ratio)
+        final = 1e6 * np.array([episode.rms_true[-1] for episode in episodes])
+        thesis = logs["thesis design"]
+        rows.append(
+            (
+                name,
+                float(np.exp(logs[name].mean())),
+                float(np.quantile(ratio, 0.9)),
+                float(np.median(final)),
+                int((logs[name] < thesis).sum()),
+                float(ratio.max()),
+                sum(episode.diverged for episode in episodes),
+            )
+        )
+    return Table(
+        title=f"Tool RMS after five iterations, {len(seeds)} sealed episodes",
+        columns=(
+            "baseline",
+            "RMS after / before, geometric mean",
+            "its 90 % quantile",
+            "median RMS after [µm]",
+            "better than the thesis design",
+            "worst RMS after / before",
+            "diverged",
+        ),
+        rows=rows,
+        verdicts=[
+            _beats(name, "thesis design", logs) for name in [*list(logs)[1:3], "learned policy"]
+        ],
+    )
+
+
+def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
+    """Paired: the same episodes."""
+    gain = logs[other] - logs[name]
+    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    return Verdict(
+        f"the {name} leaves less error at the tool than the {other} "
+        f"(mean by more than {SIGNIFICANT:g} standard errors)",
+        bool(gain.mean() > SIGNIFICANT * error),
+    )
+
+
+def searched(motors: str) -> Design:
+    """The design that `armside tune --motors ...` found."""
+    best = json.loads((TUNED / f"{motors}.json").read_text(encoding="utf-8"))["best"]
+    return design_from(best, Motors(motors))
+
+
+def design_from(parameters: Mapping[str, Any], motors: Motors) -> Design:
+    """The design that a study's parameters stand for."""
+    values = {
+        v.name: tuple(
+            parameters[name]
+            for name in ([v.name] if motors is Motors.SHARED else parameter_names(v.name))
+        )
+        for v in VARIABLES
+    }
+    return Design(**values)
+
+
+def identified() -> Design:
+    """A design for each motor from its own model, identified at p1, as `armside reproduce 9` does.
+
+    Values beyond the ranges of the env are brought to their ends.
+    """
+    from .chapter9 import SPEEDS, identify
+    from .chapter9_designs import design_for
+    from .chapter9_table import STUDIES
+
+    jobs = {
+        v: job for (p, v), job in STUDIES["identification"].jobs(DATA_SEED).items() if p == "p1"
+    }
+    results = {speed: jobs[speed].run() for speed in SPEEDS}
+    models = [identify(results, (motor,)) for motor in range(6)]
+    proposals = [design_for(model.system, model.fit) for model in models]
+    gamma, delta, cutoff = (
+        tuple(float(np.clip(getattr(p, v.name), v.low, v.high)) for p in proposals)
+        for v in VARIABLES
+    )
+    return Design(gamma=gamma, delta=tuple(int(d) for d in delta), cutoff=cutoff)
