@@ -79,24 +79,6 @@ def fit_first_order(
     )
 
 
-def select_first_order(
-    u: ArrayLike,
-    y: ArrayLike,
-    u_other: ArrayLike,
-    y_other: ArrayLike,
-    sample_time: float,
-    *,
-    delays: Iterable[int] = range(11),
-) -> FirstOrder:
-    """The delay that simulates other data best; pole and gain are fitted to u, y.
-
-    Delay and pole can stand in for each other within one set of smooth records; data of another
-    position tell them apart.
-    """
-    fits = [fit_first_order(u, y, sample_time, delays=[delay]) for delay in delays]
-    return max(fits, key=lambda fit: fit_of(fit.system, u_other, y_other))
-
-
 def _best_gain(u: Array, y: Array, delay: int, pole: float) -> tuple[float, Array]:
     """b that fits best, and the output for b = 1."""
     delayed = np.concatenate((np.zeros((delay, u.shape[1])), u))[: len(u)]

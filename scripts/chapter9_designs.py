@@ -53,7 +53,7 @@ def per_motor(seed: int) -> Part:
     data = STUDIES["identification"].jobs(seed)
 
     def designed(read: Read) -> tuple[list[FirstOrder], list[Proposal], dict[str, LearningJob]]:
-        results = {pose: {v: read(data[pose, v]) for v in SPEEDS} for pose in ("p1", "p2")}
+        results = {v: read(data["p1", v]) for v in SPEEDS}
         models = [identify(results, (motor,)) for motor in range(6)]
         designs = [design_for(model.system, model.fit) for model in models]
         tuned = laser(

@@ -50,8 +50,8 @@ class LearningJob:
         """Run it. Arrays have the iterations 0 .. K first.
 
         motor_inf, motor_two: (K, 6) [motor rad]. arm_rms, arm_maxdev, arm_rms_true,
-        arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (6,), diverged. NaN where a
-        diverged experiment had ended.
+        arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (6,), diverged, motion_end
+        [sample]. NaN where a diverged experiment had ended.
         With `series`: error, correction (K, N, 6) [rad], path (K, M, 2) [m].
         """
         experiment = self.prepare()
@@ -65,6 +65,7 @@ class LearningJob:
         return arrays | {
             "diverged": np.array(missing > 0 or last_diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
+            "motion_end": np.array(self._motion_end(experiment)),
             "gear": experiment.job.model.drives.gear,
         }
 
@@ -93,6 +94,11 @@ class LearningJob:
     def _as_known(self, model: RobotModel) -> RobotModel:
         drives = replace(model.drives, friction_feedforward=self.friction_feedforward)
         return replace(model, drives=drives)
+
+    def _motion_end(self, experiment: Experiment) -> int:
+        """The first sample at which the reference rests again."""
+        motion = experiment.motion
+        return int(np.searchsorted(motion.time, motion.rest_before + motion.timing.duration))
 
     def _row(self, it: Iteration, experiment: Experiment) -> dict[str, Array]:
         radii = np.hypot(*it.arm.path.T)

@@ -40,7 +40,7 @@ def checks(results: dict[str, dict]) -> list[Check]:
     """Every band of chapter 9 from the results of `experiments`."""
     base, cutoff = results["operating point"], results["cutoff"]
     data = results["identification"]
-    model = identify({pose: {v: data[pose, v] for v in SPEEDS} for pose in ("p1", "p2")})
+    model = identify({v: data["p1", v] for v in SPEEDS})
     law = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
     at_40 = {pose: data[pose, 40.0] for pose in ("p1", "p2")}
     shift_3, shift_6 = (
