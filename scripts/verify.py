@@ -50,6 +50,10 @@ class Claim(NamedTuple):
 
 CLAIMS: dict[str, Claim] = {
     "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
+    "env": Claim("scripts.verify_env:env", n_seeds=1000),
+    "tuning": Claim("scripts.verify_tuning:tuning", n_seeds=100),
+    "sweep": Claim("scripts.verify_sweep:sweep", n_seeds=10),
+    "sweep-memory": Claim("scripts.verify_sweep:memory", n_seeds=10_000),
     "chapter9": Claim("scripts.verify_chapter9:chapter9", n_seeds=5),
     "imu": Claim("scripts.verify_irb1400:imu", n_seeds=20),
     "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
