@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ilc import measures
 from sim.rest import lines
 
 from . import laser as cutting
@@ -12,9 +13,16 @@ from .imu import Done, ImuExperimentCfg, causes, prepare, run_one, run_rest
 from .verify import Table, Verdict
 
 BASE = ImuExperimentCfg()
-LEARNED = 0.10
-OPTIONS = (("p1", 3), ("p2", 6))
-"""Pose, and the shift of the law [samples]."""
+LEARNED, LARGEST_LEARNED = 0.10, 0.11
+DESIGNS = (
+    ("default", cutting.LaserCfg(robot="irb1400")),
+    (
+        "designed",
+        cutting.LaserCfg(robot="irb1400", gamma=(1.2,), delta=(6,), cutoff=(15.0,)),
+    ),
+)
+"""Name and options: those of the large robot, and a shift of what the correction path delays (five
+samples and the servo's own) with a gain and a bandwidth that stiction asks for."""
 
 
 def imu(seeds: Iterable[int]) -> Table:
@@ -181,33 +189,40 @@ def laser(seeds: Iterable[int]) -> Table:
     rows = []
     for seed in seeds:
         row: list[float] = [seed]
-        for pose, delta in OPTIONS:
-            cfg = cutting.LaserCfg(robot="irb1400", pose=pose, delta=(delta,))
+        for _, cfg in DESIGNS:
             iterations = cutting.run(cfg, seed)["iterations"]
-            motor = np.array([one["motor_two"] for one in iterations])
-            row += [float(motor[-1].max() / motor[0].max())]
+            for norm in ("motor_two", "motor_inf"):
+                first, last = (np.array(iterations[k][norm]) for k in (0, -1))
+                row.append(float(measures.normalise(last, first).max()))
             row += [1e6 * iterations[k]["arm_rms"] for k in (0, -1)]
         rows.append(tuple(row))
-    numbers = np.array(rows)
+    default, designed = np.array(rows)[:, 1:5], np.array(rows)[:, 5:9]
     return Table(
-        title="Motor-side learning on the IRB1400 at 40 mm/s",
+        title="Motor-side learning on the IRB1400 at 40 mm/s, pose p1",
         columns=(
             "seed",
             *(
-                f"{pose}, delta {delta}: {what}"
-                for pose, delta in OPTIONS
-                for what in ("worst motor (9.5)", "arm RMS k = 0 [um]", "arm RMS k = 5 [um]")
+                f"{name}: {what}"
+                for name, _ in DESIGNS
+                for what in ("worst 2-norm", "worst inf-norm", "arm k = 0 [um]", "arm k = 5 [um]")
             ),
         ),
         rows=rows,
         verdicts=(
             Verdict(
-                f"every motor ends at {LEARNED} or below, normalised as (9.5)",
-                bool((numbers[:, [1, 4]] <= LEARNED).all()),
+                f"with default options every motor's 2-norm ends at {LEARNED}, normalised as (9.5)",
+                bool((default[:, 0] <= LEARNED).all()),
             ),
             Verdict(
-                "the tool's RMS falls to half or less",
-                bool((numbers[:, [3, 6]] < 0.5 * numbers[:, [2, 5]]).all()),
+                f"designed for its friction and delay, every inf-norm ends at {LARGEST_LEARNED}",
+                bool((designed[:, 1] <= LARGEST_LEARNED).all()),
+            ),
+            Verdict(
+                "the tool's RMS falls to half or less, by the tracker",
+                bool(
+                    (default[:, 3] < 0.5 * default[:, 2]).all()
+                    and (designed[:, 3] < 0.5 * designed[:, 2]).all()
+                ),
             ),
         ),
     )
