@@ -9,10 +9,12 @@ import pytest
 import assets
 from sim.cell import LARGE_CELL
 from sim.cutting import plan
+from sim.effects import available, with_effects
 from sim.experiment import CircleTask
 from sim.individual import with_friction
 from sim.model import ModelError, load_model
 from sim.motion.poses import LARGE_ROBOT_POSES
+from sim.phenomena import learned
 from sim.robot import VirtualRobot, run_jobs
 
 
@@ -69,14 +71,20 @@ def test_the_number_of_threads_changes_no_bit(job, correction):
         assert np.array_equal(one.truth.qpos, two.truth.qpos)
 
 
-@pytest.mark.parametrize("learned", [False, True])
-def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(cut, correction, learned):
+@pytest.mark.parametrize("pose", ["p1", "p2", "p3"])
+@pytest.mark.parametrize("k", [0, 5])
+def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose, k):
+    """With the correction that learning found, gear effects on, noise and quantisation off."""
+    run = learned(model, available(model), pose, iterations=k)
+    task = CircleTask(pose=LARGE_ROBOT_POSES[pose])
+    _, reference = plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
     tools = []
     for step in (0.0005, 0.00025):
         mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
         mj.opt.timestep = step
-        fine = VirtualRobot(_ideal_encoder(load_model(mj))).load(cut[1])
-        recording = fine.run(correction if learned else None)
+        fine = _ideal_encoder(load_model(mj))
+        fine = with_effects(fine, available(fine), phi=reference[0])
+        recording = VirtualRobot(fine).run(reference, run.corrections[k])
         tools.append(recording.truth.tool_position[:: round(0.0005 / step)])
     assert np.linalg.norm(tools[0] - tools[1], axis=1).max() < 10e-6
 

@@ -1,0 +1,109 @@
+"""Effects of gears and drives: each does what it says, none is there without being asked for."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import assets
+from sim.effects import Effect, available, load_friction, with_effects
+from sim.model import load_model
+from sim.robot import VirtualRobot
+from sim.statics import spring_stiffness
+
+POSE = np.deg2rad([3.5, 7.8, 12.4, 18.2, -9.2, -11.6])
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_model(assets.LARGE_ROBOT_XML)
+
+
+def _still(n=120):
+    return np.repeat(POSE[None], n, axis=0)
+
+
+def test_the_large_robot_has_data_for_all_and_the_irb1400_for_none(model):
+    assert available(model) == frozenset(Effect)
+    assert available(load_model(assets.IRB1400_XML)) == frozenset()
+
+
+def test_effects_leave_the_model_they_are_added_to_alone(model):
+    before = model.mj.actuator_biasprm.copy(), model.mj.jnt_stiffness.copy()
+    with_effects(model, Effect, phi=POSE)
+    assert np.array_equal(before[0], model.mj.actuator_biasprm)
+    assert np.array_equal(before[1], model.mj.jnt_stiffness)
+
+
+def test_a_gear_with_lost_motion_is_soft_inside_and_stiff_outside(model):
+    soft = with_effects(model, {Effect.LOST_MOTION}, phi=POSE)
+    data = mujoco.MjData(soft.mj)
+    stiff = model.mj.joint("flex_1").stiffness[0]
+    half = soft.mj.numeric("gear_lost_motion").data[0]
+
+    def torque(angle):
+        data.qpos[:] = 0.0
+        data.qpos[soft.flex[0]] = angle
+        mujoco.mj_forward(soft.mj, data)
+        return -data.qfrc_spring[soft.flex[0]]
+
+    inside = torque(0.5 * half) / (0.5 * half)
+    outside = (torque(5 * half) - torque(4 * half)) / half
+    assert inside == pytest.approx(soft.mj.numeric("gear_soft_stiffness").data[0], rel=1e-9)
+    assert outside == pytest.approx(stiff, rel=1e-6)
+    assert torque(-3 * half) == pytest.approx(-torque(3 * half))
+    assert spring_stiffness(soft) == pytest.approx(spring_stiffness(model))
+
+
+def test_with_a_gear_error_the_tool_wanders_while_the_encoder_sees_nothing(model):
+    """Slow motion of axis 1 by one turn of its motor: the tool leaves the line by the error."""
+    turn = 2 * np.pi / model.drives.gear[0]
+    reference = _still(1500)
+    reference[:, 0] += turn * 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, 1500)))
+    tools = []
+    for effects in ((), {Effect.GEAR_ERROR}):
+        robot = VirtualRobot(with_effects(model, effects, phi=POSE))
+        recording = robot.run(reference)
+        tools.append(recording.truth.tool_position)
+        assert np.abs(recording.error).max() < 2e-3
+    apart = np.linalg.norm(tools[1] - tools[0], axis=1)
+    radius = np.hypot(*tools[0][0, :2])
+    amplitude = model.mj.numeric("gear_error").data
+    assert apart.max() < 2.5 * 6 * amplitude.sum() * radius  # six axes at once, at most
+    assert np.ptp(apart) > amplitude[2] * radius  # the part of the motor's own turn
+
+
+def test_measured_angle_rests_on_the_reference_also_with_a_gear_error(model):
+    robot = VirtualRobot(with_effects(model, {Effect.GEAR_ERROR}, phi=POSE))
+    recording = robot.run(_still())
+    count = 2 * np.pi / 16384 / model.drives.gear
+    assert (np.abs(recording.error) <= 0.51 * count).all()
+    assert np.ptp(recording.truth.tool_position, axis=0).max() < 1e-7
+
+
+def test_ripple_is_a_torque_of_the_motor_angle(model):
+    rough = with_effects(model, {Effect.RIPPLE}, phi=POSE)
+    amplitude, order = rough.mj.numeric("torque_ripple").data
+    peak = amplitude * model.drives.torque_limit
+    for i in range(6):
+        bias = rough.mj.actuator_biasprm[rough.mj.actuator(f"axis_{i + 1}").id]
+        assert bias[:2] == pytest.approx([peak[i], order])
+
+
+def test_friction_follows_from_load_and_temperature_as_measured():
+    """Values at no load of the source: robot-data 3.3, 26 Nm."""
+    coulomb, static, viscous, stribeck = load_friction(np.zeros(1), 33.0)
+    assert 26.0 * coulomb[0] == pytest.approx(0.81, abs=0.005)
+    assert 26.0 * viscous == pytest.approx(0.0104, abs=1e-4)
+    assert stribeck == pytest.approx(7.5, abs=0.05)
+    assert 26.0 * (static[0] - coulomb[0]) == pytest.approx(0.72, abs=0.01)
+    for temperature, excess in ((25.0, 0.39), (50.0, 1.43), (80.0, 2.68)):
+        coulomb, static, _, _ = load_friction(np.zeros(1), temperature)
+        assert 26.0 * (static[0] - coulomb[0]) == pytest.approx(excess, abs=0.01)
+
+
+def test_a_loaded_axis_has_more_friction(model):
+    loaded = with_effects(model, {Effect.LOAD_FRICTION}, phi=POSE)
+    axis = loaded.mj.actuator("axis_3").id
+    scale = model.mj.numeric("load_friction_scale").data[2]
+    unloaded = scale * load_friction(np.zeros(1), 33.0)[0][0] * model.drives.torque_limit[2]
+    assert loaded.mj.actuator_biasprm[axis, 3] > 1.1 * unloaded  # axis 3 holds 2.1 kNm
