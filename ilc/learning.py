@@ -108,6 +108,6 @@ def _trials(
         )
         if diverged or k == iterations:
             return
-        if k == 0:
+        if k == 0 and np.isfinite(divergence_ratio):
             limit = divergence_ratio * norm
         correction, memory = law.step(correction, error, memory)

@@ -1,7 +1,8 @@
 """The iteration on a finite record, with the real edges of its filters: plain matrices.
 
-One record is one vector; T_u is lower-triangular Toeplitz, the law is a pair of matrices. For
-one motor and records up to a few thousand samples.
+One record (N, n) is one vector of N n numbers, sample by sample, motors within a sample. T_u is
+then lower block-triangular Toeplitz and a law is a pair of matrices. For records up to a few
+thousand numbers.
 """
 
 from dataclasses import dataclass
@@ -11,25 +12,32 @@ from numpy.typing import ArrayLike
 
 from ..laws.law import FirstOrderLaw
 from ..plant import Array
-from ..system import System
+from ..system_matrix import Model
 
 
-def lifted_system(T_u: System, n_samples: int) -> Array:
-    """T with y = T u, shape (N, N)."""
-    from scipy.linalg import toeplitz
+def lifted_system(T_u: Model, n_samples: int, n_columns: int = 1) -> Array:
+    """T with y = T u, shape (N n, N n)."""
+    size = n_samples * n_columns
+    T = np.zeros((size, size))
+    for j in range(n_columns):
+        start = np.zeros((n_samples, n_columns))
+        start[0, j] = 1.0
+        impulse = T_u.simulate(start).ravel()
+        for t in range(n_samples):
+            T[t * n_columns :, t * n_columns + j] = impulse[: size - t * n_columns]
+    return T
 
-    return toeplitz(T_u.impulse(n_samples), np.zeros(n_samples))
 
-
-def lifted_law(law: FirstOrderLaw, n_samples: int) -> tuple[Array, Array]:
+def lifted_law(law: FirstOrderLaw, n_samples: int, n_columns: int = 1) -> tuple[Array, Array]:
     """(M_u, M_e) with u_{k+1} = M_u u_k + M_e e_k, whatever the law does at its edges.
 
-    Column by column, as one motor: what the law makes of a one at each sample.
+    Column by column: what the law makes of a one at each sample of each motor.
     """
-    zero = np.zeros((n_samples, 1))
-    units = np.eye(n_samples)[:, :, None]
-    M_u = np.concatenate([law(unit, zero) for unit in units], axis=1)
-    M_e = np.concatenate([law(zero, unit) for unit in units], axis=1)
+    size = n_samples * n_columns
+    zero = np.zeros((n_samples, n_columns))
+    units = np.eye(size).reshape(size, n_samples, n_columns)
+    M_u = np.stack([law(unit, zero).ravel() for unit in units], axis=1)
+    M_e = np.stack([law(zero, unit).ravel() for unit in units], axis=1)
     return M_u, M_e
 
 
@@ -38,13 +46,16 @@ class LiftedIteration:
     """u_{k+1} = iteration u_k + M_e e_0."""
 
     T: Array
-    """T_u, shape (N, N)."""
+    """T_u, shape (N n, N n)."""
     M_u: Array
     M_e: Array
 
     @classmethod
-    def build(cls, T_u: System, law: FirstOrderLaw, n_samples: int) -> "LiftedIteration":
-        return cls(lifted_system(T_u, n_samples), *lifted_law(law, n_samples))
+    def build(
+        cls, T_u: Model, law: FirstOrderLaw, n_samples: int, n_columns: int = 1
+    ) -> "LiftedIteration":
+        law.check(n_samples, n_columns)
+        return cls(lifted_system(T_u, n_samples, n_columns), *lifted_law(law, n_samples, n_columns))
 
     @property
     def iteration(self) -> Array:
@@ -68,11 +79,13 @@ class LiftedIteration:
             ValueError: if the iteration has no fixed point.
         """
         matrix = np.eye(len(self.T)) - self.iteration
+        e_0 = np.asarray(first_error).ravel()
         try:
-            u: Array = np.linalg.solve(matrix, self.M_e @ first_error).astype(np.float64)
+            u: Array = np.linalg.solve(matrix, self.M_e @ e_0).astype(np.float64)
         except np.linalg.LinAlgError as error:
             raise ValueError("the iteration has no fixed point: it has an eigenvalue 1") from error
-        return u, first_error - self.T @ u
+        shape = np.shape(first_error)
+        return u.reshape(shape), (e_0 - self.T @ u).reshape(shape)
 
     def transient_growth(self, iterations: ArrayLike) -> Array:
         """||iteration^k||_2 at the given k: how far a transient can lift the distance.

@@ -37,7 +37,7 @@ T_S = 0.004
 T_MOTOR = TwoMassLoop().T_motor
 T_ARM = TwoMassLoop().T_arm
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-N = 120
+N = 90
 
 
 def low_pass(cutoff=20.0, edge=Edge.REST):
@@ -133,6 +133,19 @@ def test_a_filter_treats_a_sine_as_its_response_says(name, hertz):
     expected = np.asarray(one.response(np.array([omega])))[0] * np.exp(1j * omega * t)
     got = filtered[:, 0] + 1j * filtered[:, 1]
     np.testing.assert_allclose(got[middle], expected[middle], atol=1e-6)
+
+
+def test_coupled_motors_have_the_fixed_point_of_their_lifted_iteration():
+    T_u = SystemMatrix(((ARX, ARX * 0.4), (ARX * -0.3, ARX * 0.8)))
+    gamma = 0.6 * np.linalg.inv([[1.0, 0.4], [-0.3, 0.8]])
+    law = FirstOrder(Q=low_pass(10.0), L=MatrixGain(gamma=gamma, delta=5))
+    reference = bump(80, 2)
+    plant = LinearPlant(T_u=T_u, reference=reference)
+    lifted = LiftedIteration.build(T_u, law, 80, 2)
+    u, e = lifted.fixed_point(reference - plant.run(np.zeros_like(reference)))
+    *_, last = learn(plant, law, reference, 200)
+    np.testing.assert_allclose(last.correction, u, atol=1e-9)
+    np.testing.assert_allclose(last.error, e, atol=1e-9)
 
 
 # Algorithm 2
@@ -285,7 +298,7 @@ def test_without_an_active_limit_the_constrained_law_is_norm_optimal():
             lambda: NormOptimal(
                 T_u=ARX, n_samples=N, criterion=QuadraticCriterion(error=np.ones(5), change=1)
             ),
-            r"weight of the error must be a number, \(120,\)",
+            r"weight of the error must be a number, \(90,\)",
         ),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=0.0), "limit must be > 0"),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=np.ones(7)), "limit must be a number"),
@@ -417,28 +430,40 @@ def test_finite_differences_learn_a_plant_that_is_not_linear():
 # More than one iteration back
 
 
-@settings(max_examples=15, deadline=None)
-@given(T_u=stable_plants(), weight=st.floats(0.2, 1.0))
-def test_a_high_order_law_converges_at_its_predicted_rate(T_u, weight):
-    law = HighOrder(
-        alpha=(weight, 1 - weight),
-        beta=(0.5 / T_u.static_gain, 0.2 / T_u.static_gain),
-        L=PType(gamma=1.0, delta=T_u.delay),
-        Q=low_pass(12.0),
-    )
-    omega = np.linspace(1e-3, np.pi, 500)
-    radius = law.spectral_radius(T_u.response(omega), omega).max()
-    assume(radius < 0.95)
-    reference = bump()
-    trials = list(
-        learn(
-            LinearPlant(T_u=T_u, reference=reference), law, reference, 250, divergence_ratio=np.inf
-        )
-    )
-    distance = [np.linalg.norm(trial.correction - trials[-1].correction) for trial in trials]
-    # a block of 40 iterations shrinks by no less than the prediction allows, edges aside
-    if distance[60] > 1e-9:
-        assert distance[60] / distance[20] < 20 * max(radius, 0.8) ** 40
+@settings(max_examples=25, deadline=None)
+@given(
+    gain=st.floats(0.5, 2.0),
+    alpha=st.floats(0.3, 1.2),
+    beta_0=st.floats(0.1, 1.0),
+    beta_1=st.floats(-0.4, 0.4),
+)
+def test_a_high_order_law_converges_at_its_predicted_rate(gain, alpha, beta_0, beta_1):
+    """On a plant that is a gain, every frequency iterates alike, so the rate is seen exactly."""
+    law = HighOrder(alpha=(alpha, 1 - alpha), beta=(beta_0, beta_1), L=PType(gamma=1.0))
+    radius = law.spectral_radius(np.array([gain]), np.array([0.3]))[0]
+    assume(0.65 < radius < 1.2 and abs(gain - 1.0) > 0.05)  # gain 1: no error to learn from
+    reference = bump(20)
+    plant = LinearPlant(T_u=System([gain], [1.0], T_S), reference=reference)
+    norms = error_norms(plant, law, reference, 60)
+    # Beats of a complex pair and a nearly double root cost a factor; 40 to the power 1/60 is 6 %.
+    envelope = norms[50:] / (norms[0] * radius ** np.arange(50, 61))
+    assert 1 / 40 < envelope.max() < 40
+
+
+def test_a_high_order_law_converges_where_its_spectral_radius_says_so():
+    def outcome(beta):
+        law = HighOrder(alpha=(0.7, 0.3), beta=beta, L=PType(gamma=1.0, delta=6), Q=low_pass(12.0))
+        omega = np.linspace(1e-3, np.pi, 500)
+        radius = law.spectral_radius(ARX.response(omega), omega).max()
+        return radius, error_norms(LinearPlant(T_u=ARX, reference=bump()), law, bump(), 80)
+
+    radius, norms = outcome((0.5, 0.2))
+    assert radius < 1.0
+    assert norms[-1] < 0.5 * norms[0]
+    assert norms[-1] == pytest.approx(norms[-20], rel=1e-4)
+    radius, norms = outcome((3.0, 1.0))
+    assert radius > 1.05
+    assert norms[-1] > 10.0 * norms[0]
 
 
 def test_a_high_order_law_of_order_one_is_first_order():
@@ -548,12 +573,12 @@ def test_a_scheduled_law_uses_its_last_entry_from_then_on():
 
 
 def test_a_gain_along_the_trajectory_learns_only_where_it_acts():
-    weights = np.concatenate((np.ones(60), np.zeros(60)))[:, None]
+    weights = np.concatenate((np.ones(60), np.zeros(30)))[:, None]
     law = FirstOrder(L=Blend(filters=(PType(gamma=1.0, delta=1),), weights=weights))
     change = law(np.zeros((N, 1)), np.ones((N, 1)))
     assert change[:60].all()
     assert not change[60:].any()
-    with pytest.raises(ValueError, match="weights cover 120 samples, the record 60"):
+    with pytest.raises(ValueError, match="weights cover 90 samples, the record 60"):
         law.check(60, 1)
 
 

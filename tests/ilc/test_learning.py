@@ -73,6 +73,14 @@ def test_a_value_that_is_not_finite_ends_the_loop():
     assert [trial.diverged for trial in trials] == [False, True]
 
 
+def test_a_plant_without_error_never_diverges_however_the_limit_is_set():
+    reference = moves()
+    law = Heuristic(Q=AllPass())
+    for ratio in (3.0, np.inf):
+        *_, last = learn(Scaled(reference, 1.0), law, reference, 2, divergence_ratio=ratio)
+        assert not last.diverged
+
+
 def test_zero_error_is_a_fixed_point():
     reference = moves()
     law = Heuristic(Q=AllPass(), delta=3)
