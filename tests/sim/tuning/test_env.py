@@ -1,0 +1,193 @@
+"""`armside/IlcTuning-v0`: the contract of Gymnasium, and the rules of the thesis's budget."""
+
+import subprocess
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import sim
+from sim.tuning.design import THESIS, Motors, action_of
+from sim.tuning.evaluation import always, run_episode
+from sim.tuning.rules import WORST_REWARD, Rules
+from sim.tuning.task import TEST_SEEDS
+
+ID = "armside/IlcTuning-v0"
+ACTION = action_of(THESIS, Motors.SHARED)
+BOLD = np.array([1.0, -1.0, 1.0], np.float32)
+"""Large gain, no shift, high cutoff."""
+
+
+def test_importing_sim_registers_the_env_and_imports_no_physics():
+    code = f"import sim, gymnasium, sys; gymnasium.spec({ID!r}); print('mujoco' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+    assert sim.__doc__
+
+
+def test_the_env_checker_of_gymnasium_has_nothing_to_say():
+    # Warnings are errors in this suite.
+    check_env(gymnasium.make(ID, render_mode="rgb_array").unwrapped)
+
+
+@pytest.fixture
+def env():
+    return gymnasium.make(ID, iterations=2)
+
+
+def test_an_episode_is_truncated_after_its_budget_and_then_refuses_to_go_on(env, quick):
+    env.reset(seed=0, options=quick)
+    ends = [env.step(ACTION)[2:4] for _ in range(2)]
+    assert ends == [(False, False), (False, True)]
+    with pytest.raises(RuntimeError, match="over"):
+        env.unwrapped.step(ACTION)
+
+
+def test_the_budget_is_five_by_default():
+    assert gymnasium.make(ID).unwrapped.rules.iterations == 5
+
+
+def test_a_run_that_diverges_terminates_with_the_worst_reward(quick):
+    env = gymnasium.make(ID, iterations=10)
+    env.reset(seed=0, options=quick)
+    for _ in range(10):
+        _, reward, terminated, truncated, info = env.step(BOLD)
+        if terminated:
+            break
+    assert terminated
+    assert not truncated
+    assert reward == WORST_REWARD
+    assert info["status"] == "diverged"
+
+
+def test_rewards_add_up_to_the_decrease_of_the_log_error(env, quick):
+    _, before = env.reset(seed=0, options=quick)
+    steps = [env.step(ACTION) for _ in range(2)]
+    after = steps[-1][4]
+    assert sum(s[1] for s in steps) == pytest.approx(np.log(before["rms_seen"] / after["rms_seen"]))
+    assert after["rms_seen"] == pytest.approx(after["rms_true"], rel=0.02)
+
+
+def test_seen_from_the_motors_the_tool_seems_better_than_it_is(quick):
+    """The point of the thesis: the motors do not see what gives way behind them."""
+    quick = quick | {"pose": "p3", "speed": 0.04}
+    seen = gymnasium.make(ID, reward="motor")
+    seen.reset(seed=0, options=quick)
+    for _ in range(5):
+        *_, info = seen.step(ACTION)
+    assert info["rms_seen"] < 0.5 * info["rms_true"]
+
+
+def test_the_observation_knows_nothing_of_the_tool(quick):
+    """Two robots whose tools differ and whose motors do not look alike to a policy."""
+    from dataclasses import replace
+
+    rules = Rules()
+    now = rules.begin(rules.draw(np.random.default_rng(0), quick))
+    worse = replace(now, seen=replace(now.seen, rms=1.0), true=replace(now.true, rms=1.0))
+    assert np.array_equal(rules.observe(now), rules.observe(worse))
+
+
+def test_info_has_the_design_in_physical_units(env, quick):
+    env.reset(seed=0, options=quick)
+    *_, info = env.step(ACTION)
+    assert info["gamma"] == pytest.approx(np.full(6, 0.9))
+    assert info["delta"].tolist() == [3.0] * 6
+    assert info["cutoff"] == pytest.approx(np.full(6, 10.0))
+    assert info["k"] == 1
+
+
+TRAJECTORY = f"""
+import hashlib, sys, gymnasium, numpy as np, sim
+env = gymnasium.make({ID!r}, iterations=2)
+bits = hashlib.sha256()
+observed, info = env.reset(seed=7)
+actions = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3)).astype(np.float32)
+for action in actions:
+    bits.update(observed.tobytes() + np.float64(info["rms_true"]).tobytes())
+    observed, reward, *_, info = env.step(action)
+    bits.update(np.float64(reward).tobytes())
+print(bits.hexdigest())
+"""
+
+
+def test_the_same_seed_gives_the_same_bits_in_every_process():
+    bits = {
+        subprocess.run(
+            [sys.executable, "-c", TRAJECTORY], capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)
+    }
+    assert len(bits) == 1
+
+
+def test_another_seed_gives_another_trajectory(env, quick):
+    one, other = (env.reset(seed=seed, options=quick)[0] for seed in (1, 2))
+    assert not np.array_equal(one, other)
+
+
+def test_evaluation_runs_the_episodes_of_the_env(env):
+    _, info = env.reset(seed=3)
+    rms = [info["rms_true"]]
+    rms += [env.step(ACTION)[4]["rms_true"] for _ in range(2)]
+    episode = run_episode(Rules(iterations=2), 3, always(THESIS, Motors.SHARED))
+    assert episode.rms_true.tolist() == rms
+
+
+@pytest.mark.parametrize("action", [[0.0, 1.5, 0.0], [0.0, np.nan, 0.0], [0.0]])
+def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, quick, action):
+    env.reset(seed=0, options=quick)
+    with pytest.raises(ValueError, match="an action must"):
+        env.unwrapped.step(np.array(action, np.float32))
+    assert env.step(ACTION)[4]["k"] == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"robot": "r2d2"}, "Unknown robot 'r2d2'. It can be: large, irb1400"),
+        ({"motors": "all"}, "Unknown motors 'all'. It can be: shared, each"),
+        ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, motor"),
+        ({"reward": "estimate"}, "not available.*armside laser --measure estimate"),
+        ({"iterations": 0}, "iterations must be in 1 .. 10, got 0"),
+        ({"render_mode": "human"}, "Unknown render_mode 'human'"),
+        ({"picture": "oil"}, "Unknown picture 'oil'. It can be: drawing, mujoco"),
+    ],
+)
+def test_options_of_the_env_that_do_not_exist_are_refused(options, message):
+    from sim.tuning.env import IlcTuningEnv
+
+    with pytest.raises(ValueError, match=message):
+        IlcTuningEnv(**options)
+
+
+def test_the_test_seeds_are_sealed():
+    with pytest.raises(ValueError, match="sealed test seeds"):
+        gymnasium.make(ID).unwrapped.reset(seed=TEST_SEEDS[0])
+    sealed = gymnasium.make(ID, sealed=True).unwrapped
+    for seed in (0, None):
+        with pytest.raises(ValueError, match="a sealed env is reset with a seed of"):
+            sealed.reset(seed=seed)
+    sealed.reset(seed=TEST_SEEDS[0])
+
+
+def test_step_and_render_before_reset_say_so():
+    env = gymnasium.make(ID, render_mode="rgb_array").unwrapped
+    with pytest.raises(RuntimeError, match="reset"):
+        env.step(ACTION)
+    with pytest.raises(RuntimeError, match="reset"):
+        env.render()
+
+
+def test_the_picture_is_drawn_without_gl_and_changes_with_the_run(quick, monkeypatch):
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    env = gymnasium.make(ID, render_mode="rgb_array")
+    env.reset(seed=0, options=quick)
+    before = env.render()
+    env.step(ACTION)
+    after = env.render()
+    assert before.shape == after.shape == (320, 640, 3)
+    assert before.dtype == np.uint8
+    assert not np.array_equal(before, after)

@@ -1,0 +1,46 @@
+"""What the env shows of a run."""
+
+import re
+
+import numpy as np
+import pytest
+
+from sim.tuning import observation
+from sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms
+from sim.tuning.rules import Rules
+
+
+def test_the_table_of_the_docstring_says_what_the_entries_are():
+    row = r"^\| (\d+):(\d+) \| (.*) \| (\S+) \| (\S+) \| (\S+) \| (\w+) \|$"
+    rows = re.findall(row, observation.__doc__, re.M)
+    ends = np.cumsum([feature.size for feature in FEATURES]).tolist()
+    assert [(int(a), int(b)) for a, b, *_ in rows] == list(zip([0, *ends[:-1]], ends, strict=True))
+    for (_, _, name, unit, low, high, scale), feature in zip(rows, FEATURES, strict=True):
+        assert (name, unit) == (feature.name, feature.unit)
+        assert (float(low), float(high)) == (feature.low, feature.high)
+        assert (scale == "log10") == feature.logarithmic
+    space = Rules().observation_space
+    assert space.shape == (SIZE,) == (ends[-1],)
+    assert (space.low == -1).all()
+    assert (space.high == 1).all()
+
+
+def test_band_energies_add_up_to_the_whole():
+    signal = np.random.default_rng(0).standard_normal((401, 3))
+    bands = band_rms(signal, 0.004, BANDS)
+    assert np.sqrt((bands**2).sum(axis=0)) == pytest.approx(np.sqrt((signal**2).mean(axis=0)))
+
+
+@pytest.mark.parametrize(("frequency", "band"), [(1.0, 0), (5.0, 1), (10.0, 2), (60.0, 3)])
+def test_a_sine_lies_in_its_band(frequency, band):
+    t = 0.004 * np.arange(500)  # whole periods
+    rms = band_rms(np.sin(2 * np.pi * frequency * t)[:, None], 0.004, BANDS)[:, 0]
+    assert rms[band] == pytest.approx(np.sqrt(0.5))
+    assert np.delete(rms, band) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_feature_is_scaled_clipped_and_never_nan():
+    feature = FEATURES[0]
+    middle = np.sqrt(feature.low * feature.high)
+    values = np.array([feature.low, middle, feature.high, 0.0, 1e9, np.nan, np.inf])
+    assert feature.normalised(values) == pytest.approx([-1, 0, 1, -1, 1, 1, 1])

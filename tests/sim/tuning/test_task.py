@@ -1,0 +1,82 @@
+"""What an episode is about: drawn, or given."""
+
+import numpy as np
+import pytest
+
+from sim.cell import CELLS
+from sim.experiment import CircleTask
+from sim.individual import with_payload
+from sim.model import load_model
+from sim.motion.poses import LARGE_ROBOT_POSES
+from sim.tuning import task
+from sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
+
+
+def _drawn(robot="large", n=200, **options):
+    return [draw(robot, np.random.default_rng(seed), options) for seed in range(n)]
+
+
+def test_draws_fill_the_documented_ranges_and_no_more():
+    drawn = _drawn()
+    for values, (low, high) in (
+        (np.array([d.speed for d in drawn]), SPEEDS),
+        (np.array([d.payload for d in drawn]), PAYLOADS["large"]),
+    ):
+        assert low <= values.min() < low + 0.05 * (high - low)
+        assert high - 0.05 * (high - low) < values.max() <= high
+    places = np.array([p.position for p in LARGE_ROBOT_POSES.values()])
+    away = np.array([np.abs(places - d.pose.position).max(axis=1).min() for d in drawn])
+    assert 0.9 * POSE_SPREAD < away.max() <= POSE_SPREAD
+    assert len({d.individual for d in drawn}) == len(drawn)
+
+
+def test_what_is_given_is_taken_and_the_rest_stays_as_drawn():
+    free, fixed = _drawn(n=5), _drawn(n=5, speed=0.04, pose="p3")
+    for one, other in zip(free, fixed, strict=True):
+        assert other.speed == 0.04
+        assert other.pose == LARGE_ROBOT_POSES["p3"]
+        assert (other.payload, other.individual) == (one.payload, one.individual)
+
+
+@pytest.mark.parametrize("robot", ["large", "irb1400"])
+def test_every_draw_is_within_reach(robot):
+    from sim.cutting import plan
+
+    cell = CELLS[robot]
+    nominal = load_model(cell.xml)
+    for drawn in _drawn(robot, n=12):
+        model = nominal if drawn.payload is None else with_payload(nominal, drawn.payload)
+        path = CircleTask(pose=drawn.pose, speed=drawn.speed).path
+        plan(cell, model, path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
+
+
+def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what_it_knows():
+    cell = CELLS["large"]
+    nominal = load_model(cell.xml)
+    light, heavy = (
+        task.experiment(cell, nominal, draw("large", np.random.default_rng(1), given))
+        for given in ({"payload": 20.0, "pose": "p1"}, {"payload": 80.0, "pose": "p1"})
+    )
+    mass = [e.job.model.mj.body("tool").mass[0] for e in (light, heavy)]
+    assert mass == pytest.approx([20.0, 80.0])
+    assert not np.array_equal(light.job.reference, heavy.job.reference)
+    springs = [e.job.model.mj.jnt_stiffness for e in (light, heavy)]
+    assert np.array_equal(*springs)  # one individual
+    assert not np.allclose(springs[0], nominal.mj.jnt_stiffness, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"sped": 0.04}, "Unknown option 'sped' of reset. Options: pose, speed, payload, indiv"),
+        ({"speed": -1.0}, "speed must be a number >= 0.001 m/s"),
+        ({"speed": np.nan}, "speed must be"),
+        ({"payload": "heavy"}, "payload must be a number >= 0 kg, got 'heavy'"),
+        ({"pose": "p9"}, "Unknown pose 'p9'"),
+        ({"pose": 3}, "a name or a ToolPose"),
+        ({"individual": 1.5}, "individual must be a seed"),
+    ],
+)
+def test_options_that_do_not_exist_or_make_no_sense_are_refused(options, message):
+    with pytest.raises(ValueError, match=message):
+        _drawn(n=1, **options)

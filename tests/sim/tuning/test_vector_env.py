@@ -1,0 +1,86 @@
+"""Many robots at once are the same robots."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import SyncVectorEnv
+
+import sim  # noqa: F401 - registers the env
+from sim.tuning.vector_env import IlcTuningVectorEnv
+
+ID = "armside/IlcTuning-v0"
+
+
+def _same(one, other):
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            _same(one[key], other[key])
+    elif isinstance(one, np.ndarray) and one.dtype == object:
+        for a, b in zip(one, other, strict=True):
+            _same(a, b)
+    elif one is not None or other is not None:
+        a, b = np.asarray(one), np.asarray(other)
+        assert a.dtype == b.dtype
+        assert a.tobytes() == b.tobytes()
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_rows_are_bitwise_those_of_the_single_env_through_resets(mode):
+    """Against Gymnasium's own vector env over single ones: observations, rewards, ends, infos."""
+    one = SyncVectorEnv([lambda: gymnasium.make(ID, iterations=1)] * 3, autoreset_mode=mode)
+    many = gymnasium.make_vec(
+        ID,
+        num_envs=3,
+        vectorization_mode="vector_entry_point",
+        iterations=1,
+        threads=2,
+        autoreset_mode=mode,
+    )
+    assert isinstance(many.unwrapped, IlcTuningVectorEnv)
+    assert many.action_space == one.action_space
+    assert many.observation_space == one.observation_space
+    _same(many.reset(seed=5)[0], one.reset(seed=5)[0])
+    actions = np.random.default_rng(0).uniform(-1, 1, (2, 3, 3)).astype(np.float32)
+    for action in actions:
+        for ours, theirs in zip(many.step(action), one.step(action), strict=True):
+            _same(ours, theirs)
+    many.close()
+
+
+def test_a_mask_resets_the_robots_it_names_only(quick):
+    cells = IlcTuningVectorEnv(2, iterations=1, autoreset_mode="Disabled")
+    first, _ = cells.reset(seed=0, options=quick)
+    cells.step(np.zeros((2, 3), np.float32))
+    assert cells.episodes_over.tolist() == [True, True]
+    mask = np.array([False, True])
+    again, info = cells.reset(seed=[None, 1], options=quick | {"reset_mask": mask})
+    assert cells.episodes_over.tolist() == [True, False]
+    assert np.array_equal(again[1], first[1])
+    assert not np.array_equal(again[0], first[0])
+    assert info["_k"].tolist() == [False, True]
+    with pytest.raises(RuntimeError, match="reset_mask"):
+        cells.step(np.zeros((2, 3), np.float32))
+
+
+def test_bad_input_is_one_clear_error(quick):
+    with pytest.raises(ValueError, match="num_envs must be >= 1, got 0"):
+        IlcTuningVectorEnv(0)
+    with pytest.raises(ValueError, match="threads must be >= 1"):
+        IlcTuningVectorEnv(1, threads=0)
+    with pytest.raises(ValueError, match="Unknown motors"):
+        IlcTuningVectorEnv(1, motors="none")
+    cells = IlcTuningVectorEnv(2)
+    with pytest.raises(RuntimeError, match="call reset"):
+        cells.step(np.zeros((2, 3), np.float32))
+    with pytest.raises(ValueError, match="2 robots need as many seeds, got 3"):
+        cells.reset(seed=[1, 2, 3])
+    with pytest.raises(ValueError, match="sealed test seeds"):
+        cells.reset(seed=900_000_000)
+    with pytest.raises(ValueError, match="reset_mask must be 2 booleans"):
+        cells.reset(seed=0, options={"reset_mask": np.array([False, False])})
+    cells.reset(seed=0, options=quick)
+    with pytest.raises(ValueError, match="got nan at index 1"):
+        cells.step(np.array([[0, 0, 0], [0, np.nan, 0]], np.float32))
+    with pytest.raises(ValueError, match="actions must have shape"):
+        cells.step(np.zeros((3, 3), np.float32))
