@@ -13,7 +13,7 @@ from .imu import Done, ImuExperimentCfg, causes, prepare, run_one, run_rest
 from .verify import Table, Verdict
 
 BASE = ImuExperimentCfg()
-LEARNED, LARGEST_LEARNED = 0.10, 0.11
+LEARNED, WORST_SEED = 0.10, 0.15
 DESIGNS = (
     ("default", cutting.LaserCfg(robot="irb1400")),
     (
@@ -214,8 +214,9 @@ def laser(seeds: Iterable[int]) -> Table:
                 bool((default[:, 0] <= LEARNED).all()),
             ),
             Verdict(
-                f"designed for its friction and delay, every inf-norm ends at {LARGEST_LEARNED}",
-                bool((designed[:, 1] <= LARGEST_LEARNED).all()),
+                f"designed for its friction and delay, the inf-norm ends at {LEARNED} in the median "
+                f"and at {WORST_SEED} in every seed",
+                bool(np.median(designed[:, 1]) <= LEARNED and designed[:, 1].max() <= WORST_SEED),
             ),
             Verdict(
                 "the tool's RMS falls to half or less, by the tracker",
