@@ -5,7 +5,7 @@ that is small, so it is estimated in deviation form: a linear filter and smoothe
 on the arm, the pose and the IMU's timeline only, and are computed once for all runs of a reference.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 
@@ -113,7 +113,9 @@ class ArmEstimator:
         states = self.deviations(run)
         if kind is Estimate.WIENER:
             left, bias = residual(self.model, run, self.clock_offset)
-            deviation = self._wiener(left - bias, 1.0 / self.imu.rate, self.model.reading_covariance)
+            deviation = self._wiener(
+                left - bias, 1.0 / self.imu.rate, self.model.reading_covariance
+            )
         else:
             chosen = states.filtered if kind is Estimate.FILTER else states.smoothed
             deviation = chosen @ self.model.tool.T
@@ -131,7 +133,7 @@ def estimator(
         clock_offset=springs.clock_offset,
         rest=rest,
         imu=imu,
-        distrust=distrust,
+        distrust=replace(distrust, share=springs.distrust),
     )
 
 

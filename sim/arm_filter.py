@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ilc.estimation.simulation import simulate
 from ilc.estimation.state_space import Process, first_order_hold, sampled_noise
 
 from .frozen_arm import FrozenArm
@@ -29,7 +30,7 @@ class Distrust:
     """Typical twist of a gear under the inertial loads of a cut [rad]."""
     share: float = 0.05
     """Standard deviation of tau_d over stiffness times twist."""
-    corner: float = 5.0
+    corner: float = 10.0
     """Of tau_d's spectrum [Hz]."""
     bias_walk: float = 1e-3
     """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
@@ -110,17 +111,18 @@ class ArmFilter:
         P[m + 9 : m + 12] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
         return np.diag(P)
 
-    def predicted(self, phi: Array, phi_dot: Array, step: float) -> tuple[Array, Array]:
-        """Low-passed readings (N, 6) and their rates, for motor deviations from rest, all linear.
+    def simulated(self, phi: Array, phi_dot: Array, step: float) -> Array:
+        """(N, n_mechanical) states for motor deviations from rest (N, 6), all linear.
 
-        phi, phi_dot: (N, 6), every `step` [s], starting at rest.
+        phi, phi_dot: every `step` [s], starting at rest.
         """
-        from ilc.estimation.simulation import simulate
-
-        m, n = self.n_mechanical, self.n_free
+        m = self.n_mechanical
         A, B0, B1 = first_order_hold(self.A[:m, :m], self.B[:m], step)
-        x = simulate(A, B0, B1, np.hstack((phi, phi_dot)))
-        low = x[:, 2 * n :]
+        return simulate(A, B0, B1, np.hstack((phi, phi_dot)))
+
+    def readings(self, states: Array) -> tuple[Array, Array]:
+        """Low-passed readings (N, 6) in mechanical states, and their rates."""
+        low = states[:, 2 * self.n_free : self.n_mechanical]
         return low[:, [0, 1, 2, 6, 7, 8]], low[:, [3, 4, 5, 9, 10, 11]]
 
 

@@ -4,7 +4,7 @@ What one run tells is a local, *effective* elasticity: gears and structure toget
 the tool in this pose. Inertia is taken from the nominal arm; only K / M shows in the motion.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ilc.estimation.prediction_error import Fit, Whitened, fit
 from ilc.filters import ZeroPhaseButterworth
 
 from .arm_filter import ArmFilter, Distrust, arm_filter
-from .arm_springs import Springs, SpringPrior, springs_at
+from .arm_springs import SpringPrior, Springs, springs_at
 from .frozen_arm import FrozenArm, frozen
 from .instruments.imu import ImuCfg, ImuSamples
 from .nominal import NominalArm
@@ -101,7 +101,7 @@ def identify(
     starts = [np.concatenate((np.full(6, k), np.zeros(sd.size - 6))) for k in _STARTS]
     best = fit(innovations, np.zeros(sd.size), sd, starts)
     return Identified(
-        springs=springs_at(arm, prior, best.theta),
+        springs=springs_at(arm, prior, best.theta, distrust.share),
         fit=best,
         names=prior.names,
         whiteness=whiteness(best.innovation),
@@ -114,12 +114,18 @@ def residual(model: ArmFilter, run: Run, clock_offset: float) -> tuple[Array, Ar
     Returns:
         (K, 6), and (6,): the biases.
     """
+    explained = explain(model, run, run.phi, run.phi_dot, clock_offset)
+    left = run.reading - explained
+    return left, np.nanmean(left[run.imu_time + clock_offset < REST], axis=0)
+
+
+def explain(model: ArmFilter, run: Run, phi: Array, phi_dot: Array, clock_offset: float) -> Array:
+    """(K, 6): what the IMU reads, beside biases, when the motors deviate by phi (N, 6)."""
     from scipy.interpolate import CubicHermiteSpline
 
-    low, rate = model.predicted(run.phi, run.phi_dot, run.period)
+    low, rate = model.readings(model.simulated(phi, phi_dot, run.period))
     at = np.clip(run.imu_time + clock_offset, run.time[0], run.time[-1])
-    left = run.reading - CubicHermiteSpline(run.time, low, rate)(at)
-    return left, np.nanmean(left[run.imu_time + clock_offset < REST], axis=0)
+    return CubicHermiteSpline(run.time, low, rate)(at)
 
 
 def _innovations(
@@ -131,11 +137,11 @@ def _innovations(
     distrust: Distrust,
     theta: Array,
 ) -> Whitened:
-    springs = springs_at(arm, prior, theta)
+    springs = springs_at(arm, prior, theta, distrust.share)
     candidate = nominal.on_springs(springs.stiffness, springs.damping)
     if np.linalg.eigvalsh(candidate.spring_matrix)[0] <= 0.0:  # the arm would fall
         return Whitened(np.full_like(run.reading, np.inf), 0.0)
-    model = arm_filter(candidate, imu, distrust)
+    model = arm_filter(candidate, imu, replace(distrust, share=springs.distrust))
     left, bias = residual(model, run, springs.clock_offset)
     settled = SettledFilter(model.sampled(1.0 / imu.rate))
     start = np.zeros(len(model.A))

@@ -1,6 +1,6 @@
 """What is unknown of an arm's springs and of the IMU's clock, as parameters of an identification.
 
-    theta = (log K_11..K_66, log D scale, clock offset, couplings rho_ij)
+    theta = (log K_11..K_66, log D scale, clock offset, log distrust, couplings rho_ij)
 
 relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
 that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
@@ -28,11 +28,13 @@ class SpringPrior:
     """Of the log of the damping's scale."""
     clock: float = 0.010
     """[s]."""
+    distrust: float = 0.5
+    """Of the log of `Distrust.share`."""
     coupling: float = 0.3
     """Of rho; 0 keeps to gear springs."""
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "clock"):
+        for name in ("stiffness", "damping", "clock", "distrust"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
         if not self.coupling >= 0.0:
@@ -47,7 +49,7 @@ class SpringPrior:
         """(m,), of theta; its mean is 0."""
         return np.array(
             [self.stiffness] * N_AXES
-            + [self.damping, self.clock]
+            + [self.damping, self.clock, self.distrust]
             + [self.coupling] * len(self.pairs)
         )
 
@@ -55,7 +57,13 @@ class SpringPrior:
     def names(self) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
         pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
-        return (*(f"stiffness {i}" for i in range(1, N_AXES + 1)), "damping", "clock", *pairs)
+        return (
+            *(f"stiffness {i}" for i in range(1, N_AXES + 1)),
+            "damping",
+            "clock",
+            "distrust",
+            *pairs,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,20 +76,23 @@ class Springs:
     """(6,) [N m s/rad]."""
     clock_offset: float
     """Robot time when the unit's clock shows 0 [s]."""
+    distrust: float
+    """`Distrust.share`: how much of the arm's twist the model leaves unexplained."""
 
     def on(self, arm: NominalArm) -> NominalArm:
         """The arm on these springs."""
         return arm.with_springs(self.stiffness, self.damping)
 
 
-def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array) -> Springs:
-    """The springs that parameters mean on a nominal arm."""
+def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, share: float) -> Springs:
+    """The springs that parameters mean on a nominal arm; share is the distrust expected."""
     own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
     K = np.diag(own)
-    for rho, (i, j) in zip(theta[N_AXES + 2 :], prior.pairs, strict=True):
+    for rho, (i, j) in zip(theta[N_AXES + 3 :], prior.pairs, strict=True):
         K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
     return Springs(
         stiffness=K,
         damping=arm.damping * np.exp(theta[N_AXES]),
         clock_offset=float(theta[N_AXES + 1]),
+        distrust=share * float(np.exp(theta[N_AXES + 2])),
     )

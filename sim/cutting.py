@@ -9,17 +9,24 @@ from ilc import measures
 
 from .cell import Cell
 from .elastic import anticipated_shift
+from .instruments.imu import Imu, ImuSamples
 from .instruments.laser_tracker import LaserTracker, TrackerSamples
 from .model import RobotModel
 from .motion.joints import joint_reference, plan_cut
 from .motion.path import CuttingPath
 from .motion.program import ToolMotion
+from .motion.timing import PathLimits
 from .recording import Array, Recording
 from .robot import LOG_PERIOD, Job
 
 
 def plan(
-    cell: Cell, model: RobotModel, path: CuttingPath, quaternion: ArrayLike, speed: float
+    cell: Cell,
+    model: RobotModel,
+    path: CuttingPath,
+    quaternion: ArrayLike,
+    speed: float,
+    path_limits: PathLimits | None = None,
 ) -> tuple[ToolMotion, Array]:
     """A cut at `speed` [m/s] and its reference r, shape (N, 6) [rad], as the controller makes it.
 
@@ -29,7 +36,15 @@ def plan(
     Raises:
         ValueError: the motion leaves the joint limits (where) or the reach (by how much).
     """
-    motion, phi = plan_cut(path, quaternion, speed, cell.robot, cell.limits, step=LOG_PERIOD)
+    motion, phi = plan_cut(
+        path,
+        quaternion,
+        speed,
+        cell.robot,
+        cell.limits,
+        path_limits=path_limits,
+        step=LOG_PERIOD,
+    )
     shift = anticipated_shift(model, phi, LOG_PERIOD)
     return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
 
@@ -75,16 +90,34 @@ class Pass:
 
     recording: Recording
     tracker: TrackerSamples
+    imu: ImuSamples | None = None
+    """What an IMU at the tool sent, if there is one."""
+
+
+@dataclass(frozen=True)
+class MountedImu:
+    """A unit at the tool, with noise of its own."""
+
+    unit: Imu
+    rng: np.random.Generator
+
+    def read(self, recording: Recording) -> ImuSamples:
+        """What it sent during a run."""
+        truth = recording.truth
+        return self.unit.measure(
+            truth.time, truth.imu_acceleration, truth.imu_angular_velocity, self.rng
+        )
 
 
 @dataclass(frozen=True)
 class CuttingPlant:
-    """A loaded job under a laser tracker, as the plant of a learning loop."""
+    """A loaded job under a laser tracker, as the plant of a learning loop; an IMU if wanted."""
 
     job: Job
     tracker: LaserTracker
     rng: np.random.Generator
     """Source of torque and tracker noise."""
+    imu: MountedImu | None = None
 
     def run(self, correction: Array, /) -> Pass:
         """Cut once with a correction."""
@@ -93,4 +126,8 @@ class CuttingPlant:
         samples = self.tracker.measure(
             truth.time, truth.tool_position, truth.tool_quaternion, self.rng
         )
-        return Pass(recording=recording, tracker=samples)
+        return Pass(
+            recording=recording,
+            tracker=samples,
+            imu=None if self.imu is None else self.imu.read(recording),
+        )

@@ -9,14 +9,16 @@ from ilc import learning
 from ilc.laws.law import Law
 
 from .cell import Cell
-from .cutting import ArmSide, CuttingPlant, Pass, arm_side, plan
+from .cutting import ArmSide, CuttingPlant, MountedImu, Pass, arm_side, plan
 from .effects import Effect, available, with_effects
 from .individual import Individual, with_friction, with_individual
+from .instruments.imu import ImuCfg, draw
 from .instruments.laser_tracker import LaserTrackerCfg, set_up
 from .model import RobotModel
 from .motion.path import Circle, CuttingPath, Plane
 from .motion.poses import ToolPose
 from .motion.program import ToolMotion
+from .motion.timing import PathLimits
 from .recording import Array
 from .robot import Job, VirtualRobot
 
@@ -33,6 +35,8 @@ class CircleTask:
     """Programmed [m/s]."""
     across_tool: bool = False
     """In the plane perpendicular to the tool axis instead of the base x-y plane."""
+    limits: PathLimits | None = None
+    """Of the controller, for acceleration and jerk along the path; its own if None."""
 
     @property
     def path(self) -> CuttingPath:
@@ -77,6 +81,7 @@ def prepare(
     individual: Individual | None = None,
     repetition: int = 0,
     without: Collection[Effect] = (),
+    imu: ImuCfg | None = None,
 ) -> Experiment:
     """Draw the robot individual, set up the tracker and load the motion.
 
@@ -88,14 +93,17 @@ def prepare(
         individual: in place of one that only differs in friction.
         repetition: of the same experiment: other noise, everything else alike.
         without: effects of gears and drives to leave out, for ablations.
+        imu: the kind of unit to mount at the tool.
 
     Raises:
         ValueError: the task leaves the joint limits (where) or the reach (by how much).
     """
-    drawing, tracking, noise = np.random.SeedSequence(seed).spawn(3)
+    drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
     if repetition:
-        noise = noise.spawn(repetition)[-1]
-    motion, reference = plan(cell, nominal, task.path, task.pose.quaternion, task.speed)
+        noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
+    motion, reference = plan(
+        cell, nominal, task.path, task.pose.quaternion, task.speed, task.limits
+    )
     real = hardware or nominal
     real = with_effects(real, available(real) - frozenset(without), phi=reference[0])
     if individual is not None:
@@ -105,13 +113,17 @@ def prepare(
         real = with_friction(real, 1.0 + factor)
     job = VirtualRobot(real, nominal=nominal).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
-    plant = CuttingPlant(job, tracker, np.random.default_rng(noise))
+    unit = None
+    if imu is not None:
+        drawn = draw(imu, np.random.default_rng(mounting))
+        unit = MountedImu(drawn, np.random.default_rng(reading))
+    plant = CuttingPlant(job, tracker, np.random.default_rng(noise), unit)
     return Experiment(task=task, motion=motion, job=job, plant=plant)
 
 
 def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Iteration]:
     """Run and learn, k = 0 .. iterations, until done or diverged."""
-    job, motion, radius = experiment.job, experiment.motion, experiment.task.radius
+    job = experiment.job
     trials = learning.learn(
         experiment.plant,
         law,
@@ -119,13 +131,18 @@ def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Itera
         iterations,
         output_of=lambda run: run.recording.motor_angle,
     )
-    tracker_stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
     for trial in trials:
-        truth, seen = trial.result.recording.truth, trial.result.tracker
-        time, position = truth.time[::tracker_stride], truth.tool_position[::tracker_stride]
-        yield Iteration(
-            trial=trial,
-            motor_error=trial.error * job.model.drives.gear,
-            arm=arm_side(motion, seen.time, seen.position, radius),
-            arm_true=arm_side(motion, time, position, radius),
-        )
+        yield judged(experiment, trial)
+
+
+def judged(experiment: Experiment, trial: learning.Trial[Pass]) -> Iteration:
+    """A trial with its measures on motor and arm side."""
+    job, motion, radius = experiment.job, experiment.motion, experiment.task.radius
+    stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
+    truth, seen = trial.result.recording.truth, trial.result.tracker
+    return Iteration(
+        trial=trial,
+        motor_error=trial.result.recording.error * job.model.drives.gear,
+        arm=arm_side(motion, seen.time, seen.position, radius),
+        arm_true=arm_side(motion, truth.time[::stride], truth.tool_position[::stride], radius),
+    )

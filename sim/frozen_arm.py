@@ -1,4 +1,4 @@
-"""The nominal arm, linear around rest at one pose: what filters, identification and laws calculate with.
+"""The nominal arm, linear around rest at one pose: what filters and laws calculate with.
 
     M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
 

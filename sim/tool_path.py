@@ -13,7 +13,7 @@ REST_SAMPLES = 25
 """Over which the position at rest is averaged: 0.1 s of the motor log, before the arm moves."""
 
 
-def relative_to_start(position: Array, quaternion: Array | None) -> Array:
+def relative_to_start(position: Array, quaternion: Array | None = None) -> Array:
     """(N, 6): displacement [m] and rotation vector [rad] from rest, base axes.
 
     Args:

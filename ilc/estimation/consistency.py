@@ -51,7 +51,7 @@ def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
 
 
 def normalised_squared(error: Array, covariance: Array) -> Array:
-    """NEES or NIS of each sample: (N,) from errors (N, p) and covariances (N, p, p) or (1, p, p)."""
+    """NEES or NIS of each sample, (N,): errors (N, p), covariances (N, p, p) or (1, p, p)."""
     return np.einsum("ij,ij->i", error, np.linalg.solve(covariance, error[:, :, None])[:, :, 0])
 
 

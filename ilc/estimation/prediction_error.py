@@ -17,8 +17,8 @@ import numpy as np
 from ..plant import Array
 
 _DIFFERENCE = 1e-4  # of a standard deviation of the prior
-_ACCEPTED = 1e-4  # fall of the cost below which the search has ended
-_STEPS = 25
+_ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation
+_FIRST_STEPS, _STEPS = 5, 20  # of every start, and then of the best one
 
 
 class Whitened(NamedTuple):
@@ -32,7 +32,7 @@ class Whitened(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """The best of all starts."""
+    """Where the best start led."""
 
     theta: Array
     """(m,)."""
@@ -44,7 +44,7 @@ class Fit:
     innovation: Array
     """(N, p), whitened, at theta."""
     costs: tuple[float, ...]
-    """Of each start."""
+    """Of each start, after its first steps."""
 
     @property
     def standard_deviation(self) -> Array:
@@ -57,7 +57,7 @@ def fit(
     prior_sd: Array,
     starts: Sequence[Array],
 ) -> Fit:
-    """Search from each start by damped Gauss-Newton steps; the lowest cost wins.
+    """Search from each start by a few damped Gauss-Newton steps, and on from the best.
 
     Args:
         model: whitened innovations of the record at theta (m,).
@@ -67,11 +67,12 @@ def fit(
     Raises:
         RuntimeError: no start leads to a finite cost.
     """
-    found = [_search(model, prior, prior_sd, start) for start in starts]
+    found = [_search(model, prior, prior_sd, start, _FIRST_STEPS) for start in starts]
     costs = tuple(cost for _, cost in found)
     if not np.isfinite(min(costs)):
         raise RuntimeError("the prediction error is not finite at any start")
-    theta, cost = found[int(np.argmin(costs))]
+    best, _ = found[int(np.argmin(costs))]
+    theta, cost = _search(model, prior, prior_sd, best, _STEPS)
     residual, J, _ = _linearised(model, prior, prior_sd, theta)
     information = J.T @ J + np.diag(prior_sd**-2.0)
     covariance = np.linalg.inv(information)
@@ -86,6 +87,8 @@ def fit(
 
 
 def _cost(residual: Whitened, theta: Array, prior: Array, sd: Array) -> float:
+    if np.isinf(residual.innovation).any():
+        return np.inf
     e = residual.innovation[np.isfinite(residual.innovation).all(axis=1)]
     value = np.square(e).sum() + len(e) * residual.log_det + np.square((theta - prior) / sd).sum()
     return float(value) if np.isfinite(value) else np.inf
@@ -98,21 +101,24 @@ def _linearised(
     here = model(theta)
     seen = np.isfinite(here.innovation).all(axis=1)
     e = here.innovation[seen].ravel()
-    J, d_log_det = np.empty((e.size, theta.size)), np.empty(theta.size)
+    J, d_log_det = np.zeros((e.size, theta.size)), np.zeros(theta.size)
     for i, step in enumerate(np.diag(_DIFFERENCE * sd)):
-        there = model(theta + step)
-        J[:, i] = (there.innovation[seen].ravel() - e) / step[i]
-        d_log_det[i] = (there.log_det - here.log_det) / step[i]
+        for side in (step, -step):  # the other side where the model ends within a step
+            there = model(theta + side)
+            if np.isfinite(there.innovation[seen]).all():
+                J[:, i] = (there.innovation[seen].ravel() - e) / side[i]
+                d_log_det[i] = (there.log_det - here.log_det) / side[i]
+                break
     gradient = J.T @ e + 0.5 * seen.sum() * d_log_det + (theta - prior) / sd**2
     return here, J, gradient
 
 
 def _search(
-    model: Callable[[Array], Whitened], prior: Array, sd: Array, start: Array
+    model: Callable[[Array], Whitened], prior: Array, sd: Array, start: Array, steps: int
 ) -> tuple[Array, float]:
     theta, damping = np.array(start, dtype=np.float64), 1e-2
     cost = _cost(model(theta), theta, prior, sd)
-    for _ in range(_STEPS):
+    for _ in range(steps if np.isfinite(cost) else 0):
         _, J, gradient = _linearised(model, prior, sd, theta)
         H = J.T @ J + np.diag(sd**-2.0)
         while damping < 1e6:
@@ -126,6 +132,6 @@ def _search(
             return theta, cost
         gained, theta, cost = cost - reached, tried, reached
         damping = max(damping / 5.0, 1e-6)
-        if gained < _ACCEPTED * max(1.0, abs(cost)) * 1e-1:
+        if gained < _ACCEPTED:
             break
     return theta, cost

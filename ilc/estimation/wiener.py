@@ -33,7 +33,9 @@ class NonCausal:
         R: (p, p), covariance of v, which sampling spreads over the band as an intensity R h. What
         of y lies beyond the band is taken to be nothing: its sensor is to have a low-pass.
         """
-        s = 2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]  # slow drifts: poles at 0
+        s = (
+            2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]
+        )  # slow drifts: poles at 0
         states = np.linalg.inv(s * np.eye(len(self.A)) - self.A)
         spectrum = states @ self.intensity @ np.conj(np.swapaxes(states, 1, 2))
         S_yy = self.C @ spectrum @ self.C.T + R * sample_time

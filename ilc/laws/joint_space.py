@@ -1,0 +1,25 @@
+"""A law of motors fed with an error of the tool, by the inverse of a static Jacobian."""
+
+from dataclasses import dataclass
+
+from ..plant import Array
+from .law import FirstOrderLaw
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointSpace(FirstOrderLaw):
+    """u_{k+1} = law(u_k, J^-1 e_k): the heuristic L of the thesis on what the tool did."""
+
+    law: FirstOrderLaw
+    inverse: Array
+    """(n, p), of the tool's Jacobian."""
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if len(self.inverse) != n_columns:
+            raise ValueError(
+                f"the inverse has {len(self.inverse)} motors, the record {n_columns} columns"
+            )
+        self.law.check(n_samples, n_columns)
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        return self.law(correction, error @ self.inverse.T)

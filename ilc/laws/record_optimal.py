@@ -1,0 +1,87 @@
+"""Norm-optimal learning with several outputs and inputs, on the finite record, without matrices.
+
+    minimise |F (e_k - T (u - u_k))|_W^2 + rho |S^-1 u|^2 + sigma |S^-1 (u - u_k)|^2
+
+T is the frequency response G applied to a record that is at rest before and after, so that products
+with T and its transpose are FFTs; conjugate gradients then need a few dozen of them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..filters import RecordFilter
+from ..plant import Array
+from .law import FirstOrderLaw
+from .regularised_inverse import Response
+
+_STEPS, _SOLVED = 60, 1e-4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordOptimal(FirstOrderLaw):
+    """Errors (N, p) and corrections (N, n)."""
+
+    G: Response
+    """From the correction to the output."""
+    F: RecordFilter
+    """What of the error is to be learned; without phase."""
+    output_weight: tuple[float, ...]
+    """(p,), square roots of W's diagonal."""
+    input_size: tuple[float, ...]
+    """(n,), diagonal of S, > 0."""
+    correction_weight: float = 1e-3
+    """rho relative to the largest static gain of W^1/2 G S, squared."""
+    change_weight: float = 1e-2
+    """sigma, likewise."""
+
+    def __post_init__(self) -> None:
+        for name in ("correction_weight", "change_weight"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        if not self.correction_weight + self.change_weight > 0.0:
+            raise ValueError("correction_weight and change_weight must not both be 0")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if n_columns != len(self.input_size):
+            raise ValueError(
+                f"the law has {len(self.input_size)} inputs, the record {n_columns} columns"
+            )
+        self.F.check(n_samples, n_columns)
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        n = len(correction)
+        weight, size = np.array(self.output_weight), np.array(self.input_size)
+        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n)
+        T = weight[:, None] * self.G.response(omega) * size
+        T_H = np.conj(np.swapaxes(T, 1, 2))
+        scale = np.linalg.norm(T[0], ord=2) ** 2
+        rho, sigma = self.correction_weight * scale, self.change_weight * scale
+
+        def through(response: Array, signal: Array) -> Array:
+            spectrum = np.fft.rfft(signal, 2 * n, axis=0)
+            moved = (response @ spectrum[:, :, None])[:, :, 0]
+            return np.fft.irfft(moved, 2 * n, axis=0)[:n]
+
+        def normal(step: Array) -> Array:
+            seen = self.F(self.F(through(T, step)))
+            return through(T_H, seen) + (rho + sigma) * step
+
+        right = through(T_H, self.F(self.F(error * weight))) - rho * correction / size
+        return correction + size * _conjugate_gradients(normal, right)
+
+
+def _conjugate_gradients(A: Callable[[Array], Array], b: Array) -> Array:
+    x, r = np.zeros_like(b), b.copy()
+    p, power = r.copy(), float(np.vdot(b, b))
+    enough = _SOLVED**2 * power
+    for _ in range(_STEPS):
+        if power <= enough:
+            break
+        Ap = A(p)
+        along = power / float(np.vdot(p, Ap))
+        x, r = x + along * p, r - along * Ap
+        last, power = power, float(np.vdot(r, r))
+        p = r + power / last * p
+    return x
