@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import TypeVar
@@ -29,7 +30,7 @@ class Workers:
         # Forked threads are unsafe: workers are started afresh.
         context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
         self._pool = ProcessPoolExecutor(
-            self.count, mp_context=context, initializer=_leave_interrupts_to_the_parent
+            self.count, mp_context=context, initializer=_begin_worker
         )
         return self
 
@@ -59,6 +60,15 @@ class Workers:
             yield futures.pop(future), future.result() if error is None else error
 
 
-def _leave_interrupts_to_the_parent() -> None:
-    """Ctrl-C reaches every process of a terminal; the parent decides what ends."""
+def _begin_worker() -> None:
+    """Ctrl-C reaches every process of a terminal, and the parent decides what ends; where the
+    parent is killed, its workers would wait for ever."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

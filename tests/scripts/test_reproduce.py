@@ -1,0 +1,290 @@
+"""A report is resumable, honest about what fails, and never loses what is finished."""
+
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scripts import reproduce
+from scripts.console import Report
+from scripts.errors import InputError
+from scripts.options import Common
+from scripts.registry import load
+from scripts.report import Check
+from scripts.reproduce import ENTRIES, Entry, select
+from scripts.store import Store, digest
+
+HERE = Path(__file__).parent
+PROBES = ("three", "one_killed", "one_raised", "slow", "large")
+ENTRIES_OF_PROBES = tuple(Entry(name, (), "", f"probe_part:{name}") for name in PROBES)
+START = f"""
+import sys
+sys.path.insert(0, {str(HERE)!r})
+from scripts import cli, reproduce
+reproduce.ENTRIES = tuple(
+    reproduce.Entry(name, (), "", f"probe_part:{{name}}") for name in {PROBES!r}
+)
+sys.exit(cli.main())
+"""
+
+
+class HereAndNow:
+    """In place of worker processes, where these are not what a test is about."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def unordered(self, function, items):
+        for item in items:
+            try:
+                yield item, function(item)
+            except Exception as error:
+                yield item, error
+
+
+@pytest.fixture
+def reproduced_by_workers(armside, monkeypatch):
+    """Runs `armside reproduce` on probe sections, in an empty working folder."""
+    monkeypatch.setattr(reproduce, "ENTRIES", ENTRIES_OF_PROBES)
+
+    def run(line: str):
+        return armside(f"reproduce {line} --out report")
+
+    return run
+
+
+@pytest.fixture
+def reproduced(reproduced_by_workers, monkeypatch):
+    """The same without the seconds that processes take to start."""
+    monkeypatch.setattr(reproduce, "Workers", HereAndNow)
+    return reproduced_by_workers
+
+
+def ran() -> list[str]:
+    log = Path("ran.log")
+    return log.read_text().split() if log.exists() else []
+
+
+def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
+    status, _, err = reproduced("three")
+    assert (status, err) == (0, "")
+    page = Path("report/report.html").read_text()
+    assert "data:image/png;base64," in page
+    assert "A &lt;probe&gt; &amp; more" in page
+    assert not re.search(r"<script|https?://|src=\"(?!data:)|<link", page)
+    text = Path("report/report.md").read_text()
+    assert "(figures/probe.png)" in text
+    assert Path("report/figures/probe.png").exists()
+    assert "`armside reproduce three --seed 0`" in text
+
+
+def test_what_fails_is_shown_as_failing_with_its_reason(reproduced):
+    _, out, _ = reproduced("three")  # 2 + 2 + 2 is not <= 1
+    assert "FAILS" in out
+    for page in ("report.md", "report.html"):
+        text = Path("report", page).read_text()
+        assert "FAILS" in text
+        assert "twos" in text
+        assert "0 of 1 comparisons with the thesis hold" in text
+    marker = json.loads(Path("report/report.json").read_text())
+    assert marker["sections"][0]["checks"][0]["holds"] is False
+
+
+@pytest.mark.parametrize(
+    ("ours", "low", "high", "holds"),
+    [
+        (1.0, 1.0, None, True),
+        (0.99, 1.0, None, False),
+        (1.0, None, 1.0, True),
+        (1.01, 0.0, 1.0, False),
+        (float("nan"), 0.0, 1.0, False),
+        (float("inf"), 0.0, None, False),
+    ],
+)
+def test_a_verdict_follows_from_number_and_band(ours, low, high, holds):
+    check = Check(id="c", statement="s", thesis="t", ours=ours, low=low, high=high)
+    assert check.holds is holds
+
+
+def test_a_comparison_without_a_band_is_refused():
+    with pytest.raises(ValueError, match="needs a band"):
+        Check(id="c", statement="s", thesis="t", ours=1.0)
+
+
+def test_what_is_done_is_not_run_again(reproduced):
+    reproduced("three")
+    assert sorted(ran()) == ["a", "b", "c"]
+    status, out, _ = reproduced("three")
+    assert status == 0
+    assert sorted(ran()) == ["a", "b", "c"]
+    assert "0 experiments run, 3 known from before" in " ".join(out.split())
+
+
+def test_a_second_call_adds_its_section_to_the_report(reproduced):
+    reproduced("three")
+    reproduced("slow")
+    assert Path("report/report.md").read_text().count("## A <probe>") == 2
+
+
+def test_a_damaged_result_is_run_again(reproduced):
+    reproduced("three")
+    first = sorted(Path("report/results").iterdir())[0]
+    first.write_bytes(first.read_bytes()[:100])
+    assert reproduced("three")[0] == 0
+    assert len(ran()) == 4
+
+
+def test_a_killed_worker_is_reported_and_what_finished_stays(reproduced_by_workers):
+    status, _, err = reproduced_by_workers("one_killed")
+    assert status == 1
+    assert "worker process was killed" in err
+    assert "are kept in report" in err
+    assert not Path("report/report.html").exists()
+    finished = len(list(Path("report/results").iterdir()))
+    assert finished >= 1
+    Path("ran.log.spare").touch()  # from now on nothing is killed
+    before = len(ran())
+    assert reproduced_by_workers("one_killed")[0] == 0
+    assert len(ran()) == before + 4 - finished
+
+
+def test_an_experiment_that_fails_is_named_and_the_others_stay(reproduced):
+    status, _, err = reproduced("one_raised")
+    assert status == 1
+    assert "1 of 2 experiments failed" in err
+    assert "this experiment cannot be done" in err
+    assert len(list(Path("report/results").iterdir())) == 1
+
+
+def start(line: str, folder: Path, **options) -> subprocess.Popen:
+    command = [sys.executable, "-c", START, *line.split()]
+    return subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, **options)
+
+
+def wait_for_results(folder: Path, count: int) -> None:
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        if len(list((folder / "report" / "results").glob("[!.]*"))) >= count:
+            return
+        time.sleep(0.02)
+    raise AssertionError("no results in time")
+
+
+def test_kill_9_loses_at_most_what_was_under_way(tmp_path):
+    running = start("reproduce slow --out report --quiet", tmp_path)
+    wait_for_results(tmp_path, 3)
+    running.kill()
+    running.wait()
+    running.communicate()  # the pipe closes when the workers have ended too
+    kept = len(list((tmp_path / "report" / "results").glob("[!.]*.npz")))
+    assert 3 <= kept < 12
+    begun = len((tmp_path / "ran.log").read_text().split())
+    assert begun - kept <= len(os.sched_getaffinity(0)) + 1  # one may be queued beyond the cores
+    again = start("reproduce slow --out report --quiet", tmp_path)
+    assert again.communicate(timeout=60)[1] == ""
+    assert again.returncode == 0
+    assert len((tmp_path / "ran.log").read_text().split()) == begun + 12 - kept
+
+
+def test_an_interrupt_says_how_to_go_on(tmp_path):
+    running = start("reproduce slow --out report", tmp_path)
+    wait_for_results(tmp_path, 1)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert err == (
+        "armside: interrupted; what is finished is kept in report, repeat the command to go on\n"
+    )
+
+
+def test_a_full_disk_is_reported_and_what_was_written_before_stays(tmp_path):
+    def small_files() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+    running = start("reproduce large --out report --quiet", tmp_path, preexec_fn=small_files)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert "File too large" in err
+    assert err.count("\n") == 1
+    names = [file.name for file in (tmp_path / "report" / "results").iterdir()]
+    assert len(names) == 1  # the small one; nothing partial
+    assert not names[0].startswith(".")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("thesis.txt", "mine", "report is not empty"),
+        ("report.json", "not json", "report cannot be read as a report"),
+        ("report.json", '{"kind": "other"}', "not of ours"),
+    ],
+)
+def test_a_foreign_folder_is_refused_by_name_and_left_alone(reproduced, name, content, message):
+    Path("report").mkdir()
+    Path("report", name).write_text(content)
+    status, _, err = reproduced("three")
+    assert status == 2
+    assert message in err
+    assert err.count("\n") == 1
+    assert [file.name for file in Path("report").iterdir()] == [name]
+    assert Path("report", name).read_text() == content
+
+
+def test_an_unreadable_section_of_an_earlier_report_is_named(reproduced):
+    reproduced("three")
+    Path("report/sections/three.json").write_text("{")
+    status, _, err = reproduced("slow")
+    assert status == 2
+    assert "three.json is not a section of a report" in err
+
+
+def test_ids_select_chapters_figures_and_rows():
+    chapter = {entry.id for entry in select(["9"])}
+    assert chapter >= {"9.5", "9.6", "9.17", "repeatability"}
+    assert not chapter & {"F07", "9-map"}  # minutes: only by name
+    assert [entry.id for entry in select(["X08"])] == ["9.9", "9.10", "9.11"]
+    assert [entry.id for entry in select(["9.10"])] == ["repeatability", "9.10"]
+    assert [entry.id for entry in select(["F07", "9.5"])] == ["9.5", "F07"]
+    assert select([]) == [entry for entry in ENTRIES if entry.chapter]
+    rows = {"X04", "X05", "X06", "X07", "X08", "X09", "X10", "F07", "F08", "F09"}
+    assert all(select([row]) for row in rows)
+    with pytest.raises(InputError, match=r"Unknown figure, chapter or row '9.4'.*9.5"):
+        select(["9.4"])
+
+
+def test_each_entry_names_its_experiments():
+    for entry in ENTRIES:
+        part = load(entry.part)(0)
+        assert all(job.cost > 0.0 for job in part.jobs), entry.id
+
+
+def test_a_result_is_found_by_configuration_and_code(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(HERE)
+    from probe_part import ProbeJob
+
+    store = Store(tmp_path / "results")
+    job, other = ProbeJob("a", "log"), ProbeJob("b", "log")
+    store.save(job, {"value": np.arange(3.0)})
+    assert store.holds(job)
+    assert not store.holds(other)
+    assert np.array_equal(store.load(job)["value"], np.arange(3.0))
+    before = digest(job)
+    monkeypatch.setattr("scripts.store.code_fingerprint", lambda module: "other code")
+    assert digest(job) != before
+
+
+def test_progress_counts_weights_without_a_terminal():
+    with Report(Common(quiet=True)).weighted_progress("working", 3.0) as step:
+        step(1.5)
+        step(1.5)
