@@ -46,7 +46,7 @@ class Proposal:
     @property
     def iterations_to_5_percent(self) -> int:
         """After which the distance to the limit is at most 5 % of what it was."""
-        return int(np.ceil(np.log(0.05) / np.log(self.contraction)))
+        return max(1, int(np.ceil(np.log(0.05) / np.log(max(self.contraction, 1e-300)))))
 
     def left_over(self, frequency: float) -> float:
         """|e_inf| / |e_0| at a frequency [Hz], the part that is never learned."""

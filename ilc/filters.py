@@ -92,8 +92,8 @@ class ZeroPhaseButterworth:
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
         if self.order not in (1, 2, 3, 4):
             raise ValueError(f"order must be 1, 2, 3 or 4, got {self.order}")
-        if not isinstance(self.cutoff, (int, float, np.floating)):
-            object.__setattr__(self, "cutoff", tuple(float(f) for f in self.cutoff))
+        if np.ndim(self.cutoff) == 1:
+            object.__setattr__(self, "cutoff", tuple(float(f) for f in np.ravel(self.cutoff)))
         nyquist = 0.5 / self.sample_time
         for cutoff in as_tuple(self.cutoff):
             if not 0.0 < cutoff < nyquist:  # false for NaN too

@@ -118,12 +118,12 @@ def largest_gamma(
     require_stable(T_u, "T_u")
     omega = frequency_grid(n_frequencies)
     response = T_u.response(omega)
-    size = np.abs(response)
+    size = np.maximum(np.abs(response), 1e-150)  # a zero on the unit circle bounds nothing
     cosine = np.cos(np.angle(response) + np.multiply.outer(np.asarray(deltas, float), omega))
     if cutoffs is None:
         return np.maximum((cosine + np.abs(cosine)) / size, 0.0).min(axis=1)[:, None]
     squared = np.square(cosine)
-    at_rest = 2.0 / np.abs(T_u.static_gain)
+    at_rest = 2.0 / max(abs(T_u.static_gain), 1e-150)
     bounds = np.empty((len(cosine), np.size(cutoffs)))
     for column, cutoff in enumerate(np.atleast_1d(cutoffs)):
         Q = ZeroPhaseButterworth(float(cutoff), T_u.sample_time, order).response(omega)

@@ -42,6 +42,8 @@ class Heuristic(FirstOrderLaw):
         for delta in as_tuple(self.delta):
             if not np.isfinite(delta) or delta != int(delta):
                 raise ValueError(f"delta must be a whole number of samples, got {delta}")
+        whole = tuple(int(delta) for delta in as_tuple(self.delta))
+        object.__setattr__(self, "delta", whole if isinstance(self.delta, tuple) else whole[0])
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_columns("gamma", self.gamma, n_columns)

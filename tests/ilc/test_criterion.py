@@ -146,6 +146,13 @@ def test_the_closed_forms_are_the_edge_of_the_criterion(pole, gain, delay, delta
     assert not heuristic_criterion(T_u, 0.9 * gamma, delta, wider).is_met
 
 
+def test_a_model_that_is_zero_at_some_frequency_is_bounded_by_the_others():
+    average = System([0.5, 0.5], [1], 0.01)  # zero at the Nyquist frequency
+    assert largest_gamma(average, [0], [10.0])[0, 0] == pytest.approx(2.0, abs=1e-3)
+    difference = System([0.5, -0.5], [1], 0.01)  # zero at rest
+    assert largest_gamma(difference, [0], [10.0])[0, 0] > 2.0
+
+
 def test_an_unstable_model_is_refused_by_name():
     with pytest.raises(ValueError, match=r"T_u is unstable: its largest pole has modulus 1\.1"):
         largest_gamma(System([0, 1], [1, -1.1], 0.01), [1], [5.0])

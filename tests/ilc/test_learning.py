@@ -110,6 +110,19 @@ def test_each_motor_has_its_own_design_variables():
         )
 
 
+def test_design_variables_may_come_as_any_kind_of_number():
+    error = moves(60, 2) - 0.3
+    plain = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
+    Q = ZeroPhaseButterworth(np.int64(10), SAMPLE_TIME)
+    odd = Heuristic(Q=Q, gamma=np.float32(0.9), delta=3.0)
+    lists = Heuristic(
+        Q=ZeroPhaseButterworth([10, 10], SAMPLE_TIME), gamma=np.array([0.9, 0.9]), delta=[3, 3.0]
+    )
+    expected = plain(0 * error, error)
+    for law in (odd, lists):
+        np.testing.assert_allclose(law(0 * error, error), expected, rtol=1e-6)
+
+
 def test_the_loop_reads_the_output_from_whatever_the_plant_returns():
     class Recorder:
         def run(self, correction, /):
