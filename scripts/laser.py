@@ -206,10 +206,10 @@ def _write(
     robot = CELLS[config["robot"]].robot
     write_replay(folder / "replay.rrd", experiment.job.model.mj, runs, experiment.motion, robot)
     rows = outcome["iterations"]
-    turn = np.linspace(0.0, 2.0 * np.pi, 361)
+    curve = experiment.task.curve
     figures.circles(
         folder / "circles.png",
-        experiment.task.radius * np.column_stack([np.cos(turn), np.sin(turn)]),
+        curve.point(np.linspace(0.0, curve.length, 361)),
         [it.arm.path for it in iterations],
         rms=[row["arm_rms"] for row in rows],
         maxdev=[row["arm_maxdev"] for row in rows],

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ilc import measures
-
 from .cell import Cell
 from .elastic import anticipated_shift
 from .instruments.imu import Imu, ImuSamples
@@ -47,41 +45,6 @@ def plan(
     )
     shift = anticipated_shift(model, phi, LOG_PERIOD)
     return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ArmSide:
-    """How round the tool's circle was, as thesis 9.3 measures it."""
-
-    rms: float
-    """[m], (9.6)."""
-    maxdev: float
-    """[m], (9.7)."""
-    path: Array
-    """(M, 2) [m], the contour in its plane, around its own least-squares centre."""
-
-
-def arm_side(motion: ToolMotion, time: Array, position: Array, radius: float) -> ArmSide:
-    """Measures of one turn of a circle.
-
-    A turn with samples missing has no measure: rms and maxdev are NaN, the path is what is left.
-
-    Args:
-        time: (K,) [s].
-        position: (K, 3) [m], base axes; NaN where there is no sample.
-        radius: programmed [m].
-    """
-    turn = position[motion.is_on_contour(time)]
-    seen = turn[np.isfinite(turn).all(axis=1)]
-    axes = motion.path.plane.axes
-    if len(seen) < max(3, len(turn)):
-        return ArmSide(rms=np.nan, maxdev=np.nan, path=(seen - seen.mean(axis=0)) @ axes[:, :2])
-    circle = measures.fit_circle(turn, normal=axes[:, 2])
-    return ArmSide(
-        rms=measures.circle_rms(circle.radii, radius),
-        maxdev=measures.circle_maxdev(circle.radii, radius),
-        path=(turn - circle.centre) @ axes[:, :2],
-    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,51 +8,27 @@ import numpy as np
 from ilc import learning
 from ilc.laws.law import Law
 
+from .arm_side import ArmSide, arm_side
 from .cell import Cell
-from .cutting import ArmSide, CuttingPlant, MountedImu, Pass, arm_side, plan
+from .cutting import CuttingPlant, MountedImu, Pass, plan
 from .effects import Effect, available, with_effects
 from .individual import Individual, with_friction, with_individual
 from .instruments.imu import ImuCfg, draw
 from .instruments.laser_tracker import LaserTrackerCfg, set_up
 from .model import RobotModel
-from .motion.path import Circle, CuttingPath, Plane
-from .motion.poses import ToolPose
 from .motion.program import ToolMotion
-from .motion.timing import PathLimits
 from .recording import Array
 from .robot import Job, VirtualRobot
-
-
-@dataclass(frozen=True, kw_only=True)
-class CircleTask:
-    """A circle to be cut: where, how large, how fast."""
-
-    pose: ToolPose
-    """Its centre is the circle's; its orientation is kept."""
-    radius: float = 0.005
-    """Programmed [m]."""
-    speed: float = 0.040
-    """Programmed [m/s]."""
-    across_tool: bool = False
-    """In the plane perpendicular to the tool axis instead of the base x-y plane."""
-    limits: PathLimits | None = None
-    """Of the controller, for acceleration and jerk along the path; its own if None."""
-
-    @property
-    def path(self) -> CuttingPath:
-        """Lead-in, one turn and lead-out."""
-        origin = np.array(self.pose.position)
-        plane = Plane(origin)
-        if self.across_tool:
-            plane = Plane.perpendicular_to(self.pose.tool_axis, origin)
-        return CuttingPath.around(Circle(self.radius), plane)
+from .task import CircleTask as CircleTask
+from .task import ContourTask as ContourTask
+from .task import CutTask
 
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
     """Everything that is fixed before the first run."""
 
-    task: CircleTask
+    task: CutTask
     motion: ToolMotion
     job: Job
     plant: CuttingPlant
@@ -73,7 +49,7 @@ class Iteration:
 def prepare(
     cell: Cell,
     nominal: RobotModel,
-    task: CircleTask,
+    task: CutTask,
     *,
     seed: int,
     friction_spread: float = 0.02,
@@ -137,12 +113,12 @@ def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Itera
 
 def judged(experiment: Experiment, trial: learning.Trial[Pass]) -> Iteration:
     """A trial with its measures on motor and arm side."""
-    job, motion, radius = experiment.job, experiment.motion, experiment.task.radius
+    job, motion = experiment.job, experiment.motion
     stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
     truth, seen = trial.result.recording.truth, trial.result.tracker
     return Iteration(
         trial=trial,
         motor_error=trial.result.recording.error * job.model.drives.gear,
-        arm=arm_side(motion, seen.time, seen.position, radius),
-        arm_true=arm_side(motion, truth.time[::stride], truth.tool_position[::stride], radius),
+        arm=arm_side(motion, seen.time, seen.position),
+        arm_true=arm_side(motion, truth.time[::stride], truth.tool_position[::stride]),
     )

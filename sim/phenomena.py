@@ -15,8 +15,9 @@ from ilc.laws import Heuristic
 from ilc.learning import Trial, learn
 from ilc.recursion import recursion
 
+from .arm_side import ArmSide, arm_side
 from .cell import LARGE_CELL
-from .cutting import ArmSide, arm_side, plan
+from .cutting import plan
 from .effects import Effect, with_effects
 from .experiment import CircleTask
 from .model import RobotModel
@@ -108,7 +109,7 @@ def learned(
     trials = list(
         learn(_Plant(job), law, reference, iterations, output_of=lambda run: run.motor_angle)
     )
-    sides = [_side(motion, trial, task) for trial in trials]
+    sides = [_side(motion, trial) for trial in trials]
     errors = [trial.error * model.drives.gear for trial in trials]
     return Learned(
         motor_inf=np.array([measures.inf_norm(e) for e in errors]),
@@ -121,10 +122,10 @@ def learned(
     )
 
 
-def _side(motion: ToolMotion, trial: Trial[Recording], task: CircleTask) -> ArmSide:
+def _side(motion: ToolMotion, trial: Trial[Recording]) -> ArmSide:
     truth = trial.result.truth
     every = slice(None, None, _TRACKER_STRIDE)
-    return arm_side(motion, truth.time[every], truth.tool_position[every], task.radius)
+    return arm_side(motion, truth.time[every], truth.tool_position[every])
 
 
 def learning_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Finding]:

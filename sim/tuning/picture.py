@@ -40,7 +40,7 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
     figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
     circle, errors = figure.subplots(1, 2)
-    radius = history[0].experiment.task.radius
+    radius = history[0].experiment.task.curve.smallest_radius
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)
     for situation in history:

@@ -11,8 +11,9 @@ from ilc.measures import two_norm
 from kinematics import CompiledRobot
 from kinematics import compile as compile_robot
 
+from ..arm_side import ArmSide, arm_side
 from ..cell import CELLS
-from ..cutting import ArmSide, Pass, arm_side
+from ..cutting import Pass
 from ..experiment import Experiment
 from ..recording import Array
 from .design import Design
@@ -47,7 +48,7 @@ Sensor = Callable[[Experiment, Pass], ArmSide]
 def by_tracker(experiment: Experiment, cut: Pass) -> ArmSide:
     """What the laser tracker says of the tool."""
     seen = cut.tracker
-    return arm_side(experiment.motion, seen.time, seen.position, experiment.task.radius)
+    return arm_side(experiment.motion, seen.time, seen.position)
 
 
 @lru_cache
@@ -63,7 +64,7 @@ def by_motors(robot: str) -> Sensor:
         # r is shifted against the deflection that the controller expects: compare with r, not with
         # the programmed path.
         tool = motion.position + got - asked
-        return arm_side(motion, recording.time, tool, experiment.task.radius)
+        return arm_side(motion, recording.time, tool)
 
     return sensor
 
@@ -113,7 +114,7 @@ def _situation(
         error=error,
         first_norm=first_norm,
         seen=sensor(experiment, cut),
-        true=arm_side(experiment.motion, time, position, experiment.task.radius),
+        true=arm_side(experiment.motion, time, position),
         diverged=diverged,
         limits_hit=cut.recording.limits_hit,
     )

@@ -5,8 +5,8 @@ import pytest
 
 from ilc.filters import ZeroPhaseButterworth
 from ilc.laws import Heuristic
+from sim.arm_side import arm_side
 from sim.cell import LARGE_CELL
-from sim.cutting import arm_side
 from sim.experiment import CircleTask, iterate, prepare
 from sim.model import load_model
 from sim.motion.poses import LARGE_ROBOT_POSES
@@ -51,7 +51,7 @@ def test_a_turn_with_a_lost_beam_has_no_measure(model):
     seen = first.trial.result.tracker
     position = seen.position.copy()
     position[len(position) // 2 :] = np.nan
-    side = arm_side(experiment.motion, seen.time, position, 0.005)
+    side = arm_side(experiment.motion, seen.time, position)
     assert np.isnan(side.rms)
     assert np.isnan(side.maxdev)
     assert np.isfinite(side.path).all()
