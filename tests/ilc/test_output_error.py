@@ -1,0 +1,75 @@
+"""Output error finds the model behind the data, also where one-step prediction does not."""
+
+import numpy as np
+import pytest
+
+from ilc.identification import fit_arx
+from ilc.measures import circle_ripple
+from ilc.output_error import fit_first_order, fit_of
+from ilc.system import System
+
+STEP = 0.004
+THESIS = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1.0, -0.4884]), STEP)
+
+
+@pytest.fixture
+def smooth_input():
+    """Two corrections as learning leaves them: nothing above 10 Hz."""
+    t = STEP * np.arange(400)[:, None]
+    window = np.sin(np.pi * t / t[-1]) ** 2
+    return window * np.sin(2 * np.pi * np.array([1.3, 3.1]) * t + [0.0, 1.0])
+
+
+def test_the_model_of_the_thesis_is_found_again(smooth_input):
+    found = fit_first_order(smooth_input, THESIS.simulate(smooth_input), STEP)
+    assert found.delay == 5
+    assert found.pole == pytest.approx(0.4884, abs=1e-4)
+    assert found.static_gain == pytest.approx(THESIS.static_gain, abs=1e-5)
+    assert found.fit == pytest.approx(1.0, abs=1e-4)
+    assert found.total_delay == pytest.approx(5 + 0.4884 / 0.5116, abs=1e-3)
+
+
+def test_noise_of_the_output_does_not_bend_it_as_it_bends_arx(smooth_input):
+    rng = np.random.default_rng(0)
+    y = THESIS.simulate(smooth_input)
+    y = y + 0.02 * rng.standard_normal(y.shape)
+    ours = fit_first_order(smooth_input, y, STEP)
+    arx = fit_arx(smooth_input, y, STEP, na=1, nb=1, nk=5)
+    assert ours.total_delay == pytest.approx(5.95, abs=0.3)
+    assert abs(ours.static_gain - THESIS.static_gain) < 0.01
+    pole_of_arx = -arx.coefficients[0]
+    found = fit_first_order(smooth_input, y, STEP, delays=[5])
+    assert abs(found.pole - 0.4884) < 0.5 * abs(pole_of_arx - 0.4884)
+
+
+def test_fit_is_one_for_the_truth_and_zero_for_the_mean(smooth_input):
+    y = THESIS.simulate(smooth_input)
+    assert fit_of(THESIS, smooth_input, y) == pytest.approx(1.0)
+    nothing = System(np.array([0.0]), np.array([1.0]), STEP)
+    centred = y - y.mean(axis=0)
+    assert fit_of(nothing, smooth_input, centred) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "message"),
+    [
+        (np.ones((9, 1)), np.ones((8, 1)), "one shape"),
+        (np.zeros((9, 1)), np.ones((9, 1)), "zero throughout"),
+    ],
+)
+def test_data_that_say_nothing_are_refused(u, y, message):
+    with pytest.raises(ValueError, match=message):
+        fit_first_order(u, y, STEP)
+
+
+def test_no_delay_to_choose_from_is_refused():
+    with pytest.raises(ValueError, match="delays must not be empty"):
+        fit_first_order(np.ones((9, 1)), np.ones((9, 1)), STEP, delays=[])
+
+
+def test_ripple_is_the_rms_of_the_harmonics_inside_the_band():
+    turn_time, n = 0.8, 800
+    t = turn_time * np.arange(n) / n
+    radii = 5e-3 + 1e-4 * np.sin(2 * np.pi * 7.5 * t) + 3e-4 * np.sin(2 * np.pi * 2.5 * t)
+    assert circle_ripple(radii, turn_time, 5.0, 14.0) == pytest.approx(1e-4 / np.sqrt(2))
+    assert circle_ripple(radii, turn_time, 9.0, 14.0) == pytest.approx(0.0, abs=1e-12)

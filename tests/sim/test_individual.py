@@ -1,0 +1,190 @@
+"""Individuals differ as told, payloads weigh what they weigh, and only copies change."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import assets
+from sim.cell import LARGE_CELL
+from sim.effects import Effect, with_effects
+from sim.experiment import CircleTask, prepare
+from sim.individual import (
+    Individual,
+    Spread,
+    draw,
+    structure_hinges,
+    with_individual,
+    with_payload,
+)
+from sim.model import load_model
+from sim.robot import VirtualRobot
+from sim.statics import Statics
+
+GRAVITY = 9.82  # [m/s^2], of the model
+
+
+@pytest.fixture(scope="module")
+def design():
+    return load_model(assets.LARGE_ROBOT_XML)
+
+
+@pytest.fixture(scope="module")
+def reference(design):
+    task = CircleTask(pose=LARGE_CELL.poses["p1"])
+    return prepare(LARGE_CELL, design, task, seed=0).job.reference
+
+
+def _individual(design, seed=0, **spread):
+    rng = np.random.default_rng(seed)
+    return draw(rng, len(structure_hinges(design)), Spread(**spread))
+
+
+def test_the_default_individual_is_the_design_to_the_last_bit(design, reference):
+    same = with_individual(design, Individual())
+    runs = [VirtualRobot(model).load(reference).run() for model in (design, same)]
+    assert np.array_equal(runs[0].motor_angle, runs[1].motor_angle)
+    assert np.array_equal(runs[0].truth.tool_position, runs[1].truth.tool_position)
+
+
+def test_same_seed_same_individual_and_the_design_is_left_alone(design):
+    before = design.mj.jnt_stiffness.copy(), design.mj.body_quat.copy()
+    first, again, other = (with_individual(design, _individual(design, s)) for s in (1, 1, 2))
+    assert np.array_equal(first.mj.jnt_stiffness, again.mj.jnt_stiffness)
+    assert np.array_equal(first.mj.body_quat, again.mj.body_quat)
+    assert not np.array_equal(first.mj.jnt_stiffness, other.mj.jnt_stiffness)
+    assert np.array_equal(design.mj.jnt_stiffness, before[0])
+    assert np.array_equal(design.mj.body_quat, before[1])
+
+
+def test_the_distribution_is_the_documented_one(design):
+    robots = [_individual(design, seed) for seed in range(400)]
+    for name, of_log in (("friction", True), ("gear_stiffness", True), ("position", False)):
+        values = np.array([getattr(robot, name) for robot in robots])
+        samples = (np.log(values) if of_log else values).ravel()
+        expected = getattr(Spread(), name)
+        # The standard error of a standard deviation is 1 / sqrt(2 n) of it: 1.4 % here at most.
+        assert np.std(samples) == pytest.approx(expected, rel=0.06)
+        assert abs(np.mean(samples)) < 0.1 * expected
+
+
+def test_a_stiffer_spring_keeps_its_damping_ratio(design):
+    robot = with_individual(design, _individual(design))
+    springs = design.mj.jnt_stiffness > 0.0
+    dofs = design.mj.jnt_dofadr[springs]
+    stiffer = robot.mj.jnt_stiffness[springs] / design.mj.jnt_stiffness[springs]
+    damped = robot.mj.dof_damping[dofs] / design.mj.dof_damping[dofs]
+    assert damped == pytest.approx(np.sqrt(stiffer), rel=1e-12)
+    assert np.unique(stiffer.round(6)).size == springs.sum()  # each spring has its own
+
+
+def test_the_stiff_part_of_a_gear_with_lost_motion_scales_with_it(design):
+    soft = with_effects(design, [Effect.LOST_MOTION], phi=np.zeros(6))
+    individual = replace(Individual(), gear_stiffness=np.linspace(0.8, 1.3, 6))
+    robot = with_individual(soft, individual)
+    stiff = [
+        m.mj.jnt_stiffness[m.mj.joint(f"flex_{i}").id]
+        + m.mj.tendon_stiffness[m.mj.tendon(f"gear_{i}").id]
+        for m in (soft, robot)
+        for i in range(1, 7)
+    ]
+    assert np.divide(stiff[6:], stiff[:6]) == pytest.approx(individual.gear_stiffness)
+
+
+def test_geometry_errors_move_the_tool_by_what_uncalibrated_robots_miss(design, reference):
+    """Millimetres at the tool, from half a millimetre and half a milliradian at each joint."""
+    import mujoco
+
+    def tool(model):
+        data = mujoco.MjData(model.mj)
+        data.qpos[:] = model.posture @ reference[0]
+        mujoco.mj_kinematics(model.mj, data)
+        return data.site("tool0").xpos.copy()
+
+    off = [
+        np.linalg.norm(tool(with_individual(design, _individual(design, seed))) - tool(design))
+        for seed in range(20)
+    ]
+    assert 0.5e-3 < np.median(off) < 5e-3
+    still = _individual(design, position=0.0, orientation=0.0)
+    assert tool(with_individual(design, still)) == pytest.approx(tool(design), abs=1e-12)
+
+
+def test_phases_of_ripple_and_gear_error_are_the_individuals_own(design):
+    full = with_effects(design, [Effect.GEAR_ERROR, Effect.RIPPLE], phi=np.zeros(6))
+    robot = with_individual(full, replace(Individual(), ripple_phase=np.full(6, 0.5)))
+    assert robot.gear_error.phase == pytest.approx(full.gear_error.phase + 0.5)
+    axis = robot.mj.actuator("axis_3").id
+    assert robot.mj.actuator_biasprm[axis, 2] == full.mj.actuator_biasprm[axis, 2] + 0.5
+
+
+def test_a_payload_weighs_at_the_elbow_what_its_lever_says(design):
+    """Stretched forward in the zero pose: 0.25 m beyond the flange, gravity down."""
+    heavy = with_payload(design, 140.0)
+    forces = [
+        Statics(m).rigid_forces(np.zeros((1, 6)), np.zeros((1, 6)), np.zeros((1, 6)))[0]
+        for m in (design, heavy)
+    ]
+    elbow_to_tool = 1.142 + 0.2 + 0.25
+    more = (forces[1] - forces[0])[design.motor[2]]
+    assert abs(more) == pytest.approx(100.0 * GRAVITY * elbow_to_tool, rel=1e-9)
+
+
+def test_a_payload_changes_the_tool_alone(design):
+    heavy, none = with_payload(design, 175.0), with_payload(design, 0.0)
+    total = design.mj.body_mass.sum()
+    assert heavy.mj.body_mass.sum() == pytest.approx(total + 135.0)
+    assert none.mj.body_mass.sum() == pytest.approx(total - 40.0)
+    changed = np.flatnonzero(heavy.mj.body_mass != design.mj.body_mass)
+    assert [design.mj.body(int(i)).name for i in changed] == ["tool"]
+    ratio = heavy.mj.body("tool").inertia / design.mj.body("tool").inertia
+    assert ratio == pytest.approx(175.0 / 40.0)
+
+
+def test_the_controller_feeds_forward_what_it_knows_not_what_it_carries(design):
+    task = CircleTask(pose=LARGE_CELL.poses["p1"])
+    heavy = with_payload(design, 175.0)
+
+    def fed_forward(known, hardware):
+        job = prepare(LARGE_CELL, known, task, seed=0, hardware=hardware).job
+        torque = job.controls.reshape(-1, 6, 3)[:, :, 2]
+        return torque - torque[0]  # what holds the arm at rest is found by the servo
+
+    unaware, unloaded, aware = (
+        fed_forward(known, hardware)
+        for known, hardware in ((design, heavy), (design, design), (heavy, heavy))
+    )
+    assert unaware == pytest.approx(unloaded, abs=1e-9)
+    assert (np.ptp(aware, axis=0)[1:] > 1.1 * np.ptp(unaware, axis=0)[1:]).all()
+
+
+def test_a_repetition_is_the_same_robot_with_other_noise(design):
+    task = CircleTask(pose=LARGE_CELL.poses["p1"])
+    first, again, other = (
+        prepare(LARGE_CELL, design, task, seed=3, repetition=r) for r in (0, 0, 1)
+    )
+    assert np.array_equal(first.job.controls, other.job.controls)
+    assert np.array_equal(first.job.model.mj.actuator_biasprm, other.job.model.mj.actuator_biasprm)
+    draws = [e.plant.rng.standard_normal(4) for e in (first, again, other)]
+    assert np.array_equal(draws[0], draws[1])
+    assert not np.array_equal(draws[0], draws[2])
+
+
+@pytest.mark.parametrize("mass", [-1.0, np.nan, np.inf])
+def test_a_payload_that_cannot_be_is_refused(design, mass):
+    with pytest.raises(ValueError, match="payload must be >= 0 kg"):
+        with_payload(design, mass)
+
+
+def test_a_robot_without_a_tool_of_its_own_says_so():
+    irb1400 = load_model(assets.IRB1400_XML)
+    try:
+        irb1400.mj.body("tool")
+    except KeyError:
+        with pytest.raises(ValueError, match="lacks the body tool"):
+            with_payload(irb1400, 5.0)
+
+
+def test_a_negative_spread_is_refused():
+    with pytest.raises(ValueError, match="spread of friction must be >= 0"):
+        Spread(friction=-0.1)
