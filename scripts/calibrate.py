@@ -62,8 +62,8 @@ CHANCE = {
 }
 """What the search varies, and by how much: standard deviation relative to the value."""
 
-LEAST_STRUCTURE_DAMPING = 0.25
-"""Of the data: modes of 0.6 % of critical, the least that is known of such arms."""
+LEAST = {"structure_damping": 0.25, "lost_motion": 0.14, "gear_error": 0.4, "ripple": 0.7}
+"""What must not be calibrated away: modes keep 0.6 % of critical damping, gears their faults."""
 CHILDREN = 4
 """Candidates of one generation; the best of them is the next parent if it is better."""
 DIGITS = 3
@@ -75,7 +75,7 @@ EFFECTS = frozenset(Effect)
 class CalibrateCfg:
     """How long to search, and what to do with what was found."""
 
-    generations: int = 40
+    generations: int = 12
     """Generations of four candidates; 0 checks the numbers in the file and searches nothing."""
     file: Path = assets.LARGE_ROBOT_XML
     """MJCF that the numbers are compared with."""
@@ -134,8 +134,7 @@ def mutate(trim: Trim, rng: np.random.Generator) -> Trim:
         which = rng.random(value.shape) < 0.5 if value.ndim else True
         factor = 1.0 + CHANCE[name] * rng.standard_normal(value.shape) * which
         changed = _rounded(value * factor)
-        if name == "structure_damping":
-            changed = max(changed, LEAST_STRUCTURE_DAMPING)
+        changed = np.maximum(changed, LEAST.get(name, 0.0))
         if name == "velocity_feedforward":
             changed = np.minimum(changed, 1.0)
         changes[name] = tuple(map(float, changed)) if value.ndim else float(changed)
