@@ -214,8 +214,8 @@ def laser(seeds: Iterable[int]) -> Table:
                 bool((default[:, 0] <= LEARNED).all()),
             ),
             Verdict(
-                f"designed for its friction and delay, the inf-norm ends at {LEARNED} in the median "
-                f"and at {WORST_SEED} in every seed",
+                f"designed for its friction and delay, the inf-norm ends at {LEARNED} in the median"
+                f" and at {WORST_SEED} in every seed",
                 bool(np.median(designed[:, 1]) <= LEARNED and designed[:, 1].max() <= WORST_SEED),
             ),
             Verdict(

@@ -196,6 +196,15 @@ def test_the_passive_joints_follow_the_motors_in_every_pose(full, dh):
         assert data.site("tool0").xpos == pytest.approx(dh.pose(row)[:3, 3], abs=ROUNDING)
 
 
+def test_the_imu_is_where_the_two_constant_links_put_it(full):
+    """Thesis Table 5.1 and (5.7)-(5.9): position and axes of the site, in any pose."""
+    imu = kinematics.compile(kinematics.IRB1400_IMU)
+    for phi in np.random.default_rng(2).uniform(-0.5, 0.5, (20, 6)):
+        site, T_base_imu = at_rest_pose(full, phi).site("imu"), imu.pose(phi)
+        assert site.xpos == pytest.approx(T_base_imu[:3, 3], abs=ROUNDING)
+        assert site.xmat.reshape(3, 3) == pytest.approx(T_base_imu[:3, :3], abs=ROUNDING)
+
+
 def test_the_constant_map_is_what_the_constraint_itself_implies(rigid):
     """Tangent of the cut, from the Jacobians of its two sites, in an arbitrary pose."""
     data = at_rest_pose(rigid, np.array([0.3, 0.6, -0.2, 0.1, 0.2, 0.3]))

@@ -244,6 +244,23 @@ def test_the_summary_can_be_computed_again_from_the_signals(folder):
     )
 
 
+def test_the_replay_holds_the_robot_and_both_sides_of_the_comparison(folder):
+    from rerun.chunk import RrdReader
+
+    table = pq.read_table(folder / "imu.parquet")
+    entities, series = set(), {}
+    for chunk in RrdReader(folder / "replay.rrd").stream().to_chunks():
+        entities.add(chunk.entity_path)
+        batch = chunk.to_record_batch()
+        names = {name.split(":")[-1]: name for name in batch.schema.names}
+        if "scalars" in names and not chunk.is_static:
+            series[chunk.entity_path] = np.ravel(batch.column(names["scalars"]).to_pylist())
+    assert {"/robot/rod", "/robot/crank", "/robot/disc", "/robot/path"} <= entities
+    for side in ("measured", "predicted"):
+        expected = table[f"acceleration_{side}_z"].to_numpy()
+        assert series[f"/acceleration_z/{side}"] == pytest.approx(expected, abs=0)
+
+
 @pytest.mark.parametrize("motion", ["sequential", "rest"])
 def test_the_other_motions_leave_their_figures(motion, tmp_path):
     options = ["--off", "4", "--on", "4"] if motion == "rest" else []
