@@ -8,6 +8,8 @@ what needs them, not by this package.
 
 from .compiled import CompiledRobot as CompiledRobot
 from .compiled import compile as compile
+from .compiled import compile_dynamics as compile_dynamics
+from .compiled import compile_measurement as compile_measurement
 from .dh import Convention as Convention
 from .dh import Joint as Joint
 from .dh import Link as Link
@@ -22,6 +24,9 @@ from .inverse_numeric import NotConvergedError as NotConvergedError
 from .inverse_numeric import inverse_numeric as inverse_numeric
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits
+from .model import Body as Body
+from .model import Motor as Motor
+from .model import RobotModel as RobotModel
 from .robots import IMU_LINKS as IMU_LINKS
 from .robots import IRB1400 as IRB1400
 from .robots import IRB1400_IMU as IRB1400_IMU

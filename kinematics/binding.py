@@ -89,10 +89,13 @@ def _careful(module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Cal
             raise ValueError(
                 f"out must be float64 of shape {expected}, got {out.dtype} of {out.shape}"
             )
-        direct = out is not None and out.flags.c_contiguous and out.flags.writeable
-        result = out if direct else np.empty(expected)
-        (module.many if batch else module.one)(*_writable(arrays), result)
-        if out is None or direct:
+        compute = module.many if batch else module.one
+        if out is not None and out.flags.c_contiguous and out.flags.writeable:
+            compute(*_writable(arrays), out)
+            return out
+        result = np.empty(expected)
+        compute(*_writable(arrays), result)
+        if out is None:
             return result
         out[...] = result
         return out

@@ -11,9 +11,10 @@ import sympy as sp
 
 from .dh import Convention, Joint, Link, Robot
 from .exact import exact, exact_angle
+from .sympy_types import Expression
 
-Vector = tuple[sp.Expr, sp.Expr, sp.Expr]
-Naming = Callable[[sp.Expr], sp.Expr]
+Vector = tuple[Expression, Expression, Expression]
+Naming = Callable[[Expression], Expression]
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Chain:
     """Columns of R_base_tool."""
 
 
-def scaled(name: Naming, factor: sp.Expr, v: Vector) -> Vector:
+def scaled(name: Naming, factor: Expression, v: Vector) -> Vector:
     return (name(factor * v[0]), name(factor * v[1]), name(factor * v[2]))
 
 
@@ -44,7 +45,7 @@ def added(name: Naming, u: Vector, v: Vector) -> Vector:
     return (name(u[0] + v[0]), name(u[1] + v[1]), name(u[2] + v[2]))
 
 
-def combined(name: Naming, a: sp.Expr, u: Vector, b: sp.Expr, v: Vector) -> Vector:
+def combined(name: Naming, a: Expression, u: Vector, b: Expression, v: Vector) -> Vector:
     """a u + b v."""
     return (name(a * u[0] + b * v[0]), name(a * u[1] + b * v[1]), name(a * u[2] + b * v[2]))
 
@@ -68,7 +69,7 @@ class _Walker:
         self.x: Vector = (sp.S.One, sp.S.Zero, sp.S.Zero)
         self.y: Vector = (sp.S.Zero, sp.S.One, sp.S.Zero)
         self.z: Vector = (sp.S.Zero, sp.S.Zero, sp.S.One)
-        self.angle: sp.Expr = sp.S.Zero
+        self.angle: Expression = sp.S.Zero
         self.arm = ZERO
 
     def turned(self) -> tuple[Vector, Vector]:
@@ -79,18 +80,18 @@ class _Walker:
             combined(self.name, -s, self.x, c, self.y),
         )
 
-    def rotate_z(self, angle: sp.Expr) -> None:
+    def rotate_z(self, angle: Expression) -> None:
         self.angle += angle
 
-    def translate_z(self, distance: sp.Expr) -> None:
+    def translate_z(self, distance: Expression) -> None:
         if distance != 0:
             self.arm = added(self.name, self.arm, scaled(self.name, distance, self.z))
 
-    def translate_x(self, distance: sp.Expr) -> None:
+    def translate_x(self, distance: Expression) -> None:
         if distance != 0:
             self.arm = added(self.name, self.arm, scaled(self.name, distance, self.turned()[0]))
 
-    def rotate_x(self, angle: sp.Expr) -> None:
+    def rotate_x(self, angle: Expression) -> None:
         if angle != 0:
             x, y = self.turned()
             c, s = self.name(sp.cos(angle)), self.name(sp.sin(angle))
@@ -101,12 +102,12 @@ class _Walker:
             )
 
 
-def parameters(link: Link) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+def parameters(link: Link) -> tuple[Expression, Expression, Expression, Expression]:
     """theta, d, a, alpha as exact SymPy numbers or expressions."""
     return exact_angle(link.theta), exact(link.d), exact(link.a), exact_angle(link.alpha)
 
 
-def joint_variables(robot: Robot, phi: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ...]:
+def joint_variables(robot: Robot, phi: tuple[Expression, ...]) -> tuple[Expression, ...]:
     """coupling @ phi + offset, exact. Thesis (4.10)."""
     kinds = [robot.links[index].joint for index in robot.moving]
     result = []
@@ -116,7 +117,7 @@ def joint_variables(robot: Robot, phi: tuple[sp.Expr, ...]) -> tuple[sp.Expr, ..
     return tuple(result)
 
 
-def walk(robot: Robot, q: tuple[sp.Expr, ...], name: Naming) -> Chain:
+def walk(robot: Robot, q: tuple[Expression, ...], name: Naming) -> Chain:
     """Axes and arms at joint variables q, intermediates named by `name`."""
     walker = _Walker(name)
     axes: list[Axis] = []

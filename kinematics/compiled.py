@@ -1,6 +1,6 @@
 """A robot of numbers as compiled functions of its motor angles: kinematics and dynamics."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -237,6 +237,58 @@ def compile_dynamics(model: RobotModel, *, cache: Path | str | None = None) -> C
         cache: folder for generated code; the platform's cache folder by default.
     """
     return CompiledModel(model, None if cache is None else Path(cache))
+
+
+class CompiledSensor:
+    """Numeric measurement equations of one robot and sensor; see `compile_measurement`."""
+
+    def __init__(
+        self, robot: Robot, gravity: tuple[float, ...], frame: int | None, cache: Path | None
+    ) -> None:
+        _refuse_symbols("compile_measurement", robot.name, robot.free_symbols)
+        self.robot = robot
+        self._place = (gravity, frame)
+        self._cache = cache
+
+    @cached_property
+    def reading(self) -> OfMotion:
+        """reading(phi, phi_dot, phi_ddot): y, shape (n + 6,): motor angles, gyro, accelerometer."""
+        return self._function("measurement", (self.robot.n_joints + 6,))
+
+    @cached_property
+    def jacobian(self) -> OfMotion:
+        """jacobian(phi, phi_dot, phi_ddot): H = dy/d(phi, phi_dot, phi_ddot), (n + 6, 3 n)."""
+        n = self.robot.n_joints
+        return self._function("measurement_jacobian", (n + 6, 3 * n))
+
+    def _function(self, name: str, shape: tuple[int, ...]) -> Any:
+        def source() -> str:
+            from . import measurement
+            from .codegen import numba_module
+
+            return numba_module(getattr(measurement, name)(self.robot, *self._place))
+
+        key = repr((self.robot.key, self._place))
+        module = native.load(name, key, source, self._cache)
+        return bind(module, (self.robot.n_joints,) * 3, shape)
+
+
+def compile_measurement(
+    robot: Robot,
+    gravity: Sequence[float] = (0.0, 0.0, -9.82),
+    frame: int | None = None,
+    *,
+    cache: Path | str | None = None,
+) -> CompiledSensor:
+    """Compiled equations of the encoders and of an IMU at a frame of the robot. Row F01.
+
+    Args:
+        gravity: [m/s^2] in base axes.
+        frame: the IMU sits in this link's frame; the last one by default.
+        cache: folder for generated code; the platform's cache folder by default.
+    """
+    place = tuple(float(value) for value in gravity)
+    return CompiledSensor(robot, place, frame, None if cache is None else Path(cache))
 
 
 def _refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:

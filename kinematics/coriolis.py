@@ -23,6 +23,7 @@ from .model import RobotModel
 from .motion import motor_symbols
 from .program import Block, Program, Tape
 from .recursion import Step, steps, tree
+from .sympy_types import Expression, SymbolicMatrix
 
 Six = tuple[Vector, Vector]
 Rows = tuple[Vector, Vector, Vector]
@@ -42,7 +43,7 @@ def coriolis_matrix(model: RobotModel) -> Program:
     return tape.program("coriolis_matrix", inputs, [out], model_notes(model))
 
 
-def _joint_coriolis(tape: Tape, chain: Sequence[Step], rates: Sequence[sp.Expr]) -> Matrix:
+def _joint_coriolis(tape: Tape, chain: Sequence[Step], rates: Sequence[Expression]) -> Matrix:
     n = len(chain)
     frames = _frames(tape, chain)
     S = [_screw(tape, step, frame) for step, frame in zip(chain, frames, strict=True)]
@@ -106,7 +107,7 @@ def _bracket(tape: Tape, V: Six, S: Six) -> Six:
     return linear, crossed(tape, V[1], S[1])
 
 
-def _body(tape: Tape, step: Step, frame: tuple[Rows, Vector], V: Six) -> list[sp.Expr]:
+def _body(tape: Tape, step: Step, frame: tuple[Rows, Vector], V: Six) -> list[Expression]:
     """m, h (3), I_origin (6), p (3), E (9) of one body group: all add up over bodies."""
     axes, origin = frame
     inertia = step.segment.inertia
@@ -127,7 +128,7 @@ def _body(tape: Tape, step: Step, frame: tuple[Rows, Vector], V: Six) -> list[sp
     return [m, *h, *about, *p, *(e for row in E for e in row)]
 
 
-def _rotational(tape: Tape, tensor: Sequence[sp.Expr], omega: Vector) -> Matrix:
+def _rotational(tape: Tape, tensor: Sequence[Expression], omega: Vector) -> Matrix:
     """(S(omega) I - I S(omega) - S(I omega)) / 2 for a tensor about a point of the body."""
     xx, xy, xz, yy, yz, zz = tensor
     I = sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])  # noqa: E741 - the field's name
@@ -147,7 +148,7 @@ def _minus_double_skew(tape: Tape, E: Matrix, u: Vector, v: Vector) -> Matrix:
     ]
 
 
-def _turned(tape: Tape, axes: Rows, tensor: Sequence[sp.Expr]) -> list[sp.Expr]:
+def _turned(tape: Tape, axes: Rows, tensor: Sequence[Expression]) -> list[Expression]:
     xx, xy, xz, yy, yz, zz = tensor
     full = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     half = [_mixed(tape, axes, row) for row in full]  # rows in body axes, columns in base axes
@@ -159,8 +160,8 @@ def _turned(tape: Tape, axes: Rows, tensor: Sequence[sp.Expr]) -> list[sp.Expr]:
 
 
 def _parallel(
-    tape: Tape, tensor: Sequence[sp.Expr], m: sp.Expr, h: Vector, r: Vector
-) -> list[sp.Expr]:
+    tape: Tape, tensor: Sequence[Expression], m: Expression, h: Vector, r: Vector
+) -> list[Expression]:
     """Tensor about the base origin, from which the old origin lies at r."""
     moved = added(tape, h, scaled(tape, m, r))
     total = tape(sp.Add(*(r[k] * (h[k] + moved[k]) for k in range(3))))
@@ -171,7 +172,7 @@ def _parallel(
     return result
 
 
-def _weighted(tape: Tape, whole: Sequence[sp.Expr], S_dot: Six, S: Six) -> Six:
+def _weighted(tape: Tape, whole: Sequence[Expression], S_dot: Six, S: Six) -> Six:
     """M S' + B S."""
     m, h, tensor, p, E = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:]
     xx, xy, xz, yy, yz, zz = tensor
@@ -189,9 +190,9 @@ def _weighted(tape: Tape, whole: Sequence[sp.Expr], S_dot: Six, S: Six) -> Six:
     return force, moment
 
 
-def _dot(tape: Tape, S: Six, F: Six) -> sp.Expr:
+def _dot(tape: Tape, S: Six, F: Six) -> Expression:
     return tape(sp.Add(*(S[k][i] * F[k][i] for k in range(2) for i in range(3))))
 
 
-def _skew(v: Sequence[sp.Expr]) -> sp.Matrix:
+def _skew(v: Sequence[Expression]) -> SymbolicMatrix:
     return sp.Matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])

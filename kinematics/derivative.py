@@ -9,9 +9,12 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from .program import Block, Program, Tape
+from .sympy_types import Expression
 
 
-def _step_derivative(tape: Tape, expression: sp.Expr, known: Mapping[sp.Expr, sp.Expr]) -> sp.Expr:
+def _step_derivative(
+    tape: Tape, expression: Expression, known: Mapping[Expression, Expression]
+) -> Expression:
     """The directional derivative of one expression, given those of its symbols."""
     parts = [
         _partial(expression, symbol) * known[symbol]
@@ -21,15 +24,15 @@ def _step_derivative(tape: Tape, expression: sp.Expr, known: Mapping[sp.Expr, sp
     return tape(sp.Add(*parts))
 
 
-def _partial(expression: sp.Expr, symbol: sp.Basic) -> sp.Expr:
+def _partial(expression: Expression, symbol: sp.Basic) -> Expression:
     """The derivative where it exists: a sign has none at its jump and 0 elsewhere."""
     derivative = expression.diff(symbol)
     return derivative.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
 
 
 def _direction(
-    tape: Tape, program: Program, seeds: Mapping[sp.Expr, sp.Expr]
-) -> list[tuple[sp.Expr, ...]]:
+    tape: Tape, program: Program, seeds: Mapping[Expression, Expression]
+) -> list[tuple[Expression, ...]]:
     """Directional derivatives of each output block, intermediates named on the tape."""
     known = dict(seeds)
     for symbol, expression in program.steps:
@@ -46,7 +49,7 @@ def tangent(program: Program, seeds: Mapping[str, str]) -> Program:
         seeds: input name: name of the new input with its rates. Inputs not named are constant.
     """
     tape = Tape(program)
-    rates: dict[sp.Expr, sp.Expr] = {}
+    rates: dict[Expression, Expression] = {}
     new_inputs = []
     for block in program.inputs:
         if block.name in seeds:

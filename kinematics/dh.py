@@ -43,7 +43,7 @@ class Convention(Enum):
     MODIFIED = "modified"
 
 
-def _checked(name: str, value: Any) -> "Scalar":
+def checked(name: str, value: Any) -> "Scalar":
     """A finite number, a SymPy expression, or text of the grammar of Table 4.1."""
     if isinstance(value, str):
         from .grammar import parse
@@ -52,9 +52,9 @@ def _checked(name: str, value: Any) -> "Scalar":
     if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
         if not math.isfinite(value):
             raise ValueError(f"{name} must be finite, got {value}")
-        return value if isinstance(value, int) else float(value)
+        return int(value) if isinstance(value, int) else float(value)
     if hasattr(value, "free_symbols") and getattr(value, "is_commutative", False):
-        return value
+        return value  # pyright: ignore[reportReturnType] - SymPy is not imported to ask
     raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
 
 
@@ -81,7 +81,7 @@ class Link:
             names = ", ".join(f"Joint.{joint.name}" for joint in Joint)
             raise TypeError(f"joint must be one of {names}, got {self.joint!r}")
         for name in ("theta", "d", "a", "alpha"):
-            object.__setattr__(self, name, _checked(name, getattr(self, name)))
+            object.__setattr__(self, name, checked(name, getattr(self, name)))
 
     @property
     def moves(self) -> bool:
@@ -168,7 +168,9 @@ class Robot:
 
     def motor_angles(self, q: ArrayLike) -> Array:
         """Motor angles phi of joint variables q, shape (..., n_joints): (4.10) inverted."""
-        return np.linalg.solve(self.coupling, (np.asarray(q) - self.offset)[..., None])[..., 0]
+        right = np.asarray(q, dtype=np.float64) - self.offset
+        solved = np.linalg.solve(self.coupling, right[..., None])[..., 0]
+        return np.asarray(solved, dtype=np.float64)
 
 
 def _constant(name: str, value: ArrayLike | None, default: Array) -> Array:

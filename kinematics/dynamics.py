@@ -12,15 +12,16 @@ from typing import Any
 
 import sympy as sp
 
-from .chain import Vector, added, crossed, joint_variables
+from .chain import ZERO, Vector, added, crossed, joint_variables
 from .dh import Joint
 from .exact import exact
 from .model import RobotModel
 from .motion import motor_symbols, notes
 from .program import Block, Program, Tape
 from .recursion import Inertia, State, Step, forward, steps, symbolic_inertias, tree
+from .sympy_types import Expression
 
-Matrix = list[list[sp.Expr]]
+Matrix = list[list[Expression]]
 
 
 def model_notes(model: RobotModel) -> tuple[str, ...]:
@@ -50,7 +51,7 @@ def blocks(model: RobotModel, *names: str) -> list[Block]:
     return result
 
 
-def coupled(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[sp.Expr]:
+def coupled(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[Expression]:
     """Joint quantities from motor quantities: coupling times values."""
     return [
         tape(sp.Add(*(exact(k) * v for k, v in zip(row, values, strict=True) if k)))
@@ -58,7 +59,7 @@ def coupled(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[sp.Exp
     ]
 
 
-def transposed(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[sp.Expr]:
+def transposed(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[Expression]:
     """Motor torques from joint torques: coupling^T times values."""
     return [
         tape(sp.Add(*(exact(k) * v for k, v in zip(column, values, strict=True) if k)))
@@ -71,7 +72,7 @@ def _steps(model: RobotModel, tape: Tape) -> list[Step]:
     return steps(tree(model.robot, model.bodies), q, tape)
 
 
-def _tensor_times(tape: Tape, tensor: Sequence[sp.Expr], v: Vector) -> Vector:
+def _tensor_times(tape: Tape, tensor: Sequence[Expression], v: Vector) -> Vector:
     xx, xy, xz, yy, yz, zz = tensor
     return (
         tape(xx * v[0] + xy * v[1] + xz * v[2]),
@@ -104,12 +105,11 @@ def joint_torques(
     rates: Sequence[Any],
     accelerations: Sequence[Any],
     gravity: Sequence[Any],
-) -> list[sp.Expr]:
+) -> list[Expression]:
     """Torques of the joint variables by one pass out and one pass back (Newton-Euler)."""
     up = tuple(-exact(value) for value in gravity)
     states = forward(tape, chain, rates, accelerations, (up[0], up[1], up[2]))
-    zero: Vector = (sp.S.Zero,) * 3
-    force, moment = zero, zero
+    force, moment = ZERO, ZERO
     torques = []
     for i in reversed(range(len(chain))):
         own_force, own_moment = _wrench(tape, inertias[i], states[i])
@@ -121,7 +121,7 @@ def joint_torques(
     return torques[::-1]
 
 
-def friction(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[sp.Expr]:
+def friction(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[Expression]:
     """f(phi') = viscous phi' + coulomb sign(phi')."""
     return [
         tape(exact(motor.viscous) * rate + exact(motor.coulomb) * sp.sign(rate))
@@ -136,7 +136,7 @@ def motor_torques(
     accelerations: Sequence[Any],
     gravity: Sequence[Any] | None = None,
     inertias: Sequence[Inertia] | None = None,
-) -> list[sp.Expr]:
+) -> list[Expression]:
     """All of (2.15) but friction, motor side of the coupling."""
     chain = _steps(model, tape)
     torques = joint_torques(
@@ -181,13 +181,13 @@ def bias_torque(model: RobotModel) -> Program:
     return _program(model, tape, "bias_torque", inputs, "b", torques)
 
 
-def _bias(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[sp.Expr]:
+def _bias(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[Expression]:
     zeros = [sp.S.Zero] * model.robot.n_joints
     torques = motor_torques(model, tape, rates, zeros)
     return [tape(u + v) for u, v in zip(torques, friction(model, tape, rates), strict=True)]
 
 
-def _rotated(tape: Tape, step: Step, tensor: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
+def _rotated(tape: Tape, step: Step, tensor: Sequence[Expression]) -> tuple[Expression, ...]:
     """R I R^T from frame i to frame i - 1 axes."""
     xx, xy, xz, yy, yz, zz = tensor
     c, s = step.cosine, step.sine
@@ -275,11 +275,11 @@ def mass_matrix(model: RobotModel) -> Program:
     return _program(model, tape, "mass_matrix", blocks(model, "phi"), "D", elements, len(D))
 
 
-def solved(tape: Tape, D: Matrix, right: Sequence[sp.Expr]) -> list[sp.Expr]:
+def solved(tape: Tape, D: Matrix, right: Sequence[Expression]) -> list[Expression]:
     """D^-1 right for a positive definite D, as D = L diag L^T with named intermediates."""
     n = len(right)
     L: Matrix = [[sp.S.Zero] * n for _ in range(n)]
-    pivot: list[sp.Expr] = []
+    pivot: list[Expression] = []
     for j in range(n):
         carried = [tape(L[j][k] * pivot[k]) for k in range(j)]
         below = [tape(D[j][j] - sp.Add(*(L[j][k] * carried[k] for k in range(j))))]
@@ -328,7 +328,7 @@ def _program(
     name: str,
     inputs: Sequence[Block],
     output: str,
-    elements: Sequence[sp.Expr],
+    elements: Sequence[Expression],
     rows: int | None = None,
 ) -> Program:
     n = len(elements)

@@ -4,17 +4,19 @@ from typing import Any
 
 import sympy as sp
 
+from .sympy_types import Expression
+
 _PARTS_OF_PI = 12
 
 
-def exact(value: Any) -> sp.Expr:
+def exact(value: Any) -> Expression:
     """A length or factor: the decimal fraction that a float was written as."""
     if isinstance(value, sp.Expr):
         return value
     return sp.Integer(value) if isinstance(value, int) else sp.Rational(repr(float(value)))
 
 
-def exact_angle(value: Any) -> sp.Expr:
+def exact_angle(value: Any) -> Expression:
     """An angle: a float that is a multiple of pi/12 to its last bits becomes that multiple."""
     if isinstance(value, sp.Expr):
         return value

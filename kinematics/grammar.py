@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import sympy as sp
 
 from .symbols import moving, symbol
+from .sympy_types import Expression
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)"
@@ -27,7 +28,7 @@ class GrammarError(ValueError):
     """Text that Table 4.1 has no form for."""
 
 
-def parse(text: str) -> sp.Expr:
+def parse(text: str) -> Expression:
     """The expression of text such as "5", "Pi/2", "phi[1](t) - phi[2](t) - pi/2".
 
     Raises:
@@ -61,7 +62,7 @@ def _tokens(text: str) -> Iterator[re.Match[str]]:
         position = match.end()
 
 
-def _term(text: str, tokens: list[re.Match[str]]) -> tuple[sp.Expr, list[re.Match[str]]]:
+def _term(text: str, tokens: list[re.Match[str]]) -> tuple[Expression, list[re.Match[str]]]:
     """Factors joined by * and /; one of them may be a variable."""
     value, variables = sp.S.One, 0
     operator = "*"
@@ -78,7 +79,7 @@ def _term(text: str, tokens: list[re.Match[str]]) -> tuple[sp.Expr, list[re.Matc
         operator, tokens = tokens[0]["operator"], tokens[1:]
 
 
-def _factor(token: re.Match[str]) -> sp.Expr | None:
+def _factor(token: re.Match[str]) -> Expression | None:
     """A number, pi, a symbol or a function of time; None if the token is none of these."""
     if token["number"]:
         return sp.Rational(token["number"])

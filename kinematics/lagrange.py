@@ -15,6 +15,7 @@ from .model import RobotModel
 from .motion import motor_symbols
 from .recursion import settled
 from .symbolic import angular_jacobian, at, matrix_t
+from .sympy_types import Expression, SymbolicMatrix
 
 
 @dataclass(frozen=True)
@@ -23,12 +24,12 @@ class SymbolicDynamics:
 
     phi: tuple[sp.Symbol, ...]
     phi_dot: tuple[sp.Symbol, ...]
-    D: sp.Matrix
-    C: sp.Matrix
-    g: sp.Matrix
-    f: sp.Matrix
+    D: SymbolicMatrix
+    C: SymbolicMatrix
+    g: SymbolicMatrix
+    f: SymbolicMatrix
 
-    def torque(self, phi_ddot: Any) -> sp.Matrix:
+    def torque(self, phi_ddot: Any) -> SymbolicMatrix:
         """tau for accelerations, (2.15)."""
         rates = sp.Matrix(self.phi_dot)
         return self.D * sp.Matrix(phi_ddot) + self.C * rates + self.g + self.f
@@ -49,7 +50,7 @@ def symbolic_dynamics(model: RobotModel) -> SymbolicDynamics:
     return SymbolicDynamics(phi, phi_dot, D, C, g, sp.Matrix(f))
 
 
-def _christoffel(D: sp.Matrix, phi: Any, phi_dot: Any) -> sp.Matrix:
+def _christoffel(D: SymbolicMatrix, phi: Any, phi_dot: Any) -> SymbolicMatrix:
     """C_kj = sum_i (dD_kj/dphi_i + dD_ki/dphi_j - dD_ij/dphi_k) phi_dot_i / 2."""
     n = len(phi)
     d = [D.diff(angle) for angle in phi]
@@ -62,7 +63,7 @@ def _christoffel(D: sp.Matrix, phi: Any, phi_dot: Any) -> sp.Matrix:
     )
 
 
-def _collected(expression: sp.Expr) -> sp.Expr:
+def _collected(expression: Expression) -> Expression:
     """Constant sines and cosines as numbers, and like terms together."""
     constants = {
         f: settled(f) for f in expression.atoms(sp.cos, sp.sin) if f.is_number and f not in (0, 1)
@@ -70,7 +71,7 @@ def _collected(expression: sp.Expr) -> sp.Expr:
     return sp.expand(expression.xreplace(constants))
 
 
-def _energies(model: RobotModel, phi: Any) -> tuple[sp.Matrix, sp.Expr]:
+def _energies(model: RobotModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
     """D of all bodies, and the potential energy."""
     robot = at(model.robot, phi)
     T = [frame.applyfunc(_collected) for frame in matrix_t(robot)]
@@ -92,7 +93,7 @@ def _energies(model: RobotModel, phi: Any) -> tuple[sp.Matrix, sp.Expr]:
     return D.applyfunc(sp.expand), sp.expand(potential)
 
 
-def _angular(model: RobotModel, robot: Robot, number: int) -> sp.Matrix:
+def _angular(model: RobotModel, robot: Robot, number: int) -> SymbolicMatrix:
     """omega of one link per motor rate: joint axes times coupling."""
     n = model.robot.n_joints
     coupling = sp.Matrix(n, n, lambda i, j: exact(model.robot.coupling[i, j]))

@@ -45,7 +45,7 @@ class Limits:
         for bound in self.coupled:
             value = phi @ np.asarray(bound.coefficients)
             inside = inside & (value >= bound.lower) & (value <= bound.upper)
-        return inside
+        return np.asarray(inside)
 
 
 def degrees(*values: float) -> tuple[float, ...]:

@@ -8,9 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import sympy as sp
-
-from .chain import Vector, joint_variables
+from .chain import ZERO, Vector, joint_variables
 from .derivative import jacobian
 from .dh import Robot
 from .dynamics import coupled
@@ -18,7 +16,7 @@ from .exact import exact
 from .model import NO_BODY, RobotModel
 from .motion import motor_symbols, notes, parameter_block
 from .program import Block, Program, Tape
-from .recursion import State, _times, forward, steps, swept, tree
+from .recursion import State, forward, steps, swept, times, tree
 
 
 def measurement(
@@ -63,14 +61,11 @@ def sensor_motion(
     up: Vector = tuple(-exact(value) for value in gravity)
     chain = steps(carried, q, tape)
     states = forward(tape, chain, rates, accelerations, up)
-    zero: Vector = (sp.S.Zero,) * 3
-    last = states[-1] if states else State(zero, zero, up)
+    last = states[-1] if states else State(ZERO, ZERO, up)
     arm = swept(tape, last.omega, last.alpha, tuple(carried.tool_shift))
     a: Vector = tuple(tape(u + v) for u, v in zip(last.a, arm, strict=True))
     turn = carried.tool_turn.T
-    return State(
-        _times(tape, turn, last.omega), _times(tape, turn, last.alpha), _times(tape, turn, a)
-    )
+    return State(times(tape, turn, last.omega), times(tape, turn, last.alpha), times(tape, turn, a))
 
 
 def measurement_jacobian(

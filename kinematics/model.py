@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .dh import Robot, _checked
+from .dh import Robot, checked
 
 if TYPE_CHECKING:
     from .dh import Scalar
@@ -28,9 +28,9 @@ class Body:
     """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2]."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", _checked("mass", self.mass))
+        object.__setattr__(self, "mass", checked("mass", self.mass))
         for name, size in (("com", 3), ("inertia", 6)):
-            values = tuple(_checked(name, value) for value in getattr(self, name))
+            values = tuple(checked(name, value) for value in getattr(self, name))
             if len(values) != size:
                 raise ValueError(f"{name} must have {size} values, got {len(values)}")
             object.__setattr__(self, name, values)
@@ -72,7 +72,7 @@ class Motor:
             value = getattr(self, name)
             if value is None:
                 continue
-            value = _checked(name, value)
+            value = checked(name, value)
             if isinstance(value, int | float) and value < 0:
                 raise ValueError(f"{name} must be >= 0, got {value}")
             object.__setattr__(self, name, value)
@@ -97,7 +97,7 @@ class RobotModel:
         object.__setattr__(self, "bodies", tuple(self.bodies))
         motors = tuple(self.motors) or (Motor(),) * self.robot.n_joints
         object.__setattr__(self, "motors", motors)
-        gravity = tuple(_checked("gravity", value) for value in self.gravity)
+        gravity = tuple(checked("gravity", value) for value in self.gravity)
         object.__setattr__(self, "gravity", gravity)
         for name, expected in (("bodies", len(self.robot.links)), ("motors", self.robot.n_joints)):
             if len(getattr(self, name)) != expected:

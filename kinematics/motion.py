@@ -9,6 +9,7 @@ from .derivative import tangent
 from .dh import Joint, Robot
 from .exact import exact
 from .program import Block, Program, Tape
+from .sympy_types import Expression
 
 
 def motor_symbols(robot: Robot, suffix: str = "") -> tuple[sp.Symbol, ...]:
@@ -69,7 +70,9 @@ def jacobian_columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
     return columns[::-1]
 
 
-def _coupled(robot: Robot, tape: Tape, columns: list[tuple[sp.Expr, ...]]) -> list[list[sp.Expr]]:
+def _coupled(
+    robot: Robot, tape: Tape, columns: list[tuple[Expression, ...]]
+) -> list[list[Expression]]:
     """J_phi = J_theta coupling, as columns. Thesis (4.10) differentiated."""
     n = len(columns)
     weights = [[exact(robot.coupling[i, j]) for j in range(n)] for i in range(n)]
@@ -129,7 +132,7 @@ def acceleration(robot: Robot) -> Program:
     return tape.program("acceleration", inputs, [out], notes(robot))
 
 
-def robot_rates(robot: Robot, tape: Tape, suffix: str) -> list[sp.Expr]:
+def robot_rates(robot: Robot, tape: Tape, suffix: str) -> list[Expression]:
     """Rates of the joint variables: coupling times motor rates."""
     symbols = motor_symbols(robot, suffix)
     constant = joint_variables(robot, (sp.S.Zero,) * robot.n_joints)

@@ -29,6 +29,7 @@ from .dynamics import (
 from .exact import exact
 from .model import Motor, RobotModel
 from .program import Block, Program, Tape
+from .sympy_types import Expression
 
 
 def rigid_rate(model: RobotModel) -> Program:
@@ -71,7 +72,7 @@ def flexible_rate(model: RobotModel) -> Program:
     return tape.program("flexible_rate", inputs, [Block("x_dot", (4 * n,), rate)], told)
 
 
-def spring_torques(model: RobotModel, tape: Tape, state: Sequence[Any]) -> list[sp.Expr]:
+def spring_torques(model: RobotModel, tape: Tape, state: Sequence[Any]) -> list[Expression]:
     """k (phi_m - phi_a) + d (phi_m' - phi_a'), each gear, arm side."""
     return [
         tape(exact(motor.stiffness) * (m - a) + exact(motor.damping) * (md - ad))
@@ -81,7 +82,7 @@ def spring_torques(model: RobotModel, tape: Tape, state: Sequence[Any]) -> list[
 
 def _arm_acceleration(
     model: RobotModel, tape: Tape, rates: Sequence[Any], torque: Sequence[Any]
-) -> list[sp.Expr]:
+) -> list[Expression]:
     """The arm alone, without its motors."""
     alone = replace(model, motors=(Motor(),) * model.robot.n_joints)
     bias = motor_torques(alone, tape, rates, [sp.S.Zero] * len(rates))

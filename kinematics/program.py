@@ -11,13 +11,15 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from .sympy_types import Expression
+
 
 class Block(NamedTuple):
     """An array argument: its name, shape and elements in row-major order."""
 
     name: str
     shape: tuple[int, ...]
-    elements: tuple[sp.Expr, ...]
+    elements: tuple[Expression, ...]
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class Program:
 
     name: str
     inputs: tuple[Block, ...]
-    steps: tuple[tuple[sp.Symbol, sp.Expr], ...]
+    steps: tuple[tuple[sp.Symbol, Expression], ...]
     outputs: tuple[Block, ...]
     notes: tuple[str, ...] = ()
     """What a reader of generated code must know: robot, convention, units, orders."""
@@ -39,9 +41,9 @@ class Program:
             expressions += block.elements
         return int(sp.count_ops(expressions))
 
-    def expressions(self) -> tuple[sp.Expr, ...]:
+    def expressions(self) -> tuple[Expression, ...]:
         """All output elements with the names substituted back: full expressions of the inputs."""
-        known: dict[sp.Expr, sp.Expr] = {}
+        known: dict[Expression, Expression] = {}
         for symbol, expression in self.steps:
             known[symbol] = expression.xreplace(known)
         return tuple(e.xreplace(known) for block in self.outputs for e in block.elements)
@@ -69,11 +71,11 @@ class Tape:
 
     def __init__(self, program: Program | None = None) -> None:
         """An empty tape, or one that continues the steps of a program."""
-        self.steps: list[tuple[sp.Symbol, sp.Expr]] = list(program.steps) if program else []
+        self.steps: list[tuple[sp.Symbol, Expression]] = list(program.steps) if program else []
         self._names = {expression: symbol for symbol, expression in self.steps}
         self._next = 1 + max((int(s.name[1:]) for s, _ in self.steps), default=-1)
 
-    def __call__(self, expression: sp.Expr) -> sp.Expr:
+    def __call__(self, expression: Expression) -> Expression:
         """The expression itself if it is a number, a symbol or its negative; else its name."""
         expression = sp.sympify(expression)
         if expression.is_Atom or (-expression).is_Atom:

@@ -10,15 +10,16 @@ from typing import Any
 
 import sympy as sp
 
-from .chain import Vector, added, crossed, parameters, scaled
+from .chain import ZERO, Vector, added, crossed, parameters, scaled
 from .dh import Convention, Joint, Robot
 from .exact import exact
 from .model import Body
 from .program import Tape
 from .rotation_symbolic import about_x, about_z
+from .sympy_types import Expression, SymbolicMatrix
 
 
-def settled(expression: Any) -> sp.Expr:
+def settled(expression: Any) -> Expression:
     """A constant as a fraction where it is one, else as a float; symbols stay."""
     expression = sp.sympify(expression)
     if expression.is_number and not expression.is_Rational:
@@ -30,13 +31,13 @@ def settled(expression: Any) -> sp.Expr:
 class Inertia:
     """Mass, first moment and inertia about the origin of a frame: linear in all its numbers."""
 
-    mass: sp.Expr
+    mass: Expression
     moment: Vector
-    tensor: tuple[sp.Expr, ...]
+    tensor: tuple[Expression, ...]
     """xx, xy, xz, yy, yz, zz"""
 
     @property
-    def elements(self) -> tuple[sp.Expr, ...]:
+    def elements(self) -> tuple[Expression, ...]:
         return (self.mass, *self.moment, *self.tensor)
 
 
@@ -45,11 +46,11 @@ class Segment:
     """The way from body frame i - 1 to body frame i, and what moves with frame i."""
 
     joint: Joint
-    turn: sp.Matrix
+    turn: SymbolicMatrix
     """Constant rotation R_{i-1, joint}."""
-    shift: sp.Matrix
+    shift: SymbolicMatrix
     """Constant translation, in body frame i - 1."""
-    constant: sp.Expr
+    constant: Expression
     """Added to the joint variable."""
     inertia: Inertia
 
@@ -59,8 +60,8 @@ class Tree:
     """All segments, and the constant transform from the last body frame to the tool frame."""
 
     segments: tuple[Segment, ...]
-    tool_turn: sp.Matrix
-    tool_shift: sp.Matrix
+    tool_turn: SymbolicMatrix
+    tool_shift: SymbolicMatrix
 
 
 class _Placement:
@@ -69,7 +70,7 @@ class _Placement:
     def __init__(self) -> None:
         self.R, self.p = sp.eye(3), sp.zeros(3, 1)
 
-    def rotate(self, R: sp.Matrix) -> None:
+    def rotate(self, R: SymbolicMatrix) -> None:
         self.R = (self.R * R).applyfunc(settled)
 
     def translate(self, x: Any, z: Any) -> None:
@@ -78,8 +79,8 @@ class _Placement:
 
 def tree(robot: Robot, bodies: Sequence[Body] = ()) -> Tree:
     """Segments of a robot; without bodies everything weighs nothing."""
-    joints: list[tuple[Joint, sp.Matrix, sp.Matrix, sp.Expr]] = []
-    groups: list[list[sp.Expr]] = []
+    joints: list[tuple[Joint, SymbolicMatrix, SymbolicMatrix, Expression]] = []
+    groups: list[list[Expression]] = []
     place = _Placement()
     for number, link in enumerate(robot.links):
         theta, d, a, alpha = parameters(link)
@@ -113,7 +114,7 @@ def _inertia(elements: Sequence[Any]) -> Inertia:
     return Inertia(values[0], values[1:4], values[4:])
 
 
-def _placed(body: Body, place: _Placement) -> tuple[sp.Expr, ...]:
+def _placed(body: Body, place: _Placement) -> tuple[Expression, ...]:
     """Mass, first moment and inertia about the body frame's origin, in its axes."""
     m, c = exact(body.mass), place.p + place.R * sp.Matrix([exact(v) for v in body.com])
     xx, yy, zz, xy, xz, yz = map(exact, body.inertia)
@@ -135,24 +136,24 @@ class Step:
     """One joint at its joint variable: rotation and translation from frame i to frame i - 1."""
 
     segment: Segment
-    cosine: sp.Expr
-    sine: sp.Expr
+    cosine: Expression
+    sine: Expression
     shift: Vector
 
     def out(self, tape: Tape, v: Vector) -> Vector:
         """Frame i axes to frame i - 1 axes."""
         c, s = self.cosine, self.sine
         turned = (tape(c * v[0] - s * v[1]), tape(s * v[0] + c * v[1]), v[2])
-        return _times(tape, self.segment.turn, turned)
+        return times(tape, self.segment.turn, turned)
 
     def into(self, tape: Tape, v: Vector) -> Vector:
         """Frame i - 1 axes to frame i axes."""
         c, s = self.cosine, self.sine
-        x, y, z = _times(tape, self.segment.turn.T, v)
+        x, y, z = times(tape, self.segment.turn.T, v)
         return (tape(c * x + s * y), tape(c * y - s * x), z)
 
 
-def steps(tree: Tree, q: Sequence[sp.Expr], tape: Tape) -> list[Step]:
+def steps(tree: Tree, q: Sequence[Expression], tape: Tape) -> list[Step]:
     """All joints at their variables."""
     result = []
     for segment, variable in zip(tree.segments, q, strict=True):
@@ -167,7 +168,7 @@ def steps(tree: Tree, q: Sequence[sp.Expr], tape: Tape) -> list[Step]:
     return result
 
 
-def _times(tape: Tape, M: sp.Matrix, v: Vector) -> Vector:
+def times(tape: Tape, M: SymbolicMatrix, v: Vector) -> Vector:
     rows = [tape(sp.Add(*(tape(M[i, j]) * v[j] for j in range(3)))) for i in range(3)]
     return (rows[0], rows[1], rows[2])
 
@@ -190,13 +191,12 @@ class State:
 def forward(
     tape: Tape,
     steps: Sequence[Step],
-    rates: Sequence[sp.Expr],
-    accelerations: Sequence[sp.Expr],
+    rates: Sequence[Expression],
+    accelerations: Sequence[Expression],
     base_acceleration: Vector,
 ) -> list[State]:
     """Motion of each body frame from joint rates and accelerations, base first."""
-    zero = sp.S.Zero
-    state = State((zero,) * 3, (zero,) * 3, base_acceleration)
+    state = State(ZERO, ZERO, base_acceleration)
     states = []
     for step, rate, rate_dot in zip(steps, rates, accelerations, strict=True):
         a = added(tape, state.a, swept(tape, state.omega, state.alpha, step.shift))

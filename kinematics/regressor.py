@@ -101,6 +101,6 @@ def base_parameters(
         if (length := np.linalg.norm(rest)) > threshold:
             basis = np.column_stack([basis, rest / length])
             independent.append(column)
-    K = np.linalg.lstsq(Y[:, independent], Y, rcond=None)[0]
+    K = np.asarray(np.linalg.lstsq(Y[:, independent], Y, rcond=None)[0], dtype=np.float64)
     K[np.abs(K) < 1e-10] = 0.0
     return BaseParameters(tuple(independent), K)

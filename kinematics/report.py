@@ -14,6 +14,7 @@ from .dh import Robot
 from .singularity import SingularConditions, conditions
 from .symbolic import at, matrix_t
 from .symbols import symbol
+from .sympy_types import Expression, SymbolicMatrix
 from .wrist_arm import UnsolvableGeometryError, wrist_arm
 
 Array = NDArray[np.float64]
@@ -24,9 +25,9 @@ class ModelReport:
     """A robot described."""
 
     robot: Robot
-    table: tuple[tuple[sp.Expr, ...], ...]
+    table: tuple[tuple[Expression, ...], ...]
     """theta, d, a, alpha of each link, joint variables as motor angles. Thesis Table 4.2."""
-    zero_pose: sp.Matrix
+    zero_pose: SymbolicMatrix
     """T_base_tool at phi = 0."""
     reach: tuple[float, float] | None
     """Least and greatest distance of the wrist centre from axis 2 [m]; None for other arms."""

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 SINGULAR = 1e-7
 """Sine of the angle below which a representation counts as singular."""
+HALF_TURN = 1e-12
+"""[rad] An angle this near to pi is a half turn, whose axis has either sign."""
 
 
 def _rotation(R: ArrayLike) -> Rotation:
@@ -56,7 +58,7 @@ def to_axis_angle(R: ArrayLike) -> tuple[Array, Array]:
     first = np.take_along_axis(
         axis, np.argmax(np.abs(axis) > SINGULAR, axis=-1)[..., None], axis=-1
     )
-    turned = (np.pi - angle < SINGULAR)[..., None] & (first < 0)
+    turned = (np.pi - angle < HALF_TURN)[..., None] & (first < 0)
     return np.where(turned, -axis, axis), angle
 
 

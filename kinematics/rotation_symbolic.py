@@ -8,49 +8,51 @@ from typing import Any
 
 import sympy as sp
 
-Triple = tuple[sp.Expr, sp.Expr, sp.Expr]
+from .sympy_types import Expression, SymbolicMatrix
+
+Triple = tuple[Expression, Expression, Expression]
 
 
-def about_x(angle: Any) -> sp.Matrix:
+def about_x(angle: Any) -> SymbolicMatrix:
     c, s = sp.cos(angle), sp.sin(angle)
     return sp.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
-def about_y(angle: Any) -> sp.Matrix:
+def about_y(angle: Any) -> SymbolicMatrix:
     c, s = sp.cos(angle), sp.sin(angle)
     return sp.Matrix([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
-def about_z(angle: Any) -> sp.Matrix:
+def about_z(angle: Any) -> SymbolicMatrix:
     c, s = sp.cos(angle), sp.sin(angle)
     return sp.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
-def skew(v: Any) -> sp.Matrix:
+def skew(v: Any) -> SymbolicMatrix:
     """S(v) with S(v) u = v x u. Thesis (3.32)."""
     x, y, z = v
     return sp.Matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
-def from_axis_angle(axis: Any, angle: Any) -> sp.Matrix:
+def from_axis_angle(axis: Any, angle: Any) -> SymbolicMatrix:
     """R_{k,theta} of a unit axis. Thesis (3.9)."""
     K = skew(axis)
     return sp.eye(3) + sp.sin(angle) * K + (1 - sp.cos(angle)) * K * K
 
 
-def to_axis_angle(R: sp.Matrix) -> tuple[sp.Matrix, sp.Expr]:
+def to_axis_angle(R: SymbolicMatrix) -> tuple[SymbolicMatrix, Expression]:
     """Unit axis and angle; singular at angles 0 and pi."""
     twice = sp.Matrix([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     length = sp.sqrt(twice.dot(twice))
     return twice / length, sp.atan2(length, R.trace() - 1)
 
 
-def from_euler_zyz(phi: Any, theta: Any, psi: Any) -> sp.Matrix:
+def from_euler_zyz(phi: Any, theta: Any, psi: Any) -> SymbolicMatrix:
     """Thesis (3.10)."""
     return about_z(phi) * about_y(theta) * about_z(psi)
 
 
-def to_euler_zyz(R: sp.Matrix) -> Triple:
+def to_euler_zyz(R: SymbolicMatrix) -> Triple:
     """(phi, theta, psi), theta in (0, pi); singular at theta 0 and pi."""
     return (
         sp.atan2(R[1, 2], R[0, 2]),
@@ -59,12 +61,12 @@ def to_euler_zyz(R: sp.Matrix) -> Triple:
     )
 
 
-def from_roll_pitch_yaw(roll: Any, pitch: Any, yaw: Any) -> sp.Matrix:
+def from_roll_pitch_yaw(roll: Any, pitch: Any, yaw: Any) -> SymbolicMatrix:
     """R_z(roll) R_y(pitch) R_x(yaw). Thesis (3.11)."""
     return about_z(roll) * about_y(pitch) * about_x(yaw)
 
 
-def to_roll_pitch_yaw(R: sp.Matrix) -> Triple:
+def to_roll_pitch_yaw(R: SymbolicMatrix) -> Triple:
     """(roll, pitch, yaw), pitch in (-pi/2, pi/2); singular at its ends."""
     return (
         sp.atan2(R[1, 0], R[0, 0]),
@@ -73,14 +75,14 @@ def to_roll_pitch_yaw(R: sp.Matrix) -> Triple:
     )
 
 
-def from_quaternion(q: Any) -> sp.Matrix:
+def from_quaternion(q: Any) -> SymbolicMatrix:
     """R of a unit quaternion (w, x, y, z). Thesis (3.14)."""
     w, x, y, z = q
     K = skew((x, y, z))
     return sp.eye(3) + 2 * w * K + 2 * K * K
 
 
-def to_quaternion(R: sp.Matrix) -> sp.Matrix:
+def to_quaternion(R: SymbolicMatrix) -> SymbolicMatrix:
     """Unit quaternion with w > 0; the formula fails at half turns, where w = 0."""
     w = sp.sqrt(1 + R.trace()) / 2
     twice = sp.Matrix([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from .chain import parameters
 from .dh import Link, Robot
 from .symbolic import jacobian, matrix_t
+from .sympy_types import Expression
 from .wrist_arm import standard_links, wrist_arm
 
 Array = NDArray[np.float64]
@@ -18,15 +19,15 @@ Array = NDArray[np.float64]
 class SingularConditions:
     """Expressions of the D-H joint variables theta that vanish where the arm is singular."""
 
-    elbow: sp.Expr
+    elbow: Expression
     """Arm stretched or folded."""
-    shoulder: sp.Expr
+    shoulder: Expression
     """Wrist centre on axis 1."""
-    wrist: sp.Expr
+    wrist: Expression
     """Axes 4 and 6 aligned."""
 
 
-def decoupled_determinant(robot: Robot) -> tuple[sp.Expr, sp.Expr]:
+def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
     """(arm, wrist) factors of det J_theta at the wrist centre, in theta_2, theta_3 and theta_5.
 
     A spherical wrist makes J block triangular there, so det J = det J_11 det J_22. The first does
@@ -72,7 +73,8 @@ def manipulability(J: ArrayLike) -> Array:
 
 def distance_to_singularity(J: ArrayLike) -> Array:
     """Least singular value of J: how near a direction is to being lost; shape (...)."""
-    return np.linalg.svd(np.asarray(J, dtype=np.float64), compute_uv=False)[..., -1]
+    values = np.linalg.svd(np.asarray(J, dtype=np.float64), compute_uv=False)
+    return np.asarray(values[..., -1], dtype=np.float64)
 
 
 def lost_directions(J: ArrayLike, tolerance: float = 1e-9) -> Array:

@@ -15,11 +15,12 @@ import sympy as sp
 from .chain import joint_variables, parameters
 from .dh import Convention, Joint, Link, Robot
 from .symbols import differentiate, functions_of_time, moving, t
+from .sympy_types import SymbolicMatrix
 
 Links = Sequence[Link] | Robot
 
 
-def dh_parameter(phi: Sequence[Any], theta0: Sequence[Any], theta_trans: Any) -> sp.Matrix:
+def dh_parameter(phi: Sequence[Any], theta0: Sequence[Any], theta_trans: Any) -> SymbolicMatrix:
     """theta = theta_trans phi + theta0 as a column. Thesis (4.10)."""
     return sp.Matrix(theta_trans) * sp.Matrix(list(phi)) + sp.Matrix(list(theta0))
 
@@ -45,7 +46,7 @@ def motor_functions(robot: Robot) -> tuple[Any, ...]:
     return tuple(moving("phi", i) for i in range(1, robot.n_joints + 1))
 
 
-def matrix_a(link: Link, convention: Convention = Convention.STANDARD) -> sp.Matrix:
+def matrix_a(link: Link, convention: Convention = Convention.STANDARD) -> SymbolicMatrix:
     """Link transform A_i. Thesis (3.29)."""
     theta, d, a, alpha = parameters(link)
     c, s, ca, sa = sp.cos(theta), sp.sin(theta), sp.cos(alpha), sp.sin(alpha)
@@ -68,7 +69,7 @@ def matrix_a(link: Link, convention: Convention = Convention.STANDARD) -> sp.Mat
     )
 
 
-def matrix_t(links: Links, start: int = 0) -> list[sp.Matrix]:
+def matrix_t(links: Links, start: int = 0) -> list[SymbolicMatrix]:
     """T_start^j for j = start, start + 1, ..., n: element j - start. Thesis (3.26).
 
     With start = 0, `matrix_t(robot)[i]` is T_0^i, and element 0 the identity.
@@ -83,17 +84,17 @@ def matrix_t(links: Links, start: int = 0) -> list[sp.Matrix]:
     return T
 
 
-def position_t(T: sp.Matrix) -> sp.Matrix:
+def position_t(T: SymbolicMatrix) -> SymbolicMatrix:
     """d of a homogeneous transform. Thesis (4.17)."""
     return T[:3, 3]
 
 
-def rotation_t(T: sp.Matrix) -> sp.Matrix:
+def rotation_t(T: SymbolicMatrix) -> SymbolicMatrix:
     """R of a homogeneous transform. Thesis (4.17)."""
     return T[:3, :3]
 
 
-def transformation_t(p: Any, T: sp.Matrix) -> sp.Matrix:
+def transformation_t(p: Any, T: SymbolicMatrix) -> SymbolicMatrix:
     """The point p of the outer frame in the inner one: R p + d. Thesis (3.15), (4.24)."""
     p = sp.Matrix(p)
     if p.shape != (3, 1):
@@ -109,7 +110,7 @@ def _complete(links: Links) -> Robot:
     return Robot(links)
 
 
-def _joint_frames(robot: Robot) -> list[tuple[Link, sp.Matrix]]:
+def _joint_frames(robot: Robot) -> list[tuple[Link, SymbolicMatrix]]:
     """Each moving link with a transform whose z axis is its joint axis.
 
     In the standard convention that is frame i - 1, in the modified one frame i.
@@ -119,7 +120,7 @@ def _joint_frames(robot: Robot) -> list[tuple[Link, sp.Matrix]]:
     return [(robot.links[i], T[i + shift]) for i in robot.moving]
 
 
-def linear_jacobian(links: Links, frame: int | None = None) -> sp.Matrix:
+def linear_jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
     """J_v, 3 x n, of the origin of a frame (the last by default) from the rates of the D-H joint
     variables. Columns of joints beyond the frame are zero. Thesis (3.45), (3.46), 3.4.4.
     """
@@ -137,7 +138,7 @@ def linear_jacobian(links: Links, frame: int | None = None) -> sp.Matrix:
     return sp.Matrix.hstack(*columns)
 
 
-def angular_jacobian(links: Links, frame: int | None = None) -> sp.Matrix:
+def angular_jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
     """J_omega, 3 x n, from the rates of the D-H joint variables. Thesis (3.51)."""
     robot = _complete(links)
     frame = _frame(robot, frame)
@@ -148,12 +149,12 @@ def angular_jacobian(links: Links, frame: int | None = None) -> sp.Matrix:
     return sp.Matrix.hstack(*columns)
 
 
-def jacobian(links: Links, frame: int | None = None) -> sp.Matrix:
+def jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
     """J = (J_v; J_omega), 6 x n, from the rates of the D-H joint variables. Thesis (3.39)."""
     return sp.Matrix.vstack(linear_jacobian(links, frame), angular_jacobian(links, frame))
 
 
-def motor_jacobian(robot: Robot, phi: Sequence[Any], frame: int | None = None) -> sp.Matrix:
+def motor_jacobian(robot: Robot, phi: Sequence[Any], frame: int | None = None) -> SymbolicMatrix:
     """J_phi = J_theta coupling, from the rates of the motors."""
     coupling = robot.coupling
     exact_coupling = sp.Matrix(
@@ -171,7 +172,7 @@ def _frame(robot: Robot, frame: int | None) -> int:
     return frame
 
 
-def _joint_rates(robot: Robot, variables: Sequence[Any] | None) -> sp.Matrix:
+def joint_rates(robot: Robot, variables: Sequence[Any] | None) -> SymbolicMatrix:
     """Time derivatives of the D-H joint variables, by the chain rule through each variable.
 
     A variable is a function of time, or a constant symbol that stands for one.
@@ -183,8 +184,8 @@ def _joint_rates(robot: Robot, variables: Sequence[Any] | None) -> sp.Matrix:
     if variables is None:
         variables = functions_of_time(values)
     rates = [sp.S.Zero] * len(values)
-    for variable in map(sp.sympify, variables):
-        if variable.is_number:  # the thesis lists zeros for constant links
+    for variable in variables:
+        if sp.sympify(variable).is_number:  # the thesis lists zeros for constant links
             continue
         function = sp.Function(variable.name, real=True)(t) if variable.is_Symbol else variable
         for i, value in enumerate(values):
@@ -193,48 +194,48 @@ def _joint_rates(robot: Robot, variables: Sequence[Any] | None) -> sp.Matrix:
     return sp.Matrix(rates)
 
 
-def _timed(expression: sp.Matrix, variables: Sequence[Any] | None) -> sp.Matrix:
+def _timed(expression: SymbolicMatrix, variables: Sequence[Any] | None) -> SymbolicMatrix:
     """Constant symbols among the variables become functions of time."""
-    symbols = [v for v in map(sp.sympify, variables or ()) if v.is_Symbol]
+    symbols: list[Any] = [v for v in variables or () if isinstance(v, sp.Symbol)]
     return expression.xreplace({v: sp.Function(v.name, real=True)(t) for v in symbols})
 
 
-def linear_velocity(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def linear_velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """v of the last frame: J_v times joint rates, coupling included. Thesis (3.52).
 
     variables: which functions of time (or symbols standing for them) move; all by default.
     """
     robot = _complete(links)
-    return _timed(linear_jacobian(robot), variables) * _joint_rates(robot, variables)
+    return _timed(linear_jacobian(robot), variables) * joint_rates(robot, variables)
 
 
-def angular_velocity(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def angular_velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """omega of the last frame. Thesis (3.52)."""
     robot = _complete(links)
-    return _timed(angular_jacobian(robot), variables) * _joint_rates(robot, variables)
+    return _timed(angular_jacobian(robot), variables) * joint_rates(robot, variables)
 
 
-def velocity(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """(v; omega). Thesis (3.52)."""
     return sp.Matrix.vstack(linear_velocity(links, variables), angular_velocity(links, variables))
 
 
-def linear_acceleration(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def linear_acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """d/dt (J_v theta'). Thesis (3.57)."""
     return linear_velocity(links, variables).diff(t)
 
 
-def angular_acceleration(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def angular_acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """d/dt (J_omega theta'). Thesis (3.57)."""
     return angular_velocity(links, variables).diff(t)
 
 
-def acceleration(links: Links, variables: Sequence[Any] | None = None) -> sp.Matrix:
+def acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """(a; omega'). Thesis (3.57)."""
     return velocity(links, variables).diff(t)
 
 
-def joint_torques(links: Links, wrench: Any, frame: int | None = None) -> sp.Matrix:
+def joint_torques(links: Links, wrench: Any, frame: int | None = None) -> SymbolicMatrix:
     """tau = J^T F: joint torques that hold a wrench F = (force, moment) at a frame.
 
     Thesis (3.56); through a coupling, tau_phi = coupling^T tau.

@@ -10,6 +10,8 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from .sympy_types import Expression
+
 t = sp.Symbol("t", real=True)
 """Time [s]."""
 
@@ -28,7 +30,7 @@ def _label(name: str, index: int | None) -> str:
     return name if index is None else f"{name}_{index}"
 
 
-def functions_of_time(expressions: Iterable[sp.Expr]) -> tuple[Any, ...]:
+def functions_of_time(expressions: Iterable[Expression]) -> tuple[Any, ...]:
     """Every function of t in some expressions, in the order of their names."""
     found = set().union(*(e.atoms(AppliedUndef) for e in map(sp.sympify, expressions)))
     return tuple(sorted((f for f in found if f.args == (t,)), key=_natural))
@@ -59,9 +61,10 @@ def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
     Apply with `expression.xreplace(...)`; derivatives come first so that none is left half named.
     """
     names: dict[Any, sp.Symbol] = {}
-    for expression in map(sp.sympify, expressions):
+    expressions = list(expressions)
+    for expression in expressions:
         for derivative in expression.atoms(sp.Derivative):
-            order = sum(count for _, count in derivative.variable_count)
+            order = derivative.derivative_count
             function = derivative.expr.func.__name__
             names[derivative] = sp.Symbol(function + "d" * int(order), real=True)
     for function in functions_of_time(expressions):

@@ -6,6 +6,7 @@ import sympy as sp
 
 from .program import Block, Program
 from .symbols import code_names
+from .sympy_types import SymbolicMatrix
 
 
 def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> Program:
@@ -14,8 +15,9 @@ def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> Progr
     Functions of time and their derivatives get code names (phi_1(t) -> phi_1, then phi_1d and
     phi_1dd). The one input `q` holds all variables in the order that its header comment states.
     """
-    matrix = sp.Matrix(expression if isinstance(expression, sp.MatrixBase) else [expression])
-    plain = matrix.xreplace(code_names(matrix))
+    whole = expression if isinstance(expression, sp.MatrixBase) else [expression]
+    matrix: SymbolicMatrix = sp.Matrix(whole)
+    plain = matrix.xreplace(code_names(list(matrix)))
     variables = tuple(sorted(plain.free_symbols, key=_order))
     shape = plain.shape if plain.shape[1] > 1 else (plain.shape[0],)
     inputs = [Block("q", (len(variables),), variables)]

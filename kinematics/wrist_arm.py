@@ -11,6 +11,7 @@ from math import atan2, cos, hypot, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from . import rigid
 from .dh import Convention, Joint, Link, Robot
 
 Array = NDArray[np.float64]
@@ -98,11 +99,11 @@ def wrist_arm(robot: Robot) -> WristArm:
     tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ _product(links[last + 1 :])
     M = robot.coupling.copy()
     return WristArm(
-        np.linalg.inv(head),
-        np.linalg.inv(tail),
+        rigid.inverse(head),
+        rigid.inverse(tail),
         _geometry(six),
         M,
-        np.linalg.inv(M),
+        np.asarray(np.linalg.inv(M), dtype=np.float64),
         robot.offset + [float(link.theta) for link in six],
     )
 

@@ -130,7 +130,7 @@ def _dynamics() -> list[Row]:
     A batch stands beside a loop over the peer's single calls.
     """
     body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
-    model = RobotModel(LARGE_ROBOT, [body] * 6)
+    model = RobotModel(LARGE_ROBOT, (body,) * 6)
     ours, peer = compile_dynamics(model), None
     with suppress(ImportError):
         peer = pinocchio_dynamics(model)

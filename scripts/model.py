@@ -120,9 +120,9 @@ def draw(file: Path, robot: RobotName) -> None:
 def _frames(view: "Axes", origins: np.ndarray, axes: np.ndarray) -> None:
     """Origins (m, 2) joined by a line, each with three axes (m, 2, 3); numbers where frames are."""
     view.plot(*origins.T, color="#999999", lw=2)
-    numbers: dict[tuple[float, ...], list[str]] = {}
+    numbers: dict[tuple[float, float], list[str]] = {}
     for number, (origin, directions) in enumerate(zip(origins, axes, strict=True)):
-        numbers.setdefault(tuple(origin.round(4)), []).append(str(number))
+        numbers.setdefault((round(origin[0], 4), round(origin[1], 4)), []).append(str(number))
         for color, direction in zip(AXIS_COLORS, directions.T, strict=True):
             view.plot(*zip(origin, origin + AXIS * direction, strict=True), color=color, lw=1.5)
     for place, names in numbers.items():

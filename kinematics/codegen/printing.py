@@ -6,6 +6,7 @@ import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
 from ..program import Block, Program
+from ..sympy_types import Expression
 
 
 class Printer(C99CodePrinter):
@@ -17,7 +18,7 @@ class Printer(C99CodePrinter):
     def _sign_of(self, x: str) -> str:
         return f"(({x} > 0) - ({x} < 0))"
 
-    def parenthesize(self, item: sp.Expr, level: int, strict: bool = False) -> str:
+    def parenthesize(self, item: Expression, level: int, strict: bool = False) -> str:
         if item.is_Rational and item >= 0:  # printed as one number, not as a fraction
             return self._print(item)
         return super().parenthesize(item, level, strict)
@@ -25,19 +26,19 @@ class Printer(C99CodePrinter):
     def _print_Rational(self, expr: sp.Rational) -> str:
         return self._number(float(expr))
 
-    def _print_Float(self, expr: sp.Float) -> str:
-        return self._number(float(expr))
+    def _print_Float(self, flt: Expression) -> str:
+        return self._number(float(flt))
 
-    def _print_Pi(self, expr: sp.Expr) -> str:
+    def _print_Pi(self, expr: Expression) -> str:
         return self._number(float(expr))
 
     def _print_Integer(self, expr: sp.Integer) -> str:
         return str(int(expr))
 
-    def _print_sign(self, expr: sp.Expr) -> str:
-        return self._sign_of(self._print(expr.args[0]))
+    def _print_sign(self, func: Expression) -> str:
+        return self._sign_of(self._print(func.args[0]))
 
-    def _print_Pow(self, expr: sp.Expr) -> str:
+    def _print_Pow(self, expr: Expression) -> str:
         base, exponent = expr.as_base_exp()
         text = self.parenthesize(base, 100)
         if exponent.is_Integer and 2 <= abs(exponent) <= 4:

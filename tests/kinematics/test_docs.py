@@ -1,0 +1,47 @@
+"""docs/toolbox.md: every block runs, every name exists, every stated number is right."""
+
+import re
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from kinematics import IRB1400, Link, Robot, motion, symbolic
+from kinematics.symbols import symbol
+
+PAGE = (Path(__file__).parents[2] / "docs" / "toolbox.md").read_text(encoding="utf-8")
+
+
+def test_all_blocks_of_python_run_in_order():
+    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert len(blocks) >= 7
+    namespace: dict = {}
+    for number, block in enumerate(blocks, 1):
+        exec(compile(block, f"toolbox.md, block {number}", "exec"), namespace)
+    position = namespace["d02"]
+    assert position[2] == sp.Rational(19, 40) + sp.Rational(3, 5) * sp.cos(
+        namespace["theta"][1] + sp.pi / 2
+    )
+
+
+def test_functions_of_the_table_exist():
+    names = re.findall(r"`symbolic\.(\w+)`", PAGE)
+    assert len(names) >= 16
+    for name in names:
+        assert callable(getattr(symbolic, name))
+
+
+@pytest.mark.parametrize(
+    ("program", "robot", "stated"),
+    [
+        (motion.jacobian, "symbols", "are 293 when"),
+        (motion.jacobian_rate, "symbols", "derivative takes 671"),
+        (motion.jacobian, "irb1400", "it is 121 and"),
+        (motion.jacobian_rate, "irb1400", "and 286."),
+    ],
+)
+def test_stated_operation_counts_are_those_of_the_programs(program, robot, stated):
+    six = [Link(0, symbol("d", i), symbol("a", i), symbol("alpha", i)) for i in range(1, 7)]
+    chosen = Robot(six) if robot == "symbols" else IRB1400
+    assert stated in PAGE.replace("\n", " ")
+    assert re.search(rf"\b{program(chosen).operations}\b", stated)
