@@ -22,7 +22,7 @@ def imu() -> Sequence[Row]:
     for form in ("full", "gears", "rigid"):
         cfg = replace(command.ImuExperimentCfg(), flexibility=form)
         job = command.prepare(cfg)[0].job
-        run, bare = interleaved([_run(job), _bare(job)], repeats=5)
+        run, bare = interleaved([run_of(job), bare_rollout_of(job)], repeats=5)
         seconds = float(len(job.powered) * job.model.timestep)
         name = f"{form}: one run, {seconds / run:.0f} times real time"
         rows.append(Row(name, run, "bare mujoco.rollout", bare))
@@ -31,7 +31,8 @@ def imu() -> Sequence[Row]:
     return [*rows, Row("simultaneous experiment: planned, run, processed, drawn", whole)]
 
 
-def _run(job: Job) -> Callable[[], None]:
+def run_of(job: Job) -> Callable[[], None]:
+    """One run of a job, noise and recording included."""
     rng = np.random.default_rng(0)
 
     def run() -> None:
@@ -40,7 +41,8 @@ def _run(job: Job) -> Callable[[], None]:
     return run
 
 
-def _bare(job: Job) -> Callable[[], None]:
+def bare_rollout_of(job: Job) -> Callable[[], None]:
+    """The same steps and nothing else."""
     controls = job.controls_with(np.zeros_like(job.reference), None)[0][None]
     state, data = job.initial_state[None], [mujoco.MjData(job.model.mj)]
 

@@ -10,9 +10,10 @@ import pytest
 from scipy.signal import welch
 
 import assets
-from scripts import verify_irb1400
+from scripts import bench_imu, verify_irb1400
 from scripts.cli import main
 from scripts.imu import BEST, ImuExperimentCfg, causes, prepare, processing, run_one, run_rest
+from scripts.timing import interleaved
 from sim.cell import CELLS
 from sim.imu_experiment import evaluate, idle_peaks
 from sim.instruments.imu import ImuCfg, draw
@@ -336,3 +337,10 @@ def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
     """`armside verify` runs the same functions over all their seeds."""
     table = getattr(verify_irb1400, claim)([0])
     assert [verdict.statement for verdict in table.verdicts if not verdict.holds] == []
+
+
+def test_a_run_costs_little_more_than_its_physics():
+    """1.3 times a bare rollout, taken in turns; the margin is for a machine that others use too."""
+    job = prepare(ImuExperimentCfg())[0].job
+    run, bare = interleaved([bench_imu.run_of(job), bench_imu.bare_rollout_of(job)], repeats=5)
+    assert run / bare < 1.5
