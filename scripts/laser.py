@@ -1,9 +1,9 @@
-"""`armside laser`: a robot cuts a shape, motor-side ILC improves it, a laser tracker judges."""
+"""`armside laser`: a robot cuts a shape, ILC improves it, a laser tracker judges."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from cyclopts import Parameter
@@ -17,6 +17,7 @@ from sim.effects import Effect
 from sim.experiment import CircleTask, Experiment, Iteration
 from sim.model import load_model
 from sim.motion.poses import pose
+from sim.motion.timing import PathLimits
 from sim.robot import LOG_PERIOD
 
 from .console import Report
@@ -24,6 +25,9 @@ from .errors import RunFailed, checking_input
 from .options import Common, options
 from .run_folder import RunFolder
 from .summary import dumps, summary
+
+if TYPE_CHECKING:
+    from sim.arm_learning import ArmLearningCfg
 
 Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
@@ -51,10 +55,11 @@ class LaserCfg:
     """Programmed speed along the path [mm/s]."""
     plane: Literal["base-xy", "tool"] = "base-xy"
     """Plane of the shape: the base x-y plane, or perpendicular to the tool axis."""
-    law: Literal["heuristic"] = "heuristic"
-    """Learning law: Q(u + gamma q^delta e), thesis (9.2)."""
-    measure: Literal["motor"] = "motor"
-    """What is learned from: the motor angles."""
+    law: Literal["auto", "heuristic", "inverse", "norm-optimal"] = "auto"
+    """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2); the others invert a model of
+    the arm [auto: heuristic for --measure motor, inverse otherwise]."""
+    measure: Literal["motor", "estimate", "tracker"] = "motor"
+    """What is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
     gamma: Annotated[tuple[float, ...], _Several] = (0.9,)
     """Learning gain, one for all motors or six."""
     delta: Annotated[tuple[int, ...], _Several] = (3,)
@@ -63,6 +68,14 @@ class LaserCfg:
     """Cutoff of Q [Hz], one for all motors or six."""
     iterations: int = 5
     """Number of updates; one run more is made."""
+    path_acceleration: float = 1.3
+    """Limit of the controller for acceleration along and across the path [m/s^2]."""
+    stiffness_error: float = 30.0
+    """Stiffness is believed wrongly by up to this, each axis; drawn with the seed [%]."""
+    identification: Path | None = None
+    """Folder of `armside identify` at this pose, in place of identifying from the first run."""
+    on_imu_fault: Literal["refuse", "go-on"] = "refuse"
+    """When the IMU cannot be used: do not learn, or go on with motor angles and model alone."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
     """Effects of gears and drives to leave out, for ablations."""
     friction_spread: float = 2.0
@@ -77,12 +90,37 @@ class LaserCfg:
             raise ValueError(f"radius must be >= {SMALLEST_RADIUS:g} mm, got {self.radius:g}")
         if self.iterations < 0:
             raise ValueError(f"iterations must be >= 0, got {self.iterations}")
-        if not 0.0 <= self.friction_spread < 100.0:
-            raise ValueError(f"friction-spread must be in [0, 100) %, got {self.friction_spread:g}")
+        for name in ("friction_spread", "stiffness_error"):
+            if not 0.0 <= getattr(self, name) < 100.0:
+                said = name.replace("_", "-")
+                raise ValueError(f"{said} must be in [0, 100) %, got {getattr(self, name):g}")
+        if not self.path_acceleration > 0.0:
+            raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
         for name in ("gamma", "delta", "cutoff"):
             if len(getattr(self, name)) not in (1, 6):
                 raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
+        if self.measure == "motor" and self.law not in ("auto", "heuristic"):
+            raise ValueError(f"law {self.law} needs --measure estimate or tracker")
         learning_law(self)
+        if self.measure != "motor":
+            arm_learning(self)
+
+
+def arm_learning(cfg: LaserCfg) -> "ArmLearningCfg":
+    """How to learn on the arm side. Raises ValueError where options are out of range."""
+    from sim.arm_learning import ArmLaw, ArmLearningCfg, Measure, OnFault
+
+    for name in ("gamma", "delta", "cutoff"):
+        if len(getattr(cfg, name)) > 1:
+            raise ValueError(f"{name} takes one value with --measure {cfg.measure}")
+    return ArmLearningCfg(
+        measure=Measure(cfg.measure),
+        law=ArmLaw("inverse" if cfg.law == "auto" else cfg.law),
+        gamma=cfg.gamma[0],
+        delta=cfg.delta[0],
+        cutoff=cfg.cutoff[0],
+        on_fault=OnFault(cfg.on_imu_fault),
+    )
 
 
 def learning_law(cfg: LaserCfg) -> Heuristic:
@@ -103,12 +141,18 @@ def task(cfg: LaserCfg) -> CircleTask:
         radius=cfg.radius * 1e-3,
         speed=cfg.speed * 1e-3,
         across_tool=cfg.plane == "tool",
+        limits=PathLimits(acceleration=cfg.path_acceleration),
     )
 
 
 def prepare(cfg: LaserCfg, seed: int) -> Experiment:
     """Everything before the first run; raises ValueError for what cannot be done."""
     cell = CELLS[cfg.robot]
+    imu = None
+    if cfg.measure != "motor":
+        from sim.instruments.imu import ImuCfg
+
+        imu = ImuCfg()
     experiment = experiments.prepare(
         cell,
         load_model(cfg.model or cell.xml),
@@ -116,6 +160,7 @@ def prepare(cfg: LaserCfg, seed: int) -> Experiment:
         seed=seed,
         friction_spread=cfg.friction_spread * 1e-2,
         without=[Effect(name) for name in cfg.without],
+        imu=imu,
     )
     learning_law(cfg).check(*experiment.job.reference.shape)
     return experiment
@@ -124,13 +169,40 @@ def prepare(cfg: LaserCfg, seed: int) -> Experiment:
 def run(cfg: LaserCfg, seed: int, done: Callable[[], None] = lambda: None) -> dict[str, Any]:
     """Prepare, run and learn: status, limits and measures, as `results` arranges them."""
     experiment = prepare(cfg, seed)
-    return results(experiment, list(_iterations(cfg, experiment, done)))
+    start = _start(cfg, experiment, seed)
+    return results(experiment, list(_counted(start(), done)))
 
 
-def _iterations(
-    cfg: LaserCfg, experiment: Experiment, done: Callable[[], None]
-) -> Iterator[Iteration]:
-    for iteration in experiments.iterate(experiment, learning_law(cfg), cfg.iterations):
+def _start(cfg: LaserCfg, experiment: Experiment, seed: int) -> Callable[[], Iterable[Iteration]]:
+    """What makes the runs, with all that it reads already read."""
+    if cfg.measure == "motor":
+        return lambda: experiments.iterate(experiment, learning_law(cfg), cfg.iterations)
+    from .arm_side import believed_arm, stored_springs
+
+    cell = CELLS[cfg.robot]
+    source = cfg.model or cell.xml
+    arm = believed_arm(source, cfg.stiffness_error * 1e-2, seed)
+    springs = stored_springs(cfg.identification, cfg.pose) if cfg.identification else None
+
+    def start() -> Iterable[Iteration]:
+        from sim.arm_learning import begin
+        from sim.instruments.imu import ImuCfg
+
+        return begin(
+            experiment,
+            load_model(source),
+            arm,
+            ImuCfg(),
+            arm_learning(cfg),
+            cfg.iterations,
+            springs,
+        )[1]
+
+    return start
+
+
+def _counted(iterations: Iterable[Iteration], done: Callable[[], None]) -> Iterator[Iteration]:
+    for iteration in iterations:
         yield iteration
         done()
 
@@ -171,15 +243,16 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
 
 
 def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
-    """Cut a circle with a flexible robot and learn to cut it better, from its motor angles.
+    """Cut a circle with a flexible robot and learn to cut it better, from motor or arm side.
 
     Writes summary.json, signals.parquet, circles.png, errors.png and replay.rrd.
     """
     report = Report(common)
     with checking_input():
         experiment = prepare(cfg, common.seed)
+        start = _start(cfg, experiment, common.seed)
     with report.progress("cutting", total=cfg.iterations + 1) as step:
-        iterations = list(_iterations(cfg, experiment, step))
+        iterations = list(_counted(start(), step))
     outcome = summary("laser", cfg, common, **results(experiment, iterations))
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         _write(folder, experiment, iterations, outcome)
