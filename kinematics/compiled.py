@@ -64,6 +64,10 @@ class CompiledRobot:
         self.robot = robot
         self._cache = cache
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process gets the robot and loads its functions from the cache folder."""
+        return type(self), (self.robot, self._cache)
+
     @cached_property
     def pose(self) -> OfAngles:
         """pose(phi): T_base_tool, shape (4, 4). Thesis (3.26)."""
@@ -123,6 +127,9 @@ class CompiledModel:
         _refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
         self.model = model
         self._cache = cache
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.model, self._cache)
 
     @cached_property
     def mass_matrix(self) -> OfAngles:
@@ -249,6 +256,9 @@ class CompiledSensor:
         self.robot = robot
         self._place = (gravity, frame)
         self._cache = cache
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.robot, *self._place, self._cache)
 
     @cached_property
     def reading(self) -> OfMotion:

@@ -1,6 +1,7 @@
 """Compiled functions: arguments, batches, the cache, and laws that hold for every robot."""
 
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -8,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile, motion
 
@@ -204,6 +207,25 @@ def test_without_a_writable_home_everything_works(tmp_path):
     hexadecimal = run_program("", "pose", **places)[2]
     T = np.frombuffer(bytes.fromhex(hexadecimal)).reshape(4, 4)
     np.testing.assert_allclose(T, product(LARGE_ROBOT, np.ones(6)), rtol=0, atol=1e-13)
+
+
+def test_compiled_functions_can_be_sent_to_another_process(irb1400):
+    copy = pickle.loads(pickle.dumps(irb1400))
+    assert np.array_equal(copy.pose(PHI[0]), irb1400.pose(PHI[0]))
+
+
+@settings(max_examples=100, deadline=None)
+@given(phi=st.tuples(*[st.floats(-7, 7)] * 6).map(np.array))
+def test_pose_is_a_rigid_motion_and_the_jacobian_its_derivative_anywhere(irb1400, phi):
+    R = irb1400.pose(phi)[:3, :3]
+    np.testing.assert_allclose(R.T @ R, np.eye(3), rtol=0, atol=1e-14)
+    assert np.linalg.det(R) > 0
+    h, J = 1e-6, irb1400.jacobian(phi)
+    for i, step in enumerate(h * np.eye(6)):
+        T_dot = (irb1400.pose(phi + step) - irb1400.pose(phi - step)) / (2 * h)
+        spin = T_dot[:3, :3] @ R.T
+        column = [*T_dot[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
+        np.testing.assert_allclose(J[:, i], column, rtol=0, atol=1e-8)
 
 
 def test_results_do_not_depend_on_threads(irb1400):

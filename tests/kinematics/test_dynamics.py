@@ -12,7 +12,7 @@ from kinematics.compiled import compile_dynamics
 from kinematics.lagrange import symbolic_dynamics
 from kinematics.model import Body, Motor, RobotModel
 from kinematics.regressor import base_parameters, parameters, regressor
-from kinematics.wrist_arm import link_transform, standard_links
+from kinematics.wrist_arm import link_transform
 
 ROUNDING = 1e-10  # relative
 
@@ -22,24 +22,23 @@ def mujoco_model(model: RobotModel) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     spec.option.gravity = [float(g) for g in model.gravity]
     spec.compiler.balanceinertia = False
-    links = standard_links(model.robot)
-    # A modified table gains one massless link in front.
-    bodies = [Body(mass=0)] * (len(links) - len(model.bodies)) + list(model.bodies)
+    standard = model.robot.convention is Convention.STANDARD
     parent, place = spec.worldbody, np.eye(4)
-    number = 0
-    for link, body in zip(links, bodies, strict=True):
+    for number, (link, body) in enumerate(zip(model.robot.links, model.bodies, strict=True)):
+        about_x = link_transform(Link(a=link.a, alpha=link.alpha, joint=Joint.FIXED))
+        about_z = link_transform(Link(theta=link.theta, d=link.d, joint=Joint.FIXED))
+        if not standard:
+            place = place @ about_x
         if link.moves:
             parent = parent.add_body(pos=place[:3, 3], quat=quaternion(place))
-            kind = mujoco.mjtJoint.mjJNT_HINGE
-            if link.joint is Joint.PRISMATIC:  # Rot_z(theta) belongs before the slide
-                kind = mujoco.mjtJoint.mjJNT_SLIDE
-            number += 1
+            hinge = link.joint is Joint.REVOLUTE
+            kind = mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE
             parent.add_joint(name=f"joint_{number}", type=kind, axis=[0, 0, 1])
             place = np.eye(4)
-        place = place @ link_transform(link)
-        if body.mass:
-            add_inertia(parent, place, body, model.robot.convention)
-    parent.add_site(name="tool", pos=place[:3, 3], quat=quaternion(place))
+        place = place @ about_z
+        if standard:
+            place = place @ about_x
+        add_inertia(parent, place, body)
     return spec.compile()
 
 
@@ -49,7 +48,7 @@ def quaternion(T: np.ndarray) -> np.ndarray:
     return quat
 
 
-def add_inertia(parent, place: np.ndarray, body: Body, convention: Convention) -> None:
+def add_inertia(parent, place: np.ndarray, body: Body) -> None:
     """One rigid child for each link's body."""
     child = parent.add_body(pos=place[:3, 3], quat=quaternion(place))
     child.mass, child.ipos, child.iquat = body.mass, list(body.com), [1, 0, 0, 0]
@@ -57,15 +56,11 @@ def add_inertia(parent, place: np.ndarray, body: Body, convention: Convention) -
     child.explicitinertial = True
 
 
-def standard_only(rng, random_model, random_robot, n) -> RobotModel:
-    """Bodies of a modified table sit in other frames, so MuJoCo's twin is built from standard."""
-    return random_model(rng, random_robot(rng, n, Convention.STANDARD))
-
-
-@pytest.mark.parametrize("n", range(1, 9))
-def test_recursions_agree_with_mujoco(n, random_model, random_robot, interpreted):
+@pytest.mark.parametrize("convention", Convention)
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 6, 8])
+def test_recursions_agree_with_mujoco(n, convention, random_model, random_robot, interpreted):
     rng = np.random.default_rng(n)
-    model = standard_only(rng, random_model, random_robot, n)
+    model = random_model(rng, random_robot(rng, n, convention))
     twin = mujoco_model(model)
     data = mujoco.MjData(twin)
     M = model.robot.coupling
