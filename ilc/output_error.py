@@ -63,9 +63,12 @@ def fit_first_order(
 
     best = None
     for delay in delays:
-        found = minimize_scalar(left_over, args=(delay,), bounds=(0.0, _SLOWEST), method="bounded")
-        if best is None or found.fun < best[0]:
-            best = (float(found.fun), delay, float(found.x))
+        pole = float(
+            minimize_scalar(left_over, args=(delay,), bounds=(0.0, _SLOWEST), method="bounded").x  # type: ignore[attr-defined]
+        )
+        left = left_over(pole, delay)
+        if best is None or left < best[0]:
+            best = (left, delay, pole)
     if best is None:
         raise ValueError("delays must not be empty")
     left, delay, pole = best

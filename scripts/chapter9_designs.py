@@ -138,10 +138,9 @@ def friction_feedforward(seed: int) -> Part:
     def draw(read: Read, folder: Path) -> Section:
         without = {pose: read(job) for pose, job in plain.items()}
         with_it = {pose: read(job) for pose, job in helped.items()}
-        curves = {}
-        for pose in POSES:
-            curves[f"{pose}, ILC alone"] = 1e6 * without[pose]["arm_rms"]
-            curves[f"{pose}, with feedforward"] = 1e6 * with_it[pose]["arm_rms"]
+        cases = {f"{pose}, ILC alone": without[pose] for pose in POSES} | {
+            f"{pose}, with feedforward": with_it[pose] for pose in POSES
+        }
         first = {
             pose: with_it[pose]["motor_inf"][0] / without[pose]["motor_inf"][0] for pose in POSES
         }
@@ -152,14 +151,9 @@ def friction_feedforward(seed: int) -> Part:
             folder / "F09.png",
             "Learning with and without friction feedforward",
             {
-                "Tool, RMS [µm]": curves,
+                "Tool, RMS [µm]": {name: 1e6 * run["arm_rms"] for name, run in cases.items()},
                 "Motors, mean of six, ∞-norm [motor mrad]": {
-                    name.replace("ILC alone", label): 1e3 * result[pose]["motor_inf"].mean(axis=1)
-                    for pose in POSES
-                    for name, label, result in (
-                        (f"{pose}, ILC alone", "ILC alone", without),
-                        (f"{pose}, with feedforward", "", with_it),
-                    )
+                    name: 1e3 * run["motor_inf"].mean(axis=1) for name, run in cases.items()
                 },
             },
             columns=2,

@@ -117,17 +117,17 @@ Phenomenon = tuple[str, Callable[[dict[str, Result]], float], float, float]
 
 PHENOMENA: tuple[Phenomenon, ...] = (
     ("motors, worst (9.5)", lambda r: bands.motor_side(r)[0].ours, -np.inf, 0.10),
-    ("p1: RMS k5/k0", lambda r: _fall(r["p1"], "arm_rms"), 0.20, 0.50),
+    ("p1, RMS k5/k0", lambda r: _fall(r["p1"], "arm_rms"), 0.20, 0.50),
     (
-        "p2: RMS k5/k1",
+        "p2, RMS k5/k1",
         lambda r: float(r["p2"]["arm_rms"][AT] / r["p2"]["arm_rms"][1]),
         0.95,
         np.inf,
     ),
-    ("p3: RMS k5/k0", lambda r: _fall(r["p3"], "arm_rms"), 0.95, 1.6),
-    ("p1: RMS 15/10 Hz", lambda r: _ratio(r, "p1, 15 Hz", "p1"), 1.05, np.inf),
-    ("p1: RMS δ 6/3", lambda r: _ratio(r, "p1, delta 6", "p1"), 0.0, 0.97),
-    ("p2: RMS δ 6/3", lambda r: _ratio(r, "p2, delta 6", "p2"), 0.0, 0.95),
+    ("p3, RMS k5/k0", lambda r: _fall(r["p3"], "arm_rms"), 0.95, 1.6),
+    ("p1, RMS 15/10 Hz", lambda r: _ratio(r, "p1, 15 Hz", "p1"), 1.05, np.inf),
+    ("p1, RMS δ 6/3", lambda r: _ratio(r, "p1, delta 6", "p1"), -np.inf, 0.97),
+    ("p2, RMS δ 6/3", lambda r: _ratio(r, "p2, delta 6", "p2"), -np.inf, 0.95),
 )
 
 
@@ -208,9 +208,15 @@ def _fields(
             for name, value, _, _ in PHENOMENA:
                 found[name][i, j] = value(results)
     return {
-        name: (found[name], (found[name] >= low) & (found[name] <= high))
+        f"{name}: {_band(low, high)}": (found[name], (found[name] >= low) & (found[name] <= high))
         for name, _, low, high in PHENOMENA
     }
+
+
+def _band(low: float, high: float) -> str:
+    if np.isinf(low):
+        return f"≤ {high:g}"
+    return f"≥ {low:g}" if np.isinf(high) else f"{low:g} to {high:g}"
 
 
 def _fall(result: Result, name: str) -> float:

@@ -33,8 +33,8 @@ class Study:
             cut = replace(base, **_options(dict(zip(self.over, values, strict=True))))
             for repetition in range(self.repetitions):
                 job = LearningJob(laser=cut, seed=seed, repetition=repetition)
-                key = (*values, repetition) if self.repetitions > 1 else values
-                yield (key if len(key) > 1 else key[0]), job
+                key = [*values, repetition] if self.repetitions > 1 else [*values]
+                yield (tuple(key) if len(key) > 1 else key[0]), job
 
 
 def laser(**options: Any) -> LaserCfg:

@@ -173,11 +173,11 @@ def _print(
         for s in shown
         for c in s.checks
     ]
-    report.table(
-        f"{count(shown)}; {n_run} experiments run, {n_known} known from before",
-        ["section", "", "what", "thesis", "ours", "band", "verdict"],
-        rows,
-    )
+    if rows:
+        columns = ["section", "", "what", "thesis", "ours", "band", "verdict"]
+        report.table("Comparisons with the thesis", columns, rows)
+        report.line(f"{count(shown)}.")
+    report.line(f"{n_run} experiments run, {n_known} known from before.")
     report.line(f"Report in {folder.path / 'report.html'}")
     report.summary(
         {

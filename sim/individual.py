@@ -104,6 +104,7 @@ def structure_hinges(model: RobotModel) -> list[int]:
 
 
 def _stiffen(mj: mujoco.MjModel, joints: list[int], factor: ArrayLike) -> None:
+    factor = np.asarray(factor, dtype=np.float64)
     mj.jnt_stiffness[joints] *= factor
     mj.dof_damping[mj.jnt_dofadr[joints]] *= np.sqrt(factor)
 

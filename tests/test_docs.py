@@ -16,7 +16,7 @@ from scripts import cli
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-TAKES_MINUTES = {"bench", "calibrate", "verify"}
+TAKES_MINUTES = {"bench", "calibrate", "reproduce", "verify"}
 FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
