@@ -40,8 +40,8 @@ START = Trim(
     temperature=33.0,
     bristle_stiffness=20.0,
 )
-"""Where the search starts: found by a coarse search of the same kind, from the calibrated set
-without gear effects."""
+"""Where the search starts: rounded from earlier searches of the same kind, the first of which
+started from a set without gear effects."""
 
 CHANCE = {
     "servo_frequency": 0.03,
