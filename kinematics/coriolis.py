@@ -17,8 +17,9 @@ from typing import Any
 import sympy as sp
 
 from .chain import ZERO, Vector, added, combined, crossed, joint_variables, scaled
+from .composite import Matrix
 from .dh import Joint
-from .dynamics import Matrix, blocks, coupled, model_notes, transposed
+from .dynamics import blocks, coupled, model_notes, transposed
 from .model import RobotModel
 from .motion import motor_symbols
 from .program import Block, Program, Tape

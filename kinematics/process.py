@@ -16,6 +16,7 @@ from typing import Any
 
 import sympy as sp
 
+from .composite import solved
 from .derivative import tangent
 from .dynamics import (
     blocks,
@@ -24,7 +25,6 @@ from .dynamics import (
     model_notes,
     motor_mass_matrix,
     motor_torques,
-    solved,
 )
 from .exact import exact
 from .model import Motor, RobotModel
