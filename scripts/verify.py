@@ -49,6 +49,7 @@ class Claim(NamedTuple):
 
 
 CLAIMS: dict[str, Claim] = {
+    "kinematics": Claim("scripts.verify_kinematics:kinematics", n_seeds=10),
     "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
     "env": Claim("scripts.verify_env:env", n_seeds=1000),
     "tuning": Claim("scripts.verify_tuning:tuning", n_seeds=100),
@@ -56,6 +57,7 @@ CLAIMS: dict[str, Claim] = {
     "sweep-memory": Claim("scripts.verify_sweep:memory", n_seeds=10_000),
     "chapter9": Claim("scripts.verify_chapter9:chapter9", n_seeds=5),
     "imu": Claim("scripts.verify_irb1400:imu", n_seeds=20),
+    "estimation": Claim("scripts.verify_estimation:estimation", n_seeds=10),
     "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
     "imu-rest": Claim("scripts.verify_irb1400:rest", n_seeds=10),
     "laser-irb1400": Claim("scripts.verify_irb1400:laser", n_seeds=20),
