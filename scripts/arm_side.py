@@ -1,7 +1,7 @@
 """What experiments on the arm side share: beliefs about a robot, cases, stored identifications."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from sim.nominal import NominalArm, NominalCfg, nominal_arm
 from sim.robot import LOG_PERIOD
 
 from .errors import InputError
+from .summary import plain
 
 _STREAM = 0xA2  # of the draw of beliefs, apart from those of individual and instruments
 
@@ -39,28 +40,30 @@ def believed_arm(source: Path, stiffness_error: float, seed: int, **known: Any) 
     return nominal_arm(source, NominalCfg(stiffness=tuple(factors), **known))
 
 
-def stored_springs(folder: Path, pose: str) -> Springs:
+def stored_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
     """Springs that `armside identify` has written.
 
+    place: the options that say where, such as {"pose": "p1"}; springs act together by pose.
+
     Raises:
-        InputError: there are none, or they were identified at another pose.
+        InputError: there are none, or they were identified at another place.
     """
     file = folder / "summary.json"
     try:
         stored = json.loads(file.read_text(encoding="utf-8"))
         springs = stored["springs"]
-        known_at = stored["config"]["pose"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        known_at = {name: stored["config"].get(name) for name in place}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{folder} holds no identification of armside identify") from error
-    if known_at != pose:
-        raise InputError(
-            f"{folder} was identified at {known_at}; springs act together by pose, this is {pose}"
-        )
+    if known_at != plain(place):
+        said = ", ".join(f"{name} {value}" for name, value in known_at.items() if value)
+        raise InputError(f"{folder} was identified at {said}: springs act together by pose")
     return Springs(
         stiffness=np.array(springs["stiffness"]),
         damping=np.array(springs["damping"]),
         clock_offset=float(springs["clock_offset"]),
         distrust=float(springs["distrust"]),
+        mounting=np.array(springs["mounting"]),
     )
 
 

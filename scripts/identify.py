@@ -8,12 +8,13 @@ import numpy as np
 from sim.cell import CELLS
 from sim.effects import Effect
 from sim.experiment import Experiment, prepare
-from sim.model import RobotModel, load_model
+from sim.model import RobotModel
 
-from .arm_side import believed_arm
 from .console import Report
 from .errors import checking_input
 from .laser import LaserCfg, task
+from .laser_task import added_payload, believed_arm
+from .laser_task import robot as known_robot
 from .options import Common, options
 from .run_folder import RunFolder
 from .summary import dumps, summary
@@ -51,8 +52,8 @@ def _prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, RobotModel]:
     from sim.instruments.imu import ImuCfg
 
     cell = CELLS[cfg.robot]
-    robot = load_model(cfg.model or cell.xml)
-    believed_arm(cfg.model or cell.xml, cfg.stiffness_error * 1e-2, seed)
+    robot = known_robot(cfg)
+    believed_arm(cfg, seed)
     experiment = prepare(
         cell,
         robot,
@@ -76,7 +77,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
     from sim.nominal import NominalCfg, nominal_arm
 
     source = cfg.model or CELLS[cfg.robot].xml
-    arm = believed_arm(source, cfg.stiffness_error * 1e-2, seed)
+    arm = believed_arm(cfg, seed)
     made = experiment.plant.run(np.zeros_like(experiment.job.reference))
     log, unit = made.recording, experiment.plant.imu
     assert made.imu is not None
@@ -86,7 +87,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
     rest = log.motor_angle[0]
     found = identified_from(arm, measured, rest, ImuCfg(), prior=prior)
 
-    true_arm = nominal_arm(source, NominalCfg(structure=True))
+    true_arm = nominal_arm(source, NominalCfg(structure=True, payload=added_payload(cfg)))
     gear = np.diag(true_arm.stiffness)
     modes = frozen(true_arm, rest).locked_modes()[:4]
     sd = found.fit.standard_deviation
@@ -96,6 +97,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
             "damping": found.springs.damping,
             "clock_offset": found.springs.clock_offset,
             "distrust": found.springs.distrust,
+            "mounting": found.springs.mounting,
         },
         "parameters": [
             {

@@ -10,10 +10,11 @@ from sim.cell import CELLS
 from sim.effects import Effect
 from sim.experiment import Experiment, Iteration
 from sim.individual import draw, structure_hinges, with_payload
-from sim.model import RobotModel, load_model
+from sim.model import RobotModel
 from sim.recording import Array
 
 from .laser import LaserCfg, learning_law, task
+from .laser_task import contour, robot
 
 RIPPLE_BAND = (5.0, 14.0)
 """[Hz], around the resonances that learning leaves undamped."""
@@ -30,7 +31,7 @@ class LearningJob:
     repetition: int = 0
     """Of the same experiment on the same robot: other noise only."""
     payload: float | None = None
-    """Mass of the tool [kg]; None: as the robot's file has it."""
+    """Mass of the tool [kg]; None: as the options have it."""
     payload_known: bool = True
     """The controller knows the payload."""
     individual: int | None = None
@@ -43,7 +44,7 @@ class LearningJob:
     @property
     def cost(self) -> float:
         """Rough, relative: for the time left."""
-        turn = 2.0 * np.pi * self.laser.radius / self.laser.speed
+        turn = contour(self.laser).length / (1e-3 * self.laser.speed)
         return (self.laser.iterations + 1) * (1.2 * turn + 0.9) + _RUN_WORTH
 
     def run(self) -> dict[str, Array]:
@@ -73,7 +74,7 @@ class LearningJob:
         """The experiment before its first run."""
         cfg = self.laser
         cell = CELLS[cfg.robot]
-        design = load_model(cfg.model or cell.xml)
+        design = robot(cfg)
         loaded = design if self.payload is None else with_payload(design, self.payload)
         individual = None
         if self.individual is not None:

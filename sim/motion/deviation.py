@@ -9,6 +9,9 @@ from .contour import ClosedCurve
 
 Array = NDArray[np.float64]
 
+CONVERGED = 1e-12
+"""[m] and [rad]: a last step below this."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
@@ -26,10 +29,15 @@ class Fit:
 
 def signed_distance(contour: ClosedCurve, p: Array) -> Array:
     """(N,) [m], above 0 to the right of the contour: outside if it is counter-clockwise."""
+    return _distance(contour, p)[0]
+
+
+def _distance(contour: ClosedCurve, p: Array) -> tuple[Array, Array]:
+    """Signed distance of each point, and the normal along which it is."""
     s = contour.nearest(p)
     tangent = contour.tangent(s)
     outwards = np.column_stack([tangent[:, 1], -tangent[:, 0]])
-    return np.einsum("ij,ij->i", p - contour.point(s), outwards)
+    return np.einsum("ij,ij->i", p - contour.point(s), outwards), outwards
 
 
 def fit(contour: ClosedCurve, p: Array, *, turn: bool = True, iterations: int = 20) -> Fit:
@@ -40,16 +48,15 @@ def fit(contour: ClosedCurve, p: Array, *, turn: bool = True, iterations: int = 
     """
     moved, angle = np.array(p, dtype=np.float64), 0.0
     for _ in range(iterations):
-        tangent = contour.tangent(contour.nearest(moved))
-        normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+        distance, normal = _distance(contour, moved)
         lever = moved[:, 0] * normal[:, 1] - moved[:, 1] * normal[:, 0]
         J = np.column_stack([normal, lever]) if turn else normal
-        step, *_ = np.linalg.lstsq(J, -signed_distance(contour, moved), rcond=1e-6)
+        step, *_ = np.linalg.lstsq(J, -distance, rcond=1e-6)
         turned = float(step[2]) if turn else 0.0
         c, s = np.cos(turned), np.sin(turned)
         moved = moved @ np.array([[c, s], [-s, c]]) + step[:2]
         angle += turned
-        if np.abs(step).max() < 1e-15:
+        if np.abs(step).max() < CONVERGED:
             break
     c, s = np.cos(angle), np.sin(angle)
     shift = np.mean(p, axis=0) - np.mean(moved, axis=0) @ np.array([[c, -s], [s, c]])

@@ -1,0 +1,156 @@
+"""Options of `armside laser`: what to cut, with which robot, and how to learn it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
+
+import numpy as np
+from cyclopts import Parameter
+
+from ilc.filters import ZeroPhaseButterworth
+from ilc.laws import Heuristic
+from sim.robot import LOG_PERIOD
+
+from .options import options
+
+if TYPE_CHECKING:
+    from sim.arm_learning import ArmLearningCfg
+
+Number = TypeVar("Number", int, float)
+_Several = Parameter(consume_multiple=True)
+RADIUS = 5.0
+"""[mm], of the circle where none is given."""
+SMALLEST_RADIUS = 0.1
+"""[mm]; a smaller one is below what a robot of this size resolves."""
+SMALLEST_BEAM = 0.01
+"""[mm]; no laser cuts metal with less."""
+EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class LaserCfg:
+    """What to cut, with which robot, and how to learn it."""
+
+    robot: Literal["large", "irb1400"] = "large"
+    """Which robot."""
+    model: Path | None = None
+    """MJCF file to use in place of that robot's own."""
+    payload: float | None = None
+    """Mass of the tool, known to the controller [kg] [default: as in the model]."""
+    pose: str = "p1"
+    """Where: p1, p2 or p3 of thesis (9.3), or those of the other robot."""
+    position: tuple[float, float, float] | None = None
+    """Where, in place of that pose's position: X Y Z of TCP0 in base axes [mm]."""
+    quaternion: tuple[float, float, float, float] | None = None
+    """Orientation of the tool, in place of that pose's: W X Y Z, base to tool."""
+    shape: Literal["circle", "square", "slot", "hexagon"] = "circle"
+    """What to cut; corners are rounded."""
+    radius: float = RADIUS
+    """Programmed radius of a circle [mm]."""
+    size: float | None = None
+    """Side of a square or width across flats of a hexagon [default: 20], length of a slot [default:
+    30] [mm]."""
+    width: float | None = None
+    """Width of a slot [mm] [default: a third of its length]."""
+    corner: float | None = None
+    """Corner radius of a square or a hexagon [mm] [default: 15 % of its size]."""
+    lead_in: Literal["arc", "spiral"] = "arc"
+    """Reach the contour along itself, or spiralling outwards from inside it."""
+    speed: float = 40.0
+    """Programmed speed along the path [mm/s]."""
+    plane: Literal["base-xy", "tool"] = "base-xy"
+    """Plane of the shape: the base x-y plane, or perpendicular to the tool axis."""
+    law: Literal["auto", "heuristic", "inverse", "norm-optimal"] = "auto"
+    """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2); the others invert a model of
+    the arm [auto: heuristic for --measure motor, inverse otherwise]."""
+    measure: Literal["motor", "estimate", "tracker"] = "motor"
+    """What is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
+    gamma: Annotated[tuple[float, ...], _Several] = (0.9,)
+    """Learning gain, one for all motors or six."""
+    delta: Annotated[tuple[int, ...], _Several] = (3,)
+    """Time shift [samples of 4 ms], one for all motors or six."""
+    cutoff: Annotated[tuple[float, ...], _Several] = (10.0,)
+    """Cutoff of Q [Hz], one for all motors or six."""
+    iterations: int = 5
+    """Number of updates; one run more is made."""
+    repetitions: int = 0
+    """Further runs with the last correction, for path repeatability: none, or two and more."""
+    beam: float = 0.2
+    """Diameter of the laser beam [mm], for the edges of the cut."""
+    path_acceleration: float = 1.3
+    """Limit of the controller for acceleration along and across the path [m/s^2]."""
+    stiffness_error: float = 30.0
+    """Stiffness is believed wrongly by up to this, each axis; drawn with the seed [%]."""
+    identification: Path | None = None
+    """Folder of `armside identify` at this pose, in place of identifying from the first run."""
+    on_imu_fault: Literal["refuse", "go-on"] = "refuse"
+    """When the IMU cannot be used: do not learn, or go on with motor angles and model alone."""
+    without: Annotated[tuple[EffectName, ...], _Several] = ()
+    """Effects of gears and drives to leave out, for ablations."""
+    friction_spread: float = 2.0
+    """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
+
+    def __post_init__(self) -> None:
+        for name, unit in (("radius", "mm"), ("speed", "mm/s")):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
+        for name, smallest in (
+            ("radius", SMALLEST_RADIUS),
+            ("size", 2.0 * SMALLEST_RADIUS),
+            ("width", 2.0 * SMALLEST_RADIUS),
+            ("corner", SMALLEST_RADIUS),
+            ("beam", SMALLEST_BEAM),
+        ):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value >= smallest):
+                raise ValueError(f"{name} must be >= {smallest:g} mm, got {value:g}")
+        if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
+            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
+        if self.iterations < 0:
+            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
+        if self.repetitions < 0 or self.repetitions == 1:
+            raise ValueError(f"repetitions must be 0, or 2 and more, got {self.repetitions}")
+        for name in ("friction_spread", "stiffness_error"):
+            if not 0.0 <= getattr(self, name) < 100.0:
+                said = name.replace("_", "-")
+                raise ValueError(f"{said} must be in [0, 100) %, got {getattr(self, name):g}")
+        if not self.path_acceleration > 0.0:
+            raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
+        for name in ("gamma", "delta", "cutoff"):
+            if len(getattr(self, name)) not in (1, 6):
+                raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
+        if self.measure == "motor" and self.law not in ("auto", "heuristic"):
+            raise ValueError(f"law {self.law} needs --measure estimate or tracker")
+        learning_law(self)
+        if self.measure != "motor":
+            arm_learning(self)
+
+
+def arm_learning(cfg: LaserCfg) -> "ArmLearningCfg":
+    """How to learn on the arm side. Raises ValueError where options are out of range."""
+    from sim.arm_learning import ArmLaw, ArmLearningCfg, Measure, OnFault
+
+    for name in ("gamma", "delta", "cutoff"):
+        if len(getattr(cfg, name)) > 1:
+            raise ValueError(f"{name} takes one value with --measure {cfg.measure}")
+    return ArmLearningCfg(
+        measure=Measure(cfg.measure),
+        law=ArmLaw("inverse" if cfg.law == "auto" else cfg.law),
+        gamma=cfg.gamma[0],
+        delta=cfg.delta[0],
+        cutoff=cfg.cutoff[0],
+        on_fault=OnFault(cfg.on_imu_fault),
+    )
+
+
+def learning_law(cfg: LaserCfg) -> Heuristic:
+    """The law of the options. Raises ValueError where they are out of range."""
+    Q = ZeroPhaseButterworth(_shared(cfg.cutoff), LOG_PERIOD)
+    return Heuristic(Q=Q, gamma=_shared(cfg.gamma), delta=_shared(cfg.delta))
+
+
+def _shared(values: tuple[Number, ...]) -> Number | tuple[Number, ...]:
+    """One value for all motors where one is given."""
+    return values[0] if len(values) == 1 else values
