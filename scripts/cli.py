@@ -22,6 +22,7 @@ COMMANDS = {
     "imu": ("scripts.imu:imu", "Predict what an IMU on the moving tool measures."),
     "identify": ("scripts.identify:identify", "Find the arm's springs from one cut and an IMU."),
     "compare": ("scripts.compare:compare", "Motor side, estimate, tracker and oracle, compared."),
+    "replay": ("scripts.replay:replay", "Watch runs: viewer, browser, picture or film."),
     "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
     "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
     "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),

@@ -19,6 +19,8 @@ from .options import Common
 from .run_folder import RunFolder
 
 VERSIONED = ("armside", "mujoco", "numpy")
+FORMAT = 1
+"""Of a run's folder; raised when an older one can no longer be read as if it were new."""
 
 
 def summary(
@@ -30,7 +32,7 @@ def summary(
     """
     versions = {name: version(name) for name in VERSIONED} | {"python": platform.python_version()}
     config = {"experiment": experiment} | plain(cfg) | plain(common) | {"versions": versions}
-    return {"config": config, "status": status} | plain(results)
+    return {"format": FORMAT, "config": config, "status": status} | plain(results)
 
 
 def plain(value: Any) -> Any:

@@ -14,12 +14,12 @@ FLOOR = 3.0
 """Half side of an infinite plane as drawn [m]."""
 
 
-def body_entity(mj: mujoco.MjModel, body: int) -> str:
+def body_entity(mj: mujoco.MjModel, body: int, prefix: str = "robot") -> str:
     """Where a body lives among the entities of a replay."""
-    return f"robot/{mj.body(body).name or f'body_{body}'}"
+    return f"{prefix}/{mj.body(body).name or f'body_{body}'}"
 
 
-def shapes(mj: mujoco.MjModel) -> Iterator[tuple[str, rr.AsComponents]]:
+def shapes(mj: mujoco.MjModel, prefix: str = "robot") -> Iterator[tuple[str, rr.AsComponents]]:
     """(entity, shape) of each visible geom type of each body; poses are in the body's frame."""
     visible = (mj.geom_group <= LARGEST_VISUAL_GROUP) & (_colours(mj)[:, 3] > 0)
     for body in range(mj.nbody):
@@ -28,9 +28,9 @@ def shapes(mj: mujoco.MjModel) -> Iterator[tuple[str, rr.AsComponents]]:
             name = mjtGeom(kind).name.removeprefix("mjGEOM_").lower()
             if kind == mjtGeom.mjGEOM_MESH:
                 for g in geoms:
-                    yield f"{body_entity(mj, body)}/mesh_{g}", _mesh(mj, int(g))
+                    yield f"{body_entity(mj, body, prefix)}/mesh_{g}", _mesh(mj, int(g))
             elif (shape := _primitive(mj, mjtGeom(kind), geoms)) is not None:
-                yield f"{body_entity(mj, body)}/{name}", shape
+                yield f"{body_entity(mj, body, prefix)}/{name}", shape
 
 
 def _colours(mj: mujoco.MjModel) -> np.ndarray:

@@ -44,6 +44,8 @@ TRUTH = {
     "imu_acceleration": ("m/s^2", XYZ),
     "imu_angular_velocity": ("rad/s", XYZ),
 }
+FORMAT = 1
+"""Of the file; raised when an older one can no longer be read as if it were new."""
 SHORTEST_INTERVAL = 1e-9
 """Two samples closer than this [s] were meant to be one: their clocks were computed differently."""
 
@@ -88,6 +90,7 @@ def write_signals(
     tables = [_table(run, truth_rate) for run in runs]
     metadata = {
         "config": json.dumps(dict(config), sort_keys=True),
+        "format": json.dumps(FORMAT),
         "limits_hit": json.dumps({str(run.k): run.recording.limits_hit for run in runs}),
         "rates": json.dumps(_rates(runs[0], truth_rate)),
         "seed": json.dumps(seed),
@@ -111,12 +114,14 @@ def read_signals(path: Path) -> Signals:
     """The runs of a file, bit for bit as written.
 
     Raises:
-        ValueError: the file holds something else.
+        ValueError: the file holds something else, or signals of another format.
     """
     table = pq.read_table(path)
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
     if "armside.config" not in metadata:
         raise ValueError(f"{path} holds no signals of armside: no armside.config in its metadata")
+    if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
+        raise ValueError(f"{path} holds signals of format {found}; this armside reads {FORMAT}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     runs = []
     for k in table["k"].unique().to_pylist():

@@ -1,0 +1,128 @@
+"""A headless Chromium that looks at a page, by the WebDriver protocol and nothing else.
+
+Draws WebGL on the CPU (SwiftShader), so it works on a machine without graphics.
+"""
+
+import base64
+import json
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+ARGUMENTS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--hide-scrollbars",
+)
+START = 20.0
+"""Longest wait for the driver to start [s]."""
+ANSWER = 180.0
+"""Longest wait for an answer [s]: a page that draws on the CPU is slow."""
+
+
+class Page:
+    """A page that is open in the browser."""
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+
+    def screenshot(self) -> bytes:
+        """What is seen now, as PNG."""
+        return base64.b64decode(_ask(f"{self._address}/screenshot"))
+
+    def screenshot_when(self, good: Callable[[bytes], bool], within: float) -> bytes:
+        """The first screenshot that is good, or the last one taken within that time [s]."""
+        until = time.monotonic() + within
+        while True:
+            seen = self.screenshot()
+            if good(seen) or time.monotonic() > until:
+                return seen
+            time.sleep(0.5)
+
+    def requests(self) -> list[str]:
+        """Addresses that the page has asked for since this was last called."""
+        entries = _ask(f"{self._address}/se/log", {"type": "performance"})
+        messages = [json.loads(entry["message"])["message"] for entry in entries]
+        return [
+            m["params"]["request"]["url"]
+            for m in messages
+            if m["method"] == "Network.requestWillBeSent"
+        ]
+
+    def answered(self) -> list[str]:
+        """As `requests`, but only those that somebody answered."""
+        entries = _ask(f"{self._address}/se/log", {"type": "performance"})
+        messages = [json.loads(entry["message"])["message"] for entry in entries]
+        return [
+            m["params"]["response"]["url"]
+            for m in messages
+            if m["method"] == "Network.responseReceived"
+        ]
+
+
+@contextmanager
+def page(
+    address: str, *, driver: str = "chromedriver", width: int = 1600, height: int = 900
+) -> Iterator[Page]:
+    """Open an address in a browser of its own; it is closed when the block ends.
+
+    Raises:
+        OSError: there is no such driver, or it does not start.
+    """
+    process = subprocess.Popen(
+        [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    try:
+        base = f"http://127.0.0.1:{_port(process)}"
+        options = {"args": [*ARGUMENTS, f"--window-size={width},{height}"]}
+        wanted = {
+            "browserName": "chrome",
+            "goog:chromeOptions": options,
+            "goog:loggingPrefs": {"performance": "ALL"},
+        }
+        opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
+        own = f"{base}/session/{opened['sessionId']}"
+        try:
+            _ask(f"{own}/url", {"url": address})
+            yield Page(own)
+        finally:
+            _ask(own, method="DELETE")
+    finally:
+        process.terminate()
+        process.wait()
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+def _port(process: subprocess.Popen[str]) -> int:
+    """Where the driver listens, as it says."""
+    assert process.stdout is not None
+    until = time.monotonic() + START
+    while time.monotonic() < until and (line := process.stdout.readline()):
+        if "on port" in line and "successfully" in line:
+            return int(line.split("on port")[1].strip(" .\n"))
+    raise OSError("the browser's driver did not start")
+
+
+def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = None) -> Any:
+    data = None if body is None else json.dumps(body).encode()
+    request = urllib.request.Request(
+        address, data, {"Content-Type": "application/json"}, method=method
+    )
+    try:
+        with urllib.request.urlopen(request, timeout=ANSWER) as answer:
+            return json.load(answer)["value"]
+    except urllib.error.HTTPError as error:
+        said = json.load(error)["value"]
+        raise OSError(f"the browser says: {said.get('message', said)}".splitlines()[0]) from error
