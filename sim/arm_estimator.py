@@ -59,6 +59,8 @@ class ArmEstimator:
     """On the springs that are believed."""
     clock_offset: float
     """Robot time when the IMU's clock shows 0 [s]."""
+    mounting: Array
+    """(3,) [rad], turn of the IMU's housing."""
     rest: Array
     """(6,) [rad], motor angles at rest."""
     imu: ImuCfg
@@ -92,7 +94,7 @@ class ArmEstimator:
 
     def deviations(self, run: Run) -> Smoothed:
         """States of filter and smoother at the IMU's instants."""
-        left, bias = residual(self.model, run, self.clock_offset)
+        left, bias = residual(self.model, run, self.clock_offset, self.mounting)
         start = np.zeros(len(self.model.A))
         start[-6:] = bias
         return self.smoother(run)(left, start)
@@ -112,7 +114,7 @@ class ArmEstimator:
         run = prepared(time, motor_angle, samples)
         states = self.deviations(run)
         if kind is Estimate.WIENER:
-            left, bias = residual(self.model, run, self.clock_offset)
+            left, bias = residual(self.model, run, self.clock_offset, self.mounting)
             deviation = self._wiener(
                 left - bias, 1.0 / self.imu.rate, self.model.reading_covariance
             )
@@ -131,6 +133,7 @@ def estimator(
     return ArmEstimator(
         arm=springs.on(arm),
         clock_offset=springs.clock_offset,
+        mounting=springs.mounting,
         rest=rest,
         imu=imu,
         distrust=replace(distrust, share=springs.distrust),

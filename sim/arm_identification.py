@@ -108,24 +108,25 @@ def identify(
     )
 
 
-def residual(model: ArmFilter, run: Run, clock_offset: float) -> tuple[Array, Array]:
+def residual(
+    model: ArmFilter, run: Run, clock_offset: float, mounting: Array
+) -> tuple[Array, Array]:
     """IMU readings minus those that the motor angles explain, and their mean at rest.
+
+    Args:
+        mounting: (3,) [rad], turn of the IMU's housing: it reads y - mounting x y.
 
     Returns:
         (K, 6), and (6,): the biases.
     """
-    explained = explain(model, run, run.phi, run.phi_dot, clock_offset)
-    left = run.reading - explained
-    return left, np.nanmean(left[run.imu_time + clock_offset < REST], axis=0)
-
-
-def explain(model: ArmFilter, run: Run, phi: Array, phi_dot: Array, clock_offset: float) -> Array:
-    """(K, 6): what the IMU reads, beside biases, when the motors deviate by phi (N, 6)."""
     from scipy.interpolate import CubicHermiteSpline
 
-    low, rate = model.readings(model.simulated(phi, phi_dot, run.period))
+    low, rate = model.readings(model.simulated(run.phi, run.phi_dot, run.period))
     at = np.clip(run.imu_time + clock_offset, run.time[0], run.time[-1])
-    return CubicHermiteSpline(run.time, low, rate)(at)
+    explained = CubicHermiteSpline(run.time, low, rate)(at)
+    turned = [np.cross(mounting, part) for part in np.split(explained, 2, axis=1)]
+    left = run.reading - explained + np.hstack(turned)
+    return left, np.nanmean(left[run.imu_time + clock_offset < REST], axis=0)
 
 
 def _innovations(
@@ -142,7 +143,7 @@ def _innovations(
     if np.linalg.eigvalsh(candidate.spring_matrix)[0] <= 0.0:  # the arm would fall
         return Whitened(np.full_like(run.reading, np.inf), 0.0)
     model = arm_filter(candidate, imu, replace(distrust, share=springs.distrust))
-    left, bias = residual(model, run, springs.clock_offset)
+    left, bias = residual(model, run, springs.clock_offset, springs.mounting)
     settled = SettledFilter(model.sampled(1.0 / imu.rate))
     start = np.zeros(len(model.A))
     start[-6:] = bias

@@ -152,7 +152,11 @@ def commission(
             raise
         identified, fault = None, problem
     nominal = Springs(
-        stiffness=arm.stiffness, damping=arm.damping, clock_offset=0.0, distrust=UNIDENTIFIED
+        stiffness=arm.stiffness,
+        damping=arm.damping,
+        clock_offset=0.0,
+        distrust=UNIDENTIFIED,
+        mounting=np.zeros(3),
     )
     believed = springs or nominal
     known = estimator(arm, believed, rest, imu, cfg.distrust)

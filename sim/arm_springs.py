@@ -1,6 +1,6 @@
-"""What is unknown of an arm's springs and of the IMU's clock, as parameters of an identification.
+"""What is unknown of an arm's springs, and of its IMU's clock and seat, as parameters.
 
-    theta = (log K_11..K_66, log D scale, clock offset, log distrust, couplings rho_ij)
+    theta = (log K_11..K_66, log D scale, clock offset, log distrust, mounting (3), rho_ij)
 
 relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
 that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
@@ -30,11 +30,13 @@ class SpringPrior:
     """[s]."""
     distrust: float = 0.5
     """Of the log of `Distrust.share`."""
+    mounting: float = 0.02
+    """Of the turn of the IMU's housing about each of its axes [rad]."""
     coupling: float = 0.3
     """Of rho; 0 keeps to gear springs."""
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "clock", "distrust"):
+        for name in ("stiffness", "damping", "clock", "distrust", "mounting"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
         if not self.coupling >= 0.0:
@@ -50,18 +52,21 @@ class SpringPrior:
         return np.array(
             [self.stiffness] * N_AXES
             + [self.damping, self.clock, self.distrust]
+            + [self.mounting] * 3
             + [self.coupling] * len(self.pairs)
         )
 
     @property
     def names(self) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
+        seat = [f"mounting {axis}" for axis in "xyz"]
         pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
         return (
             *(f"stiffness {i}" for i in range(1, N_AXES + 1)),
             "damping",
             "clock",
             "distrust",
+            *seat,
             *pairs,
         )
 
@@ -79,6 +84,9 @@ class Springs:
     distrust: float
     """`Distrust.share`: how much of the arm's twist the model leaves unexplained."""
 
+    mounting: Array
+    """(3,) [rad], turn of the IMU's housing from its site."""
+
     def on(self, arm: NominalArm) -> NominalArm:
         """The arm on these springs."""
         return arm.with_springs(self.stiffness, self.damping)
@@ -88,11 +96,12 @@ def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, share: float) 
     """The springs that parameters mean on a nominal arm; share is the distrust expected."""
     own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
     K = np.diag(own)
-    for rho, (i, j) in zip(theta[N_AXES + 3 :], prior.pairs, strict=True):
+    for rho, (i, j) in zip(theta[N_AXES + 6 :], prior.pairs, strict=True):
         K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
     return Springs(
         stiffness=K,
         damping=arm.damping * np.exp(theta[N_AXES]),
         clock_offset=float(theta[N_AXES + 1]),
         distrust=share * float(np.exp(theta[N_AXES + 2])),
+        mounting=theta[N_AXES + 3 : N_AXES + 6].copy(),
     )
