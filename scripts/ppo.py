@@ -113,7 +113,7 @@ def learn(
     import torch  # pyright: ignore[reportMissingImports]
 
     torch.set_num_threads(1)
-    per_batch = env.rules.iterations * 2
+    per_batch = env.rules.iterations
     model = PPO(
         "MlpPolicy",
         Cells(env, seed),

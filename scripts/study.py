@@ -4,6 +4,8 @@ Optuna is imported here only where it is used: it takes half a second.
 """
 
 import logging
+import random
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,6 +24,10 @@ Pruner = Literal["median", "none"]
 
 CONNECT_TIMEOUT = 10
 """[s], for a storage server to answer."""
+ENOUGH = 5
+"""Complete trials, below which importances mean nothing."""
+ATTEMPTS = 5
+"""At making the tables of a new database, which others may be making too."""
 
 
 def open_study(
@@ -50,10 +56,7 @@ def open_study(
     try:
         _make_folder(storage)
         study = optuna.create_study(
-            storage=optuna.storages.RDBStorage(
-                storage,
-                engine_kwargs=_engine_options(storage),
-            ),
+            storage=_connect(storage),
             study_name=name,
             load_if_exists=True,
             direction="minimize",
@@ -62,12 +65,12 @@ def open_study(
             if pruner == "median"
             else optuna.pruners.NopPruner(),
         )
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         raise InputError(
-            f"storage {_shown(storage)} needs the package {error.name}; "
+            f"storage {_shown(storage)} needs a database driver that is not installed; "
             "for PostgreSQL: pip install 'armside[postgres]'"
         ) from error
-    except (SQLAlchemyError, OSError, ValueError, ImportError) as error:
+    except (SQLAlchemyError, OSError, ValueError) as error:
         raise InputError(f"storage {_shown(storage)} does not answer: {_reason(error)}") from error
     known = study.user_attrs.get("config")
     if known is None:
@@ -135,10 +138,27 @@ def importance(study: "optuna.Study") -> dict[str, float]:
     """Share of each parameter in what made designs good; empty while too few trials are done."""
     import optuna
 
+    if sum(t.state is optuna.trial.TrialState.COMPLETE for t in study.trials) < ENOUGH:
+        return {}
     try:
         return optuna.importance.get_param_importances(study)
     except (RuntimeError, ValueError):
         return {}
+
+
+def _connect(storage: str) -> "optuna.storages.RDBStorage":
+    """The database, with its tables. Processes that make them at the same moment try again."""
+    import optuna
+    from sqlalchemy.exc import IntegrityError, ProgrammingError
+
+    for attempt in range(1, ATTEMPTS + 1):
+        try:
+            return optuna.storages.RDBStorage(storage, engine_kwargs=_engine_options(storage))
+        except (IntegrityError, ProgrammingError):
+            if attempt == ATTEMPTS:
+                raise
+            time.sleep(random.uniform(0.5, 1.5))
+    raise AssertionError("unreachable")
 
 
 def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":

@@ -3,6 +3,7 @@
 import os
 import threading
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
@@ -72,8 +73,11 @@ class Engine(Protocol):
 class Local:
     """Processes of this machine. One that dies takes only its own point with it."""
 
-    def __init__(self, workers: int | None = None) -> None:
-        """workers: number of processes, all cores if None."""
+    def __init__(
+        self, workers: int | None = None, *, function: Callable[[Point], Row] = simulate
+    ) -> None:
+        """workers: number of processes, all cores if None. function: what runs a point."""
+        self._function = function
         self._workers = workers or cores()
         self._pool: ProcessPoolExecutor | None = None
         self._running: dict[Future[Row], Point] = {}
@@ -95,7 +99,7 @@ class Local:
                 self._workers, mp_context=context, initializer=end_with_parent
             )
         try:
-            self._running[self._pool.submit(simulate, point)] = point
+            self._running[self._pool.submit(self._function, point)] = point
         except BrokenProcessPool:
             self._suspects.append(point)
             self.close()

@@ -1,0 +1,186 @@
+"""`armside tune`: finds, prunes, resumes, shares, and says what is wrong."""
+
+import json
+import os
+import pwd
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import optuna
+import pytest
+
+from scripts import study as studies
+from scripts.errors import InputError
+from scripts.study import open_study, suggest
+from scripts.tune import WORST, Objective, TuneCfg, _identity
+from sim.tuning.design import THESIS, Design, Motors
+
+QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+
+
+def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path):
+    status, out, err = armside(f"tune {QUICK} --trials 10 --pruner none --sampler random --out a")
+    assert (status, err) == (0, "")
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    done = summary["trials"]["complete"]
+    assert done == 10
+    ratios = [best["ratio"] for best in summary["bests"]]
+    assert ratios == sorted(ratios, reverse=True)
+    assert summary["best"] == summary["bests"][-1]
+    assert summary["bests"][0]["delta"] == THESIS.delta[0]  # is tried first
+    assert set(summary["importance"]) == {"gamma", "delta", "cutoff"}
+    assert "best so far, trial" in out
+    for figure in ("history.png", "importance.png"):
+        assert (tmp_path / "a" / figure).read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_study_resumes_as_if_it_had_not_been_interrupted(armside, tmp_path):
+    def best(out):
+        return json.loads((tmp_path / out / "summary.json").read_text())["bests"]
+
+    line = f"tune {QUICK} --quiet --storage sqlite:///{tmp_path}"
+    for trials, out in ((3, "a"), (6, "b")):
+        assert armside(f"{line}/halves.db --trials {trials} --out {out}").status == 0
+    assert armside(f"{line}/whole.db --trials 6 --out c").status == 0
+    assert best("b") == best("c")
+    assert armside(f"{line}/whole.db --trials 6 --out d").status == 0  # nothing left to do
+    assert best("d") == best("c")
+
+
+def test_a_study_of_something_else_is_refused(armside):
+    assert armside(f"tune {QUICK} --quiet --trials 1").status == 0
+    status, _, err = armside(f"tune {QUICK} --quiet --trials 1 --motors each")
+    assert status == 2
+    assert "tunes something else: motors differ" in err
+
+
+def test_hopeless_designs_are_pruned_between_iterations():
+    cfg = TuneCfg(pose="p1", speed=60.0, payload=40.0, episodes=1, iterations=3)
+    objective = Objective(cfg, seed=0)
+    study = optuna.create_study(pruner=optuna.pruners.ThresholdPruner(upper=1e-3))
+    with pytest.raises(optuna.TrialPruned):
+        objective(study.ask())
+    assert list(study.trials[0].intermediate_values) == [1]
+    objective.close()
+
+
+def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
+    cfg = TuneCfg(pose="p1", speed=60.0, payload=40.0, episodes=2, iterations=2)
+    objective = Objective(cfg, seed=0)
+    first, again = (list(objective.ratios(THESIS)) for _ in range(2))
+    assert first == again
+    assert len(first) == 2
+    assert first[-1] < 1.0
+    objective.close()
+    bold = Objective(TuneCfg(pose="p1", speed=60.0, episodes=1, iterations=10), seed=0)
+    assert list(bold.ratios(Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))))[-1] == WORST
+    bold.close()
+
+
+def test_each_motor_has_its_own_parameters():
+    trial = optuna.create_study(sampler=optuna.samplers.RandomSampler(seed=0)).ask()
+    design = suggest(trial, Motors.EACH)
+    assert len(trial.params) == 18
+    assert design.gamma[3] == trial.params["gamma_4"]
+    assert studies.parameters(design, Motors.EACH) == trial.params
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--storage postgresql+psycopg://nobody@127.0.0.1:1/none", "does not answer"),
+        ("--storage nonsense", "does not answer"),
+        ("--storage sqlite:////proc/none/x.db", "does not answer"),
+        ("--storage postgresql+pg8000://a:secret@127.0.0.1/b", "needs a database driver"),
+        ("--pose p9", "Unknown pose 'p9'"),
+        ("--speed 0", "speed must be > 0 mm/s"),
+        ("--trials 0", "trials must be >= 1"),
+        ("--reward estimate", "not available"),
+        ("--sampler genius", "sampler"),
+        ("--seed 900000000", "sealed test seeds"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options, message):
+    status, out, err = armside(f"tune --episodes 1 --iterations 1 {options}")
+    assert (status, out) == (2, "")
+    assert message in err
+    assert "secret" not in err
+    assert err.count("\n") == 1
+    assert not [path for path in tmp_path.rglob("*") if path.name != "runs"]
+
+
+def test_a_search_is_not_part_of_what_makes_studies_comparable():
+    one, other = TuneCfg(trials=3, sampler="random"), TuneCfg(trials=9, pruner="none")
+    assert _identity(one, 0) == _identity(other, 0)
+    assert _identity(one, 0) != _identity(one, 1)
+
+
+def test_a_password_is_not_shown(tmp_path):
+    with pytest.raises(InputError, match=r"user:\*\*\*@127.0.0.1"):
+        open_study(
+            "postgresql+psycopg://user:secret@127.0.0.1:1/none",
+            "a",
+            {},
+            sampler="tpe",
+            pruner="none",
+            seed=0,
+        )
+
+
+@pytest.fixture
+def postgres(require_program, tmp_path):
+    """URL of a PostgreSQL server of our own: its socket is in a temporary folder, no port is open.
+
+    The server refuses to run as root; there it runs as the user `nobody`.
+    """
+    bin_folders = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
+    path = os.pathsep.join([*map(str, bin_folders), os.environ["PATH"]])
+    initdb = shutil.which("initdb", path=path)
+    if initdb is None:
+        require_program("initdb")
+    server = shutil.which("postgres", path=str(Path(initdb).parent))
+    user = pwd.getpwnam("nobody") if os.geteuid() == 0 else None
+    # Short and outside of pytest's folders, which another user may not enter; sockets have at most
+    # 107 characters.
+    folder = Path(subprocess.run(["mktemp", "-d"], capture_output=True, text=True).stdout.strip())
+    run_as = {}
+    if user is not None:
+        os.chown(folder, user.pw_uid, user.pw_gid)
+        run_as = {"user": user.pw_uid, "group": user.pw_gid, "extra_groups": []}
+    data = folder / "data"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder} | run_as
+    subprocess.run([initdb, "-D", data, "-U", "armside", "-A", "trust"], check=True, **quiet)
+    options = ["-k", str(folder), "-c", "listen_addresses=", "-c", "fsync=off"]
+    process = subprocess.Popen([server, "-D", data, *options], **quiet)
+    try:
+        for _ in range(300):
+            if (folder / ".s.PGSQL.5432").exists():
+                break
+            time.sleep(0.1)
+        yield f"postgresql+psycopg://armside@/postgres?host={folder}"
+    finally:
+        process.send_signal(signal.SIGINT)  # "fast": does not wait for clients to leave
+        process.wait(30)
+        shutil.rmtree(folder)
+
+
+def test_two_processes_share_one_study_in_postgresql(postgres, tmp_path):
+    command = [sys.executable, "-m", "scripts.cli", "tune", *QUICK.split(), "--quiet"]
+    command += ["--trials", "8", "--pruner", "none", "--storage", postgres]
+    running = [
+        subprocess.Popen([*command, "--out", str(tmp_path / name)], cwd=Path.cwd())
+        for name in ("a", "b")
+    ]
+    assert [process.wait(120) for process in running] == [0, 0]
+    storage = optuna.storages.RDBStorage(postgres)
+    known = optuna.load_study(study_name="armside", storage=storage).trials
+    storage.engine.dispose()
+    trials = [t for t in known if t.state is optuna.trial.TrialState.COMPLETE]
+    assert 8 <= len(trials) <= 9  # both may have been in their last trial
+    assert sorted(t.number for t in known) == list(range(len(known)))
+    tried = [tuple(sorted(t.params.items())) for t in trials]
+    assert len(set(tried)) >= len(tried) - 1  # both may have begun with the thesis's design
