@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ilc import measures
-from sim.cell import CELLS
 from sim.cutting import Pass
 from sim.experiment import Experiment, Iteration
 from sim.kerf import kerf
+from sim.motion.path import Circle
 from sim.path_record import path_measures
 from sim.recording import Array
 
@@ -97,10 +97,10 @@ def _true(run: Pass) -> tuple[Array, Array]:
 def write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
-    from sim.replay import write_replay
     from sim.signals import Run, write_signals
 
     from . import figures
+    from .replay_scene import write_run
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     runs = [
@@ -109,8 +109,7 @@ def write(
     ]
     config = outcome["config"]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
-    robot = CELLS[config["robot"]].robot
-    write_replay(folder / "replay.rrd", experiment.job.model.mj, runs, experiment.motion, robot)
+    write_run(folder / "replay.rrd", outcome, experiment.job.model.mj, runs, experiment.motion)
     rows = outcome["iterations"]
     curve = experiment.task.curve
     figures.circles(
@@ -126,6 +125,35 @@ def write(
         [row["arm_rms"] for row in rows],
         [row["arm_maxdev"] for row in rows],
         motor_label="motor error, ∞-norm, normalised",
+    )
+    _draw_kerf(folder / "kerf.png", experiment, iterations, outcome["kerf"])
+
+
+def _draw_kerf(
+    file: Path, experiment: Experiment, iterations: list[Iteration], measures: dict[str, Any]
+) -> None:
+    """The first cut and the last, as the tool truly made them."""
+    from . import kerf_figure
+
+    beam, curve = measures["beam"], experiment.task.curve
+    shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
+    cuts = [(it.trial.k, kerf(curve, it.arm_true.path, beam)) for it in shown]
+    kerf_figure.kerf(
+        file,
+        curve.point(cuts[0][1].arc_length),
+        cuts[0][1].arc_length,
+        [
+            kerf_figure.Cut(
+                k=k,
+                outer=cut.edge(cut.outer),
+                inner=cut.edge(cut.inner),
+                deviation=cut.hole_deviation,
+                roundness=cut.roundness,
+            )
+            for k, cut in cuts
+        ],
+        beam=beam,
+        measure="roundness" if isinstance(curve, Circle) else "band of the edge",
     )
 
 

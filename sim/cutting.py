@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .cell import Cell
-from .elastic import anticipated_shift
+from .elastic import anticipated_shift, smoothed
 from .instruments.imu import Imu, ImuSamples
 from .instruments.laser_tracker import LaserTracker, TrackerSamples
 from .model import RobotModel
 from .motion.joints import joint_reference, plan_cut
 from .motion.path import CuttingPath
 from .motion.program import ToolMotion
+from .motion.shapes import ArcsAndLines
 from .motion.timing import PathLimits
 from .recording import Array, Recording
 from .robot import LOG_PERIOD, Job
@@ -44,6 +45,8 @@ def plan(
         step=LOG_PERIOD,
     )
     shift = anticipated_shift(model, phi, LOG_PERIOD)
+    if isinstance(path.curve, ArcsAndLines):
+        shift = smoothed(shift)
     return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
 
 
