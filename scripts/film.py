@@ -167,7 +167,7 @@ class _Panel:
         font = ImageFont.load_default(size=22)
         draw.text((20, 14), title, fill=INK, font=font)
         small = ImageFont.load_default(size=17)
-        said = f"grey programmed, blue motors, orange tool; deviation ×{self.factor:g}"
+        said = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
         draw.text((20, HEIGHT - 34), said, fill=INK, font=small)
         self._line(draw, self.taken[0].contour, "programmed", tuple(GREY), 2)
         return image, draw

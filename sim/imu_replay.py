@@ -13,6 +13,7 @@ from .geoms import shapes
 from .imu_experiment import Evaluation, ImuRun
 from .recording import Array
 from .replay import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
+from .replay_blueprint import LEGEND, panels
 from .signals import Run
 
 COLOURS = {"measured": ORANGE, "predicted": BLUE}
@@ -77,7 +78,7 @@ def _send_series(stream: rr.RecordingStream, evaluation: Evaluation, start: floa
 
 def _blueprint() -> rrb.Blueprint:
     def view(entity: str, title: str) -> rrb.TimeSeriesView:
-        return rrb.TimeSeriesView(origin=entity, name=title)
+        return rrb.TimeSeriesView(origin=entity, name=title, plot_legend=LEGEND)
 
     of_axes = [
         rrb.Vertical(*(view(f"{kind}_{axis}", f"{title}, {axis}") for axis in AXES), name=title)
@@ -89,6 +90,5 @@ def _blueprint() -> rrb.Blueprint:
             rrb.Spatial3DView(origin="/", contents="robot/**", name="Robot"),
             rrb.Tabs(*of_axes, error),
         ),
-        rrb.TimePanel(timeline="time"),
-        collapse_panels=True,
+        *panels(),
     )

@@ -28,6 +28,8 @@ IMU_PERIOD = 0.01
 """Of the IMU series in the replay [s]."""
 SPECTRUM_TO = 40.0
 """[Hz], above which the robot hardly moves."""
+WORST_SHOWN = 3.0
+"""Error as a part of the first run's that a learning curve is shown up to."""
 GREY, BLUE, ORANGE = [150, 150, 150], [70, 130, 230], [240, 120, 20]
 AXIS_COLOURS = [
     [0, 114, 178],
@@ -128,7 +130,8 @@ def write_scenes(
         raise ValueError(f"magnification must be > 0, got {magnification:g}")
     contours = [_contours(scene) for scene in scenes]
     factor = magnification or min(fitting_magnification(own) for own in contours)
-    layouts = [_layout(*pair, factor) for pair in zip(scenes, contours, strict=True)]
+    worst = _worst(scenes)
+    layouts = [_layout(scene, factor, worst) for scene in scenes]
     starts = _starts(scenes)
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial:
@@ -154,7 +157,14 @@ def _starts(scenes: Sequence[Scene]) -> Array:
     return np.concatenate([[0.0], np.cumsum(last[:-1] + FRAME_PERIOD)])
 
 
-def _layout(scene: Scene, contours: Sequence[Contour], factor: float) -> Layout:
+def _worst(scenes: Sequence[Scene]) -> float:
+    """Largest value of all learning curves [%], up to what still leaves the others to be seen."""
+    values = np.array([x for scene in scenes for curve in scene.learning.values() for x in curve])
+    finite = values[np.isfinite(values)]
+    return 100.0 * float(np.clip(finite.max(initial=1.0), 1.0, WORST_SHOWN))
+
+
+def _layout(scene: Scene, factor: float, worst: float) -> Layout:
     data = mujoco.MjData(scene.mj)
     data.qpos[:] = scene.runs[0].recording.truth.qpos[0]
     mujoco.mj_kinematics(scene.mj, data)
@@ -163,7 +173,7 @@ def _layout(scene: Scene, contours: Sequence[Contour], factor: float) -> Layout:
         factor=factor,
         target=scene.motion.plane.origin,
         height=float(data.geom_xpos[:, 2].max()),
-        learns=len(contours) > 1,
+        worst=worst,
     )
 
 

@@ -32,8 +32,8 @@ class Layout:
     """(3,) [m], where the tool works."""
     height: float
     """[m], of the robot's upper end above the floor it stands on."""
-    learns: bool
-    """Whether there is more than one run."""
+    worst: float
+    """Largest value of the learning curves [%]."""
 
     def entity(self, path: str) -> str:
         """The path below this experiment's prefix."""
@@ -46,13 +46,16 @@ def blueprint(layouts: Sequence[Layout]) -> rrb.Blueprint:
         views = _alone(layouts[0])
     else:
         views = rrb.Horizontal(*(_column(layout) for layout in layouts))
-    panel = rrb.TimePanel(timeline="time", state="collapsed", play_state="playing", loop_mode="all")
-    return rrb.Blueprint(
-        views,
+    return rrb.Blueprint(views, *panels())
+
+
+def panels() -> list[rrb.BlueprintPart]:
+    """The viewer's own panels out of the way; the runs play again and again."""
+    return [
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
-        panel,
-    )
+        rrb.TimePanel(timeline="time", state="collapsed", play_state="playing", loop_mode="all"),
+    ]
 
 
 def _alone(layout: Layout) -> rrb.Container:
@@ -112,12 +115,12 @@ def _plane(layout: Layout) -> rrb.View:
 
 
 def _learning(layout: Layout) -> rrb.View:
-    title = "Error as a part of the first run's [%]"
+    title = "Error, % of the first run's; orange: tool, others: motors"
     return rrb.TimeSeriesView(
         origin=layout.entity("learning"),
         name=_titled(layout, title),
-        plot_legend=LEGEND,
-        axis_y=rrb.ScalarAxis(range=(0.0, 130.0)) if layout.learns else None,
+        plot_legend=NO_LEGEND if layout.name else LEGEND,
+        axis_y=rrb.ScalarAxis(range=(0.0, 1.1 * layout.worst)),
     )
 
 
