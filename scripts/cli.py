@@ -23,6 +23,7 @@ COMMANDS = {
     "identify": ("scripts.identify:identify", "Find the arm's springs from one cut and an IMU."),
     "compare": ("scripts.compare:compare", "Motor side, estimate, tracker and oracle, compared."),
     "replay": ("scripts.replay:replay", "Watch runs: viewer, browser, picture or film."),
+    "view": ("scripts.view:view", "Move a robot by sliders in MuJoCo's own viewer."),
     "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
     "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
     "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),

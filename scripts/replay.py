@@ -1,6 +1,5 @@
 """`armside replay`: watch a run: the robot, the tool's path magnified, motor beside arm side."""
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -14,6 +13,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from .console import Report
+from .display import check_display
 from .errors import InputError, RunFailed, checking_input
 from .options import Common, options
 from .stored_run import StoredRun, read_run
@@ -112,18 +112,8 @@ def _opened(runs: Sequence[Path], cfg: ReplayCfg) -> list[StoredRun]:
     if stored[0].experiment != "laser" and cfg.magnification is not None:
         raise InputError("--magnification is for laser runs: others have no path to deviate from")
     if cfg.shows and not cfg.web:
-        _check_display()
+        check_display("use --web for a browser, or --save, --png, --video for files")
     return stored
-
-
-def _check_display() -> None:
-    if sys.platform == "linux" and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
-        raise InputError(
-            "no display here (neither DISPLAY nor WAYLAND_DISPLAY is set); "
-            "use --web for a browser, or --save, --png, --video for files"
-        )
 
 
 @contextmanager
