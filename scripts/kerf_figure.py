@@ -11,6 +11,8 @@ from .figures import COLORS, INK, REFERENCE, Array, new_figure, save
 
 SHEET, PIECE, GAP = "#E3E3E3", "#F6F6F6", "#333333"
 MARGIN = 1.12
+WIDTH, STRIP = 9.6, 2.2
+"""[inch], of the figure, and height of the edge rolled out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,20 +46,29 @@ def kerf(
     beam: its diameter [m]. measure: what the width of the edge's band is called.
     Points that are not finite leave a gap.
     """
-    figure = new_figure(9.6, 7.6)
-    grid = figure.add_gridspec(
-        2,
-        len(cuts),
-        height_ratios=(1.9, 1.0),
-        left=0.08,
-        right=0.985,
-        bottom=0.075,
-        top=0.92,
-        hspace=0.3,
-    )
-    figure.suptitle(f"Cut with a beam of {beam * 1e3:g} mm, true to scale", x=0.02, ha="left")
     edges = np.concatenate([cut.outer for cut in cuts] + [programmed])
     reach = MARGIN * 1e3 * np.nanmax(np.abs(np.where(np.isfinite(edges), edges, np.nan)), axis=0)
+    columns = max(2, len(cuts))
+    panel = (WIDTH * 0.92 / columns - 0.4) * reach[1] / reach[0]
+    height = panel + STRIP + 1.9
+    figure = new_figure(WIDTH, height)
+    grid = figure.add_gridspec(
+        2,
+        columns,
+        height_ratios=(panel, STRIP),
+        left=0.08,
+        right=0.985,
+        bottom=0.55 / height,
+        top=1.0 - 0.6 / height,
+        hspace=1.5 / (panel + STRIP),
+    )
+    figure.suptitle(
+        f"Cut with a beam of {beam * 1e3:g} mm, true to scale",
+        x=0.02,
+        y=1.0 - 0.15 / height,
+        ha="left",
+        va="top",
+    )
     for column, cut in enumerate(cuts):
         axes = figure.add_subplot(grid[0, column])
         _sheet(axes, programmed, cut)

@@ -12,7 +12,7 @@ from scripts.cli import main
 from scripts.verify_laser import laser as claim
 from sim.signals import read_signals
 
-FILES = {"summary.json", "signals.parquet", "circles.png", "errors.png", "replay.rrd"}
+FILES = {"summary.json", "signals.parquet", "circles.png", "errors.png", "kerf.png", "replay.rrd"}
 
 
 @pytest.fixture(scope="module")
