@@ -310,12 +310,17 @@ def _arx_table(data: Mapping[str, Mapping[float, Result]]) -> Grid:
                 fit.nk,
                 float(-fit.coefficients[0]),
                 fit.system.static_gain,
-                float(fit_percent(fit.system, u, y).mean()),
-                float(fit_percent(fit.system, u_2, y_2).mean()),
+                _simulated_fit(fit, u, y),
+                _simulated_fit(fit, u_2, y_2),
             ]
             for fit in fits
         ],
     )
+
+
+def _simulated_fit(fit: ArxFit, u: Array, y: Array) -> float:
+    """[%]; a model that predicts well may be unstable, and then simulates nothing."""
+    return float(fit_percent(fit.system, u, y).mean()) if fit.system.is_stable else -np.inf
 
 
 def positions_motor(seed: int) -> Part:

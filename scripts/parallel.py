@@ -29,9 +29,7 @@ class Workers:
     def __enter__(self) -> "Workers":
         # Forked threads are unsafe: workers are started afresh.
         context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-        self._pool = ProcessPoolExecutor(
-            self.count, mp_context=context, initializer=_begin_worker
-        )
+        self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_begin_worker)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -59,6 +59,7 @@ ENTRIES = (
     Entry("F09", (), "9", "scripts.chapter9_designs:friction_feedforward"),
     Entry("F07", (), "", "scripts.chapter9_robustness:individuals"),
     Entry("9-map", (), "", "scripts.chapter9_robustness:phenomena_map"),
+    Entry("9-effects", (), "", "scripts.chapter9_robustness:effects"),
 )
 """In the order of the report."""
 
@@ -177,6 +178,8 @@ def _print(
         columns = ["section", "", "what", "thesis", "ours", "band", "verdict"]
         report.table("Comparisons with the thesis", columns, rows)
         report.line(f"{count(shown)}.")
+    for grid in [grid for s in shown if not s.checks for grid in s.grids]:
+        report.table(grid.title, grid.columns, grid.rows)
     report.line(f"{n_run} experiments run, {n_known} known from before.")
     report.line(f"Report in {folder.path / 'report.html'}")
     report.summary(

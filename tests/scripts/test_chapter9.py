@@ -1,5 +1,8 @@
 """Chapter 9: the story holds on the virtual robot, and another story would be noticed."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -129,7 +132,7 @@ def test_every_section_is_drawn_captioned_and_compared(entry, tmp_path):
     part = load(entry.part)(0)
     section = part.draw(thesis_like, tmp_path)
     assert len(section.caption) > 40
-    assert section.figures
+    assert section.figures or section.grids
     for name in section.figures:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     assert all(np.isfinite(check.ours) for check in section.checks)
@@ -174,3 +177,25 @@ def test_chapter_9_holds_on_the_virtual_robot():
     with Workers() as workers:
         failed = [f"{c.id}: {c.ours:.4g} not {c.band}" for c in found(0, workers) if not c.holds]
     assert not failed
+
+
+def test_the_page_quotes_the_numbers_of_its_table():
+    docs = Path(__file__).parents[2] / "docs"
+    made = {row[0]: row for row in rows_of(docs / "verify-chapter9.md")}
+    quoted = rows_of(docs / "chapter9.md")
+    assert len(quoted) > 15
+    for name, what, thesis, ours, band, holds in quoted:
+        _, made_what, made_thesis, made_band, seed_0, *_, made_holds = made[name]
+        assert (what, thesis, ours, band, holds) == (
+            made_what,
+            made_thesis,
+            seed_0,
+            made_band,
+            made_holds,
+        )
+
+
+def rows_of(page: Path) -> list[list[str]]:
+    """Rows of a Markdown table that begin with the id of a comparison."""
+    rows = [line.strip("| ").split(" | ") for line in page.read_text().splitlines()]
+    return [row for row in rows if re.fullmatch(r"[a-g]\d", row[0])]
