@@ -21,9 +21,8 @@ class Cells(VecEnv):
     """Our vector env, in SameStep mode, as Stable-Baselines3 wants it."""
 
     def __init__(self, env: IlcTuningVectorEnv, seed: int) -> None:
+        self._env = env  # which the next line asks for its render mode
         super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
-        self.render_mode = None
-        self._env = env
         self._first_seed: int | None = seed
 
     def reset(self) -> np.ndarray:

@@ -1,0 +1,97 @@
+"""The extra [cluster]: a sweep on a real Ray cluster of two nodes, one of which goes away.
+
+Ray listens on the machine's first address. The cluster therefore runs in a network namespace that
+has nothing but a loopback device; without one these tests do not start it.
+"""
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("ray", reason="needs the extra [cluster]", exc_type=ImportError)
+
+ROOT = Path(__file__).parent.parent.parent
+
+CLUSTER = """
+import os, sys, threading, time
+from pathlib import Path
+
+os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DISABLE_IMPORT_WARNING": "1"}
+from ray.cluster_utils import Cluster
+
+from scripts.sweep import run_grid
+from scripts.sweep_engine import Local, OnRay
+from scripts.sweep_grid import parse
+from scripts.sweep_store import Store, read
+
+folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]
+cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+second = cluster.add_node(num_cpus=1)
+cluster.wait_for_nodes()
+assert cluster.address.startswith("127.0.0.1:"), cluster.address
+grid = parse(axes, 0)
+engine = OnRay(cluster.address)
+done = 0
+
+def step():
+    global done
+    done += 1
+    if done == 3:
+        cluster.remove_node(second, allow_graceful=False)
+
+counts = run_grid(grid, Store(folder / "ray"), engine, step)
+cluster.shutdown()
+assert counts == {"done": 8}, counts
+run_grid(grid, Store(folder / "local"), Local())
+assert read(folder / "ray").equals(read(folder / "local"))
+print("equal")
+"""
+
+
+@pytest.fixture
+def run_alone(require_program, tmp_path):
+    """Runs Python in a network namespace of its own with only loopback up, or skips by name."""
+    require_program("unshare")
+    require_program("ip")
+    as_root = [] if os.geteuid() == 0 else ["--map-root-user"]
+    alone = ["unshare", *as_root, "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+    probe = subprocess.run([*alone, "true"], capture_output=True, check=False)
+    if probe.returncode:
+        message = "needs a network namespace (unshare --net), which is not permitted here"
+        (pytest.fail if os.environ.get("ARMSIDE_CI") else pytest.skip)(message)
+
+    def run(code, *arguments):
+        script = tmp_path / "script.py"
+        script.write_text(textwrap.dedent(code))
+        environment = os.environ | {"PYTHONPATH": str(ROOT), "TMPDIR": "/tmp"}
+        return subprocess.run(
+            [*alone, sys.executable, str(script), *map(str, arguments)],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+
+    return run
+
+
+def test_a_node_that_is_removed_loses_no_result(run_alone, tmp_path):
+    done = run_alone(CLUSTER, tmp_path)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stdout.endswith("equal\n")
+
+
+def test_a_cluster_that_does_not_answer_is_one_clear_error(run_alone):
+    code = """
+    from scripts import cli
+    print(cli.main(["sweep", "gamma=0.9", "--engine", "ray", "--address", "127.0.0.1:1"]))
+    """
+    done = run_alone(code)
+    assert done.stdout.endswith("2\n"), done.stderr[-2000:]
+    assert "no Ray cluster answers at 127.0.0.1:1" in done.stderr

@@ -1,0 +1,56 @@
+"""The extra [learn]: the env under Stable-Baselines3, and the training script."""
+
+import json
+
+import gymnasium
+import numpy as np
+import pytest
+
+import sim  # noqa: F401 - registers the env
+from scripts import cli
+from scripts.policy import Network
+from sim.tuning.evaluation import run_episode
+from sim.tuning.rules import Rules
+from sim.tuning.task import TEST_SEEDS
+
+pytest.importorskip("stable_baselines3", reason="needs the extra [learn]", exc_type=ImportError)
+
+
+def test_the_env_checker_of_stable_baselines3_has_nothing_to_say():
+    from stable_baselines3.common.env_checker import check_env
+
+    # Warnings are errors in this suite.
+    check_env(gymnasium.make("armside/IlcTuning-v0", render_mode="rgb_array").unwrapped)
+
+
+def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
+    out = tmp_path / "a"
+    line = f"train --robots 4 --steps 40 --quiet --out {out}"
+    assert cli.main(line.split()) == 0
+    network = Network.load(out / "policy.npz")
+    curve = json.loads((out / "summary.json").read_text())["curve"]
+    assert curve[-1]["steps"] >= 40
+    assert np.isfinite([row["mean_return"] for row in curve]).all()
+    episode = run_episode(Rules(iterations=1), 0, network)
+    assert np.isfinite(episode.rms_true).all()
+
+
+def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
+    from stable_baselines3 import PPO
+
+    from scripts.ppo import Cells, _network
+    from sim.tuning.vector_env import IlcTuningVectorEnv
+
+    env = IlcTuningVectorEnv(2, autoreset_mode="SameStep")
+    model = PPO("MlpPolicy", Cells(env, 0), n_steps=5, batch_size=10, seed=0, device="cpu")
+    observed = np.random.default_rng(0).uniform(-1, 1, (20, 50)).astype(np.float32)
+    action, _ = model.predict(observed, deterministic=True)
+    assert _network(model)(observed) == pytest.approx(action, abs=1e-5)  # float32 inside
+    env.close()
+
+
+def test_training_refuses_the_sealed_seeds(tmp_path, capsys):
+    line = f"train --robots 4 --steps 20 --seed {TEST_SEEDS[0] - 2} --out {tmp_path / 'a'}"
+    assert cli.main(line.split()) == 2
+    assert "sealed test seeds" in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()

@@ -1,0 +1,66 @@
+"""What of learning works without the extra [learn]."""
+
+import importlib.util
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from scripts.policy import Network
+
+
+def _network(rng):
+    sizes = (50, 8, 8, 3)
+    pairs = list(pairwise(sizes))
+    return Network(
+        weights=tuple(rng.standard_normal((n, m)) for m, n in pairs),
+        biases=tuple(rng.standard_normal(n) for _, n in pairs),
+    )
+
+
+def test_a_policy_survives_its_file(tmp_path):
+    rng = np.random.default_rng(0)
+    network, observed = _network(rng), rng.uniform(-1, 1, 50)
+    network.save(tmp_path / "policy.npz")
+    again = Network.load(tmp_path / "policy.npz")
+    assert np.array_equal(again(observed), network(observed))
+
+
+def test_actions_lie_in_the_action_space_for_one_observation_or_many():
+    rng = np.random.default_rng(1)
+    network, observed = _network(rng), rng.uniform(-1, 1, (7, 50)).astype(np.float32)
+    actions = network(observed)
+    assert actions.shape == (7, 3)
+    assert actions.dtype == np.float32
+    assert np.abs(actions).max() <= 1.0
+    assert actions[2] == pytest.approx(network(observed[2]))
+
+
+def test_a_file_that_is_no_policy_is_refused(tmp_path):
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    with pytest.raises(ValueError, match="is not a policy"):
+        Network.load(tmp_path / "other.npz")
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("stable_baselines3") is not None, reason="the extra is installed"
+)
+def test_without_the_extra_training_says_what_to_install(armside):
+    status, out, err = armside("train --steps 1")
+    assert (status, out) == (2, "")
+    assert "pip install 'armside[learn]'" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--seed 899999990", "sealed test seeds"),
+        ("--robots 0", "robots must be >= 1"),
+        ("--reward estimate", "not available"),
+    ],
+)
+def test_bad_input_is_one_line(armside, options, message):
+    status, _, err = armside(f"train {options}")
+    assert status == 2
+    assert message in err
+    assert err.count("\n") == 1
