@@ -1,0 +1,152 @@
+"""A reference loaded into a robot, run with one correction after the other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+
+from .instruments.noise import band_limited, white
+from .model import N_AXES, RobotModel
+from .recording import Array, Recording
+from .run_record import arrange
+from .servo import at_step_end, correction_path, encoder_perturbation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A reference loaded into a robot: everything of a run that the correction does not change."""
+
+    model: RobotModel
+    log_period: float
+    ratio: int
+    reference: Array
+    """(N, 6) [rad]."""
+    controls: Array
+    """(M, 18), motor units, with zero correction and no noise."""
+    powered: np.ndarray
+    """(M,) bool: the drives are on; otherwise the brakes hold."""
+    initial_state: Array
+    """Full physics state: static equilibrium at the first reference."""
+
+    def run(
+        self, correction: Array | None = None, rng: np.random.Generator | None = None
+    ) -> Recording:
+        """Run once.
+
+        Args:
+            correction: (N, 6) [rad], u; zero if None.
+            rng: source of the non-repeatable torque; without it the run is noise-free.
+        """
+        return run_jobs([self], [correction], [rng])[0]
+
+    def controls_with(
+        self, correction: Array, rng: np.random.Generator | None
+    ) -> tuple[Array, Array | None]:
+        """The controls (M, 18) of one run, correction and noise added, and the encoder noise.
+
+        Encoder noise (M, 6) [motor rad] is None where there is none. It perturbs the set points:
+        pos - (q + n) = (pos - n) - q, so the servo stays inside the physics.
+        """
+        drives, step = self.model.drives, self.model.timestep
+        path = correction_path(
+            correction,
+            self.log_period,
+            self.ratio,
+            drives.correction_delay,
+            drives.correction_lag,
+        )
+        controls = self.controls.copy().reshape(-1, N_AXES, 3)
+        on = self.powered[:, None]
+        controls[:, :, 0] += drives.gear * path.position
+        velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
+        controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
+        encoder_noise = None
+        if rng is not None and drives.torque_noise > 0.0:
+            controls[:, :, 2] += on * band_limited(
+                rng,
+                (len(controls), N_AXES),
+                drives.torque_noise * drives.torque_limit,
+                drives.torque_noise_bandwidth,
+                step,
+            )
+        if rng is not None and drives.encoder_noise > 0.0 and drives.encoder_counts > 0.0:
+            std = drives.encoder_noise * 2.0 * np.pi / drives.encoder_counts
+            encoder_noise = white(rng, (len(controls), N_AXES), std)
+            controls[:, :, 0] -= on * encoder_noise
+            controls[:, :, 1] -= on * encoder_perturbation(encoder_noise, step)
+        return controls.reshape(len(controls), -1), encoder_noise
+
+
+def run_jobs(
+    jobs: Sequence[Job],
+    corrections: Sequence[Array | None],
+    rngs: Sequence[np.random.Generator | None],
+    *,
+    threads: int = 1,
+) -> list[Recording]:
+    """Run several jobs of equal length, each on its own model, in one call of the physics.
+
+    The result does not depend on the number of threads.
+    """
+    wanted = [
+        np.zeros_like(job.reference)
+        if u is None
+        else checked_signal(u, "correction", job.reference)
+        for job, u in zip(jobs, corrections, strict=True)
+    ]
+    inputs = [job.controls_with(u, rng) for job, u, rng in zip(jobs, wanted, rngs, strict=True)]
+    controls = np.stack([of_job for of_job, _ in inputs])
+    states, sensors = _roll_out(jobs, controls, threads)
+    return [
+        arrange(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
+        for i, job in enumerate(jobs)
+    ]
+
+
+def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array, Array]:
+    models = [job.model.mj for job in jobs]
+    initial = np.stack([job.initial_state for job in jobs])
+    n_data = min(threads, len(jobs))
+    data = [mujoco.MjData(models[0]) for _ in range(n_data)]
+    what = mujoco.mjtState.mjSTATE_CTRL
+    if not all(job.powered.all() for job in jobs):
+        what |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
+        closed = np.stack([_closed_constraints(job) for job in jobs])
+        controls = np.concatenate((controls, closed), axis=2)
+    with Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
+        result = rollout.rollout(models, data, initial, controls, control_spec=int(what))
+    states, sensors = (np.asarray(part, dtype=np.float64) for part in result)
+    for i, job in enumerate(jobs):
+        _blank_after_instability(states[i], sensors[i], job.model.timestep)
+    return states, sensors
+
+
+def _closed_constraints(job: Job) -> Array:
+    """(M, neq): those of the model throughout, and its brakes while the drives are off."""
+    mj = job.model.mj
+    closed = np.tile(mj.eq_active0.astype(np.float64), (len(job.powered), 1))
+    closed[:, job.model.brakes] = ~job.powered[:, None]
+    return closed
+
+
+def _blank_after_instability(states: Array, sensors: Array, step: float) -> None:
+    """Where the physics gave up, the rollout repeats its last state: time stands still there."""
+    if states[-1, 0] < (len(states) - 0.5) * step:
+        unstable = int(np.argmax(np.diff(states[:, 0]) < 0.5 * step)) + 1
+        states[unstable:] = np.nan
+        sensors[unstable:] = np.nan
+
+
+def checked_signal(values: Array, name: str, like: Array | None = None) -> Array:
+    """A read-only copy, (N, 6). Raises ValueError for a wrong shape or values not finite."""
+    values = np.array(values, dtype=np.float64)
+    if values.ndim != 2 or values.shape[1] != N_AXES or len(values) < 2:
+        raise ValueError(f"{name} must have shape (N, {N_AXES}), got {values.shape}")
+    if like is not None and values.shape != like.shape:
+        raise ValueError(f"{name} has {len(values)} samples, the reference has {len(like)}")
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} holds values that are not finite")
+    values.setflags(write=False)
+    return values
