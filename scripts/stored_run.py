@@ -24,14 +24,19 @@ class StoredRun:
         """The command that made it."""
         return self.summary["config"]["experiment"]
 
-    @cached_property
-    def signals(self) -> Signals:
-        """Everything that was recorded. Raises InputError where the file is missing or foreign."""
+    @property
+    def signals_file(self) -> Path:
+        """Where its signals are. Raises InputError where the experiment wrote none."""
         file = self.path / "signals.parquet"
         if not file.is_file():
             raise InputError(f"{self.path} has no signals.parquet: `{self.experiment}` writes none")
+        return file
+
+    @cached_property
+    def signals(self) -> Signals:
+        """Everything that was recorded. Raises InputError where the file is missing or foreign."""
         try:
-            return read_signals(file)
+            return read_signals(self.signals_file)
         except (ValueError, OSError, KeyError) as error:
             raise InputError(str(error)) from error
 

@@ -116,12 +116,20 @@ def read_signals(path: Path) -> Signals:
     Raises:
         ValueError: the file holds something else, or signals of another format.
     """
-    table = pq.read_table(path)
+    return signals_of(pq.read_table(path), source=str(path))
+
+
+def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
+    """The runs of a table with the columns and the metadata of `write_signals`.
+
+    Raises:
+        ValueError: the table holds something else, or signals of another format.
+    """
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
     if "armside.config" not in metadata:
-        raise ValueError(f"{path} holds no signals of armside: no armside.config in its metadata")
+        raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
     if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
-        raise ValueError(f"{path} holds signals of format {found}; this armside reads {FORMAT}")
+        raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     runs = []
     for k in table["k"].unique().to_pylist():

@@ -1,0 +1,274 @@
+"""Tables of signals in the files of other tools, and back: CSV, MATLAB, HDF5, MCAP.
+
+Every form keeps the columns of `signals.parquet`, their units and the metadata; where a form knows
+no missing values they are NaN. Values keep every bit.
+"""
+
+import io
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as pacsv
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from .atomic import atomic
+
+MARK = "# armside "
+"""Starts a line of metadata in a CSV file: key, blank, JSON."""
+INTEGER, TRUTH_VALUE = "k", "tracker_valid"
+"""Columns that are no floats."""
+TRACKER = ("tracker_x", "tracker_y", "tracker_z")
+STREAMS = ("tracker", "true")
+"""Prefixes of columns that were sampled at a rate of their own; all others are the log's."""
+
+
+class MissingPackageError(ImportError):
+    """A form of file needs a package that is not installed."""
+
+
+def read_table(file: Path) -> pa.Table:
+    """The table in a file, by its suffix.
+
+    Raises:
+        ValueError: an unknown suffix, or a file that holds no table.
+        MissingPackageError: HDF5 without h5py.
+        OSError: the file cannot be read.
+    """
+    if file.suffix.lower() not in READERS:
+        raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(READERS)}")
+    return READERS[file.suffix.lower()](file)
+
+
+def write_table(file: Path, table: pa.Table) -> None:
+    """Write a table, whole or not at all; its suffix says how.
+
+    Raises:
+        ValueError: an unknown suffix.
+        MissingPackageError: HDF5 without h5py, MCAP without mcap.
+    """
+    if file.suffix.lower() not in WRITERS:
+        raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(WRITERS)}")
+    with atomic(file) as partial:
+        WRITERS[file.suffix.lower()](partial, table)
+
+
+def units(table: pa.Table) -> dict[str, str]:
+    """Of each column; a column without one is left out."""
+    return {
+        field.name: field.metadata[b"unit"].decode()
+        for field in table.schema
+        if field.metadata and b"unit" in field.metadata
+    }
+
+
+def _metadata(table: pa.Table) -> dict[str, str]:
+    """The table's own, plus the units as JSON."""
+    own = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+    return own | {"units": json.dumps(units(table))}
+
+
+def _table(columns: Mapping[str, pa.Array], metadata: Mapping[str, str]) -> pa.Table:
+    unit = json.loads(metadata.get("units", "{}"))
+    fields = [
+        pa.field(name, array.type, metadata={"unit": unit[name]} if name in unit else None)
+        for name, array in columns.items()
+    ]
+    own = {key: text for key, text in metadata.items() if key != "units"}
+    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields, metadata=own))
+
+
+def _write_csv(file: Path, table: pa.Table) -> None:
+    with file.open("wb") as out:
+        for key, text in _metadata(table).items():
+            out.write(f"{MARK}{key} {text}\n".encode())
+        pacsv.write_csv(table, out, pacsv.WriteOptions(quoting_style="none"))
+
+
+def _read_csv(file: Path) -> pa.Table:
+    text = file.read_bytes()
+    metadata: dict[str, str] = {}
+    while text.startswith(b"#"):
+        line, _, text = text.partition(b"\n")
+        if line.startswith(MARK.encode()):
+            key, _, value = line.decode()[len(MARK) :].partition(" ")
+            metadata[key] = value.rstrip("\r")
+    try:
+        names = text.split(b"\n", 1)[0].decode().strip().split(",")
+        types = {name: pa.float64() for name in names} | {
+            INTEGER: pa.int32(),
+            TRUTH_VALUE: pa.bool_(),
+        }
+        convert = pacsv.ConvertOptions(
+            column_types=types, null_values=[""], strings_can_be_null=True
+        )
+        table = pacsv.read_csv(io.BytesIO(text), convert_options=convert)
+    except (pa.ArrowInvalid, UnicodeDecodeError) as error:
+        raise ValueError(f"{file.name} is no table of numbers: {error}") from error
+    columns = {name: table[name].combine_chunks() for name in table.column_names}
+    return _table(columns, metadata)
+
+
+def _as_floats(table: pa.Table) -> dict[str, NDArray[np.float64]]:
+    """Columns with NaN for what is missing."""
+    return {
+        name: table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
+        for name in table.column_names
+    }
+
+
+def _from_floats(
+    columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, str]
+) -> pa.Table:
+    """NaN is what is missing; but a tracker's sample that has lost its beam stays NaN."""
+    sampled = None
+    if TRUTH_VALUE in columns:
+        sampled = ~np.isnan(columns[TRUTH_VALUE])
+    arrays: dict[str, pa.Array] = {}
+    for name, values in columns.items():
+        missing = np.isnan(values)
+        if name in TRACKER and sampled is not None:
+            missing = ~sampled
+        if name == INTEGER:
+            arrays[name] = pa.array(values.astype(np.int32))
+        elif name == TRUTH_VALUE:
+            arrays[name] = pa.array(values == 1.0, mask=missing)
+        else:
+            arrays[name] = pa.array(values, mask=missing)
+    return _table(arrays, metadata)
+
+
+def _write_mat(file: Path, table: pa.Table) -> None:
+    from scipy.io import savemat
+
+    content: dict[str, Any] = dict(_as_floats(table))
+    content["armside_metadata"] = json.dumps(_metadata(table))
+    with file.open("wb") as out:
+        savemat(out, content, do_compression=True, oned_as="column")
+
+
+def _read_mat(file: Path) -> pa.Table:
+    from scipy.io import loadmat
+
+    try:
+        content = loadmat(file, chars_as_strings=True)
+    except NotImplementedError as error:
+        raise ValueError(
+            f"{file.name} is of MATLAB 7.3, which is HDF5; save it with -v7, or give it as .h5"
+        ) from error
+    metadata = json.loads(str(content.pop("armside_metadata", ["{}"])[0]))
+    columns = {
+        name: np.asarray(value, dtype=np.float64).ravel()
+        for name, value in content.items()
+        if not name.startswith("__")
+    }
+    return _from_floats(_equally_long(columns, file), metadata)
+
+
+def _equally_long(
+    columns: dict[str, NDArray[np.float64]], file: Path
+) -> dict[str, NDArray[np.float64]]:
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) != 1:
+        raise ValueError(f"{file.name}: columns must be equally long, got {lengths}")
+    return columns
+
+
+def _write_hdf5(file: Path, table: pa.Table) -> None:
+    h5py = _package("h5py")
+    unit = units(table)
+    with h5py.File(file, "w", track_order=True) as out:
+        for key, text in _metadata(table).items():
+            out.attrs[key] = text
+        for name, values in _as_floats(table).items():
+            column = out.create_dataset(name, data=values, compression="gzip", shuffle=True)
+            column.attrs["unit"] = unit.get(name, "")
+
+
+def _read_hdf5(file: Path) -> pa.Table:
+    h5py = _package("h5py")
+    with h5py.File(file, "r", track_order=True) as content:
+        metadata = {key: str(text) for key, text in content.attrs.items()}
+        columns = {
+            name: np.asarray(values, dtype=np.float64).ravel() for name, values in content.items()
+        }
+    return _from_floats(_equally_long(columns, file), metadata)
+
+
+def _write_mcap(file: Path, table: pa.Table) -> None:
+    """A topic for log, tracker and truth each; a message a sample, as JSON. Runs one by one."""
+    writer_of = _package("mcap.writer")
+    columns, unit = _as_floats(table), units(table)
+    ks = columns.get(INTEGER, np.zeros(table.num_rows))
+    time = _one_after_the_other(ks, columns["time"])
+    topics: dict[str, list[str]] = {"log": []}
+    for name in columns:
+        if name not in (INTEGER, "time"):
+            stream = name.partition("_")[0]
+            topics.setdefault(stream if stream in STREAMS else "log", []).append(name)
+    with file.open("wb") as out:
+        writer = writer_of.Writer(out)
+        writer.start(profile="", library="armside")
+        writer.add_metadata("armside", _metadata(table))
+        for topic, names in topics.items():
+            properties = {n: {"type": "number", "description": unit.get(n, "")} for n in names}
+            schema = json.dumps({"type": "object", "properties": properties}).encode()
+            schema_id = writer.register_schema(topic, "jsonschema", schema)
+            channel = writer.register_channel(f"/{topic}", "json", schema_id)
+            values = np.column_stack([columns[name] for name in names])
+            for row in np.flatnonzero(~np.isnan(values).all(axis=1)):
+                numbers = dict(zip(names, values[row].tolist(), strict=True))
+                message = {INTEGER: int(ks[row])} | {
+                    name: value for name, value in numbers.items() if value == value
+                }
+                stamp = round(1e9 * time[row])
+                data = json.dumps(message).encode()
+                writer.add_message(channel, stamp, data, stamp)
+        writer.finish()
+
+
+def _one_after_the_other(ks: NDArray[np.float64], time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Times [s] in which each run starts a second after the one before has ended."""
+    start, out = 0.0, np.empty_like(time)
+    for k in np.unique(ks):
+        own = ks == k
+        out[own] = start + time[own]
+        start = out[own].max() + 1.0
+    return out
+
+
+def _package(name: str) -> Any:
+    from importlib import import_module
+
+    try:
+        return import_module(name)
+    except ImportError as error:
+        package = name.partition(".")[0]
+        raise MissingPackageError(
+            f"this kind of file needs the package {package}: pip install 'armside[convert]'"
+        ) from error
+
+
+def _write_parquet(file: Path, table: pa.Table) -> None:
+    pq.write_table(table, file, compression="zstd")
+
+
+READERS: Mapping[str, Callable[[Path], pa.Table]] = {
+    ".parquet": pq.read_table,
+    ".csv": _read_csv,
+    ".mat": _read_mat,
+    ".h5": _read_hdf5,
+    ".hdf5": _read_hdf5,
+}
+WRITERS: Mapping[str, Callable[[Path, pa.Table], None]] = {
+    ".parquet": _write_parquet,
+    ".csv": _write_csv,
+    ".mat": _write_mat,
+    ".h5": _write_hdf5,
+    ".hdf5": _write_hdf5,
+    ".mcap": _write_mcap,
+}
