@@ -30,7 +30,7 @@ class Distrust:
     """Typical twist of a gear under the inertial loads of a cut [rad]."""
     share: float = 0.05
     """Standard deviation of tau_d over stiffness times twist."""
-    corner: float = 10.0
+    corner: float = 20.0
     """Of tau_d's spectrum [Hz]."""
     bias_walk: float = 1e-3
     """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""

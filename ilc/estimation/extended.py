@@ -1,0 +1,72 @@
+"""Extended Kalman filter and smoother: the model is linearised anew at every sample."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..plant import Array
+
+Step = Callable[[int, Array], tuple[Array, Array]]
+"""(i, x): the state one step after x at i, and its Jacobian (n, n)."""
+Measurement = Callable[[int, Array], tuple[Array, Array]]
+"""(i, x): what is read at i in state x, (p,), and its Jacobian (p, n)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExtendedResult:
+    """States (N, n) with covariances (N, n, n), filtered and smoothed."""
+
+    filtered: Array
+    filtered_covariance: Array
+    smoothed: Array
+    innovation: Array
+    """(N, p); NaN where nothing was measured."""
+    innovation_covariance: Array
+    """(N, p, p)."""
+
+
+def extended(
+    step: Step,
+    measurement: Measurement,
+    y: Array,
+    Q: Array,
+    R: Array,
+    start: Array,
+    start_covariance: Array,
+) -> ExtendedResult:
+    """Filter forwards, then smooth backwards (Rauch, Tung, Striebel).
+
+    y: (N, p), a row of NaN where nothing was measured: readings may be slower than the steps.
+    """
+    n_samples, n, p = len(y), len(start), y.shape[1]
+    filtered, covariance = np.empty((n_samples, n)), np.empty((n_samples, n, n))
+    ahead, ahead_covariance = np.empty((n_samples, n)), np.empty((n_samples, n, n))
+    transition = np.empty((n_samples, n, n))
+    innovation, S_all = np.full((n_samples, p), np.nan), np.zeros((n_samples, p, p))
+    x, P = start.copy(), start_covariance.copy()
+    for i in range(n_samples):
+        if np.isfinite(y[i]).all():
+            predicted, C = measurement(i, x)
+            S = C @ P @ C.T + R
+            K = np.linalg.solve(S, C @ P).T
+            innovation[i], S_all[i] = y[i] - predicted, S
+            x = x + K @ innovation[i]
+            left = np.eye(n) - K @ C
+            P = left @ P @ left.T + K @ R @ K.T
+        filtered[i], covariance[i] = x, P
+        x, A = step(i, x)
+        P = A @ P @ A.T + Q
+        P = 0.5 * (P + P.T)
+        ahead[i], ahead_covariance[i], transition[i] = x, P, A
+    smoothed = filtered.copy()
+    for i in range(n_samples - 2, -1, -1):
+        back = np.linalg.solve(ahead_covariance[i], transition[i] @ covariance[i]).T
+        smoothed[i] += back @ (smoothed[i + 1] - ahead[i])
+    return ExtendedResult(
+        filtered=filtered,
+        filtered_covariance=covariance,
+        smoothed=smoothed,
+        innovation=innovation,
+        innovation_covariance=S_all,
+    )
