@@ -55,9 +55,10 @@ class VirtualRobot:
         statics = Statics(model)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
         torque = self._feedforward(reference, velocity)
+        hinge_speed = drives.velocity_feedforward * velocity
         if model.gear_error is not None:
             # The servo brings the measured angle q - epsilon(q) to the reference.
-            error_rate = model.gear_error.rate(position, velocity)
+            hinge_speed += model.gear_error.rate(position, velocity)
             position = position + model.gear_error(position)
         start = statics.equilibrium(position[0])
         torque += start.holding_torque - torque[0]
@@ -65,17 +66,14 @@ class VirtualRobot:
         if not powered.all():
             model = braked_at(model, position[0])
             torque[~powered] = 0.0
-        velocity = drives.velocity_feedforward * velocity
-        if model.gear_error is not None:
-            velocity += error_rate
         if model.implicit:
-            velocity = at_step_end(velocity)
+            hinge_speed = at_step_end(hinge_speed)
         return Job(
             model=model,
             log_period=self.log_period,
             ratio=self._ratio,
             reference=reference,
-            controls=motor_controls(model, position, velocity, torque),
+            controls=motor_controls(model, position, hinge_speed, torque),
             powered=powered,
             initial_state=_initial_state(model.mj, start.qpos),
         )
