@@ -58,6 +58,7 @@ CLAIMS: dict[str, Claim] = {
     "chapter9": Claim("scripts.verify_chapter9:chapter9", n_seeds=5),
     "imu": Claim("scripts.verify_irb1400:imu", n_seeds=20),
     "estimation": Claim("scripts.verify_estimation:estimation", n_seeds=10),
+    "estimation-controls": Claim("scripts.verify_controls:controls", n_seeds=10),
     "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
     "imu-rest": Claim("scripts.verify_irb1400:rest", n_seeds=10),
     "laser-irb1400": Claim("scripts.verify_irb1400:laser", n_seeds=20),

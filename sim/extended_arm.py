@@ -1,4 +1,4 @@
-"""The full extended Kalman filter of the arm: its whole motion is the state, relinearised each step.
+"""The arm's full extended Kalman filter: its whole motion is the state, relinearised each step.
 
     x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
 
@@ -13,7 +13,6 @@ import mujoco
 import numpy as np
 
 import kinematics
-
 from ilc.estimation.extended import ExtendedResult, extended
 from ilc.estimation.state_space import exponential, sampled_noise
 from ilc.filters import ZeroPhaseButterworth

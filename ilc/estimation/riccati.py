@@ -26,6 +26,8 @@ def settled(process: Process) -> Array:
         A = A @ WA
         H = H + 0.5 * (grown + grown.T)
         G = 0.5 * (G + G.T)
+        if not np.isfinite(H).all():
+            break
         if np.abs(grown).max() <= _SETTLED * np.abs(H).max():
             return H
     raise RuntimeError("the filter does not settle: a state is neither seen nor stable")

@@ -1,0 +1,141 @@
+"""Filters and smoothers on processes whose truth is known."""
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_discrete_are
+
+from ilc.estimation.consistency import bounds, normalised_squared, whiteness
+from ilc.estimation.extended import extended
+from ilc.estimation.kalman import SettledFilter, Smoother
+from ilc.estimation.riccati import settled
+from ilc.estimation.state_space import Process, exponential, first_order_hold, sampled_noise
+from ilc.estimation.wiener import NonCausal
+
+STEP = 0.01
+A = np.array([[0.0, 1.0], [-((2 * np.pi * 3) ** 2), -2.0]])
+W = np.diag([0.0, 4.0])
+C = np.array([[1.0, 0.0]])
+R = np.array([[1e-4]])
+
+
+@pytest.fixture(scope="module")
+def process():
+    Ad, Q = sampled_noise(A, W, STEP)
+    return Process(A=Ad, Q=Q, C=C, R=R)
+
+
+@pytest.fixture(scope="module")
+def record(process):
+    """States and readings of 4000 samples, from the settled distribution."""
+    rng = np.random.default_rng(0)
+    n = 4000
+    noise = rng.multivariate_normal(np.zeros(2), process.Q, n)
+    x = np.zeros((n, 2))
+    for i in range(1, n):
+        x[i] = process.A @ x[i - 1] + noise[i]
+    return x, x @ C.T + 1e-2 * rng.standard_normal((n, 1))
+
+
+def test_exponential_is_that_of_scipy():
+    rng = np.random.default_rng(1)
+    M = 30.0 * rng.standard_normal((12, 12))
+    assert exponential(M) == pytest.approx(expm(M), rel=1e-9, abs=1e-9 * np.abs(expm(M)).max())
+
+
+def test_sampled_noise_is_the_integral_of_the_spread(process):
+    t = np.linspace(0.0, STEP, 2001)
+    spread = np.array([expm(A * s) @ W @ expm(A * s).T for s in t])
+    assert pytest.approx(np.trapezoid(spread, t, axis=0), rel=1e-5, abs=1e-15) == process.Q
+
+
+def test_a_held_ramp_is_followed_exactly():
+    """x' = -x + u with u = t: x = t - 1 + e^-t."""
+    Ad, B0, B1 = first_order_hold(np.array([[-1.0]]), np.array([[1.0]]), 0.5)
+    assert Ad * 0.0 + B0 * 0.0 + B1 * 0.5 == pytest.approx(0.5 - 1.0 + np.exp(-0.5))
+
+
+def test_doubling_solves_the_riccati_equation(process):
+    expected = solve_discrete_are(process.A.T, C.T, process.Q, R)
+    assert settled(process) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_state_that_is_neither_seen_nor_stable_is_refused():
+    blind = Process(A=np.diag([1.1, 0.5]), Q=np.eye(2), C=np.array([[0.0, 1.0]]), R=np.eye(1))
+    with pytest.raises(RuntimeError, match="does not settle"), np.errstate(all="ignore"):
+        settled(blind)
+
+
+def test_smoothing_beats_filtering_and_both_know_their_errors(process, record):
+    x, y = record
+    smoother = Smoother(process, settled(process), np.ones(len(y), dtype=bool))
+    result = smoother(y)
+    filtered, smoothed = result.filtered - x, result.smoothed - x
+    assert np.square(smoothed).sum() < 0.8 * np.square(filtered).sum()
+    # Errors of neighbours are correlated: every 50th sample counts.
+    for error, P in (
+        (filtered, smoother.filtered_covariance),
+        (smoothed, smoother.smoothed_covariance),
+    ):
+        nees = normalised_squared(error[100:-100:50], P[100:-100:50])
+        low, high = bounds(len(nees), 2, confidence=0.99)
+        assert low < nees.mean() < high
+
+
+def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(process, record):
+    _, y = record
+    right = SettledFilter(process)
+    W_right, _ = right.whitening
+    e = right(y).innovation @ W_right.T
+    verdict = whiteness(e)
+    assert verdict.is_white
+    assert verdict.rms == pytest.approx(1.0, abs=0.05)
+    nis = np.square(e).sum(axis=1)
+    low, high = bounds(len(nis), 1, confidence=0.99)
+    assert low < nis.mean() < high
+
+    Ad, Q = sampled_noise(A * np.array([[1.0, 1.0], [1.6, 1.0]]), W, STEP)
+    wrong = SettledFilter(Process(A=Ad, Q=Q, C=C, R=R))
+    assert not whiteness(wrong(y).innovation @ wrong.whitening[0].T).is_white
+
+
+def test_a_linear_model_makes_the_extended_filter_the_linear_one(process, record):
+    _, y = record
+    y = y[:300].copy()
+    y[40:60] = np.nan
+    y[100::3] = np.nan
+    P = settled(process)
+    linear = Smoother(process, P, np.isfinite(y[:, 0]))(y)
+    full = extended(
+        lambda i, x: (process.A @ x, process.A),
+        lambda i, x: (C @ x, C),
+        y,
+        process.Q,
+        R,
+        np.zeros(2),
+        P,
+    )
+    assert full.filtered == pytest.approx(linear.filtered, abs=1e-12)
+    assert full.smoothed == pytest.approx(linear.smoothed, abs=1e-10)
+
+
+def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
+    _, y = record
+    y = y[:1000]
+    P = settled(process)
+    smoothed = Smoother(process, P, np.ones(len(y), dtype=bool))(y).smoothed[:, 0]
+    wiener = NonCausal(A, W, C, C)(y, STEP, R)[:, 0]
+    middle = slice(200, 800)
+    assert np.std(wiener[middle] - smoothed[middle]) < 0.1 * np.std(smoothed[middle])
+
+
+def test_a_smoother_refuses_a_record_of_another_length(process):
+    smoother = Smoother(process, np.eye(2), np.ones(10, dtype=bool))
+    with pytest.raises(ValueError, match=r"\(10, 1\)"):
+        smoother(np.zeros((11, 1)))
+
+
+@pytest.mark.parametrize("name", ["Q", "R"])
+def test_a_process_refuses_values_that_do_not_fit(name):
+    fields = {"A": np.eye(2), "Q": np.eye(2), "C": C, "R": R}
+    with pytest.raises(ValueError, match=f"{name} must have shape"):
+        Process(**fields | {name: np.eye(3)})

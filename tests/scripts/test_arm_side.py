@@ -1,0 +1,98 @@
+"""Learning on the arm side as its users see it, and the claim for one seed at one pose."""
+
+import json
+import time
+
+import pytest
+
+from scripts.arm_side import GEAR_EFFECTS, Case, rms
+from scripts.cli import main
+from scripts.verify_estimation import row, verdicts
+from sim.arm_learning import ArmLearningCfg
+
+ALLOWED = 3.0
+"""Bounds in seconds are for an idle machine; a test allows three times as long."""
+
+
+@pytest.fixture(scope="module")
+def identified(tmp_path_factory):
+    out = tmp_path_factory.mktemp("runs") / "springs"
+    assert main(["identify", "--pose", "p2", "--out", str(out), "--quiet"]) == 0
+    return out
+
+
+def test_identification_is_scored_against_the_truth(identified):
+    found = json.loads((identified / "summary.json").read_text())
+    assert found["config"]["experiment"] == "identify"
+    truth = found["truth"]
+    assert truth["identified_modes"][0] == pytest.approx(truth["locked_modes"][0], rel=0.1)
+    assert found["springs"]["clock_offset"] == pytest.approx(truth["clock_offset"], abs=2e-3)
+    names = [p["name"] for p in found["parameters"]]
+    assert names[:2] == ["stiffness 1", "stiffness 2"]
+    assert all(p["standard_deviation"] > 0.0 for p in found["parameters"])
+
+
+def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tmp_path):
+    args = ["laser", "--measure", "estimate", "--pose", "p2", "--quiet"]
+    start = time.perf_counter()
+    assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
+    assert time.perf_counter() - start < ALLOWED * 2.0 + 5.0  # the files of a run are on top
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    rows = summary["iterations"]
+    assert [r["k"] for r in rows] == list(range(6))
+    assert rows[-1]["arm_rms"] < 0.15 * rows[0]["arm_rms"]
+    assert summary["config"]["measure"] == "estimate"
+
+
+def test_springs_of_another_pose_are_refused(identified, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    args = ["laser", "--measure", "estimate", "--pose", "p1", "--identification", str(identified)]
+    assert main(args) == 2
+    assert "identified at p2" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--law inverse", "--measure estimate"),
+        ("--measure estimate --gamma 1 1 1 1 1 1", "gamma takes one value"),
+        ("--measure estimate --robot irb1400 --pose p1", "open chain"),
+        ("--measure estimate --identification nowhere", "no identification"),
+        ("--measure tracker --stiffness-error 100", "stiffness-error"),
+        ("--path-acceleration 0", "path-acceleration"),
+    ],
+)
+def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["laser", *words.split()]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert said in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_compare_puts_all_measures_side_by_side(tmp_path):
+    args = ["compare", "--poses", "p2", "--speeds", "40", "--iterations", "3", "--quiet"]
+    assert main([*args, "--out", str(tmp_path)]) == 0
+    assert {f.name for f in tmp_path.iterdir()} == {"summary.json", "compare.png", "replay.rrd"}
+    rows = json.loads((tmp_path / "summary.json").read_text())["comparisons"]
+    assert [r["measure"] for r in rows] == ["motor", "estimate", "tracker", "oracle"]
+    motor, *tool = (r["arm_rms"][-1] for r in rows)
+    assert all(value < 0.5 * motor for value in tool)
+
+
+def test_an_experiment_from_scratch_takes_seconds():
+    """Eight seconds after imports, six runs, on an idle machine."""
+    case = Case(pose="p1", seed=1, without=GEAR_EFFECTS)
+    start = time.perf_counter()
+    found = rms(list(case.on_arm_side(ArmLearningCfg(), 5)[1]))
+    assert time.perf_counter() - start < ALLOWED * 8.0
+    assert found[-1] < 0.15 * found[0]
+
+
+def test_claim_holds_for_one_seed_at_one_pose():
+    """Ten seeds at three poses: armside verify estimation."""
+    failed = [v.statement for v in verdicts([row(0, "p2")]) if not v.holds]
+    assert not failed
