@@ -1,14 +1,17 @@
 """`armside laser` beyond the circle: shapes, places, payloads, edges, repeatability."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from scripts import kerf_figure
+from scripts.arm_side import stored_springs
 from scripts.cli import main
+from scripts.errors import InputError
 from scripts.laser import LaserCfg, prepare, run
-from scripts.laser_task import contour, task
+from scripts.laser_task import believed_arm, contour, task
 from sim.motion.path import Circle
 
 
@@ -161,3 +164,27 @@ def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
     for file in files:
         kerf_figure.kerf(file, 5e-3 * ring, way, cuts, beam=2e-4)
     assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_the_belief_of_the_arm_knows_the_payload_too():
+    for mass in (15.0, 60.0):
+        arm = believed_arm(LaserCfg(payload=mass), 0)
+        assert arm.mj.body("tool").mass[0] == pytest.approx(mass)
+
+
+def test_springs_identified_at_another_place_are_refused(tmp_path):
+    springs = {"stiffness": np.eye(6).tolist(), "damping": [0.0] * 6}
+    springs |= {"clock_offset": 0.0, "distrust": 1.0, "mounting": [0.0, 0.0, 0.0]}
+    config = {"pose": "p1", "position": [1700.0, 0.0, 1600.0]}
+    stored = {"config": config, "springs": springs}
+    (tmp_path / "summary.json").write_text(json.dumps(stored))
+    here = {"pose": "p1", "position": (1700.0, 0.0, 1600.0), "quaternion": None}
+    assert stored_springs(tmp_path, here).distrust == 1.0
+    with pytest.raises(InputError, match="identified at pose p1, position"):
+        stored_springs(tmp_path, here | {"position": None})
+
+
+def test_the_replay_of_a_square_is_written_with_the_rest(square):
+    out = Path(square["config"]["out"])
+    assert {"kerf.png", "circles.png", "replay.rrd"} <= {file.name for file in out.iterdir()}
+    assert (out / "replay.rrd").stat().st_size > 100_000
