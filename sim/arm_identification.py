@@ -24,8 +24,15 @@ from .servo import interpolate
 
 REST = 0.2
 """At the beginning of a run in which the arm does not move yet [s]."""
-_STARTS = (0.0, 0.3, -0.3)
-"""Of log K, all axes alike."""
+_STARTS = (
+    (0.0, 0.0),
+    (0.3, 0.3),
+    (-0.3, -0.3),
+    (-0.7, 0.0),
+    (0.0, 0.7),
+    (-0.7, 0.7),
+)
+"""Of log K: of axes 1 to 3, and of the wrist. A structure softens the first and leaves the others."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,7 +105,7 @@ def identify(
         return _innovations(arm, nominal, run, imu, prior, distrust, theta)
 
     sd = prior.standard_deviation
-    starts = [np.concatenate((np.full(6, k), np.zeros(sd.size - 6))) for k in _STARTS]
+    starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
     best = fit(innovations, np.zeros(sd.size), sd, starts)
     return Identified(
         springs=springs_at(arm, prior, best.theta, distrust.share),

@@ -18,7 +18,8 @@ from ..plant import Array
 
 _DIFFERENCE = 1e-4  # of a standard deviation of the prior
 _ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation
-_FIRST_STEPS, _STEPS = 5, 20  # of every start, and then of the best one
+_FIRST_STEPS, _STEPS = 6, 25  # of every start, and then of the best ones
+_KEPT = 2
 
 
 class Whitened(NamedTuple):
@@ -57,7 +58,7 @@ def fit(
     prior_sd: Array,
     starts: Sequence[Array],
 ) -> Fit:
-    """Search from each start by a few damped Gauss-Newton steps, and on from the best.
+    """Search from each start by a few damped Gauss-Newton steps, and on from the best two.
 
     Args:
         model: whitened innovations of the record at theta (m,).
@@ -71,8 +72,9 @@ def fit(
     costs = tuple(cost for _, cost in found)
     if not np.isfinite(min(costs)):
         raise RuntimeError("the prediction error is not finite at any start")
-    best, _ = found[int(np.argmin(costs))]
-    theta, cost = _search(model, prior, prior_sd, best, _STEPS)
+    ranked = sorted(found, key=lambda each: each[1])[:_KEPT]
+    ends = [_search(model, prior, prior_sd, theta, _STEPS) for theta, _ in ranked]
+    theta, cost = min(ends, key=lambda each: each[1])
     residual, J, _ = _linearised(model, prior, prior_sd, theta)
     information = J.T @ J + np.diag(prior_sd**-2.0)
     covariance = np.linalg.inv(information)

@@ -48,7 +48,7 @@ def test_springs_of_another_pose_are_refused(identified, tmp_path, capsys, monke
     monkeypatch.chdir(tmp_path)
     args = ["laser", "--measure", "estimate", "--pose", "p1", "--identification", str(identified)]
     assert main(args) == 2
-    assert "identified at p2" in capsys.readouterr().err
+    assert "identified at pose p2" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
