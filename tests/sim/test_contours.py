@@ -31,7 +31,7 @@ def test_a_tool_that_is_only_beside_and_turned_cuts_true(shape):
     time, position = samples(motion)
     p = motion.plane.from_base(position)
     c, s = np.cos(0.01), np.sin(0.01)
-    p[:, :2] = p[:, :2] @ np.array([[c, s], [-s, c]]) + [1.5e-3, -0.7e-3]
+    p[:, :2] = p[:, :2] @ np.array([[c, s], [-s, c]]) + [25e-3, -17e-3]
     side = arm_side(motion, time, motion.plane.to_base(p[:, :2]) + 2e-3 * motion.plane.axes[:, 2])
     assert side.rms < 1e-10
     assert side.maxdev < 1e-9
