@@ -10,6 +10,7 @@ from enum import Enum
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
 from ilc.estimation.wiener import NonCausal
@@ -77,7 +78,7 @@ class ArmEstimator:
 
     def smoother(self, run: Run) -> Smoother:
         """Gains for the timeline of a run; computed when a timeline is first met."""
-        seen = np.isfinite(run.reading).all(axis=1)
+        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.reading).all(axis=1))
         key = seen.tobytes()
         if key not in self._smoothers:
             process = self.model.sampled(1.0 / self.imu.rate)

@@ -32,7 +32,7 @@ _STARTS = (
     (0.0, 0.7),
     (-0.7, 0.7),
 )
-"""Of log K: of axes 1 to 3, and of the wrist. A structure softens the first and leaves the others."""
+"""Of log K: of axes 1 to 3, and of the wrist. A structure softens the first more than the last."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

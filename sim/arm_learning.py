@@ -6,7 +6,7 @@ which marks what the best of all measurements could reach.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -199,7 +199,7 @@ def law(cfg: ArmLearningCfg, plant: ArmPlant) -> Law:
     else:
         J = plant.arm.tool_jacobian[:, plant.arm.axes] * np.sign(weight)[:, None]
         heuristic = Heuristic(Q=low_pass, gamma=cfg.gamma, delta=cfg.delta)
-        chosen = JointSpace(law=heuristic, inverse=np.linalg.pinv(J))
+        chosen = JointSpace(law=heuristic, inverse=np.asarray(np.linalg.pinv(J), dtype=np.float64))
     return Guarded(law=chosen, weight=weight) if cfg.guarded else chosen
 
 
@@ -312,6 +312,14 @@ def _iterations(
         size = float(np.linalg.norm(trial.error[:, :3]))
         diverged = trial.diverged or not size <= limit
         limit = 3.0 * size if trial.k == 0 else limit
-        yield judged(experiment, replace(trial, result=trial.result.run, diverged=diverged))
+        made = learning.Trial(
+            k=trial.k,
+            correction=trial.correction,
+            output=trial.output,
+            error=trial.error,
+            result=trial.result.run,
+            diverged=diverged,
+        )
+        yield judged(experiment, made)
         if diverged:
             return

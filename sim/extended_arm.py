@@ -128,7 +128,8 @@ class ExtendedArm:
         model, arm = self.model, self.model.arm
         q, q_dot, torque = x[:6], x[6:12], x[model.n_mechanical : model.n_mechanical + 6]
         pull = arm.stiffness @ (u[:6] - q) + arm.damping * (u[6:] - q_dot) + torque
-        q_ddot = np.linalg.solve(self._forces(q, q_dot, pull)[0], self._missing)
+        mass, missing = self._forces(q, q_dot, pull)
+        q_ddot: Array = np.asarray(np.linalg.solve(mass, missing), dtype=np.float64)
         local = self._linearised(q, q_dot, q_ddot)
         rate = local.A @ x
         rate[:6], rate[6:12] = q_dot, q_ddot
@@ -147,8 +148,7 @@ class ExtendedArm:
         mujoco.mj_fwdPosition(self._mj, data)
         mujoco.mj_fwdVelocity(self._mj, data)
         mujoco.mj_fullM(self._mj, data, self._mass)
-        self._missing = pull - data.qfrc_bias + data.qfrc_passive
-        return self._mass, self._missing
+        return self._mass, pull - data.qfrc_bias + data.qfrc_passive
 
     def _linearised(self, q: Array, q_dot: Array, q_ddot: Array) -> ArmFilter:
         """The filter's matrices with the mass and the measurement's gradient of this state."""

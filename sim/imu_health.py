@@ -66,7 +66,7 @@ def mended(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
     if still.any():
         raise ImuError(Fault.DEAD, f"{', '.join(_CHANNELS[i] for i in np.flatnonzero(still))}")
     clipped = np.hstack((samples.acceleration_clipped, samples.angular_velocity_clipped))
-    _few(clipped.any(axis=1), Fault.CLIPPED)
+    _few(np.asarray(clipped.any(axis=1)), Fault.CLIPPED)
     n = int(slot[-1]) + 1
     lost = np.ones(n, dtype=bool)
     lost[slot] = False

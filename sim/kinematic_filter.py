@@ -8,6 +8,7 @@ cut the accelerometer alone cannot tell a micrometre.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ilc.estimation.kalman import Smoother
 from ilc.estimation.simulation import simulate
@@ -70,6 +71,6 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
     start = np.zeros(36)
     start[30:] = np.nanmean(left[at < REST], axis=0)
     y = np.hstack((left, np.zeros((len(left), 6))))
-    seen = np.isfinite(y).all(axis=1)
+    seen: NDArray[np.bool_] = np.asarray(np.isfinite(y).all(axis=1))
     states = Smoother(Process(A=Ad, Q=Q, C=C, R=R), P, seen)(y, start)
     return states.smoothed[:, :6] @ arm.tool_jacobian.T

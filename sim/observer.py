@@ -86,16 +86,17 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
     mujoco.mj_getState(mj, data, initial, int(_FULL_STATE))
     controls = arm.spring_input(phi, phi_dot)
     with Rollout(nthread=0) as rollout:
-        states, sensors = rollout.rollout([mj], [data], initial[None], controls[None])
-    moved = np.vstack((initial, states[0, :-1]))  # a state row belongs to the end of its step
+        result = rollout.rollout([mj], [data], initial[None], controls[None])
+    states, sensors = (np.asarray(part, dtype=np.float64)[0] for part in result)
+    moved = np.vstack((initial, states[:-1]))  # a state row belongs to the end of its step
     nq = mj.nq
 
     def sensor(name: str) -> Array:
         adr, dim = int(mj.sensor(name).adr[0]), int(mj.sensor(name).dim[0])
-        return sensors[0][:, adr : adr + dim]
+        return sensors[:, adr : adr + dim]
 
     return ArmMotion(
-        time=np.arange(len(phi)) * float(mj.opt.timestep),
+        time=np.arange(len(phi), dtype=np.float64) * float(mj.opt.timestep),
         q=moved[:, 1 : 1 + nq],
         q_dot=moved[:, 1 + nq : 1 + 2 * nq],
         tool_position=sensor("tool0_pos"),

@@ -43,19 +43,22 @@ class SettledFilter:
         P = settled(process)
         S = process.C @ P @ process.C.T + process.R
         self.innovation_covariance = 0.5 * (S + S.T)
-        self.gain = np.linalg.solve(self.innovation_covariance, process.C @ P).T
+        self.gain: Array = np.ascontiguousarray(
+            np.linalg.solve(self.innovation_covariance, process.C @ P).T, dtype=np.float64
+        )
 
     def __call__(self, y: Array, start: Array | None = None) -> Filtered:
         """Innovations of y (N, p); NaN marks rows that are missing. start: (n,), 0 if None."""
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
-        e = _predict(self.process.A, self.process.C, np.ascontiguousarray(self.gain), y, x)
+        e = _predict(self.process.A, self.process.C, self.gain, y, x)
         return Filtered(innovation=e, innovation_covariance=self.innovation_covariance[None])
 
     @property
     def whitening(self) -> tuple[Array, float]:
         """W with W S W^T = 1, and log det S."""
         L = np.linalg.cholesky(self.innovation_covariance)
-        return np.linalg.inv(L), 2.0 * float(np.log(np.diag(L)).sum())
+        inverse: Array = np.asarray(np.linalg.inv(L), dtype=np.float64)
+        return inverse, 2.0 * float(np.log(np.diag(L)).sum())
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,7 +77,7 @@ def fit(
     theta, cost = min(ends, key=lambda each: each[1])
     residual, J, _ = _linearised(model, prior, prior_sd, theta)
     information = J.T @ J + np.diag(prior_sd**-2.0)
-    covariance = np.linalg.inv(information)
+    covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
     return Fit(
         theta=theta,
         covariance=covariance,

@@ -45,7 +45,7 @@ class NonCausal:
     def __call__(self, y: Array, sample_time: float, R: Array) -> Array:
         """z (N, q) from y (N, p), both at rest around zero at the ends."""
         padded = 2 * len(y)
-        frequency = np.fft.rfftfreq(padded, sample_time)
+        frequency: Array = np.asarray(np.fft.rfftfreq(padded, sample_time), dtype=np.float64)
         Y = np.fft.rfft(np.nan_to_num(y), padded, axis=0)
         T = self.response(frequency, sample_time, R)
         return np.fft.irfft((T @ Y[:, :, None])[:, :, 0], padded, axis=0)[: len(y)]

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..filters import RecordFilter
 from ..plant import Array
+from ..system import Complex
 from .law import FirstOrderLaw
 from .regularised_inverse import Response
 
@@ -59,7 +60,7 @@ class RecordOptimal(FirstOrderLaw):
         scale = np.linalg.norm(T[0], ord=2) ** 2
         rho, sigma = self.correction_weight * scale, self.change_weight * scale
 
-        def through(response: Array, signal: Array) -> Array:
+        def through(response: Complex, signal: Array) -> Array:
             spectrum = np.fft.rfft(signal, 2 * n, axis=0)
             moved = (response @ spectrum[:, :, None])[:, :, 0]
             return np.fft.irfft(moved, 2 * n, axis=0)[:n]

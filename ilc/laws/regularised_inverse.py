@@ -89,7 +89,7 @@ class RegularisedInverse(FirstOrderLaw):
         rho = self.regularisation * np.linalg.norm(scaled(np.zeros(1))[0], ord=2) ** 2
         T_H = np.conj(np.swapaxes(T, 1, 2))
         inverse = np.linalg.solve(T_H @ T + rho * np.eye(len(size)), T_H)
-        return size[:, None] * inverse * weight
+        return np.asarray(size[:, None] * inverse * weight, dtype=np.complex128)
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         n_samples = len(correction)
