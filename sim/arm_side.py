@@ -48,8 +48,7 @@ def arm_side(motion: ToolMotion, time: Array, position: Array) -> ArmSide:
             maxdev=measures.circle_maxdev(circle.radii, curve.radius),
             path=(turn - circle.centre) @ axes[:, :2],
         )
-    # From its own centre: the arm hangs further below its program than small contours are wide.
-    fitted = fit(curve, (turn - turn.mean(axis=0)) @ axes[:, :2])
+    fitted = fit(curve, motion.plane.from_base(turn)[:, :2])
     return ArmSide(
         rms=float(np.sqrt(np.mean(fitted.deviation**2))),
         maxdev=float(np.abs(fitted.deviation).max()),
