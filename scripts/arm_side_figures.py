@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,4 +50,24 @@ def learned(
         axes.set_ylabel("arm RMS [µm]")
     handles, labels = panels.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper right", ncols=4, frameon=False, fontsize=8)
+    save(figure, file)
+
+
+def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
+    """Error of the estimate by what is used and how good it is: a bar per variant and pose.
+
+    rows: (name, error at p1, p2, p3 [um], ...), as `verify_controls.controls` has them.
+    """
+    figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
+    axes = figure.subplots()
+    figure.subplots_adjust(left=0.32, right=0.985, bottom=0.07, top=0.95)
+    place = np.arange(len(rows))[::-1]
+    for i, pose in enumerate(("p1", "p2", "p3")):
+        errors = [row[1 + i] for row in rows]
+        axes.barh(place + 0.26 * (1 - i), errors, 0.24, color=COLORS[i], label=pose)
+    axes.set_yticks(place, [str(row[0]) for row in rows])
+    axes.set_xlabel("error of the tool's path, 3D RMS [µm]")
+    axes.set_title("What the estimate is made of, and what its IMU is worth", loc="left")
+    axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
+    axes.legend(frameon=False, fontsize=8)
     save(figure, file)

@@ -20,6 +20,7 @@ BENCHMARKS = {
     "imu": "scripts.bench_imu:imu",
     "kinematics": "scripts.bench_kinematics:kinematics",
     "robot": "scripts.bench_robot:robot",
+    "estimation": "scripts.bench_estimation:estimation",
     "env": "scripts.bench_env:env",
     "sweep": "scripts.bench_sweep:sweep",
     "scaling": "scripts.bench_robot:scaling",

@@ -47,6 +47,8 @@ class CompareCfg:
     """Law on the arm side; the motor side has the thesis's heuristic."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
     """Effects of gears and drives to leave out, for ablations."""
+    imu: bool = False
+    """Also draw imu.png: what rate, noise and clock of the IMU buy or cost; takes minutes."""
 
     def __post_init__(self) -> None:
         for name in self.poses:
@@ -102,6 +104,11 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         _draw(folder / "compare.png", todo, found)
         _write_replay(folder / "replay.rrd", todo[0], found[0])
+        if cfg.imu:
+            from . import arm_side_figures
+            from .verify_controls import controls
+
+            arm_side_figures.imu_quality(folder / "imu.png", controls([common.seed]).rows)
     _print(report, rows)
     report.line(f"Results in {folder.path}")
     report.summary(outcome)
