@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from .gear_error import GearError as GearError
 from .linkage import passive_joints
 from .recording import Array
 
@@ -62,31 +63,6 @@ class Drives:
 
 
 @dataclass(frozen=True, kw_only=True)
-class GearError:
-    """Transmission error: arm-side motor angle minus what the gear makes of it, periodic.
-
-    epsilon(phi) = sum_h amplitude_h sin(order_h phi + phase_h), each axis.
-    """
-
-    amplitude: Array
-    """(6, H) [rad], arm side."""
-    order: Array
-    """(6, H), periods per turn of the output."""
-    phase: Array
-    """(6, H) [rad]."""
-
-    def __call__(self, phi: Array) -> Array:
-        """epsilon, shape (M, 6) [rad], at arm-side angles phi (M, 6)."""
-        angle = phi[:, :, None] * self.order + self.phase
-        return (self.amplitude * np.sin(angle)).sum(axis=2)
-
-    def rate(self, phi: Array, phi_dot: Array) -> Array:
-        """Its time derivative, shape (M, 6) [rad/s]."""
-        angle = phi[:, :, None] * self.order + self.phase
-        return (self.amplitude * self.order * np.cos(angle)).sum(axis=2) * phi_dot
-
-
-@dataclass(frozen=True, kw_only=True)
 class RobotModel:
     """A compiled MJCF with the indices and the drive data that the virtual robot needs."""
 
@@ -103,7 +79,7 @@ class RobotModel:
     springs: np.ndarray
     """Degrees of freedom with a joint spring: gears, then structure."""
     drives: Drives
-    gear_error: "GearError | None" = None
+    gear_error: GearError | None = None
     """Transmission error of the gears; None for exact gears."""
     joint_range: Array
     """(6, 2) [rad], hard stops of the motors on the arm side."""
