@@ -26,6 +26,7 @@ COMMANDS = {
     "view": ("scripts.view:view", "Move a robot by sliders in MuJoCo's own viewer."),
     "convert": ("scripts.convert:convert", "Write a run's signals as CSV, MATLAB, HDF5 or MCAP."),
     "measure": ("scripts.measure:measure", "Measure recorded data, a run's or your own."),
+    "gallery": ("scripts.gallery:gallery", "Make the pictures of the docs again."),
     "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
     "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
     "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),

@@ -46,6 +46,8 @@ class LaserCfg:
     """Orientation of the tool, in place of that pose's: W X Y Z, base to tool."""
     shape: Literal["circle", "square", "slot", "hexagon"] = "circle"
     """What to cut; corners are rounded."""
+    contour: Path | None = None
+    """File (TOML or DXF) with a closed contour to cut in place of a shape."""
     radius: float = RADIUS
     """Programmed radius of a circle [mm]."""
     size: float | None = None
@@ -54,7 +56,7 @@ class LaserCfg:
     width: float | None = None
     """Width of a slot [mm] [default: a third of its length]."""
     corner: float | None = None
-    """Corner radius of a square or a hexagon [mm] [default: 15 % of its size]."""
+    """Corner radius of a square or a hexagon [mm] [default: 15 % of its size], or of a contour."""
     lead_in: Literal["arc", "spiral"] = "arc"
     """Reach the contour along itself, or spiralling outwards from inside it."""
     speed: float = 40.0

@@ -1,6 +1,7 @@
 """From the options of `armside laser` to its task and its robot, in SI units."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,10 +61,13 @@ def task(cfg: LaserCfg) -> CutTask:
 
 def contour(cfg: LaserCfg) -> ClosedCurve:
     """What to cut. Raises ValueError for sizes that the shape has not, or that do not fit."""
-    own = _OWN[cfg.shape]
+    own = ("corner",) if cfg.contour else _OWN[cfg.shape]
+    what = "contour from a file" if cfg.contour else cfg.shape
     for name, not_given in _NOT_GIVEN.items():
         if name not in own and getattr(cfg, name) != not_given:
-            raise ValueError(f"a {cfg.shape} has no {name}; it has {' and '.join(own)}")
+            raise ValueError(f"a {what} has no {name}; it has {' and '.join(own)}")
+    if cfg.contour is not None:
+        return _from_file(cfg.contour, cfg.corner)
     if cfg.shape == "circle":
         return Circle(cfg.radius * MM)
     size = SIZES[cfg.shape] if cfg.size is None else cfg.size
@@ -78,6 +82,15 @@ def contour(cfg: LaserCfg) -> ClosedCurve:
             f"corner must be at most half of the {cfg.shape}'s {size:g} mm, got {corner:g} mm"
         )
     return {"square": square, "hexagon": hexagon}[cfg.shape](size * MM, corner * MM)
+
+
+def _from_file(file: Path, corner: float | None) -> ClosedCurve:
+    from sim.motion.contour_file import read_contour
+
+    try:
+        return read_contour(file, None if corner is None else corner * MM)
+    except ImportError as error:
+        raise ValueError(str(error)) from error
 
 
 def tool_pose(cfg: LaserCfg) -> ToolPose:

@@ -11,6 +11,9 @@ from sim.signals import Signals, read_signals
 from .errors import InputError
 from .summary import FORMAT
 
+PATHS = ("model", "contour", "identification")
+"""Options that are files or folders."""
+
 
 @dataclass(frozen=True)
 class StoredRun:
@@ -53,8 +56,7 @@ class StoredRun:
                 value = tuple(value)
             if field.name in stored:
                 given[field.name] = value
-        if given.get("model") is not None:
-            given["model"] = Path(given["model"])
+        given |= {name: Path(given[name]) for name in PATHS if given.get(name) is not None}
         try:
             return kind(**given)
         except (ValueError, TypeError) as error:

@@ -51,6 +51,7 @@ class Claim(NamedTuple):
 CLAIMS: dict[str, Claim] = {
     "kinematics": Claim("scripts.verify_kinematics:kinematics", n_seeds=10),
     "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
+    "ablations": Claim("scripts.verify_ablations:ablations", n_seeds=3),
     "env": Claim("scripts.verify_env:env", n_seeds=1000),
     "tuning": Claim("scripts.verify_tuning:tuning", n_seeds=100),
     "sweep": Claim("scripts.verify_sweep:sweep", n_seeds=10),

@@ -17,6 +17,9 @@ from scripts import cli
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 TAKES_MINUTES = {"bench", "calibrate", "reproduce", "verify"}
+SHOWS = {"view": {"view"}, "replay": {"--web", "--png", "--video"}}
+"""Commands that open a window, serve until they are stopped, or need a GL library: their own tests
+run them."""
 FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -46,15 +49,23 @@ def commands(block: Block) -> list[str]:
 
 def run_command(command: str) -> None:
     words = shlex.split(command, comments=True)[1:]
-    if words and words[0] in TAKES_MINUTES:
+    if words and (words[0] in TAKES_MINUTES or only_shows(words)):
         cli.make_app(words[0]).parse_args(words)
     else:
         assert cli.main(words) == cli.DONE, command
 
 
+def only_shows(words: list[str]) -> bool:
+    """Whether the command is for eyes alone; a replay without a file to write opens a window."""
+    opens_window = words[0] == "replay" and "--save" not in words
+    return opens_window or bool(SHOWS.get(words[0], set()) & set(words))
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_what_a_page_tells_to_type_works(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "examples").symlink_to(ROOT / "docs" / "examples")
     names: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page.read_text(encoding="utf-8")):
         for command in commands(block):
