@@ -221,7 +221,14 @@ def test_or_it_goes_on_without_the_imu_if_told_so(first):
     assert known.identified is None
 
 
-@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0, 1.2, 0.8, 2.0), (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    "turn",
+    [
+        (0.0, 0.0, 0.0, 1.2, 0.8, 2.0),
+        (0.0, 0.3, -0.3, 0.0, 0.3, 0.0),
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.3),
+    ],
+)
 def test_a_model_of_another_robot_is_refused(turn, first):
     """The same arm in another posture, or with its flange turned: another robot to the IMU."""
     robot = load_model(LARGE_ROBOT_XML)
