@@ -47,7 +47,9 @@ def ablations(seeds: Iterable[int]) -> Table:
 
 def _rows(seed: int) -> list[tuple]:
     cases: dict[str, tuple[EffectName, ...]] = {"nothing": ()}
-    cases |= {name: (name,) for name in EFFECTS} | {"all four": EFFECTS}
+    for name in EFFECTS:
+        cases[name] = (name,)
+    cases["all four"] = EFFECTS
     return [_row(seed, name, without) for name, without in cases.items()]
 
 

@@ -62,9 +62,10 @@ class Contour:
         """Amplitudes [m] of what lies across the path while cutting, at frequencies [Hz]."""
         cut = deviation[self.cutting]
         window = np.hanning(len(cut))
-        amplitude = 2.0 * np.abs(np.fft.rfft(cut * window)) / window.sum()
+        amplitude: Array = 2.0 * np.abs(np.fft.rfft(cut * window)) / window.sum()
         step = float(self.time[1] - self.time[0])
-        return np.fft.rfftfreq(len(cut), step), amplitude
+        frequency: Array = np.asarray(np.fft.rfftfreq(len(cut), step), dtype=np.float64)
+        return frequency, amplitude
 
 
 def fitting_magnification(contours: Sequence[Contour]) -> float:

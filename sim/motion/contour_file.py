@@ -132,8 +132,8 @@ def _from_dxf(file: Path, corner: float | None) -> ClosedCurve:
     if drawing.units:
         scale = units.conversion_factor(drawing.units, units.M)  # pyright: ignore[reportArgumentType]
     space = drawing.modelspace()
-    closed = [line for line in space.query("LWPOLYLINE") if line.closed]
-    shapes: list[Any] = [*closed, *space.query("CIRCLE")]
+    lines: list[Any] = list(space.query("LWPOLYLINE"))
+    shapes: list[Any] = [*(line for line in lines if line.closed), *space.query("CIRCLE")]
     if len(shapes) != 1:
         raise ValueError(
             f"{file.name} has {len(shapes)} closed polylines and circles; a contour is exactly one"
