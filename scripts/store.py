@@ -78,9 +78,14 @@ def digest(job: Job) -> str:
 
 @cache
 def code_fingerprint(module: str) -> str:
-    """Hash of our packages below the scripts, the job's own module and the versions of others."""
+    """Hash of our packages below the scripts, the job's own modules and the versions of others.
+
+    A job's own modules are its file and those beside it that carry its name: `laser_options.py`.
+    """
     own = Path(str(import_module(module).__file__))
-    hashed = hashlib.sha256(own.read_bytes())
+    hashed = hashlib.sha256()
+    for file in sorted(own.parent.glob(f"{own.stem}*.py")):
+        hashed.update(file.read_bytes())
     for name in _CODE:
         folder = Path(str(import_module(name).__file__)).parent
         for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.xml")]):
