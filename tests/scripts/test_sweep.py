@@ -171,7 +171,9 @@ def test_a_result_is_safe_once_it_was_added_and_a_torn_one_is_cut_off(tmp_path):
     name = block_of(point.key)
     block = Store(tmp_path).claim(name)
     block.add(quick(point))
-    os.close(block._lock)  # its process died here
+    assert block._open is not None
+    block._open.close()  # its process died here:
+    os.close(block._lock)  # the kernel closed its files
     journal = tmp_path / ".journal" / f"{name}.jsonl"
     with open(journal, "ab") as file:
         file.write(b'{"key": "half a li')
