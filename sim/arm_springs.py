@@ -22,8 +22,8 @@ COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
 class SpringPrior:
     """Standard deviations of what is known before: how wrong the nominal arm may be."""
 
-    stiffness: float = 0.5
-    """Of log K."""
+    stiffness: float = 0.3
+    """Of log K: beliefs are wrong by up to 30 %. Wider, the search ends in worse minima more often."""
     damping: float = 0.5
     """Of the log of the damping's scale."""
     clock: float = 0.010
