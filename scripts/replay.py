@@ -1,5 +1,6 @@
 """`armside replay`: watch a run: the robot, the tool's path magnified, motor beside arm side."""
 
+import signal
 import subprocess
 import sys
 import tempfile
@@ -161,12 +162,20 @@ def _serve(file: Path, cfg: ReplayCfg, report: Report) -> None:
     from .web_viewer import WebViewer
 
     viewer = WebViewer(file, port=cfg.port, telemetry=cfg.telemetry)
-    report.line(f"Open {viewer.address} in a browser on this machine; Ctrl-C ends")
-    sys.stdout.flush()
+    # Also where a shell started us in the background and had us ignore Ctrl-C.
+    before = {
+        ending: signal.signal(ending, signal.default_int_handler)
+        for ending in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
+        report.line(f"Open {viewer.address} in a browser on this machine; Ctrl-C ends")
+        sys.stdout.flush()
         viewer.serve()
     except KeyboardInterrupt:
         report.line("ended")
+    finally:
+        for ending, handler in before.items():
+            signal.signal(ending, handler)
 
 
 def _show(file: Path, cfg: ReplayCfg) -> None:

@@ -156,13 +156,14 @@ def test_other_machines_do_not_reach_it(viewer):
     assert viewer._server.server_address[0] == "127.0.0.1"
 
 
-def test_ctrl_c_ends_the_web_viewer_cleanly(run):
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_ends_the_web_viewer_cleanly(run, ending):
     command = [sys.executable, "-m", "scripts.cli", "replay", str(run), "--web", "--port", "0"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     line = process.stdout.readline()
     address = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
     assert address, line
-    process.send_signal(signal.SIGINT)
+    process.send_signal(ending)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 0
     assert err == ""
