@@ -23,7 +23,7 @@ from .instruments.imu import ImuCfg, ImuSamples
 from .nominal import NominalArm
 from .observer import ArmMotion, observe
 from .recording import Array
-from .tool_path import relative_to_start
+from .tool_path import REST_SAMPLES, relative_to_start
 
 UNIDENTIFIED = 0.3
 """`Distrust.share` of an arm whose springs were not identified."""
@@ -123,6 +123,7 @@ class ArmEstimator:
             chosen = states.filtered if kind is Estimate.FILTER else states.smoothed
             deviation = chosen @ self.model.tool.T
         shift = _at(time, run.imu_time + self.clock_offset, deviation)
+        shift -= shift[:REST_SAMPLES].mean(axis=0)
         W, _ = self.settled.whitening
         return ToolEstimate(displacement=path + shift, innovation=states.innovation @ W.T)
 

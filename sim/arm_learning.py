@@ -22,13 +22,14 @@ from ilc.laws.regularised_inverse import RegularisedInverse
 
 from .arm_estimator import UNIDENTIFIED, ArmEstimator, Estimate, estimator
 from .arm_filter import Distrust
-from .arm_identification import Identified, identify, prepared
+from .arm_identification import REST, Identified, identify, prepared
 from .arm_plant import ArmPlant
 from .arm_springs import SpringPrior, Springs
 from .cutting import Pass
 from .experiment import Experiment, Iteration, judged
+from .frozen_arm import frozen
 from .imu_health import Fault, ImuError, mended
-from .instruments.imu import ImuCfg
+from .instruments.imu import ImuCfg, ImuSamples
 from .model import RobotModel
 from .nominal import NominalArm
 from .recording import Array
@@ -141,6 +142,7 @@ def commission(
         if first.imu is None:
             raise ImuError(Fault.TOO_SHORT, "there is none")
         samples = mended(first.imu, imu)
+        _upright(samples, frozen(arm, rest).imu_up, cfg)
         if springs is None and cfg.identified:
             run = prepared(log.time, log.motor_angle, samples)
             identified = identify(arm, run, rest, imu, prior=cfg.prior, distrust=cfg.distrust)
@@ -164,6 +166,16 @@ def commission(
     return Commissioned(
         springs=believed, identified=identified, estimator=known, plant=plant, fault=fault
     )
+
+
+def _upright(samples: ImuSamples, up: Array, cfg: ArmLearningCfg) -> None:
+    """Raise ImuError if gravity at rest is not where the model has it."""
+    still = samples.acceleration[samples.time < samples.time[0] + 0.5 * REST]
+    read = np.nanmean(still, axis=0)
+    cosine = read @ up / (np.linalg.norm(read) * np.linalg.norm(up))
+    turn = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    if turn > _UNLIKELY * cfg.prior.mounting:
+        raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(turn):.1f} deg off")
 
 
 def _believable(found: Identified, cfg: ArmLearningCfg) -> None:

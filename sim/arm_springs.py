@@ -23,7 +23,7 @@ class SpringPrior:
     """Standard deviations of what is known before: how wrong the nominal arm may be."""
 
     stiffness: float = 0.3
-    """Of log K: beliefs are wrong by up to 30 %. Wider, the search ends in worse minima more often."""
+    """Of log K: beliefs are wrong by up to 30 %. A wider one ends in worse minima more often."""
     damping: float = 0.5
     """Of the log of the damping's scale."""
     clock: float = 0.010

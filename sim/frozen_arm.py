@@ -44,6 +44,8 @@ class FrozenArm:
     """(6, n), (v, omega) of the IMU in its own axes."""
     imu_gravity: Array
     """(3, n) [m/s^2/rad], by which tilting turns gravity in the IMU's axes."""
+    imu_up: Array
+    """(3,) [m/s^2], what an ideal accelerometer reads at rest."""
 
     def on_springs(self, stiffness: Array, damping: Array) -> "FrozenArm":
         """The same arm on other gears. The pose at rest is kept: it moves by far less."""
@@ -120,6 +122,7 @@ def frozen(arm: NominalArm, phi: Array) -> FrozenArm:
         tool_jacobian=tool_jacobian,
         imu_jacobian=np.vstack((R_imu_base @ imu_jacobian[:3], R_imu_base @ imu_jacobian[3:])),
         imu_gravity=tilt,
+        imu_up=-R_imu_base @ mj.opt.gravity,
     )
 
 

@@ -226,7 +226,7 @@ def test_or_it_goes_on_without_the_imu_if_told_so(first):
     [
         (0.0, 0.0, 0.0, 1.2, 0.8, 2.0),
         (0.0, 0.3, -0.3, 0.0, 0.3, 0.0),
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.3),
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.5),
     ],
 )
 def test_a_model_of_another_robot_is_refused(turn, first):
