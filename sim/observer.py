@@ -54,7 +54,7 @@ def at_rest(arm: NominalArm, phi: Array) -> Array:
     data.qpos[arm.axes] = phi
     data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
     spring = np.diag(mj.jnt_stiffness[mj.dof_jntid])
-    spring[np.ix_(arm.axes, arm.axes)] += arm.stiffness
+    spring[arm.axes[:, None], arm.axes] += arm.stiffness
     for _ in range(_NEWTON_STEPS):
         data.qvel[:] = data.qacc[:] = 0.0
         mujoco.mj_inverse(mj, data)
