@@ -31,11 +31,11 @@ class Offscreen:
         try:
             self._gl.make_current()
             self._scene = mujoco.MjvScene(mj, maxgeom=2000)
-            self._context = mujoco.MjrContext(mj, mujoco.mjtFontScale.mjFONTSCALE_150.value)
+            self._context = mujoco.MjrContext(mj, mujoco.mjtFontScale.mjFONTSCALE_150.value)  # pyright: ignore[reportAttributeAccessIssue]
         except Exception as error:
             self._gl.free()
             raise NoGraphicsError(f"OpenGL does not draw here: {error}") from error
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         self.mj = mj
 
     def __enter__(self) -> "Offscreen":
@@ -55,9 +55,9 @@ class Offscreen:
         option = mujoco.MjvOption()
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.mj, data, option, None, camera, everything, self._scene)
-        mujoco.mjr_render(self._rect, self._scene, self._context)
+        mujoco.mjr_render(self._rect, self._scene, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         image = np.empty((self._rect.height, self._rect.width, 3), dtype=np.uint8)
-        mujoco.mjr_readPixels(image, None, self._rect, self._context)
+        mujoco.mjr_readPixels(image, None, self._rect, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         return image[::-1]
 
 
