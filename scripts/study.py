@@ -61,7 +61,7 @@ def open_study(
             load_if_exists=True,
             direction="minimize",
             sampler=_sampler(sampler, seed),
-            pruner=optuna.pruners.MedianPruner(n_startup_trials=5, n_warmup_steps=1)
+            pruner=optuna.pruners.MedianPruner(n_startup_trials=10, n_warmup_steps=2)
             if pruner == "median"
             else optuna.pruners.NopPruner(),
         )

@@ -33,7 +33,7 @@ class TrainCfg:
     motors: Literal["shared", "each"] = "shared"
     """One design for all motors, or one for each."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
-    """Sensor that the reward is computed from (estimate: not available yet)."""
+    """Sensor that the reward is computed from."""
     robots: int = 64
     """Robot cells that learn at the same time."""
     steps: int = 12800

@@ -36,7 +36,7 @@ class TuneCfg:
     motors: Literal["shared", "each"] = "shared"
     """One design for all motors, or one for each."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
-    """Sensor that says how round the cut is (estimate: not available yet)."""
+    """Sensor that says how round the cut is."""
     pose: str | None = None
     """Where, by name [default: drawn for each episode]."""
     speed: float | None = None

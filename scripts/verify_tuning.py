@@ -7,7 +7,6 @@ commands.
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from sim.tuning.task import TEST_SEEDS
 
 from .parallel import cores
 from .policy import Network
-from .study import parameter_names
 from .verify import Table, Verdict
 
 TUNED = Path(__file__).parent / "tuned"
@@ -34,8 +32,7 @@ def tuning(seeds: Iterable[int]) -> Table:
     shared, each = (Rules(motors=m.value, sealed=True) for m in (Motors.SHARED, Motors.EACH))
     baselines: list[tuple[str, Rules, Policy]] = [
         ("thesis design", shared, always(THESIS, Motors.SHARED)),
-        ("best fixed design by search", shared, always(searched("shared"), Motors.SHARED)),
-        ("best fixed design for each motor by search", each, always(searched("each"), Motors.EACH)),
+        ("best fixed design by search", shared, always(searched(), Motors.SHARED)),
         ("designs from identified models", each, always(identified(), Motors.EACH)),
         ("learned policy", shared, Network.load(TUNED / "policy.npz")),
     ]
@@ -71,7 +68,8 @@ def tuning(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=[
-            _beats(name, "thesis design", logs) for name in [*list(logs)[1:3], "learned policy"]
+            _beats(name, "thesis design", logs)
+            for name in ("best fixed design by search", "learned policy")
         ],
     )
 
@@ -87,22 +85,11 @@ def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
     )
 
 
-def searched(motors: str) -> Design:
-    """The design that `armside tune --motors ...` found."""
-    best = json.loads((TUNED / f"{motors}.json").read_text(encoding="utf-8"))["best"]
-    return design_from(best, Motors(motors))
-
-
-def design_from(parameters: Mapping[str, Any], motors: Motors) -> Design:
-    """The design that a study's parameters stand for."""
-    values = {
-        v.name: tuple(
-            parameters[name]
-            for name in ([v.name] if motors is Motors.SHARED else parameter_names(v.name))
-        )
-        for v in VARIABLES
-    }
-    return Design(**values)
+def searched() -> Design:
+    """The design that `armside tune` found."""
+    best = json.loads((TUNED / "design.json").read_text(encoding="utf-8"))["best"]
+    gamma, delta, cutoff = ((best[v.name],) for v in VARIABLES)
+    return Design(gamma=gamma, delta=delta, cutoff=cutoff)
 
 
 def identified() -> Design:

@@ -37,7 +37,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         Args:
             robot: large or irb1400.
             motors: shared, one design for all motors, or each.
-            reward: the sensor that the reward is computed from, tracker or motor.
+            reward: the sensor that the reward is computed from: tracker, estimate or motor.
             iterations: learning iterations of an episode.
             sealed: take the sealed test seeds, and only those.
             render_mode: rgb_array or None.

@@ -6,7 +6,6 @@ sees it, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -19,22 +18,12 @@ from ..cell import CELLS, Cell
 from ..model import RobotModel, load_model
 from . import observation, task
 from .design import VARIABLES, Design, Motors, design_of
-from .situation import Sensor, Situation, advance, begin, by_motors, by_tracker
+from .sensor import Sees, Sensor
+from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
 WORST_REWARD = -5.0
 """Of a run that diverged; also the bound of every other."""
-
-
-class Sees(Enum):
-    """Which sensor the reward is computed from."""
-
-    TRACKER = "tracker"
-    MOTOR = "motor"
-
-
-NOT_YET = {"estimate": "it needs `armside laser --measure estimate`, which does not exist yet"}
-"""Rewards that are planned, and what they wait for."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +41,11 @@ class Rules:
     def __post_init__(self) -> None:
         _one_of("robot", self.robot, CELLS)
         _one_of("motors", self.motors, [m.value for m in Motors])
-        if self.reward in NOT_YET:
-            raise ValueError(
-                f"reward {self.reward!r} is not available: {NOT_YET[self.reward]}. "
-                f"It can be: {', '.join(s.value for s in Sees)}"
-            )
         _one_of("reward", self.reward, [s.value for s in Sees])
         if not 1 <= self.iterations <= 10:
             raise ValueError(f"iterations must be in 1 .. 10, got {self.iterations}")
         object.__setattr__(self, "_nominal", load_model(self.cell.xml))
-        sensor = by_tracker if Sees(self.reward) is Sees.TRACKER else by_motors(self.robot)
-        object.__setattr__(self, "_sensor", sensor)
+        object.__setattr__(self, "_sensor", Sees(self.reward).sensor(self.robot))
 
     @property
     def cell(self) -> Cell:
@@ -105,7 +88,9 @@ class Rules:
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
-        return begin(task.experiment(self.cell, self.nominal, drawn), self.sensor)
+        return begin(
+            task.experiment(self.cell, self.nominal, drawn, Sees(self.reward).imu), self.sensor
+        )
 
     def design(self, action: ArrayLike) -> Design:
         """The design of an action. Raises ValueError as `design_of` does."""
@@ -113,7 +98,7 @@ class Rules:
 
     def advance(self, situation: Situation, design: Design) -> Situation:
         """One iteration of learning."""
-        return advance(situation, design, self.sensor)
+        return advance(situation, design)
 
     def score(self, before: Situation, after: Situation) -> float:
         """The reward of a step."""

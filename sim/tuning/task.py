@@ -21,6 +21,7 @@ from .. import individual
 from ..cell import CELLS, Cell
 from ..experiment import CircleTask, Experiment, prepare
 from ..individual import structure_hinges, with_payload
+from ..instruments.imu import ImuCfg
 from ..model import RobotModel
 from ..motion.poses import ToolPose, pose
 
@@ -102,16 +103,20 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
     return float(value)
 
 
-def experiment(cell: Cell, nominal: RobotModel, task: Task) -> Experiment:
+def experiment(
+    cell: Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
+) -> Experiment:
     """Build the robot individual, set up the tracker and load the motion.
+
+    imu: the kind of unit at the tool.
 
     Raises:
         ValueError: the task leaves the joint limits or the reach, or the robot cannot carry it.
     """
     if task.payload is not None:
         nominal = with_payload(nominal, task.payload)
-    # Beside the three streams of `prepare`.
-    stream = np.random.SeedSequence(task.individual).spawn(4)[3]
-    own = individual.draw(np.random.default_rng(stream), len(structure_hinges(nominal)))
+    # A stream apart from those that `prepare` spawns.
+    rng = np.random.default_rng([task.individual, 1])
+    own = individual.draw(rng, len(structure_hinges(nominal)))
     circle = CircleTask(pose=task.pose, radius=RADIUS, speed=task.speed)
-    return prepare(cell, nominal, circle, seed=task.individual, individual=own)
+    return prepare(cell, nominal, circle, seed=task.individual, individual=own, imu=imu)

@@ -56,7 +56,7 @@ def test_without_the_extra_training_says_what_to_install(armside):
     [
         ("--seed 899999990", "sealed test seeds"),
         ("--robots 0", "robots must be >= 1"),
-        ("--reward estimate", "not available"),
+        ("--robot irb1400 --reward estimate", "needs an open chain"),
     ],
 )
 def test_bad_input_is_one_line(armside, options, message):

@@ -99,7 +99,7 @@ def test_each_motor_has_its_own_parameters():
         ("--pose p9", "Unknown pose 'p9'"),
         ("--speed 0", "speed must be > 0 mm/s"),
         ("--trials 0", "trials must be >= 1"),
-        ("--reward estimate", "not available"),
+        ("--robot irb1400 --reward estimate", "needs an open chain"),
         ("--sampler genius", "sampler"),
         ("--seed 900000000", "sealed test seeds"),
     ],

@@ -80,6 +80,18 @@ def test_seen_from_the_motors_the_tool_seems_better_than_it_is(quick):
     assert info["rms_seen"] < 0.5 * info["rms_true"]
 
 
+def test_the_estimate_sees_the_tool_far_better_than_the_motors_do(quick):
+    quick = quick | {"pose": "p3", "speed": 0.04}
+    far = {}
+    for reward in ("estimate", "motor"):
+        env = gymnasium.make(ID, reward=reward)
+        env.reset(seed=0, options=quick)
+        *_, info = env.step(ACTION)
+        far[reward] = abs(np.log(info["rms_seen"] / info["rms_true"]))
+    assert far["estimate"] < 0.25
+    assert far["estimate"] < 0.5 * far["motor"]
+
+
 def test_the_observation_knows_nothing_of_the_tool(quick):
     """Two robots whose tools differ and whose motors do not look alike to a policy."""
     from dataclasses import replace
@@ -149,8 +161,8 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
     [
         ({"robot": "r2d2"}, "Unknown robot 'r2d2'. It can be: large, irb1400"),
         ({"motors": "all"}, "Unknown motors 'all'. It can be: shared, each"),
-        ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, motor"),
-        ({"reward": "estimate"}, "not available.*armside laser --measure estimate"),
+        ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, estimate, motor"),
+        ({"reward": "estimate", "robot": "irb1400"}, "needs an open chain"),
         ({"iterations": 0}, "iterations must be in 1 .. 10, got 0"),
         ({"render_mode": "human"}, "Unknown render_mode 'human'"),
         ({"picture": "oil"}, "Unknown picture 'oil'. It can be: drawing, mujoco"),
