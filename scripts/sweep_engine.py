@@ -1,6 +1,7 @@
 """Where the points of a sweep are run: on the processes of this machine, or on a Ray cluster."""
 
 import os
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -22,6 +23,8 @@ from .sweep_store import Row, measures
 
 RETRIES = 3
 """Of a point whose node went away."""
+ANSWER = 10.0
+"""[s], for a cluster to accept a connection."""
 
 
 def simulate(point: Point) -> Row:
@@ -145,6 +148,7 @@ class OnRay:
             raise InputError("the engine ray needs Ray: pip install 'armside[cluster]'") from error
         self._ray = ray
         try:
+            _knock(address)
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")
         except (ConnectionError, RuntimeError, ValueError, OSError) as error:
             raise InputError(f"no Ray cluster answers at {address}: {one_line(error)}") from error
@@ -175,6 +179,13 @@ class OnRay:
 
     def close(self) -> None:
         self._ray.shutdown()
+
+
+def _knock(address: str) -> None:
+    """Raise OSError when nobody listens at host:port; Ray itself would try for minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if host and port.isdigit():
+        socket.create_connection((host, int(port)), ANSWER).close()
 
 
 def end_with_parent() -> None:

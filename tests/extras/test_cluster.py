@@ -17,7 +17,7 @@ pytest.importorskip("ray", reason="needs the extra [cluster]", exc_type=ImportEr
 ROOT = Path(__file__).parent.parent.parent
 
 CLUSTER = """
-import os, sys, threading, time
+import os, sys
 from pathlib import Path
 
 os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DISABLE_IMPORT_WARNING": "1"}
@@ -28,37 +28,43 @@ from scripts.sweep_engine import Local, OnRay
 from scripts.sweep_grid import parse
 from scripts.sweep_store import Store, read
 
-folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]
-cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
-second = cluster.add_node(num_cpus=1)
-cluster.wait_for_nodes()
-assert cluster.address.startswith("127.0.0.1:"), cluster.address
-grid = parse(axes, 0)
-engine = OnRay(cluster.address)
-done = 0
+def main():
+    folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    second = cluster.add_node(num_cpus=1)
+    cluster.wait_for_nodes()
+    assert cluster.address.startswith("127.0.0.1:"), cluster.address
+    grid = parse(axes, 0)
+    engine = OnRay(cluster.address)
+    done = 0
 
-def step():
-    global done
-    done += 1
-    if done == 3:
-        cluster.remove_node(second, allow_graceful=False)
+    def step():
+        nonlocal done
+        done += 1
+        if done == 3:
+            cluster.remove_node(second, allow_graceful=False)
 
-counts = run_grid(grid, Store(folder / "ray"), engine, step)
-cluster.shutdown()
-assert counts == {"done": 8}, counts
-run_grid(grid, Store(folder / "local"), Local())
-assert read(folder / "ray").equals(read(folder / "local"))
-print("equal")
+    counts = run_grid(grid, Store(folder / "ray"), engine, step)
+    cluster.shutdown()
+    assert counts == {"done": 8}, counts
+    run_grid(grid, Store(folder / "local"), Local())
+    assert read(folder / "ray").equals(read(folder / "local"))
+    print("equal")
+
+if __name__ == "__main__":  # worker processes import this file
+    main()
 """
 
 
 @pytest.fixture
 def run_alone(require_program, tmp_path):
-    """Runs Python in a network namespace of its own with only loopback up, or skips by name."""
+    """Runs Python where there is only a loopback device, in namespaces of its own, or skips."""
     require_program("unshare")
     require_program("ip")
     as_root = [] if os.geteuid() == 0 else ["--map-root-user"]
-    alone = ["unshare", *as_root, "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+    # With the namespace of process ids, nothing that Ray has started outlives the test.
+    spaces = [*as_root, "--net", "--pid", "--fork", "--kill-child", "--mount-proc"]
+    alone = ["unshare", *spaces, "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
     probe = subprocess.run([*alone, "true"], capture_output=True, check=False)
     if probe.returncode:
         message = "needs a network namespace (unshare --net), which is not permitted here"
