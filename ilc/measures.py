@@ -85,13 +85,13 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:
         raise ValueError(f"points must have shape (M, 3) with M >= 3, got {points.shape}")
-    missing = int((~np.isfinite(points).all(axis=1)).sum())
-    if missing:
+    if not np.isfinite(points).all():
+        missing = int((~np.isfinite(points).all(axis=1)).sum())
         raise ValueError(f"points must be finite, {missing} of {len(points)} are not")
     mean = points.mean(axis=0)
     axes = _plane_axes(points - mean, normal)
     flat = (points - mean) @ axes[:2].T
-    centre = _least_squares_centre(flat)
+    centre = circle_centre(flat)
     in_plane = flat - centre
     return Circle(
         centre=mean + centre @ axes[:2],
@@ -99,6 +99,38 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
         radius=float(np.hypot(*in_plane.T).mean()),
         in_plane=in_plane,
     )
+
+
+def circle_centre(points: Array) -> Array:
+    """Centre (2,) of the circle in a plane with the least sum of squared radial distances.
+
+    points: (M, 2) [m], finite. Raises ValueError for points on one line. By Newton's method.
+    """
+    flat = np.ascontiguousarray(points.T)
+    origin = flat.mean(axis=1)
+    flat -= origin[:, None]
+    # Start: the algebraic fit, x^2 + y^2 = 2 c.x + const, which is linear in c.
+    A = np.stack((2.0 * flat[0], 2.0 * flat[1], np.ones(flat.shape[1])), axis=1)
+    solution, _, rank, _ = np.linalg.lstsq(A, np.square(flat).sum(axis=0))
+    if rank < 3:
+        raise ValueError("points must not lie on one line")
+    centre = solution[:2]
+    for _ in range(10):
+        away = flat - centre[:, None]
+        radii = np.hypot(away[0], away[1])
+        mean = radii.mean()
+        # Sum of (r_i - R)^2 / 2 with R eliminated (the mean radius): r_i has the gradient -d_i,
+        # d_i the direction of the point, and the second derivative (I - d_i d_i') / r_i.
+        direction = away / radii
+        off, curved = radii - mean, mean / radii
+        spread = direction - direction.mean(axis=1, keepdims=True)
+        hessian = (direction * (curved - 1.0)) @ direction.T + spread @ spread.T
+        hessian += np.eye(2) * (1.0 - curved).sum()
+        step = np.linalg.solve(hessian, spread @ off)
+        centre = centre + step
+        if np.hypot(*step) <= 1e-12 * mean:
+            break
+    return origin + centre
 
 
 def circle_rms(radii: Array, r_ref: float) -> float:
@@ -136,23 +168,3 @@ def _plane_axes(centred: Array, normal: ArrayLike | None) -> Array:
         e1 = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
         e1 = e1 / np.linalg.norm(e1)
     return np.array([e1, np.cross(n, e1), n], dtype=np.float64)
-
-
-def _least_squares_centre(flat: Array) -> Array:
-    """Centre of the circle that minimises the squared radial distances, by Gauss-Newton."""
-    # Start: the algebraic fit, x^2 + y^2 = 2 c.x + const, which is linear in c.
-    A = np.column_stack((2.0 * flat, np.ones(len(flat))))
-    solution, _, rank, _ = np.linalg.lstsq(A, np.square(flat).sum(axis=1))
-    if rank < 3:
-        raise ValueError("points must not lie on one line")
-    centre = solution[:2]
-    for _ in range(10):
-        away = flat - centre
-        radii = np.hypot(away[:, 0], away[:, 1])
-        # r_i - R with R eliminated (the mean radius): unknown is the step of the centre alone.
-        direction = -away / radii[:, None]
-        step = np.linalg.lstsq(direction - direction.mean(axis=0), radii.mean() - radii)[0]
-        centre = centre + step
-        if np.hypot(*step) <= 1e-12 * radii.mean():
-            break
-    return centre

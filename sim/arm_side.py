@@ -37,20 +37,20 @@ def arm_side(motion: ToolMotion, time: Array, position: Array) -> ArmSide:
         position: (K, 3) [m], base axes; NaN where there is no sample.
     """
     turn = position[motion.is_on_contour(time)]
-    seen = turn[np.isfinite(turn).all(axis=1)]
-    curve, axes = motion.path.curve, motion.plane.axes
-    if len(seen) < max(3, len(turn)):
-        return ArmSide(rms=np.nan, maxdev=np.nan, path=(seen - seen.mean(axis=0)) @ axes[:, :2])
+    points = motion.plane.from_base(turn)[:, :2]
+    whole = np.isfinite(points)
+    if len(turn) < 3 or not whole.all():
+        seen = points[whole.all(axis=1)]
+        return ArmSide(rms=np.nan, maxdev=np.nan, path=seen - seen.mean(axis=0))
+    curve = motion.path.curve
     if isinstance(curve, Circle):
-        circle = measures.fit_circle(turn, normal=axes[:, 2])
-        return ArmSide(
-            rms=measures.circle_rms(circle.radii, curve.radius),
-            maxdev=measures.circle_maxdev(circle.radii, curve.radius),
-            path=(turn - circle.centre) @ axes[:, :2],
-        )
-    fitted = fit(curve, motion.plane.from_base(turn)[:, :2])
+        path = points - measures.circle_centre(points)
+        deviation = curve.radius - np.hypot(path[:, 0], path[:, 1])
+    else:
+        fitted = fit(curve, points)
+        path, deviation = fitted.points, fitted.deviation
     return ArmSide(
-        rms=float(np.sqrt(np.mean(fitted.deviation**2))),
-        maxdev=float(np.abs(fitted.deviation).max()),
-        path=fitted.points,
+        rms=float(np.sqrt(np.mean(deviation**2))),
+        maxdev=float(np.abs(deviation).max()),
+        path=path,
     )

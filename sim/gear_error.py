@@ -38,11 +38,17 @@ class GearError:
         return slope * phi_dot
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _error(phi: Array, amplitude: Array, order: Array, phase: Array) -> Array:  # pragma: no cover
+    of_sine, of_cosine = amplitude * np.cos(phase), amplitude * np.sin(phase)
     error = np.zeros_like(phi)
     for i in range(phi.shape[0]):
         for j in range(phi.shape[1]):
-            for h in range(amplitude.shape[1]):
-                error[i, j] += amplitude[j, h] * np.sin(order[j, h] * phi[i, j] + phase[j, h])
+            s = c = 0.0
+            for h in range(order.shape[1]):
+                if h > 0 and order[j, h] == 2.0 * order[j, h - 1]:
+                    s, c = 2.0 * s * c, 1.0 - 2.0 * s * s  # of twice the angle
+                else:
+                    s, c = np.sin(order[j, h] * phi[i, j]), np.cos(order[j, h] * phi[i, j])
+                error[i, j] += of_sine[j, h] * s + of_cosine[j, h] * c
     return error

@@ -1,5 +1,6 @@
 """A reference loaded into a robot, run with one correction after the other."""
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -109,7 +110,7 @@ def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array
     models = [job.model.mj for job in jobs]
     initial = np.stack([job.initial_state for job in jobs])
     n_data = min(threads, len(jobs))
-    data = [mujoco.MjData(models[0]) for _ in range(n_data)]
+    data = _data(models[0], n_data)
     what = mujoco.mjtState.mjSTATE_CTRL
     if not all(job.powered.all() for job in jobs):
         what |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
@@ -121,6 +122,21 @@ def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array
     for i, job in enumerate(jobs):
         _blank_after_instability(states[i], sensors[i], job.model.timestep)
     return states, sensors
+
+
+_kept = threading.local()
+
+
+def _data(mj: mujoco.MjModel, count: int) -> list[mujoco.MjData]:
+    """As new, but those of the thread's last run if they fit: making one takes 0.4 ms."""
+    kept: list[mujoco.MjData] = getattr(_kept, "data", [])
+    if not kept or kept[0].signature != mj.signature:
+        kept = []
+    kept = kept + [mujoco.MjData(mj) for _ in range(count - len(kept))]
+    _kept.data = kept
+    for data in kept[:count]:
+        mujoco.mj_resetData(mj, data)
+    return kept[:count]
 
 
 def _closed_constraints(job: Job) -> Array:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numba import njit
 
 from .instruments.encoder import quantise
 from .model import N_AXES, RobotModel
@@ -30,16 +31,25 @@ def arrange(
     """
     model, step = job.model, job.model.timestep
     nq, motor = model.mj.nq, model.motor
-    qpos = _before_step(job.initial_state, states, 1 + np.arange(nq))
-    velocity = _before_step(job.initial_state, states, 1 + nq + motor)
+
+    def before_step(columns: np.ndarray) -> Array:
+        """The state at the start of each step: the initial one, then all but the last."""
+        values = np.empty((len(states), len(columns)))
+        values[0] = job.initial_state[columns]
+        values[1:] = states[:-1, columns]
+        return values
+
     time: Array = np.arange(len(states), dtype=np.float64) * step
-    integral = _before_step(job.initial_state, states, 1 + nq + model.mj.nv + model.integrator)
-    torque = drive_torque(model, controls, qpos[:, motor], velocity, integral)
-    angle = qpos[:, motor]
-    flex = qpos[:, model.flex] if len(model.flex) else np.zeros((len(time), N_AXES))
+    qpos = before_step(1 + np.arange(nq))
+    angle, velocity = before_step(1 + motor), before_step(1 + nq + motor)
+    integral = before_step(1 + nq + model.mj.nv + model.integrator)
+    torque = drive_torque(model, controls, angle, velocity, integral)
+    flex = before_step(1 + model.flex) if len(model.flex) else np.zeros((len(time), N_AXES))
     if model.gear_error is not None:
         error = model.gear_error(angle)
-        angle, flex = angle - error, flex + error
+        angle -= error
+        flex += error
+    limits = limits_hit(model, time, angle, velocity, torque)
     truth = Truth(
         time=time,
         motor_angle=angle,
@@ -64,16 +74,8 @@ def arrange(
         motor_angle=angle,
         motor_torque=torque[log],
         truth=truth,
-        limits_hit=limits_hit(model, truth, velocity),
+        limits_hit=limits,
     )
-
-
-def _before_step(initial: Array, states: Array, columns: np.ndarray) -> Array:
-    """Columns of the state at the start of each step: the initial state, then all but the last."""
-    values = np.empty((len(states), len(columns)))
-    values[0] = initial[columns]
-    values[1:] = states[:-1, columns]
-    return values
 
 
 def drive_torque(
@@ -86,33 +88,66 @@ def drive_torque(
         angle, velocity: (M, 6) [rad], [rad/s], arm side, at the same instants.
         integral: (M, 6) [rad s], motor side, of the position error; (M, 0) without integral gain.
     """
-    drives = model.drives
-    position, speed, torque = np.moveaxis(controls.reshape(-1, N_AXES, 3), 2, 0)
-    asked = (
-        drives.kp * (position - drives.gear * angle)
-        + drives.kd * (speed - drives.gear * velocity)
-        + torque
-    )
-    if integral.shape[1]:
-        asked += drives.ki * integral
-    return np.clip(asked, -drives.torque_limit, drives.torque_limit)
+    drives, torque = model.drives, np.empty_like(angle)
+    setting = np.array([drives.gear, drives.kp, drives.kd, drives.ki, drives.torque_limit])
+    _servo(np.ascontiguousarray(controls), angle, velocity, integral, setting, torque)
+    return torque
+
+
+@njit(cache=True, nogil=True)
+def _servo(
+    controls: Array, angle: Array, velocity: Array, integral: Array, setting: Array, torque: Array
+) -> None:  # pragma: no cover - compiled
+    gear, kp, kd, ki, limit = setting
+    for i in range(angle.shape[0]):
+        for j in range(angle.shape[1]):
+            asked = (
+                kp[j] * (controls[i, 3 * j] - gear[j] * angle[i, j])
+                + kd[j] * (controls[i, 3 * j + 1] - gear[j] * velocity[i, j])
+                + controls[i, 3 * j + 2]
+            )
+            if integral.shape[1] > 0:
+                asked += ki[j] * integral[i, j]
+            if asked > limit[j]:
+                asked = limit[j]
+            elif asked < -limit[j]:
+                asked = -limit[j]
+            torque[i, j] = asked
 
 
 def limits_hit(
-    model: RobotModel, truth: Truth, velocity: Array
+    model: RobotModel, time: Array, angle: Array, velocity: Array, torque: Array
 ) -> tuple[tuple[str, int, float], ...]:
-    """Each limit that a run touched, as (limit, axis 1..6, first time [s])."""
-    drives, reach = model.drives, model.joint_range
-    angle, torque = truth.motor_angle, truth.motor_torque
+    """Each limit that a run touched, as (limit, axis 1..6, first time [s]).
+
+    Args:
+        time: (M,) [s].
+        angle, velocity: (M, 6) [rad], [rad/s], arm side.
+        torque: (M, 6) [motor N m].
+    """
+    drives = model.drives
     watched = (
         ("torque", torque, -drives.torque_limit, drives.torque_limit),
         ("speed", velocity, -drives.speed_limit, drives.speed_limit),
-        ("joint", angle, reach[:, 0], reach[:, 1]),
+        ("joint", angle, model.joint_range[:, 0], model.joint_range[:, 1]),
     )
     hits: list[tuple[str, int, float]] = []
     for name, signal, low, high in watched:
-        touched = (signal.min(axis=0) <= low) | (signal.max(axis=0) >= high)
-        for axis in np.flatnonzero(touched):
-            beyond = (signal[:, axis] <= low[axis]) | (signal[:, axis] >= high[axis])
-            hits.append((name, int(axis) + 1, float(truth.time[np.argmax(beyond)])))
+        first = _first_beyond(signal, np.array([low, high]))
+        touched = np.flatnonzero(first >= 0)
+        hits += [(name, int(axis) + 1, float(time[first[axis]])) for axis in touched]
     return tuple(hits)
+
+
+@njit(cache=True, nogil=True)
+def _first_beyond(signal: Array, limits: Array) -> np.ndarray:  # pragma: no cover - compiled
+    """(n,), the first row of each column of a signal (M, n) that is not between limits (2, n).
+
+    -1 where there is none.
+    """
+    first = np.full(signal.shape[1], -1)
+    for i in range(signal.shape[0]):
+        for j in range(signal.shape[1]):
+            if first[j] < 0 and (signal[i, j] <= limits[0, j] or signal[i, j] >= limits[1, j]):
+                first[j] = i
+    return first

@@ -7,7 +7,7 @@ The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the ph
 
 where g is the velocity feedforward and u_f the correction after its delay and first-order lag.
 u_f does not enter the torque feedforward. Where a robot's data ask for it, ff also carries a share
-of the Coulomb friction, and encoder noise enters as a perturbation of pos and vel.
+of friction (`sim.friction`), and encoder noise enters as a perturbation of pos and vel.
 """
 
 from dataclasses import dataclass
@@ -17,11 +17,9 @@ from numba import njit
 
 from ilc.recursion import recursion
 
-from .model import Drives, RobotModel
+from .model import RobotModel
 from .recording import Array
 
-FRICTION_SPEED = 0.02
-"""[rad/s], arm side: below it, friction feedforward fades to zero. ESTIMATE."""
 VELOCITY_FILTER = 200.0
 """[Hz], of the first-order low-pass behind the difference quotient of an encoder. ESTIMATE."""
 
@@ -76,32 +74,42 @@ def correction_path(
         lag: corner frequency [Hz].
     """
     n, step = len(correction), period / ratio
-    t = np.arange((n - 1) * ratio + 1) * step - delay
-    sample = np.clip(t / period, 0.0, n - 1.0)
-    before = np.minimum(sample.astype(np.int64), n - 2)
-    weight = (sample - before)[:, None]
-    delayed = correction[before] * (1.0 - weight) + correction[before + 1] * weight
-    position, velocity = np.empty_like(delayed), np.empty_like(delayed)
-    _first_order_lag(delayed, 2.0 * np.pi * lag, step, position, velocity)
+    shape = ((n - 1) * ratio + 1, correction.shape[1])
+    position, velocity = np.empty(shape), np.empty(shape)
+    _held_and_lagged(correction, period, step, delay, 2.0 * np.pi * lag, position, velocity)
     return Setpoints(position=position, velocity=velocity)
 
 
-@njit(cache=True)
-def _first_order_lag(
-    signal: Array, omega: float, step: float, position: Array, velocity: Array
+@njit(cache=True, nogil=True)
+def _held_and_lagged(
+    samples: Array,
+    period: float,
+    step: float,
+    delay: float,
+    omega: float,
+    position: Array,
+    velocity: Array,
 ) -> None:  # pragma: no cover - compiled
-    """Exact for a signal that is linear between samples: x' = omega (signal - x)."""
+    """The lag x' = omega (signal - x), exact for a signal that is linear between steps."""
+    n = len(samples)
     decay = np.exp(-omega * step)
-    for j in range(signal.shape[1]):
-        x = signal[0, j]
-        position[0, j] = x
-        velocity[0, j] = 0.0
-        for i in range(1, signal.shape[0]):
-            slope = (signal[i, j] - signal[i - 1, j]) / step
-            steady = signal[i, j] - slope / omega
-            x = steady + (x - signal[i - 1, j] + slope / omega) * decay
-            position[i, j] = x
-            velocity[i, j] = omega * (signal[i, j] - x)
+    last = np.empty(samples.shape[1])
+    for i in range(len(position)):
+        sample = min(max((i * step - delay) / period, 0.0), n - 1.0)
+        before = min(int(sample), n - 2)
+        weight = sample - before
+        for j in range(samples.shape[1]):
+            signal = samples[before, j] * (1.0 - weight) + samples[before + 1, j] * weight
+            if i == 0:
+                position[i, j] = signal
+                velocity[i, j] = 0.0
+            else:
+                slope = (signal - last[j]) / step
+                steady = signal - slope / omega
+                x = steady + (position[i - 1, j] - last[j] + slope / omega) * decay
+                position[i, j] = x
+                velocity[i, j] = omega * (signal - x)
+            last[j] = signal
 
 
 def at_step_end(signal: Array) -> Array:
@@ -126,15 +134,6 @@ def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: 
     np.multiply(velocity, gear, out=controls[:, :, 1])
     np.divide(torque, gear, out=controls[:, :, 2])
     return controls.reshape(len(position), 18)
-
-
-def friction_torque(drives: Drives, velocity: Array) -> Array:
-    """(M, 6) [N m], arm side: the share of Coulomb friction that the controller anticipates.
-
-    velocity: (M, 6) [rad/s], of the reference.
-    """
-    torque = drives.friction_feedforward * drives.coulomb_friction * drives.gear
-    return torque * np.tanh(velocity / FRICTION_SPEED)
 
 
 def encoder_perturbation(noise: Array, step: float) -> Array:

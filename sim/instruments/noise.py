@@ -1,9 +1,8 @@
 """Random signals with stated statistics. Each takes the Generator it draws from."""
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
-
-from ilc.recursion import recursion
 
 Array = NDArray[np.float64]
 
@@ -40,9 +39,17 @@ def band_limited(
     if not (bandwidth > 0.0 and step > 0.0):
         raise ValueError(f"bandwidth and step must be > 0, got {bandwidth} Hz, {step} s")
     c = np.exp(-2.0 * np.pi * bandwidth * step)
-    w = rng.standard_normal(shape)
-    w[1:] *= np.sqrt(1.0 - c * c)
-    return recursion(np.array([1.0]), np.array([1.0, -c]), w) * np.asarray(std, dtype=np.float64)
+    x = rng.standard_normal(shape)
+    _correlate(x, c, np.sqrt(1.0 - c * c))
+    x *= np.asarray(std, dtype=np.float64)
+    return x
+
+
+@njit(cache=True, nogil=True)
+def _correlate(x: Array, c: float, fresh: float) -> None:  # pragma: no cover - compiled
+    for i in range(1, x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] = c * x[i - 1, j] + fresh * x[i, j]
 
 
 def random_walk(

@@ -18,6 +18,7 @@ Errors and corrections are those of the motor shaft. Each entry is float32, low 
 Nothing here knows where the tool was.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,16 +42,6 @@ class Feature:
     high: float
     logarithmic: bool = True
 
-    def normalised(self, values: Array) -> Array:
-        """To [-1, 1], clipped; not finite becomes +1."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            if self.logarithmic:
-                part = np.log(values / self.low) / np.log(self.high / self.low)
-            else:
-                part = (values - self.low) / (self.high - self.low)
-        part = np.where(np.isfinite(values), part, 1.0)
-        return 2.0 * np.clip(part, 0.0, 1.0) - 1.0
-
 
 BANDS = ((0.0, 3.0), (3.0, 8.0), (8.0, 16.0), (16.0, 125.0))
 """[Hz]"""
@@ -70,6 +61,23 @@ FEATURES = (
     Feature("iteration k", 1, "-", 0.0, 10.0, False),
 )
 SIZE = sum(feature.size for feature in FEATURES)
+
+
+def _per_entry(values: Iterable[float]) -> Array:
+    return np.repeat(np.array(list(values)), [feature.size for feature in FEATURES])
+
+
+_LOGARITHMIC = _per_entry(f.logarithmic for f in FEATURES)
+_LOW = _per_entry(np.log(f.low) if f.logarithmic else f.low for f in FEATURES)
+_HIGH = _per_entry(np.log(f.high) if f.logarithmic else f.high for f in FEATURES)
+
+
+def normalised(values: Array) -> Array:
+    """Physical values (..., 50) to [-1, 1], clipped; not finite becomes +1."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scaled = np.where(_LOGARITHMIC, np.log(values), values)
+    part = np.where(np.isfinite(values), (scaled - _LOW) / (_HIGH - _LOW), 1.0)
+    return 2.0 * np.clip(part, 0.0, 1.0) - 1.0
 
 
 def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...]) -> Array:
@@ -101,5 +109,4 @@ def observation(situation: Situation) -> np.ndarray:
         np.array([situation.experiment.motion.programmed_speed]),
         np.array([float(situation.k)]),
     )
-    parts = [f.normalised(value) for f, value in zip(FEATURES, values, strict=True)]
-    return np.concatenate(parts).astype(np.float32)
+    return normalised(np.concatenate(values)).astype(np.float32)

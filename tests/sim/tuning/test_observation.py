@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.tuning import observation
-from sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms
+from sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms, normalised
 from sim.tuning.rules import Rules
 
 
@@ -39,8 +39,13 @@ def test_a_sine_lies_in_its_band(frequency, band):
     assert np.delete(rms, band) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_feature_is_scaled_clipped_and_never_nan():
-    feature = FEATURES[0]
-    middle = np.sqrt(feature.low * feature.high)
-    values = np.array([feature.low, middle, feature.high, 0.0, 1e9, np.nan, np.inf])
-    assert feature.normalised(values) == pytest.approx([-1, 0, 1, -1, 1, 1, 1])
+def test_features_are_scaled_clipped_and_never_nan():
+    low, high, logarithmic = (
+        np.array([getattr(f, name) for f in FEATURES for _ in range(f.size)])
+        for name in ("low", "high", "logarithmic")
+    )
+    middle = np.where(logarithmic, np.sqrt(np.abs(low * high)), 0.5 * (low + high))
+    tiny = np.where(logarithmic, 0.0, -1e9)
+    wide = np.stack([low, middle, high, tiny, np.full(SIZE, 1e9), low * np.nan, high * np.inf])
+    expected = np.array([-1.0, 0.0, 1.0, -1.0, 1.0, 1.0, 1.0])
+    assert normalised(wide) == pytest.approx(np.tile(expected[:, None], SIZE))
