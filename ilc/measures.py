@@ -104,32 +104,14 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
 def circle_centre(points: Array) -> Array:
     """Centre (2,) of the circle in a plane with the least sum of squared radial distances.
 
-    points: (M, 2) [m], finite. Raises ValueError for points on one line. By Newton's method.
+    points: (M, 2) [m], finite. Raises ValueError for points on one line.
     """
-    flat = np.ascontiguousarray(points.T)
-    origin = flat.mean(axis=1)
-    flat -= origin[:, None]
-    # Start: the algebraic fit, x^2 + y^2 = 2 c.x + const, which is linear in c.
-    A = np.stack((2.0 * flat[0], 2.0 * flat[1], np.ones(flat.shape[1])), axis=1)
-    solution, _, rank, _ = np.linalg.lstsq(A, np.square(flat).sum(axis=0))
-    if rank < 3:
+    from .circle_fit import newton  # here: compiled, and most measures do without
+
+    origin = points.mean(axis=0)
+    centre, found = newton(points - origin)
+    if not found:
         raise ValueError("points must not lie on one line")
-    centre = solution[:2]
-    for _ in range(10):
-        away = flat - centre[:, None]
-        radii = np.hypot(away[0], away[1])
-        mean = radii.mean()
-        # Sum of (r_i - R)^2 / 2 with R eliminated (the mean radius): r_i has the gradient -d_i,
-        # d_i the direction of the point, and the second derivative (I - d_i d_i') / r_i.
-        direction = away / radii
-        off, curved = radii - mean, mean / radii
-        spread = direction - direction.mean(axis=1, keepdims=True)
-        hessian = (direction * (curved - 1.0)) @ direction.T + spread @ spread.T
-        hessian += np.eye(2) * (1.0 - curved).sum()
-        step = np.linalg.solve(hessian, spread @ off)
-        centre = centre + step
-        if np.hypot(*step) <= 1e-12 * mean:
-            break
     return origin + centre
 
 

@@ -103,6 +103,7 @@ def test_the_centre_minimises_the_radial_residual():
     [
         (np.zeros((2, 3)), "M >= 3"),
         (np.outer(np.arange(5.0), [1, 2, 3]), "one line"),
+        (1.7 + np.outer(np.linspace(0.0, 0.3, 99), [0.1, 0.7, 0.3]), "one line"),
         (np.full((5, 3), np.nan), "5 of 5 are not"),
     ],
 )
