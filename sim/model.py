@@ -47,9 +47,17 @@ class Drives:
     torque_feedforward: float
     """Share of the rigid computed torque, and of friction, that is fed forward."""
     friction_feedforward: float
-    """Share of the Coulomb friction that is fed forward."""
+    """Share of friction that is fed forward."""
+    friction_curve: bool
+    """Whether the controller knows the whole curve of friction, or Coulomb friction alone."""
     coulomb_friction: Array
     """(6,) [N m]."""
+    static_friction: Array
+    """(6,) [N m]."""
+    stribeck_speed: Array
+    """(6,) [rad/s]."""
+    viscous_friction: Array
+    """(6,) [N m s/rad]."""
     correction_delay: float
     """[s], before a correction reaches the servo."""
     correction_lag: float
@@ -227,7 +235,11 @@ def _drives(mj: mujoco.MjModel) -> Drives:
         elastic_compensation=float(numeric(mj, "elastic_compensation", 1)[0]),
         torque_feedforward=_optional(mj, "torque_feedforward", 1.0),
         friction_feedforward=_optional(mj, "friction_feedforward", 0.0),
+        friction_curve=bool(_optional(mj, "friction_curve", 0.0)),
         coulomb_friction=mj.actuator_biasprm[actuators, 3].copy(),
+        static_friction=mj.actuator_biasprm[actuators, 4].copy(),
+        stribeck_speed=mj.actuator_biasprm[actuators, 5].copy(),
+        viscous_friction=mj.actuator_damping[actuators].copy(),
         encoder_noise=_optional(mj, "encoder_noise", 0.0),
         torque_noise=float(noise),
         torque_noise_bandwidth=float(bandwidth),

@@ -7,13 +7,14 @@ run, servo included, is one call of `mujoco.rollout` with no Python in the step 
 import mujoco
 import numpy as np
 
+from .friction import friction_torque
 from .individual import braked_at
 from .job import Job as Job
 from .job import checked_signal
 from .job import run_jobs as run_jobs
 from .model import RobotModel
 from .recording import Array, Recording
-from .servo import at_step_end, friction_torque, interpolate, motor_controls, substeps
+from .servo import at_step_end, interpolate, motor_controls, substeps
 from .statics import Statics
 
 LOG_PERIOD = 0.004

@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 
 from kinematics import CompiledRobot, Limits
 
+from .bounds import CORNER_SHARE, TINY, joint_acceleration, tool_derivatives
 from .instructions import Dynamics, Speed
 from .moves import SAMPLES, Curve
 from .timing import Timing, from_profile
 
 Array = NDArray[np.float64]
-
-CORNER_SHARE = 0.8
-"""Of an acceleration limit that following a bend may use; the rest is left for changing speed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,34 +43,27 @@ def piece_limits(
     """Speed and acceleration limits of a curve."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     d1, d2 = np.abs(curve.at(w, 1)), np.abs(curve.at(w, 2))
-    phi = np.ascontiguousarray(curve.at(w))
-    x1 = np.einsum("kij,kj->ki", robot.jacobian(phi)[:, :3], curve.at(w, 1))
-    x2 = robot.acceleration(
-        phi, np.ascontiguousarray(curve.at(w, 1)), np.ascontiguousarray(curve.at(w, 2))
-    )[:, :3]
+    x1, x2 = tool_derivatives(curve, w, robot)
     tool_way = float(np.linalg.norm(x1, axis=1).max())
     bend = float(np.linalg.norm(x2, axis=1).max()) if curve.on_path else 0.0
 
-    tiny = 1e-12
-    joint_speed = np.array(limits.speed) / np.maximum(d1.max(axis=0), tiny)
-    joint_acceleration = np.array(dynamics.joint_acceleration)
-    if speed.share:
-        joint_acceleration = joint_acceleration * speed.share**2
-    joint_bend = np.sqrt(CORNER_SHARE * joint_acceleration / np.maximum(d2.max(axis=0), tiny))
+    joint_speed = np.array(limits.speed) / np.maximum(d1.max(axis=0), TINY)
+    of_joints = joint_acceleration(speed, dynamics)
+    joint_bend = np.sqrt(CORNER_SHARE * of_joints / np.maximum(d2.max(axis=0), TINY))
     full_speed = float(joint_speed.min())
-    wanted = speed.share * full_speed if speed.share else (speed.path or 0.0) / max(tool_way, tiny)
+    wanted = speed.share * full_speed if speed.share else (speed.path or 0.0) / max(tool_way, TINY)
     caps = {f"speed of motor {i + 1}": float(v) for i, v in enumerate(joint_speed)}
     caps |= {f"acceleration of motor {i + 1}": float(v) for i, v in enumerate(joint_bend)}
-    if bend > tiny:
+    if bend > TINY:
         caps["path acceleration"] = float(np.sqrt(CORNER_SHARE * dynamics.path_acceleration / bend))
     name, cap = min(caps.items(), key=lambda item: item[1])
     top = min(wanted, cap)
 
-    left = (joint_acceleration - d2 * top**2) / np.maximum(d1, tiny)
+    left = (of_joints - d2 * top**2) / np.maximum(d1, TINY)
     acceleration = float(left.min())
     if curve.on_path:
         along = np.sqrt(dynamics.path_acceleration**2 - (bend * top**2) ** 2)
-        acceleration = min(acceleration, float(along) / max(tool_way, tiny))
+        acceleration = min(acceleration, float(along) / max(tool_way, TINY))
     return PieceLimits(
         speed=top,
         acceleration=acceleration,

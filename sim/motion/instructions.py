@@ -125,7 +125,8 @@ class Dynamics:
     path_acceleration: float = 9.0
     """Of the tool in MoveL and MoveC, along and across its path [m/s^2]. ESTIMATE."""
     jerk_time: float = 0.05
-    """In which the full acceleration is built up [s]. ESTIMATE."""
+    """In which the full acceleration is built up [s]; between two stops, where limits differ along
+    the way, also turned round. ESTIMATE."""
 
     def __post_init__(self) -> None:
         limits = np.array([*self.joint_acceleration, self.path_acceleration, self.jerk_time])

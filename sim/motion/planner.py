@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from kinematics import CompiledRobot, Limits, Robot
 from kinematics import compile as compile_robot
 
+from .bounds import curve_bounds
 from .chain import PieceLimits, piece_limits, time_chain
+from .fastest import fastest
 from .instructions import Instruction, Program, ProgramError, Speed, Wait
 from .moves import Curve, blend, check_limits, move_curve, zone_share
 from .timing import Timing
@@ -19,6 +21,8 @@ Array = NDArray[np.float64]
 
 N_PARTS = 8
 """Of a move that is limited somewhere."""
+PLACES = 201
+"""On a move between two stops at which its limits are looked at."""
 SLACK = 1e-3
 """A speed within this share of the programmed one counts as reached."""
 
@@ -142,14 +146,16 @@ def _fastest(
     robot: CompiledRobot,
     limits: Limits,
 ) -> tuple[list[_Piece], list[Timing]]:
-    """Limits that hold on whole moves, or on parts of those that are limited: what is faster.
+    """Limits that hold on whole moves, on parts of those that are limited, or, between two stops,
+    at each place: what is fastest.
 
-    Parts let a move be slow only where a joint needs it, near a singularity; but each change of
-    speed has to fit between parts.
+    A move then is slow only where a joint needs it, near a singularity. Each change of speed has to
+    fit between parts, so that a chain of moves gains less than a move by itself.
     """
     whole = _pieces(program, chain, curves, robot, limits)
+    limited = any(piece.limits.limited_by for piece in whole)
     options = [whole]
-    if any(piece.limits.limited_by for piece in whole):
+    if limited:
         options.append(_in_parts(program, whole, robot, limits))
     timed = [
         (
@@ -160,6 +166,10 @@ def _fastest(
         )
         for pieces in options
     ]
+    if limited and len(whole) == 1:
+        speed = program.instructions[chain[0]].speed  # type: ignore[union-attr]
+        bounds = curve_bounds(whole[0].curve, speed, robot, limits, program.dynamics, PLACES)
+        timed.append((whole, [fastest(bounds, program.dynamics.jerk_time)]))
     return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
 
 

@@ -172,14 +172,22 @@ def test_drive_data_agree_with_themselves(full):
 
 
 def test_servo_gains_follow_from_the_inertia_of_the_zero_pose(full):
-    """kp n^2 = J w0^2 with 9 and 15 Hz, kd n^2 = 2 * 0.8 J w0, ki = 4 kp."""
+    """kp n^2 = J w0^2 with 9 and 25 Hz, kd n^2 = 2 * 0.8 J w0, ki = 4 kp."""
     data, mass = at_rest_pose(full, np.zeros(6)), np.zeros((full.mj.nv, full.mj.nv))
     mujoco.mj_fullM(full.mj, data, mass)
     J = np.diag(full.posture.T @ mass @ full.posture)
-    w0, n2 = 2.0 * np.pi * np.array([9, 9, 9, 15, 15, 15]), full.drives.gear**2
+    w0, n2 = 2.0 * np.pi * np.array([9, 9, 9, 25, 25, 25]), full.drives.gear**2
     assert full.drives.kp * n2 == pytest.approx(J * w0**2, rel=2e-3)
     assert full.drives.kd * n2 == pytest.approx(1.6 * J * w0, rel=2e-3)
     assert full.drives.ki == pytest.approx(4.0 * full.drives.kp)
+
+
+def test_friction_is_as_small_against_the_servo_as_on_the_large_robot(full):
+    """How far Coulomb friction deflects a motor before the proportional part overcomes it."""
+    large = load_model(assets.LARGE_ROBOT_XML).drives
+    deflection, of_large = (d.coulomb_friction / d.kp for d in (full.drives, large))
+    assert 0.8 * of_large.min() < deflection.min()
+    assert deflection.max() < of_large.max()
 
 
 # The closed chain
