@@ -134,7 +134,7 @@ def _replay_file(
 def _write_laser(file: Path, stored: Sequence[StoredRun], magnification: float | None) -> None:
     from sim.replay import write_scenes
 
-    from .replay_scene import stored_scene
+    from .stored_scene import stored_scene
 
     names = _names([run.path for run in stored]) if len(stored) > 1 else [""]
     scenes = [stored_scene(run, name=name) for run, name in zip(stored, names, strict=True)]
@@ -222,7 +222,7 @@ def _shots(run: StoredRun):
 
     config = run.summary["config"]
     if run.experiment == "laser":
-        from .replay_scene import stored_scene
+        from .stored_scene import stored_scene
 
         scene = stored_scene(run)
         source = Path(config["model"]) if config.get("model") else CELLS[config["robot"]].xml

@@ -12,9 +12,6 @@ from sim.replay import Scene, write_scenes
 from sim.replay_paths import Programmed
 from sim.signals import Run
 
-from .errors import InputError, checking_input
-from .stored_run import StoredRun
-
 Row = Mapping[str, Any]
 DESIGN = (
     "robot",
@@ -64,25 +61,6 @@ def scene(
         about=about(outcome),
         learning=learning(rows) if len(rows) == len(runs) else {},
     )
-
-
-def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
-    """What is shown of a laser run on disk.
-
-    Raises:
-        InputError: another experiment, or options that this version does not know.
-    """
-    from . import laser
-
-    if run.experiment != "laser":
-        raise InputError(
-            f"{run.path} is a run of {run.experiment}; only those of laser are redrawn"
-        )
-    with checking_input():
-        cfg = run.configuration(laser.LaserCfg)
-        experiment = laser.prepare(cfg, run.summary["config"]["seed"])
-    mj = experiment.job.model.mj
-    return scene(run.summary, mj, run.signals.runs, experiment.motion, name=name)
 
 
 def learning(rows: Sequence[Row]) -> dict[str, list[float]]:

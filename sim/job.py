@@ -11,7 +11,7 @@ from mujoco.rollout import Rollout
 from .instruments.noise import band_limited, white
 from .model import N_AXES, RobotModel
 from .recording import Array, Recording
-from .run_record import arrange
+from .run_record import measured_angle, truth
 from .servo import at_step_end, correction_path, encoder_perturbation
 
 
@@ -101,9 +101,31 @@ def run_jobs(
     controls = np.stack([of_job for of_job, _ in inputs])
     states, sensors = _roll_out(jobs, controls, threads)
     return [
-        arrange(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
+        _recording(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
         for i, job in enumerate(jobs)
     ]
+
+
+def _recording(
+    job: Job,
+    correction: Array,
+    controls: Array,
+    encoder_noise: Array | None,
+    states: Array,
+    sensors: Array,
+) -> Recording:
+    happened, limits = truth(job.model, job.initial_state, controls, states, sensors)
+    log = slice(None, None, job.ratio)
+    noise = None if encoder_noise is None else encoder_noise[log]
+    return Recording(
+        time=happened.time[log],
+        reference=job.reference,
+        correction=correction,
+        motor_angle=measured_angle(job.model, happened.motor_angle[log], noise),
+        motor_torque=happened.motor_torque[log],
+        truth=happened,
+        limits_hit=limits,
+    )
 
 
 def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array, Array]:

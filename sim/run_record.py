@@ -1,45 +1,36 @@
-"""From one rollout to the recording of a run: the truth, the log, and the limits that were hit."""
-
-from typing import TYPE_CHECKING
+"""What the rollout of a run tells: the truth, the motor log, and the limits that were hit."""
 
 import numpy as np
 from numba import njit
 
 from .instruments.encoder import quantise
 from .model import N_AXES, RobotModel
-from .recording import Array, Recording, Truth
+from .recording import Array, Truth
 
-if TYPE_CHECKING:
-    from .job import Job
+Limits = tuple[tuple[str, int, float], ...]
+"""Each limit that a run touched, as (limit, axis 1..6, first time [s])."""
 
 
-def arrange(
-    job: "Job",
-    correction: Array,
-    controls: Array,
-    encoder_noise: Array | None,
-    states: Array,
-    sensors: Array,
-) -> Recording:
-    """The recording of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
+def truth(
+    model: RobotModel, initial_state: Array, controls: Array, states: Array, sensors: Array
+) -> tuple[Truth, Limits]:
+    """The truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
     Args:
-        correction: (N, 6) [rad], u.
+        initial_state: full physics state.
         controls: (M, nu), motor units, as they were run.
-        encoder_noise: (M, 6) [motor rad], None where there is none.
         states, sensors: (M, ...), as the rollout returns them.
     """
-    model, step = job.model, job.model.timestep
     nq, motor = model.mj.nq, model.motor
 
     def before_step(columns: np.ndarray) -> Array:
         """The state at the start of each step: the initial one, then all but the last."""
         values = np.empty((len(states), len(columns)))
-        values[0] = job.initial_state[columns]
+        values[0] = initial_state[columns]
         values[1:] = states[:-1, columns]
         return values
 
-    time: Array = np.arange(len(states), dtype=np.float64) * step
+    time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     qpos = before_step(1 + np.arange(nq))
     angle, velocity = before_step(1 + motor), before_step(1 + nq + motor)
     integral = before_step(1 + nq + model.mj.nv + model.integrator)
@@ -50,7 +41,7 @@ def arrange(
         angle -= error
         flex += error
     limits = limits_hit(model, time, angle, velocity, torque)
-    truth = Truth(
+    record = Truth(
         time=time,
         motor_angle=angle,
         flex_angle=flex,
@@ -61,21 +52,20 @@ def arrange(
         imu_angular_velocity=sensors[:, model.sensors["imu_gyro"]],
         qpos=qpos,
     )
-    log = slice(None, None, job.ratio)
-    angle = truth.motor_angle[log]
+    return record, limits
+
+
+def measured_angle(model: RobotModel, motor_angle: Array, encoder_noise: Array | None) -> Array:
+    """What the encoders report, (N, 6) [rad] arm side, of motor angles (N, 6).
+
+    encoder_noise: (N, 6) [motor rad], None where there is none.
+    """
+    drives = model.drives
     if encoder_noise is not None:
-        angle = angle + encoder_noise[log] / model.drives.gear
-    if model.drives.encoder_counts > 0.0:
-        angle = quantise(angle, model.drives.encoder_counts, model.drives.gear)
-    return Recording(
-        time=time[log],
-        reference=job.reference,
-        correction=correction,
-        motor_angle=angle,
-        motor_torque=torque[log],
-        truth=truth,
-        limits_hit=limits,
-    )
+        motor_angle = motor_angle + encoder_noise / drives.gear
+    if drives.encoder_counts > 0.0:
+        motor_angle = quantise(motor_angle, drives.encoder_counts, drives.gear)
+    return motor_angle
 
 
 def drive_torque(
@@ -117,8 +107,8 @@ def _servo(
 
 def limits_hit(
     model: RobotModel, time: Array, angle: Array, velocity: Array, torque: Array
-) -> tuple[tuple[str, int, float], ...]:
-    """Each limit that a run touched, as (limit, axis 1..6, first time [s]).
+) -> Limits:
+    """Which limits a run touched.
 
     Args:
         time: (M,) [s].
