@@ -15,6 +15,8 @@ from sim.tuning.vector_env import IlcTuningVectorEnv
 from .policy import Network
 
 HIDDEN = 64
+LOG_STD = -1.2
+"""Of the actions tried at first: 0.3 in [-1, 1]."""
 
 
 class Cells(VecEnv):
@@ -104,11 +106,15 @@ def learn(
     env: IlcTuningVectorEnv,
     steps: int,
     *,
+    start: np.ndarray,
     seed: int,
     discount: float,
     done: Callable[[], None] = lambda: None,
 ) -> tuple[Network, list[dict[str, Any]]]:
-    """Learn for that many steps; returns the network of the mean action and the learning curve."""
+    """Learn for that many steps; returns the network of the mean action and the learning curve.
+
+    start: the action that the policy begins with, in every situation.
+    """
     import torch  # pyright: ignore[reportMissingImports]
 
     torch.set_num_threads(1)
@@ -119,14 +125,16 @@ def learn(
         n_steps=per_batch,
         batch_size=min(160, per_batch * env.num_envs),
         n_epochs=8,
-        learning_rate=1e-3,
+        learning_rate=lambda left: 1e-3 * left,  # to 0 at the end
         gamma=discount,
         gae_lambda=0.95,
         ent_coef=0.0,
-        policy_kwargs={"net_arch": [HIDDEN, HIDDEN], "log_std_init": -1.0},
+        policy_kwargs={"net_arch": [HIDDEN, HIDDEN], "log_std_init": LOG_STD},
         seed=seed,
         device="cpu",
     )
+    # The last layer's weights are small at first: its bias is the action.
+    model.policy.action_net.bias.data.copy_(torch.from_numpy(start))
     curve = _Curve(done)
     model.learn(steps, callback=curve)
     return _network(model), curve.rows

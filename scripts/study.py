@@ -20,12 +20,17 @@ if TYPE_CHECKING:
     import optuna
 
 Sampler = Literal["tpe", "random", "cmaes"]
-Pruner = Literal["median", "none"]
+Pruner = Literal["percentile", "none"]
 
 CONNECT_TIMEOUT = 10
 """[s], for a storage server to answer."""
 ENOUGH = 5
 """Complete trials, below which importances mean nothing."""
+PATIENCE = 3
+"""Iterations before a design may be given up: what learns slowly is behind at first, and what
+learns fast may lose again what it had gained."""
+KEPT = 75.0
+"""[%] of designs that go on."""
 ATTEMPTS = 5
 """At making the tables of a new database, which others may be making too."""
 
@@ -61,9 +66,7 @@ def open_study(
             load_if_exists=True,
             direction="minimize",
             sampler=_sampler(sampler, seed),
-            pruner=optuna.pruners.MedianPruner(n_startup_trials=10, n_warmup_steps=2)
-            if pruner == "median"
-            else optuna.pruners.NopPruner(),
+            pruner=_pruner(pruner),
         )
     except ImportError as error:
         raise InputError(
@@ -121,6 +124,17 @@ def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     from optuna.trial import TrialState
 
     return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
+
+
+def values(study: "optuna.Study") -> list[tuple[int, float, bool]]:
+    """(number, last ratio, tried to the end) of each finished trial."""
+    from optuna.trial import TrialState
+
+    return [
+        (t.number, t.value, t.state is TrialState.COMPLETE)
+        for t in finished(study)
+        if t.value is not None
+    ]
 
 
 def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
@@ -187,6 +201,14 @@ def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
             self._of_trial.after_trial(study, trial, state, values)
 
     return PerTrial()
+
+
+def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
+    import optuna
+
+    if name == "none":
+        return optuna.pruners.NopPruner()
+    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=10, n_warmup_steps=PATIENCE)
 
 
 def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
+from sim.tuning.design import VARIABLES, Motors, action_of
 from sim.tuning.rules import Rules
 from sim.tuning.task import TEST_SEEDS
 from sim.tuning.vector_env import IlcTuningVectorEnv
@@ -18,6 +21,7 @@ from .errors import InputError, checking_input
 from .options import Common, options
 from .run_folder import RunFolder
 from .summary import dumps, summary
+from .tuned_design import load_design
 
 GAMMA = 1.0
 """Discount: what counts is the error after the last iteration, however it was reached."""
@@ -38,12 +42,24 @@ class TrainCfg:
     """Robot cells that learn at the same time."""
     steps: int = 12800
     """Learning iterations of ILC over all cells."""
+    start: Path | None = None
+    """summary.json of armside tune: begin with the design found there [default: the middle of the
+    ranges]."""
 
     def __post_init__(self) -> None:
         for name in ("robots", "steps"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
         Rules(robot=self.robot, motors=self.motors, reward=self.reward)
+        first_action(self)
+
+
+def first_action(cfg: TrainCfg) -> np.ndarray:
+    """What the policy does before it has learned. Raises ValueError for a design it cannot do."""
+    motors = Motors(cfg.motors)
+    if cfg.start is None:
+        return np.zeros(len(VARIABLES) * motors.count, np.float32)
+    return action_of(load_design(cfg.start), motors)
 
 
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
@@ -68,7 +84,14 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
             autoreset_mode="SameStep",
         )
     with report.progress("learning", total=cfg.steps) as step:
-        network, curve = ppo.learn(env, cfg.steps, seed=common.seed, discount=GAMMA, done=step)
+        network, curve = ppo.learn(
+            env,
+            cfg.steps,
+            start=first_action(cfg),
+            seed=common.seed,
+            discount=GAMMA,
+            done=step,
+        )
     env.close()
     outcome = summary("train", cfg, common, curve=curve)
     with RunFolder("train", seed=common.seed, out=common.out) as folder:

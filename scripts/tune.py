@@ -51,7 +51,7 @@ class TuneCfg:
     """Trials that the study shall have in the end, those it has already included."""
     sampler: studies.Sampler = "tpe"
     """What proposes designs."""
-    pruner: studies.Pruner = "median"
+    pruner: studies.Pruner = "percentile"
     """What gives up on a design between iterations."""
     study: str = "armside"
     """Name of the study; one that exists is resumed."""
@@ -159,8 +159,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         from . import tune_figures
 
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-        values = [(t.number, t.value) for t in studies.finished(study) if t.value is not None]
-        tune_figures.history(folder / "history.png", values)
+        tune_figures.history(folder / "history.png", studies.values(study))
         tune_figures.importance(folder / "importance.png", outcome["importance"])
     _print(report, outcome, folder.path)
 

@@ -10,17 +10,23 @@ from matplotlib.ticker import MaxNLocator
 
 from .figures import COLORS, INK, REFERENCE
 
+SHOWN = 1.2
+"""Designs worse than this lie at the upper edge: one that diverges has no finite ratio."""
 
-def history(file: Path, trials: Sequence[tuple[int, float]]) -> None:
-    """Each trial's ratio and the best so far. trials: (number, ratio), in order."""
-    number, value = np.array(trials, dtype=float).T
+
+def history(file: Path, trials: Sequence[tuple[int, float, bool]]) -> None:
+    """Each trial's ratio and the best so far. trials: (number, ratio, tried to the end)."""
+    number, value = np.array([(n, min(v, SHOWN)) for n, v, _ in trials]).T
+    whole = np.array([complete for *_, complete in trials])
     figure = Figure((7.0, 4.0), layout="constrained")
     axes = figure.subplots()
-    axes.plot(number, value, "o", ms=3, color=REFERENCE, label="trial")
-    axes.step(
-        number, np.minimum.accumulate(value), where="post", color=COLORS[0], label="best so far"
-    )
-    axes.set_yscale("log")
+    axes.plot(number[whole], value[whole], "o", ms=3, color=REFERENCE, label="trial")
+    if not whole.all():
+        label = "given up before its end"
+        axes.plot(number[~whole], value[~whole], "x", ms=4, color=REFERENCE, label=label)
+    best = np.minimum.accumulate(np.where(whole, value, np.inf))
+    axes.step(number, best, where="post", color=COLORS[0], label="best so far")
+    axes.set_ylim(0.0, 1.05 * value.max())
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("trial")
     axes.set_ylabel("tool RMS after learning / before")

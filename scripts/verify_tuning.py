@@ -4,7 +4,6 @@
 commands.
 """
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -17,11 +16,14 @@ from sim.tuning.task import TEST_SEEDS
 
 from .parallel import cores
 from .policy import Network
+from .tuned_design import load_design
 from .verify import Table, Verdict
 
 TUNED = Path(__file__).parent / "tuned"
 DATA_SEED = 1
 """Of the experiments that models are identified from."""
+NORMAL_95 = 1.96
+"""Standard errors to either side of a mean."""
 SIGNIFICANT = 3.0
 """Standard errors by which a mean must beat another."""
 
@@ -36,34 +38,37 @@ def tuning(seeds: Iterable[int]) -> Table:
         ("designs from identified models", each, always(identified(), Motors.EACH)),
         ("learned policy", shared, Network.load(TUNED / "policy.npz")),
     ]
-    logs: dict[str, np.ndarray] = {}
-    rows = []
-    for name, rules, policy in baselines:
-        episodes = list(evaluate(rules, seeds, policy, threads=cores()))
-        ratio = np.array([episode.ratio for episode in episodes])
-        logs[name] = np.log(ratio)
-        final = 1e6 * np.array([episode.rms_true[-1] for episode in episodes])
-        thesis = logs["thesis design"]
-        rows.append(
-            (
-                name,
-                float(np.exp(logs[name].mean())),
-                float(np.quantile(ratio, 0.9)),
-                float(np.median(final)),
-                int((logs[name] < thesis).sum()),
-                float(ratio.max()),
-                sum(episode.diverged for episode in episodes),
-            )
+    found = {
+        name: list(evaluate(rules, seeds, policy, threads=cores()))
+        for name, rules, policy in baselines
+    }
+    logs = {
+        name: np.log([episode.ratio for episode in episodes]) for name, episodes in found.items()
+    }
+    thesis, search = logs["thesis design"], logs["best fixed design by search"]
+    rows = [
+        (
+            name,
+            float(np.exp(logs[name].mean())),
+            _against(logs[name], thesis),
+            _against(logs[name], search),
+            float(np.quantile(np.exp(logs[name]), 0.9)),
+            float(np.exp(logs[name].max())),
+            float(np.median([1e6 * episode.rms_true[-1] for episode in episodes])),
+            sum(episode.diverged for episode in episodes),
         )
+        for name, episodes in found.items()
+    ]
     return Table(
         title=f"Tool RMS after five iterations, {len(seeds)} sealed episodes",
         columns=(
             "baseline",
             "RMS after / before, geometric mean",
-            "its 90 % quantile",
+            "RMS over the thesis design's (95 % interval), episodes won",
+            "RMS over the best fixed design's (95 % interval), episodes won",
+            "90 % quantile of after / before",
+            "worst after / before",
             "median RMS after [µm]",
-            "better than the thesis design",
-            "worst RMS after / before",
             "diverged",
         ),
         rows=rows,
@@ -72,6 +77,17 @@ def tuning(seeds: Iterable[int]) -> Table:
             for name in ("best fixed design by search", "learned policy")
         ],
     )
+
+
+def _against(one: np.ndarray, other: np.ndarray) -> str:
+    """Geometric mean of one over the other in the same episodes, its interval, and who won."""
+    if one is other:
+        return "-"
+    gain = one - other
+    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    mean, low, high = np.exp(gain.mean() + error * np.array([0.0, -NORMAL_95, NORMAL_95]))
+    won = int((gain < 0.0).sum())
+    return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
 
 
 def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
@@ -87,9 +103,7 @@ def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
 
 def searched() -> Design:
     """The design that `armside tune` found."""
-    best = json.loads((TUNED / "design.json").read_text(encoding="utf-8"))["best"]
-    gamma, delta, cutoff = ((best[v.name],) for v in VARIABLES)
-    return Design(gamma=gamma, delta=delta, cutoff=cutoff)
+    return load_design(TUNED / "design.json")
 
 
 def identified() -> Design:

@@ -68,6 +68,34 @@ def test_hopeless_designs_are_pruned_between_iterations():
     objective.close()
 
 
+def test_a_design_that_learns_slowly_is_not_given_up_early(tmp_path):
+    study = open_study(
+        f"sqlite:///{tmp_path}/a.db", "a", {}, sampler="random", pruner="percentile", seed=0
+    )
+    for _ in range(10):
+        trial = study.ask()
+        for k in range(1, 6):
+            trial.report(0.5, k)
+        study.tell(trial, 0.5)
+    slow = study.ask()
+    given_up = []
+    for k in range(1, 6):
+        slow.report(0.6, k)
+        given_up.append(slow.should_prune())
+    assert given_up == [False, False, True, True, True]
+
+
+def test_a_design_that_was_given_up_is_never_the_best():
+    ends = {0.5: None, 0.1: optuna.trial.TrialState.PRUNED, 0.4: None}
+    study = optuna.create_study()
+    for ratio, end in ends.items():
+        trial = study.ask()
+        trial.report(ratio, 3)
+        study.tell(trial, None if end else ratio, state=end)
+    assert studies.values(study) == [(0, 0.5, True), (1, 0.1, False), (2, 0.4, True)]
+    assert [trial.number for trial in studies.bests(study)] == [0, 2]
+
+
 def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
     cfg = TuneCfg(pose="p1", speed=60.0, payload=40.0, episodes=2, iterations=2)
     objective = Objective(cfg, seed=0)
