@@ -211,14 +211,15 @@ def causes(cfg: ImuExperimentCfg, seed: int) -> Iterator[tuple[str, Measures]]:
         ("both", BEST),
         ("gravity by the mean at rest", {"compensation": "mean-at-rest"}),
     ):
-        yield name, _evaluated_again(replace(cfg, **change), base)
+        yield name, evaluated_again(replace(cfg, **change), base)
     rigid = replace(cfg, flexibility="rigid")
     stiff = run_one(rigid, prepare(rigid)[0], seed)
     yield "rigid robot", stiff.measures
-    yield "rigid robot, both", _evaluated_again(replace(rigid, **BEST), stiff)
+    yield "rigid robot, both", evaluated_again(replace(rigid, **BEST), stiff)
 
 
-def _evaluated_again(cfg: ImuExperimentCfg, done: Done) -> Measures:
+def evaluated_again(cfg: ImuExperimentCfg, done: Done) -> Measures:
+    """Measures of a run, processed by other options."""
     cell, prepared = CELLS[cfg.robot], done.prepared
     evaluation = evaluate(done.run, cell.robot, cell.with_imu, processing(cfg))
     return measure(done.run, evaluation, prepared.job.model.mj, since=prepared.since)

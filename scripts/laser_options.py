@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from cyclopts import Parameter
@@ -18,12 +18,32 @@ if TYPE_CHECKING:
 
 Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
+
+_OfDesign = Parameter(consume_multiple=True, show_default=False)
 RADIUS = 5.0
 """[mm], of the circle where none is given."""
 SMALLEST_RADIUS = 0.1
 """[mm]; a smaller one is below what a robot of this size resolves."""
 SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
+
+
+class Design(NamedTuple):
+    """Design variables of the heuristic law, one value for all motors or six."""
+
+    gamma: tuple[float, ...]
+    delta: tuple[int, ...]
+    cutoff: tuple[float, ...]
+
+
+THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
+"""Of thesis chapter 9."""
+OF_ROBOT = {
+    "large": THESIS,
+    # From T_u as identified on this robot: scripts/robot_design.py.
+    "irb1400": Design(gamma=(1.0,), delta=(8,), cutoff=(20.0,)),
+}
+"""Where motors learn from their own angles and the options say nothing."""
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 
@@ -68,12 +88,13 @@ class LaserCfg:
     the arm [auto: heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """What is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
-    gamma: Annotated[tuple[float, ...], _Several] = (0.9,)
-    """Learning gain, one for all motors or six."""
-    delta: Annotated[tuple[int, ...], _Several] = (3,)
-    """Time shift [samples of 4 ms], one for all motors or six."""
-    cutoff: Annotated[tuple[float, ...], _Several] = (10.0,)
-    """Cutoff of Q [Hz], one for all motors or six."""
+    gamma: Annotated[tuple[float, ...], _OfDesign] = None  # type: ignore[assignment]
+    """Learning gain, one for all motors or six [default: 0.9; 1 with --robot irb1400 --measure
+    motor]."""
+    delta: Annotated[tuple[int, ...], _OfDesign] = None  # type: ignore[assignment]
+    """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
+    cutoff: Annotated[tuple[float, ...], _OfDesign] = None  # type: ignore[assignment]
+    """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there]."""
     iterations: int = 5
     """Number of updates; one run more is made."""
     repetitions: int = 0
@@ -94,6 +115,10 @@ class LaserCfg:
     """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
 
     def __post_init__(self) -> None:
+        design = OF_ROBOT[self.robot] if self.measure == "motor" else THESIS
+        for name, value in design._asdict().items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
         for name, unit in (("radius", "mm"), ("speed", "mm/s")):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):

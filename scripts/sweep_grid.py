@@ -8,7 +8,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from itertools import product
 from typing import Any
 
@@ -80,8 +80,9 @@ def parse(words: Sequence[str], seed: int) -> Grid:
 
 def key_of(options: Mapping[str, Any], seed: int) -> str:
     """Sixteen hexadecimal digits of the whole configuration."""
-    # Without checking: a point that cannot be run has a key too.
-    whole = asdict(LaserCfg()) | dict(options) | {"experiment": "laser", SEED: seed}
+    # Without checking: a point that cannot be run has a key too. Defaults may depend on these two.
+    decisive = {name: options[name] for name in ("robot", "measure") if name in options}
+    whole = asdict(LaserCfg(**decisive)) | dict(options) | {"experiment": "laser", SEED: seed}
     text = json.dumps(plain(whole), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -117,4 +118,4 @@ def _value(name: str, word: str) -> Any:
 
 def configuration(point: Point) -> LaserCfg:
     """The checked options of a point. Raises ValueError where they do not go together."""
-    return replace(LaserCfg(), **point.options)
+    return LaserCfg(**point.options)

@@ -61,8 +61,10 @@ CLAIMS: dict[str, Claim] = {
     "estimation": Claim("scripts.verify_estimation:estimation", n_seeds=10),
     "estimation-controls": Claim("scripts.verify_controls:controls", n_seeds=10),
     "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
+    "imu-large": Claim("scripts.verify_imu_large:imu_large", n_seeds=10),
     "imu-rest": Claim("scripts.verify_irb1400:rest", n_seeds=10),
-    "laser-irb1400": Claim("scripts.verify_irb1400:laser", n_seeds=20),
+    "laser-irb1400": Claim("scripts.verify_irb1400_laser:laser", n_seeds=20),
+    "laser-irb1400-design": Claim("scripts.verify_irb1400_laser:design", n_seeds=20),
 }
 """Name: claim. A new claim is one line here."""
 

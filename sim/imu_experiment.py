@@ -153,6 +153,15 @@ def measure(
     )
 
 
+def under_way(motion: JointMotion, time: Array, speed: float) -> NDArray[np.bool_]:
+    """(K,) whether a move programmed at this speed along its path [m/s] is under way at `time`."""
+    flag = np.zeros(len(time), dtype=bool)
+    for report in motion.reports:
+        if report.programmed.path == speed:
+            flag |= (time >= report.start) & (time <= report.end)
+    return flag
+
+
 def synchronised_at(program: Program, motion: JointMotion) -> float:
     """End of the first long wait after a move [s]: what comes before synchronises the clocks.
 

@@ -23,7 +23,7 @@ SYNC_CUTOFF = 40.0
 REST_RATE = 0.005
 """A sensor that turns and a tool that accelerates less than this is at rest [rad/s]."""
 REST_ACCELERATION = 0.2
-"""[m/s^2]; above what encoder noise predicts at rest, which is largest at the record's end."""
+"""[m/s^2]; above what encoder noise predicts at rest."""
 
 
 class Compensation(Enum):
@@ -121,7 +121,7 @@ def compare(
     a = compensation.to_base(at_force.R_base_imu, force) - compensation.GRAVITY
     omega = compensation.to_base(at_rate.R_base_imu, rate)
     if cfg.compensation is Compensation.MEAN_AT_REST:
-        rest = _first_rest(at_force)
+        rest = _first_rest(at_force, settled=round(1.0 / (cfg.cutoff * period)))
         a, omega = compensation.mean_removed(a, rest), compensation.mean_removed(omega, rest)
     return Comparison(
         time=robot_time[inside],
@@ -155,11 +155,13 @@ def find_offset(
     )
 
 
-def _first_rest(prediction: Prediction) -> NDArray[np.bool_]:
-    """The samples before the first motion."""
+def _first_rest(prediction: Prediction, settled: int) -> NDArray[np.bool_]:
+    """The samples before the first motion, less the first ones: there the low-pass takes a step of
+    the encoder for more."""
     moving = (np.abs(prediction.angular_velocity) > REST_RATE).any(axis=1)
     moving |= (np.abs(prediction.acceleration) > REST_ACCELERATION).any(axis=1)
-    return ~np.logical_or.accumulate(moving)
+    later = np.arange(len(moving)) >= settled
+    return later & ~np.logical_or.accumulate(moving & later)
 
 
 def _calibrated(
