@@ -20,6 +20,7 @@ from sim.imu_experiment import (
     without_feedforward,
 )
 from sim.instruments.imu import ACCELEROMETER, GYROSCOPE, ImuCfg
+from sim.linkage import checked_loop_error
 from sim.model import RobotModel, load_model
 from sim.motion.planner import JointMotion, plan_program
 from sim.motion.program_file import read_program
@@ -361,6 +362,8 @@ def _rest(cfg: ImuExperimentCfg, common: Common, report: Report) -> None:
         if cfg.robot != "irb1400":
             raise ValueError(f"motion rest needs brakes, which robot {cfg.robot} lacks")
     run, rest = run_rest(cfg, common.seed)
+    mj = robot_model(cfg).mj
+    qpos = run.recording.truth.qpos[:: round(LOG_PERIOD / mj.opt.timestep)]
     outcome = summary(
         "imu",
         cfg,
@@ -369,6 +372,7 @@ def _rest(cfg: ImuExperimentCfg, common: Common, report: Report) -> None:
             "off_rms": rest.off_rms,
             "on_rms": rest.on_rms,
             "on_level": rest.on_level,
+            "loop_error": checked_loop_error(mj, qpos),
             "lines": {
                 axis: lines(rest.frequency, rest.on_spectrum[:, i])[:5]
                 for i, axis in enumerate("xyz")

@@ -10,6 +10,7 @@ from ilc import measures
 from sim.cutting import Pass
 from sim.experiment import Experiment, Iteration
 from sim.kerf import kerf
+from sim.linkage import checked_loop_error
 from sim.motion.path import Circle
 from sim.path_record import path_measures
 from sim.recording import Array
@@ -20,7 +21,10 @@ from .summary import dumps
 
 
 def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
-    """Status, limits and measures of a run, as `summary.json` has them."""
+    """Status, limits and measures of a run, as `summary.json` has them.
+
+    Raises RuntimeError for a closed chain that did not stay closed.
+    """
     rows = [
         {
             "k": it.trial.k,
@@ -48,10 +52,19 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
             for it in iterations
             for name, axis, time in it.trial.result.recording.limits_hit
         ],
+        "loop_error": _loop_error(experiment, iterations),
         "reached_speed": motion.reached_speed,
         "beam_lost": [not bool(it.trial.result.tracker.valid.all()) for it in iterations],
         "iterations": rows,
     }
+
+
+def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
+    """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
+    stride = experiment.job.ratio
+    runs = [it.trial.result.recording for it in iterations if not it.trial.diverged]
+    mj = experiment.job.model.mj
+    return max((checked_loop_error(mj, run.truth.qpos[::stride]) for run in runs), default=0.0)
 
 
 def quality(
@@ -208,6 +221,8 @@ def show(report: Report, outcome: dict[str, Any], path: Path) -> None:
             f"{_microns(iso['path_repeatability'])} tracked, "
             f"{_microns(iso['path_repeatability_true'])} true"
         )
+    if outcome["loop_error"]:
+        report.line(f"The linkage opened by {1e6 * outcome['loop_error']:.3f} µm at most")
     report.line(f"Results in {path}")
     report.summary(outcome)
 

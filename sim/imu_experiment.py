@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import kinematics
 
 from .instruments.imu import Imu, ImuCfg, ImuSamples, draw
-from .linkage import loop_error
+from .linkage import checked_loop_error
 from .model import RobotModel
 from .motion.instructions import Program, Wait
 from .motion.planner import JointMotion
@@ -131,7 +131,10 @@ class Measures:
 def measure(
     run: ImuRun, evaluation: Evaluation, mj: mujoco.MjModel, *, since: float = 0.0
 ) -> Measures:
-    """All numbers of one run from the instant `since` [s] on."""
+    """All numbers of one run from the instant `since` [s] on.
+
+    Raises RuntimeError for a closed chain that did not stay closed.
+    """
     comparison, recording = evaluation.comparison, run.recording
     late = comparison.time >= since
     omega, a = comparison.angular_velocity_error[late], comparison.acceleration_error[late]
@@ -148,7 +151,7 @@ def measure(
         clipped_share=float(run.samples.acceleration_clipped.any(axis=1).mean()),
         clock_offset_error=comparison.clock_offset - run.imu.clock_offset,
         tool_distance=float(evaluation.tool_distance.max()),
-        loop_error=loop_error(mj, recording.truth.qpos[::stride]),
+        loop_error=checked_loop_error(mj, recording.truth.qpos[::stride]),
         idle_peaks=idle_peaks(recording),
     )
 

@@ -11,6 +11,8 @@ import numpy as np
 
 from .recording import Array
 
+LARGEST_GAP = 1e-6
+"""Of a cut in a run that can be trusted [m]."""
 _CLOSING_STEPS = 20
 _CLOSED = 1e-14  # [m]; rounding of coordinates of the order of a metre
 
@@ -96,4 +98,15 @@ def loop_error(mj: mujoco.MjModel, qpos: Array) -> float:
         data.qpos[:] = q
         mujoco.mj_kinematics(mj, data)
         widest = max(widest, float(np.abs(linkage.gap(data)).max()))
+    return widest
+
+
+def checked_loop_error(mj: mujoco.MjModel, qpos: Array) -> float:
+    """The same. Raises RuntimeError above `LARGEST_GAP`: that was no linkage any more."""
+    widest = loop_error(mj, qpos)
+    if widest > LARGEST_GAP:
+        raise RuntimeError(
+            f"a closed chain opened by {1e6 * widest:.3g} um, more than {1e6 * LARGEST_GAP:g} um: "
+            f"shorten the time step or soften the motion"
+        )
     return widest

@@ -14,7 +14,7 @@ import scipy.linalg
 
 import assets
 import kinematics
-from sim.linkage import Linkage, loop_error
+from sim.linkage import Linkage, checked_loop_error, loop_error
 from sim.model import AXES, load_model
 from sim.robot import VirtualRobot
 from sim.variants import Flexibility, variant
@@ -239,6 +239,14 @@ def test_the_rigid_closed_chain_moves_as_d_h_with_the_coupling_says(rigid, dh):
 def test_the_loop_stays_closed_with_flexible_joints_and_noise(full):
     run = VirtualRobot(full).run(brisk_motion(), rng=np.random.default_rng(0))
     assert loop_error(full.mj, run.truth.qpos[::10]) < LOOP_TOLERANCE
+
+
+def test_a_run_whose_loop_opened_is_refused(full):
+    qpos = np.zeros((2, full.mj.nq))
+    assert checked_loop_error(full.mj, qpos) < 1e-12
+    qpos[1, full.mj.joint("link_elbow").qposadr] = 1e-4  # 16 um at the lever's pin
+    with pytest.raises(RuntimeError, match="opened by 16 um, more than 1 um"):
+        checked_loop_error(full.mj, qpos)
 
 
 def test_flexible_joints_move_the_tool_away_from_d_h_and_stiff_gears_bring_it_back(dh):
