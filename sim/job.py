@@ -1,5 +1,6 @@
 """A reference loaded into a robot, run with one correction after the other."""
 
+import logging
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,13 @@ from .model import N_AXES, RobotModel
 from .recording import Array, Recording
 from .run_record import measured_angle, truth
 from .servo import at_step_end, correction_path, encoder_perturbation
+
+_log = logging.getLogger(__name__)
+
+if mujoco.get_mju_user_warning() is None:
+    # MuJoCo itself would write a file into the current folder. A run that fell apart says so by
+    # samples that are not finite.
+    mujoco.set_mju_user_warning(_log.info)
 
 
 @dataclass(frozen=True, kw_only=True)

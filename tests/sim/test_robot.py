@@ -52,6 +52,20 @@ def test_a_robot_that_is_told_to_stay_stays(model, cut):
     assert np.abs(moved).max() < 1e-7  # equilibrium is found to 1e-13 rad at each spring
 
 
+def test_a_run_that_falls_apart_is_not_finite_from_there_on_and_leaves_no_file(
+    job, monkeypatch, tmp_path
+):
+    monkeypatch.chdir(tmp_path)
+    controls = job.controls.copy()
+    controls[400:] = 1e300
+    recordings = run_jobs([replace(job, controls=controls)] * 2, [None] * 2, [None] * 2, threads=2)
+    for recording in recordings:
+        assert np.isfinite(recording.error[:50]).all()
+        assert np.isnan(recording.error[52:]).all()
+    assert list(tmp_path.iterdir()) == []
+    assert np.isfinite(job.run().error).all()  # what is kept between runs is not spoilt
+
+
 def test_same_seed_same_bits_and_another_seed_other_noise(job, correction):
     first, again = (job.run(correction, np.random.default_rng(7)) for _ in range(2))
     other = job.run(correction, np.random.default_rng(8))
