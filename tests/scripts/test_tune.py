@@ -5,6 +5,7 @@ import os
 import pwd
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -139,6 +140,19 @@ def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options
     assert "secret" not in err
     assert err.count("\n") == 1
     assert not [path for path in tmp_path.rglob("*") if path.name != "runs"]
+
+
+def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeypatch):
+    monkeypatch.setattr(studies, "CONNECT_TIMEOUT", 2)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        port = silent.getsockname()[1]
+        url = f"postgresql+psycopg://a@127.0.0.1:{port}/b"
+        began = time.monotonic()
+        status, _, err = armside(f"tune {QUICK} --storage {url}")
+    assert status == 2
+    assert "does not answer" in err
+    assert err.count("\n") == 1
+    assert time.monotonic() - began < 30
 
 
 def test_a_search_is_not_part_of_what_makes_studies_comparable():
