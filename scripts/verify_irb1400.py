@@ -45,18 +45,21 @@ def imu(seeds: Iterable[int]) -> Table:
                 *m.acceleration_window_max,
                 *as_thesis.acceleration_window_max,
                 _fast_over_slow(done),
-                int(_in_the_rectangle(done, as_thesis.acceleration_window_time[:2])),
+                *(
+                    int(_in_the_rectangle(done, processed.acceleration_window_time[:2]))
+                    for processed in (m, as_thesis)
+                ),
                 m.angular_velocity_rms.max(),
                 1e3 * m.tool_distance,
                 1e6 * max(one.measures.loop_error for one in (done, *idle, *without)),
-                1e4 * max(map(_idle, idle)),
-                1e4 * max(map(_idle, without)),
+                *(1e4 * _idle(one) for one in (*idle, *without)),
             )
         )
     rows = [(row[0], *map(float, row[1:])) for row in rows]
     numbers = np.array(rows)
     clock, window, thesis = numbers[:, 1], numbers[:, 5:8], numbers[:, 8:11]
-    ratio, inside, omega, distance, loop, idle, unaided_idle = numbers[:, 11:].T
+    ratio, inside, inside_as_thesis, omega, distance, loop = numbers[:, 11:17].T
+    pushed, pushed_unaided = numbers[:, 17:19], numbers[:, 19:21].max(axis=1)
     return Table(
         title="An IMU on the IRB1400: measured against predicted from motor angles",
         columns=(
@@ -67,11 +70,15 @@ def imu(seeds: Iterable[int]) -> Table:
             *(f"as thesis: a window {axis} [m/s^2]" for axis in "xyz"),
             "rectangle / slow circle",
             "x, y largest in rectangle",
+            "as thesis: x, y largest in rectangle",
             "omega RMS [rad/s]",
             "tool to D-H [mm]",
             "loop [um]",
-            "idle [1e-4 rad]",
-            "idle, no feedforward [1e-4 rad]",
+            *(
+                f"idle {part}{servo} [1e-4 rad]"
+                for servo in ("", ", no feedforward")
+                for part in ("arm", "wrist")
+            ),
         ),
         rows=rows,
         verdicts=(
@@ -98,7 +105,11 @@ def imu(seeds: Iterable[int]) -> Table:
                 "mounting, which the thesis leaves in, shows in z",
                 bool((thesis[:, 2] < thesis[:, 1]).all() and _smallest_in_z(thesis).mean() > 0.5),
             ),
-            Verdict("and largest in x and y within the rectangle", bool(inside.all())),
+            Verdict(
+                "it is largest in x and y within the rectangle; processed as in the thesis in nine "
+                "of ten seeds",
+                bool(inside.all() and inside_as_thesis.mean() >= 0.9),
+            ),
             Verdict(
                 "its RMS in the rectangle is at least three times that in the slow circle",
                 bool((ratio >= 3.0).all()),
@@ -112,11 +123,11 @@ def imu(seeds: Iterable[int]) -> Table:
             ),
             Verdict("the linkage opens by less than 1 um in every run", bool((loop < 1.0).all())),
             Verdict(
-                "with feedforward no idle motor moves 2e-4 rad or more", bool((idle < 2.0).all())
+                "with feedforward no idle motor moves 2e-4 rad or more", bool((pushed < 2.0).all())
             ),
             Verdict(
                 "without feedforward some idle motor moves 2e-4 to 10e-4 rad",
-                bool(((unaided_idle > 2.0) & (unaided_idle < 10.0)).all()),
+                bool(((pushed_unaided > 2.0) & (pushed_unaided < 10.0)).all()),
             ),
         ),
     )

@@ -26,6 +26,7 @@ def test_there_are_no_examples_that_nobody_runs():
         "own_robot.py",
         "own_path.py",
         "house.toml",
+        "swing.toml",
     }
 
 
