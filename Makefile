@@ -34,7 +34,7 @@ $(VENV)/.installed-test: $(VENV)/.installed
 $(STUBS)/py.typed: $(VENV)/.installed-test
 	rm -rf typings
 	$(BIN)/python -m pybind11_stubgen --ignore-all-errors --output-dir typings \
-	  $(addprefix mujoco._,constants enums errors functions rollout specs structs)
+	  $(addprefix mujoco._,callbacks constants enums errors functions rollout specs structs)
 	mv typings/mujoco $(STUBS)
 	@echo partial >$@
 
