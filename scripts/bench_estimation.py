@@ -23,7 +23,7 @@ def estimation() -> Sequence[Row]:
     log = first.recording
     assert first.imu is not None
     samples = mended(first.imu, case.imu)
-    run, rest = prepared(log.time, log.motor_angle, samples), log.motor_angle[0]
+    run, rest = prepared(arm, log.time, log.motor_angle, samples), log.motor_angle[0]
     springs = identify(arm, run, rest, case.imu).springs
     known = estimator(arm, springs, rest, case.imu)
     full = ExtendedArm(known, kinematics.LARGE_ROBOT)

@@ -82,7 +82,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
     log, unit = made.recording, experiment.plant.imu
     assert made.imu is not None
     assert unit is not None
-    measured = prepared(log.time, log.motor_angle, mended(made.imu, ImuCfg()))
+    measured = prepared(arm, log.time, log.motor_angle, mended(made.imu, ImuCfg()))
     prior = SpringPrior(coupling=0.0) if cfg.uncoupled else SpringPrior()
     rest = log.motor_angle[0]
     found = identified_from(arm, measured, rest, ImuCfg(), prior=prior)

@@ -136,7 +136,7 @@ def controls(seeds: Iterable[int]) -> Table:
 def _kinematic(known: Commissioned, unit: ImuCfg, first: Pass) -> Array:
     log = first.recording
     assert first.imu is not None
-    run = prepared(log.time, log.motor_angle, mended(first.imu, unit))
+    run = prepared(known.estimator.arm, log.time, log.motor_angle, mended(first.imu, unit))
     at = run.imu_time + known.estimator.clock_offset
     twist = kinematic_deviation(known.estimator, run)
     moved = np.stack([np.interp(log.time, at, column) for column in twist.T], axis=1)

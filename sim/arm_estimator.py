@@ -16,7 +16,7 @@ from ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
 from ilc.estimation.wiener import NonCausal
 
 from .arm_filter import ArmFilter, Distrust, arm_filter
-from .arm_identification import Run, prepared, residual
+from .arm_identification import Run, bent_by, prepared, residual
 from .arm_springs import Springs
 from .frozen_arm import frozen
 from .instruments.imu import ImuCfg, ImuSamples
@@ -95,10 +95,14 @@ class ArmEstimator:
 
     def deviations(self, run: Run) -> Smoothed:
         """States of filter and smoother at the IMU's instants."""
-        left, bias = residual(self.model, run, self.clock_offset, self.mounting)
+        left, bias = self._residual(run)
         start = np.zeros(len(self.model.A))
         start[-6:] = bias
         return self.smoother(run)(left, start)
+
+    def _residual(self, run: Run) -> tuple[Array, Array]:
+        bent = bent_by(self.arm, self.model, run)
+        return residual(self.model, bent, self.clock_offset, self.mounting)
 
     def __call__(
         self,
@@ -112,10 +116,10 @@ class ArmEstimator:
         path = tool_path(observe(self.arm, motor_angle, period), period)
         if samples is None or kind is Estimate.OBSERVER:
             return ToolEstimate(displacement=path, innovation=np.empty((0, 6)))
-        run = prepared(time, motor_angle, samples)
+        run = prepared(self.arm, time, motor_angle, samples)
         states = self.deviations(run)
         if kind is Estimate.WIENER:
-            left, bias = residual(self.model, run, self.clock_offset, self.mounting)
+            left, bias = self._residual(run)
             deviation = self._wiener(
                 left - bias, 1.0 / self.imu.rate, self.model.reading_covariance
             )

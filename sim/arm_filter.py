@@ -15,6 +15,7 @@ import numpy as np
 from ilc.estimation.simulation import simulate
 from ilc.estimation.state_space import Process, first_order_hold, sampled_noise
 
+from .curvature import Curvature
 from .frozen_arm import FrozenArm
 from .instruments.imu import ImuCfg, TriadCfg
 from .recording import Array
@@ -59,8 +60,8 @@ class ArmFilter:
     """(m, m)."""
     intensity: Array
     """(m, m), of the white noise that drives it."""
-    B: Array
-    """(m, 12), from (dphi, dphi')."""
+    E: Array
+    """(m, n + 6), from torque on the arm [N m] and from what the IMU reads beyond the state."""
     C: Array
     """(6, m): accelerometer and gyro."""
 
@@ -72,6 +73,11 @@ class ArmFilter:
     def n_mechanical(self) -> int:
         """States of arm and sensor low-passes: those without noise models."""
         return 2 * self.n_free + 12
+
+    @property
+    def B(self) -> Array:
+        """(m, 12), from (dphi, dphi')."""
+        return self.E[:, self.arm.axes] @ np.hstack((self.arm.stiffness, np.diag(self.arm.damping)))
 
     @property
     def tool(self) -> Array:
@@ -111,14 +117,16 @@ class ArmFilter:
         P[m + 9 : m + 12] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
         return np.diag(P)
 
-    def simulated(self, phi: Array, phi_dot: Array, step: float) -> Array:
-        """(N, n_mechanical) states for motor deviations from rest (N, 6), all linear.
+    def simulated(self, phi: Array, phi_dot: Array, bent: Curvature, step: float) -> Array:
+        """(N, n_mechanical) states for motor deviations from rest (N, 6).
 
-        phi, phi_dot: every `step` [s], starting at rest.
+        phi, phi_dot: every `step` [s], starting at rest; bent: what is not linear on the way.
         """
         m = self.n_mechanical
-        A, B0, B1 = first_order_hold(self.A[:m, :m], self.B[:m], step)
-        return simulate(A, B0, B1, np.hstack((phi, phi_dot)))
+        torque = -bent.torque
+        torque[:, self.arm.axes] += phi @ self.arm.stiffness + phi_dot * self.arm.damping
+        A, E0, E1 = first_order_hold(self.A[:m, :m], self.E[:m], step)
+        return simulate(A, E0, E1, np.hstack((torque, bent.reading)))
 
     def readings(self, states: Array) -> tuple[Array, Array]:
         """Low-passed readings (N, 6) in mechanical states, and their rates."""
@@ -131,24 +139,22 @@ def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> 
     n = arm.n_free
     m = 2 * n + 12
     size = m + 12
-    dynamics, inputs = arm.dynamics()
-    A, B, W = np.zeros((size, size)), np.zeros((size, 12)), np.zeros((size, size))
-    A[: 2 * n, : 2 * n], B[: 2 * n] = dynamics, inputs
-    picked = np.zeros((n, 6))
-    picked[arm.axes, range(6)] = 1.0
-    A[n : 2 * n, m : m + 6] = np.linalg.solve(arm.mass, picked)
+    A, E, W = np.zeros((size, size)), np.zeros((size, n + 6)), np.zeros((size, size))
+    A[: 2 * n, : 2 * n], _ = arm.dynamics()
+    E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
+    A[n : 2 * n, m : m + 6] = E[n : 2 * n, arm.axes]
     A[m : m + 6, m : m + 6] = -2.0 * np.pi * distrust.corner * np.eye(6)
 
     # Accelerometer: J q'' + (turned gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
     from_state[:, :n] += arm.imu_gravity
-    from_input = arm.imu_jacobian[:3] @ B[n : 2 * n]
+    from_torque = arm.imu_jacobian[:3] @ E[n : 2 * n, :n]
     turning = np.zeros((3, size))
     turning[:, n : 2 * n] = arm.imu_jacobian[3:]
     for k, (triad, ideal, direct) in enumerate(
         (
-            (imu.accelerometer, from_state, from_input),
-            (imu.gyroscope, turning, np.zeros((3, 12))),
+            (imu.accelerometer, from_state, from_torque),
+            (imu.gyroscope, turning, np.zeros((3, n))),
         )
     ):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
@@ -157,7 +163,8 @@ def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> 
         A[rate] = omega**2 * ideal
         A[rate, low] -= omega**2
         A[rate, rate] -= 2.0 * _BUTTERWORTH_DAMPING * omega
-        B[rate] = omega**2 * direct
+        E[rate, :n] = omega**2 * direct
+        E[rate, n + 3 * k + np.arange(3)] = omega**2
         # A one-sided density d^2 is a two-sided intensity d^2 / 2.
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
@@ -170,7 +177,7 @@ def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> 
     C[[0, 1, 2], [2 * n, 2 * n + 1, 2 * n + 2]] = 1.0
     C[[3, 4, 5], [2 * n + 6, 2 * n + 7, 2 * n + 8]] = 1.0
     C[range(6), range(m + 6, size)] = 1.0
-    return ArmFilter(arm=arm, imu=imu, distrust=distrust, A=A, intensity=W, B=B, C=C)
+    return ArmFilter(arm=arm, imu=imu, distrust=distrust, A=A, intensity=W, E=E, C=C)
 
 
 def _omega(triad: TriadCfg) -> float:

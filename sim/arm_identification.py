@@ -5,6 +5,7 @@ the tool in this pose. Inertia is taken from the nominal arm; only K / M shows i
 """
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,15 +16,22 @@ from ilc.filters import ZeroPhaseButterworth
 
 from .arm_filter import ArmFilter, Distrust, arm_filter
 from .arm_springs import SpringPrior, Springs, springs_at
+from .curvature import Curvature, curvature
 from .frozen_arm import FrozenArm, frozen
 from .instruments.imu import ImuCfg, ImuSamples
+from .model import N_AXES
 from .nominal import NominalArm
 from .observer import ENCODER_FILTER
 from .recording import Array
 from .servo import interpolate
 
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
+
 REST = 0.2
 """At the beginning of a run in which the arm does not move yet [s]."""
+_SLOWEST = 1.0
+"""[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
 _STARTS = (
     (0.0, 0.0),
     (0.3, 0.3),
@@ -60,24 +68,43 @@ class Run:
     """(K,) [s], the IMU's own clock."""
     reading: Array
     """(K, 6) [m/s^2], [rad/s]; rows of NaN are missing."""
+    bent: Curvature
+    """What is not linear in the motion, to begin with that of a rigid arm."""
 
     @property
     def period(self) -> float:
         return float(self.time[1] - self.time[0])
 
 
-def prepared(time: Array, motor_angle: Array, samples: ImuSamples) -> Run:
-    """A run's log (N,), (N, 6) and the IMU's samples."""
+def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSamples) -> Run:
+    """A run's log (N,), (N, 6) and the IMU's samples; of the arm its springs do not matter."""
     period = float(time[1] - time[0])
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
-    phi, phi_dot, _ = interpolate(smooth, period, 1)
+    phi, phi_dot, phi_ddot = interpolate(smooth, period, 1)
     return Run(
         time=time,
         phi=phi - phi[0],
         phi_dot=phi_dot,
         imu_time=samples.time,
         reading=np.hstack((samples.acceleration, samples.angular_velocity)),
+        bent=_bent_rigidly(arm, phi, phi_dot, phi_ddot),
     )
+
+
+def _bent_rigidly(arm: NominalArm, phi: Array, phi_dot: Array, phi_ddot: Array) -> Curvature:
+    linear = frozen(arm, phi[0])
+    picked = np.zeros((N_AXES, linear.n_free))
+    picked[range(N_AXES), linear.axes] = 1.0
+    return curvature(arm, linear, (phi - phi[0]) @ picked, phi_dot @ picked, phi_ddot @ picked)
+
+
+def bent_by(arm: NominalArm, model: ArmFilter, run: Run) -> Run:
+    """The run with its curvature along the motion of a model, in place of a rigid arm's."""
+    n = model.n_free
+    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    q, q_dot = states[:, :n], states[:, n : 2 * n]
+    q_ddot = np.gradient(q_dot, run.period, axis=0)
+    return replace(run, bent=curvature(arm, model.arm, q, q_dot, q_ddot))
 
 
 def identify(
@@ -99,17 +126,18 @@ def identify(
     Raises:
         RuntimeError: no start leads anywhere.
     """
-    nominal = frozen(arm, rest)
-
-    def innovations(theta: Array) -> Whitened:
-        return _innovations(arm, nominal, run, imu, prior, distrust, theta)
-
-    sd = prior.standard_deviation
+    nominal, sd = frozen(arm, rest), prior.standard_deviation
+    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
     starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
-    best = fit(innovations, np.zeros(sd.size), sd, starts)
+    rigid = fit(innovations, np.zeros(sd.size), sd, starts)
+    springs = springs_at(arm, prior, rigid.theta, distrust.share)
+    elastic = nominal.on_springs(springs.stiffness, springs.damping)
+    run = bent_by(arm, arm_filter(elastic, imu, distrust), run)
+    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
+    best = fit(innovations, np.zeros(sd.size), sd, [rigid.theta])
     return Identified(
         springs=springs_at(arm, prior, best.theta, distrust.share),
-        fit=best,
+        fit=replace(best, costs=rigid.costs),
         names=prior.names,
         whiteness=whiteness(best.innovation),
     )
@@ -126,33 +154,75 @@ def residual(
     Returns:
         (K, 6), and (6,): the biases.
     """
+    return _left(run, _explained(model, run), clock_offset, mounting)
+
+
+def _explained(model: ArmFilter, run: Run) -> "CubicHermiteSpline":
+    """(6,) low-passed readings that the motor angles explain, over time."""
     from scipy.interpolate import CubicHermiteSpline
 
-    low, rate = model.readings(model.simulated(run.phi, run.phi_dot, run.period))
-    at = np.clip(run.imu_time + clock_offset, run.time[0], run.time[-1])
-    explained = CubicHermiteSpline(run.time, low, rate)(at)
-    turned = [np.cross(mounting, part) for part in np.split(explained, 2, axis=1)]
-    left = run.reading - explained + np.hstack(turned)
-    return left, np.nanmean(left[run.imu_time + clock_offset < REST], axis=0)
+    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    return CubicHermiteSpline(run.time, *model.readings(states))
 
 
-def _innovations(
-    arm: NominalArm,
-    nominal: FrozenArm,
-    run: Run,
-    imu: ImuCfg,
-    prior: SpringPrior,
-    distrust: Distrust,
-    theta: Array,
-) -> Whitened:
-    springs = springs_at(arm, prior, theta, distrust.share)
-    candidate = nominal.on_springs(springs.stiffness, springs.damping)
-    if np.linalg.eigvalsh(candidate.spring_matrix)[0] <= 0.0:  # the arm would fall
-        return Whitened(np.full_like(run.reading, np.inf), 0.0)
-    model = arm_filter(candidate, imu, replace(distrust, share=springs.distrust))
-    left, bias = residual(model, run, springs.clock_offset, springs.mounting)
-    settled = SettledFilter(model.sampled(1.0 / imu.rate))
-    start = np.zeros(len(model.A))
-    start[-6:] = bias
-    W, log_det = settled.whitening
-    return Whitened(settled(left, start).innovation @ W.T, log_det)
+def _left(
+    run: Run, explained: "CubicHermiteSpline", clock_offset: float, mounting: Array
+) -> tuple[Array, Array]:
+    at = run.imu_time + clock_offset
+    y = explained(np.clip(at, run.time[0], run.time[-1]))
+    turned = [np.cross(mounting, part) for part in np.split(y, 2, axis=1)]
+    left = run.reading - y + np.hstack(turned)
+    return left, np.nanmean(left[at < REST], axis=0)
+
+
+class _Innovations:
+    """Whitened innovations of a run, for parameters (m,)."""
+
+    def __init__(
+        self,
+        arm: NominalArm,
+        nominal: FrozenArm,
+        run: Run,
+        imu: ImuCfg,
+        prior: SpringPrior,
+        distrust: Distrust,
+    ) -> None:
+        self.arm, self.nominal, self.run = arm, nominal, run
+        self.imu, self.prior, self.distrust = imu, prior, distrust
+        # Gradients move clock and seat of the IMU as well, which the filter does not depend on.
+        self._last: tuple[bytes, _Filter | None] = (b"", None)
+
+    def __call__(self, theta: Array) -> Whitened:
+        springs = springs_at(self.arm, self.prior, theta, self.distrust.share)
+        known = self._filter(springs)
+        if known is None:
+            return Whitened(np.full_like(self.run.reading, np.inf), 0.0)
+        start = np.zeros(len(known.settled.process.A))
+        left, start[-6:] = _left(self.run, known.explained, springs.clock_offset, springs.mounting)
+        W, log_det = known.settled.whitening
+        return Whitened(known.settled(left, start).innovation @ W.T, log_det)
+
+    def _filter(self, springs: Springs) -> "_Filter | None":
+        """None for springs on which the arm would fall."""
+        key = b"".join(
+            np.asarray(part).tobytes()
+            for part in (springs.stiffness, springs.damping, springs.distrust)
+        )
+        if key != self._last[0]:
+            self._last = key, self._set_up(springs)
+        return self._last[1]
+
+    def _set_up(self, springs: Springs) -> "_Filter | None":
+        candidate = self.nominal.on_springs(springs.stiffness, springs.damping)
+        if candidate.locked_modes()[0] < _SLOWEST:
+            return None
+        model = arm_filter(candidate, self.imu, replace(self.distrust, share=springs.distrust))
+        return _Filter(
+            SettledFilter(model.sampled(1.0 / self.imu.rate)),
+            _explained(model, self.run),
+        )
+
+
+class _Filter(NamedTuple):
+    settled: SettledFilter
+    explained: "CubicHermiteSpline"

@@ -144,7 +144,7 @@ def commission(
         samples = mended(first.imu, imu)
         _upright(samples, frozen(arm, rest).imu_up, cfg)
         if springs is None and cfg.identified:
-            run = prepared(log.time, log.motor_angle, samples)
+            run = prepared(arm, log.time, log.motor_angle, samples)
             identified = identify(arm, run, rest, imu, prior=cfg.prior, distrust=cfg.distrust)
             _believable(identified, cfg)
             springs = identified.springs

@@ -22,8 +22,12 @@ COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
 class SpringPrior:
     """Standard deviations of what is known before: how wrong the nominal arm may be."""
 
-    stiffness: float = 0.3
-    """Of log K: beliefs are wrong by up to 30 %. A wider one ends in worse minima more often."""
+    stiffness: float = 0.6
+    """Of log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
+    them softer, twice and more. ESTIMATE."""
+    wrist_stiffness: float = 0.2
+    """Of log K of axes 4 to 6: uniform within +- 30 % is a standard deviation of 0.17. A wider one
+    lets the wrist explain what is not its own, and ends in wrong minima."""
     damping: float = 0.5
     """Of the log of the damping's scale."""
     clock: float = 0.010
@@ -36,7 +40,14 @@ class SpringPrior:
     """Of rho; 0 keeps to gear springs."""
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "clock", "distrust", "mounting"):
+        for name in (
+            "stiffness",
+            "wrist_stiffness",
+            "damping",
+            "clock",
+            "distrust",
+            "mounting",
+        ):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
         if not self.coupling >= 0.0:
@@ -50,7 +61,8 @@ class SpringPrior:
     def standard_deviation(self) -> Array:
         """(m,), of theta; its mean is 0."""
         return np.array(
-            [self.stiffness] * N_AXES
+            [self.stiffness] * 3
+            + [self.wrist_stiffness] * 3
             + [self.damping, self.clock, self.distrust]
             + [self.mounting] * 3
             + [self.coupling] * len(self.pairs)

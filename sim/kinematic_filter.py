@@ -32,7 +32,7 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
     """
     arm, imu = known.model.arm, known.imu
     J, tilt = arm.imu_jacobian, arm.imu_gravity
-    low, B_low = np.zeros((12, 12)), np.zeros((12, 18))
+    low, B_low, B_bent = np.zeros((12, 12)), np.zeros((12, 18)), np.zeros((12, 6))
     W = np.zeros((36, 36))
     W[range(12, 18), range(12, 18)] = (1e-3 * JERK) ** 2
     for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
@@ -41,6 +41,7 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
         low[x, rate] = 1.0
         low[rate, x], low[rate, rate] = -(omega**2), -np.sqrt(2.0) * omega
         W[18 + rate, 18 + rate] = omega**4 * triad.noise_density**2 / 2.0
+        B_bent[rate, 3 * k + np.arange(3)] = omega**2
         B_low[rate] = omega**2 * np.hstack(
             (tilt, np.zeros((3, 6)), J[:3])
             if k == 0
@@ -48,7 +49,8 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
         )
     phi_ddot = np.gradient(run.phi_dot, run.period, axis=0)
     driven = simulate(
-        *first_order_hold(low, B_low, run.period), np.hstack((run.phi, run.phi_dot, phi_ddot))
+        *first_order_hold(low, np.hstack((B_low, B_bent)), run.period),
+        np.hstack((run.phi, run.phi_dot, phi_ddot, run.bent.reading)),
     )
     at = run.imu_time + known.clock_offset
     rigid = np.stack([np.interp(at, run.time, c) for c in driven[:, [0, 1, 2, 6, 7, 8]].T], axis=1)

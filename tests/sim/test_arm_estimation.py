@@ -8,10 +8,14 @@ import pytest
 import kinematics
 from assets import IRB1400_XML, LARGE_ROBOT_XML
 from ilc.estimation.consistency import normalised_squared
+from ilc.filters import butterworth
+from ilc.recursion import recursion
 from kinematics.robots import IMU_LINKS
 from scripts.arm_side import GEAR_EFFECTS, Case
 from scripts.verify_estimation import error, fk_path
 from sim.arm_estimator import Estimate
+from sim.arm_filter import arm_filter
+from sim.arm_identification import bent_by, prepared
 from sim.arm_learning import ArmLearningCfg, OnFault, commission
 from sim.extended_arm import ExtendedArm
 from sim.frozen_arm import frozen
@@ -71,6 +75,47 @@ def test_frozen_arm_is_the_rollout_linearised():
     inputs = np.hstack((phi - phi0, np.gradient(phi, t[1], axis=0)))
     x = simulate(*first_order_hold(A, B, t[1]), inputs)
     assert np.abs(motion.q - motion.q[0] - x[:, :6]).max() < 0.02 * np.abs(x[:, :6]).max()
+
+
+def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
+    """A circle of the robot at 100 mm/s: at twice its frequency, where linear models are blind."""
+    case = replace(CASE, speed=0.1, acceleration=2.2)
+    # As soft as structure and gears together, so that its lowest modes are where the robot's are.
+    arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(stiffness=0.4))
+    experiment = case.experiment()
+    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    log = made.recording
+    motion = observe(arm, log.motor_angle, float(log.time[1]))
+    model = arm_filter(frozen(arm, log.motor_angle[0]), case.imu)
+    run = prepared(arm, log.time, log.motor_angle, mended(made.imu, case.imu))
+    run = bent_by(arm, model, run)
+    rollout = np.hstack((motion.imu_acceleration, motion.imu_angular_velocity))
+    seen = np.hstack(
+        [
+            low_passed(part - part[0], triad.bandwidth, motion.time[1])[::8]
+            for part, triad in zip(
+                np.split(rollout, 2, axis=1),
+                (case.imu.accelerometer, case.imu.gyroscope),
+                strict=True,
+            )
+        ]
+    )
+
+    def missing(bent):
+        states = model.simulated(run.phi, run.phi_dot, bent, run.period)
+        return np.sqrt(np.square(model.readings(states)[0] - seen).mean(axis=0))
+
+    none = replace(run.bent, torque=0.0 * run.bent.torque, reading=0.0 * run.bent.reading)
+    noise = case.imu.accelerometer.noise_density * np.sqrt(case.imu.accelerometer.bandwidth)
+    assert missing(none)[:3].max() > 2.0 * noise
+    assert missing(run.bent)[:3].max() < noise  # the time step of rollout and low-pass
+
+
+def low_passed(signal, bandwidth, step):
+    """Second-order Butterworth, one way, as the unit has it."""
+    for b, a in butterworth(bandwidth, step, 2):
+        signal = recursion(b, a, np.ascontiguousarray(signal))
+    return signal
 
 
 def test_measurement_matrices_are_those_of_the_toolbox(known):
