@@ -46,7 +46,7 @@ def stored_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
     place: the options that say where, such as {"pose": "p1"}; springs act together by pose.
 
     Raises:
-        InputError: there are none, or they were identified at another place.
+        InputError: there are none, they are not whole, or were identified at another place.
     """
     file = folder / "summary.json"
     try:
@@ -58,12 +58,39 @@ def stored_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
     if known_at != plain(place):
         said = ", ".join(f"{name} {value}" for name, value in known_at.items() if value)
         raise InputError(f"{folder} was identified at {said}: springs act together by pose")
+    return _springs(springs, file)
+
+
+_SHAPES: Mapping[str, tuple[int, ...]] = {
+    "stiffness": (6, 6),
+    "damping": (6,),
+    "clock_offset": (),
+    "distrust": (),
+    "mounting": (3,),
+}
+"""Of each entry of `Springs`."""
+
+
+def _springs(stored: Any, file: Path) -> Springs:
+    """Raises InputError for what is missing, or is no array of numbers of its shape."""
+    missing = [name for name in _SHAPES if name not in stored]
+    if missing:
+        raise InputError(f"{file}: springs lack {', '.join(missing)}; identify again")
+    found = {}
+    for name, shape in _SHAPES.items():
+        try:
+            value = np.array(stored[name], dtype=np.float64)
+        except (ValueError, TypeError):
+            value = np.array(np.nan)
+        if value.shape != shape or not np.isfinite(value).all():
+            raise InputError(f"{file}: springs.{name} must be numbers of shape {shape}")
+        found[name] = value
     return Springs(
-        stiffness=np.array(springs["stiffness"]),
-        damping=np.array(springs["damping"]),
-        clock_offset=float(springs["clock_offset"]),
-        distrust=float(springs["distrust"]),
-        mounting=np.array(springs["mounting"]),
+        stiffness=found["stiffness"],
+        damping=found["damping"],
+        clock_offset=float(found["clock_offset"]),
+        distrust=float(found["distrust"]),
+        mounting=found["mounting"],
     )
 
 

@@ -53,6 +53,26 @@ def test_springs_of_another_pose_are_refused(identified, tmp_path, capsys, monke
 
 
 @pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda springs: springs.pop("mounting"), "springs lack mounting"),
+        (lambda springs: springs.update(damping=[1.0]), "springs.damping"),
+        (lambda springs: springs.update(clock_offset="soon"), "springs.clock_offset"),
+    ],
+)
+def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path, capsys):
+    stored = json.loads((identified / "summary.json").read_text())
+    change(stored["springs"])
+    file = tmp_path / "summary.json"
+    file.write_text(json.dumps(stored))
+    args = ["laser", "--measure", "estimate", "--pose", "p2", "--identification", str(tmp_path)]
+    assert main(args) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert str(file) in err
+
+
+@pytest.mark.parametrize(
     ("words", "said"),
     [
         ("--law inverse", "--measure estimate"),
