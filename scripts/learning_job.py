@@ -37,7 +37,7 @@ class LearningJob:
     individual: int | None = None
     """Seed of an individual with stiffness, phases and geometry of its own; None: friction only."""
     friction_feedforward: float = 0.0
-    """Share of the Coulomb friction that the controller feeds forward."""
+    """Share of friction that the controller feeds forward; 0: what the robot's own does."""
     series: bool = True
     """Keep corrections, errors and tool paths, not only measures."""
 
@@ -93,6 +93,8 @@ class LearningJob:
         )
 
     def _as_known(self, model: RobotModel) -> RobotModel:
+        if self.friction_feedforward == 0.0:
+            return model
         drives = replace(model.drives, friction_feedforward=self.friction_feedforward)
         return replace(model, drives=drives)
 
