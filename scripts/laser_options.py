@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from cyclopts import Parameter
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
 
+_BY_ROBOT: Any = None  # until the configuration knows its robot
 _OfDesign = Parameter(consume_multiple=True, show_default=False)
 RADIUS = 5.0
 """[mm], of the circle where none is given."""
@@ -88,12 +89,12 @@ class LaserCfg:
     the arm [auto: heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """What is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
-    gamma: Annotated[tuple[float, ...], _OfDesign] = None  # type: ignore[assignment]
+    gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Learning gain, one for all motors or six [default: 0.9; 1 with --robot irb1400 --measure
     motor]."""
-    delta: Annotated[tuple[int, ...], _OfDesign] = None  # type: ignore[assignment]
+    delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
     """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
-    cutoff: Annotated[tuple[float, ...], _OfDesign] = None  # type: ignore[assignment]
+    cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there]."""
     iterations: int = 5
     """Number of updates; one run more is made."""
