@@ -16,7 +16,7 @@ from scripts import cli
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-TAKES_MINUTES = {"bench", "calibrate", "reproduce", "verify"}
+TAKES_MINUTES = {"bench", "calibrate", "compare", "reproduce", "verify"}
 SHOWS = {"view": {"view"}, "replay": {"--web", "--png", "--video"}}
 """Commands that open a window, serve until they are stopped, or need a GL library: their own tests
 run them."""
