@@ -16,6 +16,8 @@ import pytest
 pytest.importorskip("ray", reason="needs the extra [cluster]", exc_type=ImportError)
 
 ROOT = Path(__file__).parent.parent.parent
+QUICK = {"RAY_worker_niceness": "0"}
+"""Ray lets its workers wait for whatever else the machine has to do."""
 LIMIT = 300
 """[s], of a test: twenty times what it takes."""
 
@@ -78,7 +80,7 @@ def run_alone(require_program, tmp_path):
         script.write_text(textwrap.dedent(code))
         # Short: the sockets of Ray are in it, and have at most 107 characters.
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            environment = os.environ | {"PYTHONPATH": str(ROOT), "RAY_TMPDIR": folder}
+            environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), "RAY_TMPDIR": folder}
             return subprocess.run(
                 [*alone, sys.executable, str(script), *map(str, arguments)],
                 cwd=tmp_path,
