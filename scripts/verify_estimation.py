@@ -17,6 +17,7 @@ from sim.recording import Array
 from sim.tool_path import relative_to_start
 
 from .arm_side import GEAR_EFFECTS, Case, rms
+from .parallel import Workers
 from .verify import Table, Verdict
 
 POSES = ("p1", "p2", "p3")
@@ -78,13 +79,18 @@ COLUMNS = (
 
 def estimation(seeds: Iterable[int]) -> Table:
     """p1, p2, p3; 40 mm/s and fast; ten updates."""
-    rows = [row(seed, pose) for seed in seeds for pose in POSES]
+    with Workers() as workers:
+        rows = workers.map(_row, [(seed, pose) for seed in seeds for pose in POSES])
     return Table(
         title="Learning from an estimate of the tool: tool deviation RMS in µm",
         columns=COLUMNS,
         rows=rows,
         verdicts=verdicts(rows),
     )
+
+
+def _row(case: tuple[int, str]) -> Row:
+    return row(*case)
 
 
 def row(seed: int, pose: str) -> Row:

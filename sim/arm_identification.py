@@ -34,13 +34,14 @@ _SLOWEST = 1.0
 """[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
 _STARTS = (
     (0.0, 0.0),
-    (0.3, 0.3),
     (-0.3, -0.3),
-    (-0.7, 0.0),
-    (0.0, 0.7),
-    (-0.7, 0.7),
+    (-0.3, 0.0),
+    (-0.7, -0.3),
+    (-0.7, 0.3),
+    (-1.1, 0.0),
 )
-"""Of log K: of axes 1 to 3, and of the wrist. A structure softens the first more than the last."""
+"""Of log K: of axes 1 to 3, and of the wrist. A structure in series with the gears of the first
+only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

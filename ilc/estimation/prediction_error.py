@@ -18,7 +18,7 @@ from ..plant import Array
 
 _DIFFERENCE = 1e-4  # of a standard deviation of the prior
 _ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation
-_FIRST_STEPS, _STEPS = 6, 25  # of every start, and then of the best ones
+_FIRST_STEPS, _STEPS = 8, 25  # of every start, and then of the best ones
 _KEPT = 2
 
 

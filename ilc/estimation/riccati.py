@@ -1,6 +1,7 @@
 """The covariance at which a Kalman filter settles, by structured doubling."""
 
 import numpy as np
+from numba import njit
 
 from ..plant import Array
 from .state_space import Process
@@ -15,19 +16,34 @@ def settled(process: Process) -> Array:
     Raises:
         RuntimeError: the filter does not settle: a state is neither seen nor stable.
     """
-    n = len(process.A)
-    # P_{k+1} = Q + A (P_k^-1 + C^T R^-1 C)^-1 A^T from P_0 = 0, in steps of 1, 2, 4, ...
-    A, G, H = process.A.T, process.C.T @ np.linalg.solve(process.R, process.C), process.Q
-    for _ in range(_DOUBLINGS):
-        W = np.eye(n) + G @ H
-        WA, WG = np.split(np.linalg.solve(W, np.hstack((A, G))), 2, axis=1)
-        grown = A.T @ H @ WA
-        G = G + A @ WG @ A.T
+    R_C = np.linalg.solve(process.R, process.C)
+    H, steps = _doubled(np.ascontiguousarray(process.A.T), process.C.T @ R_C, process.Q)
+    if steps == 0:
+        raise RuntimeError("the filter does not settle: a state is neither seen nor stable")
+    return H
+
+
+@njit(cache=True)
+def _doubled(A: Array, G: Array, H: Array) -> tuple[Array, int]:  # pragma: no cover - compiled
+    """P and the doublings it took, 0 where it does not settle.
+
+    P_{k+1} = Q + A (P_k^-1 + C^T R^-1 C)^-1 A^T from P_0 = 0, in steps of 1, 2, 4, ...
+    """
+    n = len(A)
+    both = np.empty((n, 2 * n))
+    for step in range(1, _DOUBLINGS + 1):
+        both[:, :n], both[:, n:] = A, G
+        solved = np.linalg.solve(np.eye(n) + G @ H, both)
+        WA = np.ascontiguousarray(solved[:, :n])
+        WG = np.ascontiguousarray(solved[:, n:])
+        transposed = np.ascontiguousarray(A.T)
+        grown = transposed @ H @ WA
+        G = G + A @ WG @ transposed
         A = A @ WA
         H = H + 0.5 * (grown + grown.T)
         G = 0.5 * (G + G.T)
         if not np.isfinite(H).all():
-            break
+            return H, 0
         if np.abs(grown).max() <= _SETTLED * np.abs(H).max():
-            return H
-    raise RuntimeError("the filter does not settle: a state is neither seen nor stable")
+            return H, step
+    return H, 0

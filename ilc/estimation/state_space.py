@@ -7,6 +7,7 @@ y_i = C x(t_i) + v_i        E[v_i v_i^T] = R
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from ..plant import Array
 
@@ -44,7 +45,15 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
     A series over a short step, which is then doubled until it is h:
     Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
     """
-    doublings = _doublings(A * step)
+    return _sampled_noise(
+        np.ascontiguousarray(A), np.ascontiguousarray(GWG), step, _doublings(A * step)
+    )
+
+
+@njit(cache=True)
+def _sampled_noise(
+    A: Array, GWG: Array, step: float, doublings: int
+) -> tuple[Array, Array]:  # pragma: no cover - compiled
     d = step / 2**doublings
     Ad, Qd = np.eye(len(A)), np.zeros_like(A)
     power, spread = np.eye(len(A)), GWG * d
@@ -55,7 +64,7 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
         power = A @ power * (d / k)
         Ad = Ad + power
     for _ in range(doublings):
-        Qd = Qd + Ad @ Qd @ Ad.T
+        Qd = Qd + Ad @ Qd @ np.ascontiguousarray(Ad.T)
         Ad = Ad @ Ad
     return Ad, 0.5 * (Qd + Qd.T)
 
