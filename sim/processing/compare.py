@@ -158,9 +158,9 @@ def find_offset(
 def _first_rest(prediction: Prediction, settled: int) -> NDArray[np.bool_]:
     """The samples before the first motion, less the first ones: there the low-pass takes a step of
     the encoder for more."""
-    moving = (np.abs(prediction.angular_velocity) > REST_RATE).any(axis=1)
-    moving |= (np.abs(prediction.acceleration) > REST_ACCELERATION).any(axis=1)
-    later = np.arange(len(moving)) >= settled
+    rate, acceleration = np.abs(prediction.angular_velocity), np.abs(prediction.acceleration)
+    moving = np.hstack((rate > REST_RATE, acceleration > REST_ACCELERATION)).any(axis=1)
+    later = np.arange(len(rate)) >= settled
     return later & ~np.logical_or.accumulate(moving & later)
 
 
