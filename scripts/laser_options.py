@@ -95,7 +95,8 @@ class LaserCfg:
     delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
     """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
     cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
-    """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there]."""
+    """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there; where the tool's path is
+    learned from, four times a circle's turns a second if that is more, up to 15]."""
     iterations: int = 5
     """Number of updates; one run more is made."""
     repetitions: int = 0
@@ -117,6 +118,8 @@ class LaserCfg:
 
     def __post_init__(self) -> None:
         design = OF_ROBOT[self.robot] if self.measure == "motor" else THESIS
+        if self.measure != "motor":
+            design = design._replace(cutoff=(self._pass_band(),))
         for name, value in design._asdict().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
@@ -154,6 +157,13 @@ class LaserCfg:
         learning_law(self)
         if self.measure != "motor":
             arm_learning(self)
+
+    def _pass_band(self) -> float:
+        """[Hz], of Q where the tool's path is learned from."""
+        from sim.arm_learning import pass_band
+
+        circle = self.shape == "circle" and self.contour is None and self.radius > 0.0
+        return pass_band(self.speed / (2.0 * np.pi * self.radius) if circle else 0.0)
 
 
 def arm_learning(cfg: LaserCfg) -> "ArmLearningCfg":

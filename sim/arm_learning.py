@@ -82,8 +82,8 @@ class ArmLearningCfg:
     law: ArmLaw = ArmLaw.INVERSE
     gamma: float = 0.8
     """Learning gain."""
-    cutoff: float = 10.0
-    """Of Q [Hz]."""
+    cutoff: float | None = None
+    """Of Q [Hz]; `pass_band` of the programmed contour if None."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
     turn_weight: float = 0.1
@@ -189,18 +189,30 @@ def _believable(found: Identified, cfg: ArmLearningCfg) -> None:
         raise ImuError(Fault.MODEL, f"the IMU would have to be turned by {degrees:.1f} deg")
 
 
-def law(cfg: ArmLearningCfg, plant: ArmPlant) -> Law:
-    """The law on a plant's model. Raises ValueError for design variables out of range."""
+def pass_band(turns: float) -> float:
+    """Cutoff of Q [Hz] for a contour that is gone round `turns` times a second.
+
+    10 Hz. Of a fast contour the third harmonic has to pass, which it does with a gain of three
+    quarters at four times the first; above 15 Hz the models that one run tells no longer serve.
+    """
+    return min(max(10.0, 4.0 * turns), 15.0)
+
+
+def law(cfg: ArmLearningCfg, plant: ArmPlant, cutoff: float) -> Law:
+    """The law on a plant's model, Q of a cutoff [Hz].
+
+    Raises ValueError for design variables out of range.
+    """
     turn = cfg.turn_weight if cfg.measure is not Measure.TRACKER else 0.0
     weight = (1.0, 1.0, 1.0, turn, turn, turn)
     size = tuple(float(s) for s in plant.input_size)
-    low_pass = ZeroPhaseButterworth(cfg.cutoff, LOG_PERIOD)
+    low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
     chosen: FirstOrderLaw
     if cfg.law is ArmLaw.INVERSE:
         chosen = RegularisedInverse(
             G=plant,
             sample_time=LOG_PERIOD,
-            cutoff=cfg.cutoff,
+            cutoff=cutoff,
             gamma=cfg.gamma,
             output_weight=weight,
             input_size=size,
@@ -302,7 +314,10 @@ def begin(
     """
     first = experiment.plant.run(np.zeros_like(experiment.job.reference))
     known = commission(robot, arm, imu, first, cfg, springs)
-    chosen = law(cfg, known.plant)
+    motion = experiment.motion
+    turns = motion.programmed_speed / motion.path.curve.length
+    cutoff = pass_band(turns) if cfg.cutoff is None else cfg.cutoff
+    chosen = law(cfg, known.plant, cutoff)
     plant = _MeasuringPlant(
         experiment, first, lambda run: measured_path(cfg, known, imu, run), cfg.repeats
     )

@@ -19,7 +19,7 @@ from ..plant import Array
 _DIFFERENCE = 1e-4  # of a standard deviation of the prior
 _ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation
 _FIRST_STEPS, _STEPS = 8, 25  # of every start, and then of the best ones
-_KEPT = 2
+_KEPT = 3
 
 
 class Whitened(NamedTuple):
@@ -58,7 +58,7 @@ def fit(
     prior_sd: Array,
     starts: Sequence[Array],
 ) -> Fit:
-    """Search from each start by a few damped Gauss-Newton steps, and on from the best two.
+    """Search from each start by a few damped Gauss-Newton steps, and on from the best ones.
 
     Args:
         model: whitened innovations of the record at theta (m,).
