@@ -1,7 +1,7 @@
 """`armside identify`: the arm's springs from one cut, its motor angles and an IMU, and how sure."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,11 @@ from .laser_task import robot as known_robot
 from .options import Common, options
 from .run_folder import RunFolder
 from .summary import dumps, summary
+
+if TYPE_CHECKING:
+    from sim.arm_estimator import ArmEstimator
+    from sim.arm_identification import Run
+    from sim.cutting import Pass
 
 
 @options
@@ -68,6 +73,7 @@ def _prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, RobotModel]:
 
 def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) -> dict[str, Any]:
     """Cut once, identify, and compare with what nobody on the shop floor can know."""
+    from sim.arm_estimator import estimator
     from sim.arm_identification import identify as identified_from
     from sim.arm_identification import prepared
     from sim.arm_springs import SpringPrior
@@ -116,6 +122,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
             "p_value": found.whiteness.p_value,
             "is_white": found.whiteness.is_white,
         },
+        "consistency": _consistency(estimator(arm, found.springs, rest, ImuCfg()), made, measured),
         "truth": {
             "gear_stiffness": gear,
             "believed_over_true": np.diag(arm.stiffness) / gear,
@@ -125,6 +132,36 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
             "identified_modes": frozen(found.springs.on(arm), rest).locked_modes()[:4],
             "believed_modes": frozen(arm, rest).locked_modes()[:4],
         },
+    }
+
+
+def _consistency(known: "ArmEstimator", made: "Pass", measured: "Run") -> dict[str, Any]:
+    """Whether the filter is right about its own errors: of innovations, and of the tool's path.
+
+    NIS and NEES are 6 and 3 on average where it is. Gear errors that it does not model show in the
+    second: they are slow, and hardly disturb an innovation.
+    """
+    from ilc.estimation.consistency import bounds, normalised_squared
+    from sim.tool_path import relative_to_start
+
+    log, truth = made.recording, made.recording.truth
+    states = known.deviations(measured)
+    seen = np.isfinite(states.innovation).all(axis=1)
+    nis = normalised_squared(states.innovation[seen], states.innovation_covariance[seen])
+
+    tool = known.model.tool[:3]
+    P = tool @ known.smoother(measured).smoothed_covariance @ tool.T
+    period = measured.period
+    rows = np.rint((measured.imu_time + known.clock_offset) / period).astype(int)
+    inside = (rows >= 0) & (rows < len(log.time))
+    true = relative_to_start(truth.tool_position[:: round(period / float(truth.time[1]))])
+    estimate = known(log.time, log.motor_angle, made.imu).displacement
+    nees = normalised_squared((estimate - true)[rows[inside], :3], P[inside])
+    return {
+        "nis": float(nis.mean()),
+        "nis_expected": bounds(len(nis), 6),
+        "nees": float(nees.mean()),
+        "nees_expected": 3.0,
     }
 
 
@@ -166,3 +203,9 @@ def _print(report: Report, outcome: dict[str, Any]) -> None:
     verdict = "white" if outcome["whiteness"]["is_white"] else "not white"
     rms = ", ".join(f"{value:.2f}" for value in outcome["whiteness"]["rms"])
     report.line(f"Innovations are {verdict}; rms by channel {rms}")
+    said = outcome["consistency"]
+    low, high = said["nis_expected"]
+    report.line(
+        f"NIS {said['nis']:.2f}, {low:.2f} to {high:.2f} if the filter is right about innovations; "
+        f"NEES of the tool's position {said['nees']:.1f}, 3 if it is right about the tool"
+    )
