@@ -10,16 +10,16 @@ import numpy as np
 
 from ilc.filters import ZeroPhaseButterworth
 from ilc.laws import Heuristic
-from sim.arm_learning import ArmLearningCfg, Commissioned, Measure, begin
-from sim.arm_springs import Springs
 from sim.cell import LARGE_CELL
 from sim.effects import Effect
+from sim.estimation.arm_learning import ArmLearningCfg, Commissioned, Measure, begin
+from sim.estimation.arm_springs import Springs
+from sim.estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from sim.experiment import CircleTask, Experiment, Iteration, iterate, prepare
 from sim.instruments.imu import ImuCfg
 from sim.model import load_model
 from sim.motion.poses import LARGE_ROBOT_POSES
 from sim.motion.timing import PathLimits
-from sim.nominal import NominalArm, NominalCfg, nominal_arm
 from sim.robot import LOG_PERIOD
 
 from .errors import InputError

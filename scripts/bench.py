@@ -16,14 +16,14 @@ from .summary import keep, summary
 from .timing import Row
 
 BENCHMARKS = {
-    "ilc": "scripts.bench_ilc:ilc",
-    "imu": "scripts.bench_imu:imu",
-    "kinematics": "scripts.bench_kinematics:kinematics",
-    "robot": "scripts.bench_robot:robot",
-    "estimation": "scripts.bench_estimation:estimation",
-    "env": "scripts.bench_env:env",
-    "sweep": "scripts.bench_sweep:sweep",
-    "scaling": "scripts.bench_robot:scaling",
+    "ilc": "scripts.benchmarks.ilc:ilc",
+    "imu": "scripts.benchmarks.imu:imu",
+    "kinematics": "scripts.benchmarks.kinematics:kinematics",
+    "robot": "scripts.benchmarks.robot:robot",
+    "estimation": "scripts.benchmarks.estimation:estimation",
+    "env": "scripts.benchmarks.env:env",
+    "sweep": "scripts.benchmarks.sweep:sweep",
+    "scaling": "scripts.benchmarks.robot:scaling",
 }
 """Name: module:function. A new benchmark is one line here."""
 

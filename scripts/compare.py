@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from sim.arm_learning import ArmLearningCfg
 from sim.cell import LARGE_CELL
 from sim.effects import Effect
+from sim.estimation.arm_learning import ArmLearningCfg
 from sim.experiment import Iteration
 from sim.motion.poses import LARGE_ROBOT_POSES, pose
 from sim.motion.timing import PathLimits
@@ -87,7 +87,7 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
     Writes summary.json, compare.png and replay.rrd: of the first cut, unlearned and learned each
     way.
     """
-    from sim.arm_learning import ArmLaw
+    from sim.estimation.arm_learning import ArmLaw
 
     report = Report(common)
     with checking_input():
@@ -106,7 +106,7 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
         _write_replay(folder / "replay.rrd", todo[0], found[0])
         if cfg.imu:
             from . import arm_side_figures
-            from .verify_controls import controls
+            from .verifications.controls import controls
 
             arm_side_figures.imu_quality(folder / "imu.png", controls([common.seed]).rows)
     _print(report, rows)

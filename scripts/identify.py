@@ -20,9 +20,9 @@ from .run_folder import RunFolder
 from .summary import dumps, summary
 
 if TYPE_CHECKING:
-    from sim.arm_estimator import ArmEstimator
-    from sim.arm_identification import Run
     from sim.cutting import Pass
+    from sim.estimation.arm_estimator import ArmEstimator
+    from sim.estimation.arm_identification import Run
 
 
 @options
@@ -73,14 +73,14 @@ def _prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, RobotModel]:
 
 def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) -> dict[str, Any]:
     """Cut once, identify, and compare with what nobody on the shop floor can know."""
-    from sim.arm_estimator import estimator
-    from sim.arm_identification import identify as identified_from
-    from sim.arm_identification import prepared
-    from sim.arm_springs import SpringPrior
-    from sim.frozen_arm import frozen
-    from sim.imu_health import mended
+    from sim.estimation.arm_estimator import estimator
+    from sim.estimation.arm_identification import identify as identified_from
+    from sim.estimation.arm_identification import prepared
+    from sim.estimation.arm_springs import SpringPrior
+    from sim.estimation.frozen_arm import frozen
+    from sim.estimation.imu_health import mended
+    from sim.estimation.nominal import NominalCfg, nominal_arm
     from sim.instruments.imu import ImuCfg
-    from sim.nominal import NominalCfg, nominal_arm
 
     source = cfg.model or CELLS[cfg.robot].xml
     arm = believed_arm(cfg, seed)
@@ -142,7 +142,7 @@ def _consistency(known: "ArmEstimator", made: "Pass", measured: "Run") -> dict[s
     second: they are slow, and hardly disturb an innovation.
     """
     from ilc.estimation.consistency import bounds, normalised_squared
-    from sim.tool_path import relative_to_start
+    from sim.estimation.tool_path import relative_to_start
 
     log, truth = made.recording, made.recording.truth
     states = known.deviations(measured)

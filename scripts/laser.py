@@ -61,7 +61,7 @@ def _start(cfg: LaserCfg, experiment: Experiment, seed: int) -> Callable[[], Ite
     springs = stored_springs(cfg.identification, place) if cfg.identification else None
 
     def start() -> Iterable[Iteration]:
-        from sim.arm_learning import begin
+        from sim.estimation.arm_learning import begin
         from sim.instruments.imu import ImuCfg
 
         return begin(

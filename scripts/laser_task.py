@@ -19,7 +19,7 @@ from sim.task import CircleTask, ContourTask, CutTask, LeadIn
 from .laser_options import RADIUS, LaserCfg
 
 if TYPE_CHECKING:
-    from sim.nominal import NominalArm
+    from sim.estimation.nominal import NominalArm
 
 MM = 1e-3
 SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}

@@ -49,22 +49,22 @@ class Claim(NamedTuple):
 
 
 CLAIMS: dict[str, Claim] = {
-    "kinematics": Claim("scripts.verify_kinematics:kinematics", n_seeds=10),
-    "laser": Claim("scripts.verify_laser:laser", n_seeds=20),
-    "ablations": Claim("scripts.verify_ablations:ablations", n_seeds=3),
-    "env": Claim("scripts.verify_env:env", n_seeds=1000),
-    "tuning": Claim("scripts.verify_tuning:tuning", n_seeds=100),
-    "sweep": Claim("scripts.verify_sweep:sweep", n_seeds=10),
-    "sweep-memory": Claim("scripts.verify_sweep:memory", n_seeds=10_000),
-    "chapter9": Claim("scripts.verify_chapter9:chapter9", n_seeds=5),
-    "imu": Claim("scripts.verify_irb1400:imu", n_seeds=20),
-    "estimation": Claim("scripts.verify_estimation:estimation", n_seeds=10),
-    "estimation-controls": Claim("scripts.verify_controls:controls", n_seeds=10),
-    "imu-causes": Claim("scripts.verify_irb1400:imu_causes", n_seeds=5),
-    "imu-large": Claim("scripts.verify_imu_large:imu_large", n_seeds=10),
-    "imu-rest": Claim("scripts.verify_irb1400:rest", n_seeds=10),
-    "laser-irb1400": Claim("scripts.verify_irb1400_laser:laser", n_seeds=20),
-    "laser-irb1400-design": Claim("scripts.verify_irb1400_laser:design", n_seeds=20),
+    "kinematics": Claim("scripts.verifications.kinematics:kinematics", n_seeds=10),
+    "laser": Claim("scripts.verifications.laser:laser", n_seeds=20),
+    "ablations": Claim("scripts.verifications.ablations:ablations", n_seeds=3),
+    "env": Claim("scripts.verifications.env:env", n_seeds=1000),
+    "tuning": Claim("scripts.verifications.tuning:tuning", n_seeds=100),
+    "sweep": Claim("scripts.verifications.sweep:sweep", n_seeds=10),
+    "sweep-memory": Claim("scripts.verifications.sweep:memory", n_seeds=10_000),
+    "chapter9": Claim("scripts.verifications.chapter9:chapter9", n_seeds=5),
+    "imu": Claim("scripts.verifications.irb1400:imu", n_seeds=20),
+    "estimation": Claim("scripts.verifications.estimation:estimation", n_seeds=10),
+    "estimation-controls": Claim("scripts.verifications.controls:controls", n_seeds=10),
+    "imu-causes": Claim("scripts.verifications.irb1400:imu_causes", n_seeds=5),
+    "imu-large": Claim("scripts.verifications.imu_large:imu_large", n_seeds=10),
+    "imu-rest": Claim("scripts.verifications.irb1400:rest", n_seeds=10),
+    "laser-irb1400": Claim("scripts.verifications.irb1400_laser:laser", n_seeds=20),
+    "laser-irb1400-design": Claim("scripts.verifications.irb1400_laser:design", n_seeds=20),
 }
 """Name: claim. A new claim is one line here."""
 

@@ -73,8 +73,8 @@ def _estimate(robot: str) -> Sensor:
     if robot != "large":
         raise ValueError(f"reward 'estimate' needs an open chain: the large robot, got {robot!r}")
     # Imported here: the other sensors do without the estimator.
-    from ..arm_learning import ArmLearningCfg, OnFault, commission, measured_path
-    from ..nominal import NominalCfg, nominal_arm
+    from ..estimation.arm_learning import ArmLearningCfg, OnFault, commission, measured_path
+    from ..estimation.nominal import NominalCfg, nominal_arm
 
     cell = CELLS[robot]
     nominal = load_model(cell.xml)

@@ -7,8 +7,8 @@ import pytest
 
 from scripts.arm_side import GEAR_EFFECTS, Case, rms
 from scripts.cli import main
-from scripts.verify_estimation import row, verdicts
-from sim.arm_learning import ArmLearningCfg
+from scripts.verifications.estimation import row, verdicts
+from sim.estimation.arm_learning import ArmLearningCfg
 
 ALLOWED = 3.0
 """Bounds in seconds are for an idle machine; a test allows three times as long."""

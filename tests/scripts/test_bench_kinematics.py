@@ -2,7 +2,7 @@
 
 import pytest
 
-from scripts import bench_kinematics
+from scripts.benchmarks import kinematics as bench_kinematics
 from scripts.timing import Row
 
 # Our time as a part of Pinocchio's on idle cores; tests allow three times as much.

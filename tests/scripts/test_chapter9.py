@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 from ilc.system import System
-from scripts import chapter9_bands as bands
-from scripts import chapter9_figures as figures
-from scripts.chapter9_designs import CUTOFFS, design_for
-from scripts.chapter9_table import POSES, STUDIES, laser
+from scripts.chapter9.designs import CUTOFFS, design_for
+from scripts.chapter9.sections import bands, figures
+from scripts.chapter9.table import POSES, STUDIES, laser
 from scripts.learning_job import LearningJob
 from scripts.parallel import Workers
 from scripts.registry import load
 from scripts.reproduce import ENTRIES
-from scripts.verify_chapter9 import found
+from scripts.verifications.chapter9 import found
 
 K = 6
 N = 380

@@ -11,11 +11,12 @@ import pytest
 from scipy.signal import welch
 
 import assets
-from scripts import bench_imu, verify_irb1400
+from scripts.benchmarks import imu as bench_imu
 from scripts.cli import main
 from scripts.imu import ImuExperimentCfg, causes, prepare, processing, run_one, run_rest
 from scripts.timing import interleaved
-from scripts.verify_imu_large import imu_large
+from scripts.verifications import irb1400 as verify_irb1400
+from scripts.verifications.imu_large import imu_large
 from sim.cell import CELLS
 from sim.imu_experiment import evaluate, idle_peaks, under_way
 from sim.instruments.imu import ImuCfg, draw

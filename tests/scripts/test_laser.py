@@ -9,7 +9,7 @@ import pytest
 
 import assets
 from scripts.cli import main
-from scripts.verify_laser import laser as claim
+from scripts.verifications.laser import laser as claim
 from sim.signals import read_signals
 
 FILES = {"summary.json", "signals.parquet", "circles.png", "errors.png", "kerf.png", "replay.rrd"}

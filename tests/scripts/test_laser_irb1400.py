@@ -7,8 +7,8 @@ from ilc import measures
 from scripts.laser import LaserCfg, run
 from scripts.laser_options import OF_ROBOT, THESIS, learning_law
 from scripts.robot_design import asked_for
-from scripts.verify_irb1400_laser import design as design_claim
-from scripts.verify_irb1400_laser import laser as laser_claim
+from scripts.verifications.irb1400_laser import design as design_claim
+from scripts.verifications.irb1400_laser import laser as laser_claim
 from sim.robot import LOG_PERIOD
 
 NORMS = ("motor_two", "motor_inf")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
 
-from scripts import verify_env
 from scripts.policy import Network
 from scripts.train import TrainCfg, first_action
 from scripts.tuned_design import load_design
-from scripts.verify_tuning import TUNED, searched, tuning
+from scripts.verifications import env as verify_env
+from scripts.verifications.tuning import TUNED, searched, tuning
 from sim.tuning.design import VARIABLES, Design, Motors, action_of
 from sim.tuning.evaluation import always, evaluate
 from sim.tuning.rules import Rules

@@ -1,6 +1,6 @@
 """The claim of `armside verify kinematics`, at one of its seeds."""
 
-from scripts.verify_kinematics import kinematics
+from scripts.verifications.kinematics import kinematics
 
 
 def test_all_statements_hold_at_one_seed():

@@ -1,0 +1,1 @@
+"""What `armside bench` times, one subject a file."""

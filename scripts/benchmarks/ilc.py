@@ -1,0 +1,87 @@
+"""How long the theory takes: the search of Fig 8.7, 500 iterations, norm-optimal learning."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from scipy import signal
+
+from ilc import Heuristic, ZeroPhaseButterworth, chapter8
+from ilc.analysis import largest_gamma
+from ilc.filters import butterworth
+from ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from ilc.system import System
+from ilc.system_matrix import SystemMatrix
+from ilc.two_mass import TwoMassLoop
+
+from .. import two_mass_figures
+from ..timing import Row, interleaved
+
+REPEATS = 5
+
+
+def ilc() -> Sequence[Row]:
+    """Rows of `armside bench ilc`."""
+    return [_search(), _five_hundred(), *_norm_optimal(), *_updates()]
+
+
+def _search() -> Row:
+    sides = (TwoMassLoop().T_motor, TwoMassLoop().T_arm)
+
+    def search() -> None:
+        for T_u in sides:
+            largest_gamma(T_u, chapter8.SHIFTS, chapter8.SEARCHED_CUTOFFS)
+
+    (ours,) = interleaved([search], REPEATS)
+    return Row("Fig 8.7: 101 shifts x 99 cutoffs, both sides", ours)
+
+
+def _five_hundred() -> Row:
+    with TemporaryDirectory() as folder:
+
+        def iterate() -> None:
+            chapter8.learned.cache_clear()
+            two_mass_figures.motor_signals(Path(folder) / "motor.png", 0)
+            two_mass_figures.arm_signals(Path(folder) / "arm.png", 0)
+
+        (ours,) = interleaved([iterate], REPEATS)
+    return Row("500 iterations, Figs 8.9 and 8.10 drawn", ours)
+
+
+def _norm_optimal() -> list[Row]:
+    # Thesis (9.12), and the joint of chapter 8 at the same rate: two kinds of motors.
+    servo = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1, -0.4884]), 0.004)
+    T_u = SystemMatrix.diagonal([servo, TwoMassLoop(sample_time=0.004).T_motor] * 3)
+    weights = QuadraticCriterion(correction=1e-4, change=1e-2)
+    u, e = np.random.default_rng(0).standard_normal((2, 2000, 6))
+
+    def design() -> NormOptimal:
+        return NormOptimal(T_u=T_u, n_samples=2000, n_columns=6, criterion=weights)
+
+    law = design()
+    times = interleaved([design, lambda: law(u, e)], REPEATS)
+    names = ("design", "iteration")
+    return [
+        Row(f"norm-optimal, 2,000 samples x 6 motors: {name}", seconds)
+        for name, seconds in zip(names, times, strict=True)
+    ]
+
+
+def _updates() -> list[Row]:
+    Q = ZeroPhaseButterworth(10.0, 0.004)
+    law = Heuristic(Q=Q, gamma=0.9, delta=3)
+    u, e = np.random.default_rng(0).standard_normal((2, 380, 6))
+    ((b, a),) = butterworth(10.0, 0.004, 2)
+    ours, theirs, update = interleaved(
+        [
+            lambda: Q(u),
+            lambda: signal.filtfilt(b, a, u, axis=0, padlen=6),
+            lambda: law(u, e),
+        ],
+        REPEATS,
+    )
+    return [
+        Row("Q on 380 samples x 6 motors", ours, "scipy filtfilt", theirs),
+        Row("update of (9.2), 380 samples x 6 motors", update),
+    ]

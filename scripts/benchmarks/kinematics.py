@@ -1,0 +1,172 @@
+"""`armside bench kinematics`: our compiled functions beside Pinocchio and the Robotics Toolbox.
+
+All are timed from Python to the moment the result is in a NumPy array. The peers know no coupling
+and are given joint variables, which favours them on the IRB1400.
+"""
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
+from kinematics.compiled import compile_dynamics
+from kinematics.model import Body, RobotModel
+
+from ..peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
+from ..timing import Row, interleaved
+
+BATCH = 100_000
+PATH = 2000
+
+
+def kinematics() -> Sequence[Row]:
+    """Rows of the benchmark; peers that are not installed are left out."""
+    return [
+        *_single_calls(),
+        *_into_given_arrays(),
+        *_batches(),
+        *_dynamics(),
+        _inverse(),
+        _first_use(),
+    ]
+
+
+def _random(*shape: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-1.0, 1.0, size=shape)
+
+
+def _peers() -> dict[str, Any]:
+    """Name: object with pose, jacobian, acceleration of the IRB1400, as far as installed."""
+    found: dict[str, Any] = {}
+    for name, build in (("Pinocchio", pinocchio_functions), ("Robotics Toolbox", toolbox_robot)):
+        try:
+            found[name] = build(IRB1400)
+        except ImportError:
+            continue
+    return found
+
+
+def _single_calls() -> list[Row]:
+    ours, peers = compile(IRB1400), _peers()
+    phi, rate, acceleration = _random(3, 6)
+    rows = []
+    tasks: list[tuple[str, Callable[..., Any], tuple[np.ndarray, ...], str]] = [
+        ("pose", ours.pose, (phi,), "fkine"),
+        ("Jacobian", ours.jacobian, (phi,), "jacob0"),
+        ("acceleration", ours.acceleration, (phi, rate, acceleration), ""),
+    ]
+    for name, function, arguments, toolbox_name in tasks:
+        attribute = name.lower()
+        candidates = {
+            "Pinocchio": getattr(peers.get("Pinocchio"), attribute, None),
+            "Robotics Toolbox": getattr(peers.get("Robotics Toolbox"), toolbox_name or "-", None),
+        }
+        rows += _against(f"IRB1400 {name}", function, candidates, arguments)
+    return rows
+
+
+def _against(
+    name: str,
+    ours: Callable[..., Any],
+    peers: dict[str, Callable[..., Any] | None],
+    arguments: tuple[np.ndarray, ...],
+) -> list[Row]:
+    """A row for each peer that is there, or one row without."""
+    rows = []
+    for peer, function in peers.items():
+        if function is not None:
+            times = interleaved([lambda: ours(*arguments), lambda f=function: f(*arguments)])
+            rows.append(Row(name, times[0], peer, times[1]))
+    return rows or [Row(name, interleaved([lambda: ours(*arguments)])[0])]
+
+
+def _into_given_arrays() -> list[Row]:
+    """The same with `out=`: the peer's result is copied into the caller's array."""
+    ours, peer = compile(IRB1400), _peers().get("Pinocchio")
+    phi, rate, acceleration = _random(3, 6)
+    rows = []
+    for name, shape, arguments in (
+        ("pose", (4, 4), (phi,)),
+        ("Jacobian", (6, 6), (phi,)),
+        ("acceleration", (6,), (phi, rate, acceleration)),
+    ):
+        out, theirs = np.empty(shape), np.empty(shape)
+        function = getattr(ours, name.lower())
+        copied = {"Pinocchio": _copying(getattr(peer, name.lower()), theirs) if peer else None}
+        rows += _against(
+            f"IRB1400 {name}, out=", lambda *a, f=function, o=out: f(*a, out=o), copied, arguments
+        )
+    return rows
+
+
+def _copying(function: Callable[..., Any], out: np.ndarray) -> Callable[..., np.ndarray]:
+    def copy(*arguments: np.ndarray) -> np.ndarray:
+        out[...] = function(*arguments)
+        return out
+
+    return copy
+
+
+def _batches() -> list[Row]:
+    ours, phi = compile(IRB1400), _random(BATCH, 6)
+    poses, jacobians = np.empty((BATCH, 4, 4)), np.empty((BATCH, 6, 6))
+    times = interleaved(
+        [lambda: ours.pose(phi, out=poses), lambda: ours.jacobian(phi, out=jacobians)]
+    )
+    names = ("pose", "Jacobian")
+    return [
+        Row(f"IRB1400 {name}, each of {BATCH}", seconds / BATCH)
+        for name, seconds in zip(names, times, strict=True)
+    ]
+
+
+def _dynamics() -> list[Row]:
+    """Mass matrix and inverse dynamics of the large robot's geometry with bodies of round numbers.
+
+    A batch stands beside a loop over the peer's single calls.
+    """
+    body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
+    model = RobotModel(LARGE_ROBOT, (body,) * 6)
+    ours, peer = compile_dynamics(model), None
+    with suppress(ImportError):
+        peer = pinocchio_dynamics(model)
+    rows, loop = [], 1000
+    for name, count in (("mass_matrix", 1), ("inverse_dynamics", 3)):
+        function, arguments = getattr(ours, name), tuple(_random(count, 6))
+        theirs = getattr(peer, name, None)
+        label = name.replace("_", " ")
+        rows += _against(f"LARGE_ROBOT {label}", function, {"Pinocchio": theirs}, arguments)
+        batch = tuple(_random(count, loop, 6))
+        looped = _looping(theirs) if theirs else None
+        many = _against(f"LARGE_ROBOT {label}, {loop}", function, {"Pinocchio loop": looped}, batch)
+        rows += many
+    return rows
+
+
+def _looping(function: Callable[..., Any]) -> Callable[..., None]:
+    def loop(*arguments: np.ndarray) -> None:
+        for row in zip(*arguments, strict=True):
+            function(*row)
+
+    return loop
+
+
+def _inverse() -> Row:
+    T = compile(LARGE_ROBOT).pose(_random(PATH, 6))
+    seconds = interleaved([lambda: inverse_branches(LARGE_ROBOT, T)])[0]
+    return Row(f"LARGE_ROBOT inverse, all branches, {PATH} poses", seconds)
+
+
+def _first_use() -> Row:
+    """Generate and compile pose, Jacobian and acceleration with nothing in the cache."""
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        fresh = compile(IRB1400_IMU, cache=folder)
+        for function in (fresh.pose, fresh.jacobian):
+            function(np.zeros(6))
+        fresh.acceleration(np.zeros(6), np.zeros(6), np.zeros(6))
+        return Row("first use of pose, Jacobian, acceleration", time.perf_counter() - start)

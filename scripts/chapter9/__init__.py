@@ -1,0 +1,1 @@
+"""Chapter 9 of the thesis: its experiments, designs, figures and bands."""

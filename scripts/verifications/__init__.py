@@ -1,0 +1,1 @@
+"""What `armside verify` shows over many seeds, one claim a file."""

@@ -1,0 +1,143 @@
+"""The claims of `armside verify estimation-controls`: what helps, what does not, and what it costs.
+
+Estimation error (3D RMS) of the first run, and the tool's deviation after five updates.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from sim.cutting import Pass
+from sim.estimation.arm_identification import prepared
+from sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Commissioned, measured_path
+from sim.estimation.arm_springs import SpringPrior
+from sim.estimation.imu_health import ImuError, mended
+from sim.estimation.kinematic_filter import kinematic_deviation
+from sim.instruments.imu import ImuCfg, TriadCfg
+from sim.recording import Array
+
+from ..arm_side import GEAR_EFFECTS, Case, rms
+from ..verify import Table, Verdict
+from .estimation import error, fk_path
+
+POSES = ("p1", "p2", "p3")
+UPDATES = 5
+_DEFAULT = "identified (the default)"
+DEAF = 1e3
+"""Noise of a sensor that is not to be listened to, over its own."""
+
+
+def learned(case: Case, cfg: ArmLearningCfg) -> tuple[Commissioned, Pass, float, float]:
+    """What was commissioned, the first run, and arm RMS before and after learning [m]."""
+    known, iterations = case.on_arm_side(cfg, UPDATES)
+    runs = list(iterations)
+    return known, runs[0].trial.result, rms(runs)[0], rms(runs)[-1]
+
+
+def variants() -> dict[str, tuple[ImuCfg, ArmLearningCfg]]:
+    """Name: unit at the tool, and how it is learned from."""
+    unit, usual = ImuCfg(), ArmLearningCfg()
+    unknown = replace(usual, identified=False, law_identified=False)
+
+    def noisy(factor: float) -> ImuCfg:
+        parts = (_louder(t, factor) for t in (unit.accelerometer, unit.gyroscope))
+        return replace(unit, **dict(zip(("accelerometer", "gyroscope"), parts, strict=True)))
+
+    no_clock = replace(usual, prior=SpringPrior(clock=1e-7))
+    found = {
+        _DEFAULT: (unit, usual),
+        "springs of gears only": (unit, replace(usual, prior=SpringPrior(coupling=0.0))),
+        "not identified": (unit, unknown),
+        "not identified, 4 runs averaged": (unit, replace(unknown, repeats=4)),
+        "law from the wrong stiffness": (unit, replace(usual, law_identified=False)),
+        "heuristic law": (unit, replace(usual, law=ArmLaw.HEURISTIC)),
+        "norm-optimal law": (unit, replace(usual, law=ArmLaw.NORM_OPTIMAL)),
+        "gyro only": (
+            replace(unit, accelerometer=_louder(unit.accelerometer, DEAF)),
+            # Nothing then tells where gravity is: the check of it must let everything pass.
+            replace(usual, prior=SpringPrior(mounting=1.0)),
+        ),
+        "accelerometer only": (replace(unit, gyroscope=_louder(unit.gyroscope, DEAF)), usual),
+        "noise / 8": (noisy(1 / 8), usual),
+        "noise x 4": (noisy(4.0), usual),
+    }
+    for rate in (50.0, 250.0, 500.0):
+        found[f"IMU at {rate:g} Hz"] = (replace(unit, rate=rate), usual)
+    for limit in (0.0, 0.002, 0.005, 0.010):
+        clock = replace(unit, clock_offset=limit)
+        found[f"clock within {1e3 * limit:g} ms, not estimated"] = (clock, no_clock)
+    return found
+
+
+def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
+    """With a range that holds its noise."""
+    range_ = triad.range * max(1.0, factor)
+    return replace(triad, noise_density=factor * triad.noise_density, range=range_)
+
+
+def controls(seeds: Iterable[int]) -> Table:
+    """Medians over seeds at each pose; structure and gears of linear springs.
+
+    NaN: learning was refused, because no springs made the model explain the readings.
+    """
+    names = ["motor-angle kinematics", "kinematic filter, no dynamics", *variants()]
+    errors: dict[tuple[str, str], list[float]] = {(n, p): [] for n in names for p in POSES}
+    ratios: dict[tuple[str, str], list[float]] = {(n, p): [] for n in names for p in POSES}
+    for seed in seeds:
+        for pose in POSES:
+            case = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
+            for name, (unit, cfg) in variants().items():
+                try:
+                    known, first, before, after = learned(replace(case, imu=unit), cfg)
+                except ImuError:  # refused: a row of its own kind of failure
+                    errors[name, pose].append(np.nan)
+                    ratios[name, pose].append(np.nan)
+                    continue
+                found = error(measured_path(cfg, known, unit, first), first)
+                errors[name, pose].append(1e6 * found)
+                ratios[name, pose].append(after / before)
+                if cfg == ArmLearningCfg() and unit == ImuCfg():
+                    errors[names[0], pose].append(1e6 * error(fk_path(first), first))
+                    errors[names[1], pose].append(
+                        1e6 * error(_kinematic(known, unit, first), first)
+                    )
+    rows = [
+        [
+            name,
+            *(float(np.median(errors[name, pose])) for pose in POSES),
+            *(float(np.median(ratios[name, pose] or [np.nan])) for pose in POSES),
+        ]
+        for name in names
+    ]
+    by_name = {str(row[0]): np.array(row[1:4], dtype=np.float64) for row in rows}
+    left = {str(row[0]): np.array(row[4:], dtype=np.float64) for row in rows}
+    return Table(
+        title="What the estimate needs: error of the tool's path, and what learning leaves",
+        columns=(
+            "",
+            *(f"{pose}: error 3D [µm]" for pose in POSES),
+            *(f"{pose}: k = 5 over k = 0" for pose in POSES),
+        ),
+        rows=rows,
+        verdicts=[
+            Verdict(
+                "negative control: without dynamics errors are more than twice as large",
+                bool((by_name[names[1]] > 2.0 * by_name[_DEFAULT]).all()),
+            ),
+            Verdict(
+                "negative control: without identification averaging runs leaves twice as much",
+                bool((left["not identified, 4 runs averaged"] > 2.0 * left[_DEFAULT]).all()),
+            ),
+        ],
+    )
+
+
+def _kinematic(known: Commissioned, unit: ImuCfg, first: Pass) -> Array:
+    log = first.recording
+    assert first.imu is not None
+    run = prepared(known.estimator.arm, log.time, log.motor_angle, mended(first.imu, unit))
+    at = run.imu_time + known.estimator.clock_offset
+    twist = kinematic_deviation(known.estimator, run)
+    moved = np.stack([np.interp(log.time, at, column) for column in twist.T], axis=1)
+    return fk_path(first) + moved

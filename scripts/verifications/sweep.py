@@ -1,0 +1,150 @@
+"""The claims of `armside verify sweep` and `sweep-memory`: killed sweeps resume, memory is flat."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..errors import RunFailed
+from ..sweep import run_grid
+from ..sweep_engine import Local
+from ..sweep_grid import Grid, parse
+from ..sweep_store import Store, read, rows_kept
+from ..verify import Table, Verdict
+
+AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", "pose=p1,p2,p9", "seed=0:2")
+"""Two thirds can be done; there is no p9."""
+LOOK = 0.01
+"""[s], between two looks at what is on disk."""
+SAMPLES = 10
+FLAT = 1.10
+"""Of the memory after a tenth of the work."""
+
+
+def sweep(seeds: Iterable[int]) -> Table:
+    """One sweep per seed is killed (SIGKILL) at a random moment of its work and run again."""
+    grid = parse(AXES, 0)
+    with tempfile.TemporaryDirectory() as folder:
+        process = _begun(Path(folder) / "whole")
+        start = time.perf_counter()
+        process.wait()
+        duration = time.perf_counter() - start
+        whole = read(Path(folder) / "whole")
+        rows = []
+        for seed in seeds:
+            killed = Path(folder) / str(seed)
+            delay = random.Random(seed).uniform(0.0, duration)
+            kept = _kill(killed, delay)
+            counts = run_grid(grid, Store(killed), Local())
+            known, now = counts["known"], counts.total() - counts["known"]
+            rows.append((seed, delay, kept, known, now, read(killed).equals(whole)))
+    n = len(grid)
+    return Table(
+        title="Sweeps killed at random moments and run again",
+        columns=(
+            "seed",
+            "killed after its first result [s]",
+            "results on disk then",
+            "taken over",
+            "computed",
+            "dataset equal to an undisturbed one",
+        ),
+        rows=rows,
+        verdicts=(
+            Verdict(f"an undisturbed sweep holds all {n} configurations", len(whole) == n),
+            Verdict("no result on disk is lost or computed again", all(r[2] == r[3] for r in rows)),
+            Verdict("the rest is computed once", all(r[3] + r[4] == n for r in rows)),
+            Verdict("the dataset equals that of an undisturbed sweep", all(r[5] for r in rows)),
+        ),
+    )
+
+
+def memory(seeds: Iterable[int]) -> Table:
+    """A sweep over as many short configurations as seeds: memory of the sweep and its workers."""
+    seeds = list(seeds)
+    grid = Grid({"iterations": (0,), "speed": (60.0,), "seed": seeds})
+    rows: list[tuple[int, float, float]] = []
+    n = 0
+    every = max(1, len(seeds) // SAMPLES)
+
+    def step() -> None:
+        nonlocal n
+        n += 1
+        if n % every == 0:
+            workers = [_resident(pid) for pid in _descendants(os.getpid())]
+            rows.append((n, _resident(os.getpid()), max(workers, default=0.0)))
+
+    with tempfile.TemporaryDirectory() as folder:
+        counts = run_grid(grid, Store(Path(folder)), Local(), step)
+    first, last = rows[0], rows[-1]
+    return Table(
+        title="Memory of a sweep over many configurations",
+        columns=("configurations done", "the sweep [MiB]", "its largest worker [MiB]"),
+        rows=rows,
+        verdicts=(
+            Verdict(f"all {len(seeds)} configurations are done", counts["done"] == len(seeds)),
+            Verdict(
+                f"memory after all is at most {FLAT} times that after the first tenth",
+                last[1] <= FLAT * first[1] and last[2] <= FLAT * first[2],
+            ),
+        ),
+    )
+
+
+def _resident(pid: int) -> float:
+    """Resident memory [MiB] of a process, 0 if it has gone."""
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+def _descendants(pid: int) -> list[int]:
+    """Children of a process, and theirs."""
+    found = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in map(int, task.read_text().split()):
+            found += [child, *_descendants(child)]
+    return found
+
+
+def _start(folder: Path) -> subprocess.Popen[bytes]:
+    command = [
+        sys.executable,
+        "-m",
+        "scripts.cli",
+        "sweep",
+        *AXES,
+        "--into",
+        str(folder),
+        "--quiet",
+    ]
+    return subprocess.Popen(command, cwd=Path(__file__).parents[2])
+
+
+def _begun(folder: Path) -> subprocess.Popen[bytes]:
+    """A sweep with its first result on disk: it takes longer to start than to do its work."""
+    process = _start(folder)
+    while not rows_kept(folder):
+        if process.poll() is not None:
+            raise RunFailed("the sweep ended without a result")
+        time.sleep(LOOK)
+    return process
+
+
+def _kill(folder: Path, delay: float) -> int:
+    """Start a sweep, kill it some time after its first result, and count what is on disk."""
+    process = _begun(folder)
+    try:
+        if process.wait(delay) != 0:
+            raise RunFailed("the sweep failed before it was killed")
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    return rows_kept(folder)

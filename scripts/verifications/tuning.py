@@ -1,0 +1,128 @@
+"""The claim of `armside verify tuning`: designs and a policy on the sealed test seeds.
+
+`scripts/tuned/` holds what `armside tune` and `armside train` have written; docs/tuning.md has the
+commands.
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from sim.tuning.design import THESIS, VARIABLES, Design, Motors
+from sim.tuning.evaluation import Policy, always, evaluate
+from sim.tuning.rules import Rules
+from sim.tuning.task import TEST_SEEDS
+
+from ..parallel import cores
+from ..policy import Network
+from ..tuned_design import load_design
+from ..verify import Table, Verdict
+
+TUNED = Path(__file__).parent.parent / "tuned"
+DATA_SEED = 1
+"""Of the experiments that models are identified from."""
+NORMAL_95 = 1.96
+"""Standard errors to either side of a mean."""
+SIGNIFICANT = 3.0
+"""Standard errors by which a mean must beat another."""
+
+
+def tuning(seeds: Iterable[int]) -> Table:
+    """Seed i is the sealed episode TEST_SEEDS[i]; every baseline meets the same episodes."""
+    seeds = [TEST_SEEDS[i] for i in seeds]
+    shared, each = (Rules(motors=m.value, sealed=True) for m in (Motors.SHARED, Motors.EACH))
+    baselines: list[tuple[str, Rules, Policy]] = [
+        ("thesis design", shared, always(THESIS, Motors.SHARED)),
+        ("best fixed design by search", shared, always(searched(), Motors.SHARED)),
+        ("designs from identified models", each, always(identified(), Motors.EACH)),
+        ("learned policy", shared, Network.load(TUNED / "policy.npz")),
+    ]
+    found = {
+        name: list(evaluate(rules, seeds, policy, threads=cores()))
+        for name, rules, policy in baselines
+    }
+    logs = {
+        name: np.log([episode.ratio for episode in episodes]) for name, episodes in found.items()
+    }
+    thesis, search = logs["thesis design"], logs["best fixed design by search"]
+    rows = [
+        (
+            name,
+            float(np.exp(logs[name].mean())),
+            _against(logs[name], thesis),
+            _against(logs[name], search),
+            float(np.quantile(np.exp(logs[name]), 0.9)),
+            float(np.exp(logs[name].max())),
+            float(np.median([1e6 * episode.rms_true[-1] for episode in episodes])),
+            sum(episode.diverged for episode in episodes),
+        )
+        for name, episodes in found.items()
+    ]
+    return Table(
+        title=f"Tool RMS after five iterations, {len(seeds)} sealed episodes",
+        columns=(
+            "baseline",
+            "RMS after / before, geometric mean",
+            "RMS over the thesis design's (95 % interval), episodes won",
+            "RMS over the best fixed design's (95 % interval), episodes won",
+            "90 % quantile of after / before",
+            "worst after / before",
+            "median RMS after [µm]",
+            "diverged",
+        ),
+        rows=rows,
+        verdicts=[
+            _beats(name, "thesis design", logs)
+            for name in ("best fixed design by search", "learned policy")
+        ],
+    )
+
+
+def _against(one: np.ndarray, other: np.ndarray) -> str:
+    """Geometric mean of one over the other in the same episodes, its interval, and who won."""
+    if one is other:
+        return "-"
+    gain = one - other
+    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    mean, low, high = np.exp(gain.mean() + error * np.array([0.0, -NORMAL_95, NORMAL_95]))
+    won = int((gain < 0.0).sum())
+    return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
+
+
+def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
+    """Paired: the same episodes."""
+    gain = logs[other] - logs[name]
+    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    return Verdict(
+        f"the {name} leaves less error at the tool than the {other} "
+        f"(mean by more than {SIGNIFICANT:g} standard errors)",
+        bool(gain.mean() > SIGNIFICANT * error),
+    )
+
+
+def searched() -> Design:
+    """The design that `armside tune` found."""
+    return load_design(TUNED / "design.json")
+
+
+def identified() -> Design:
+    """A design for each motor from its own model, identified at p1, as `armside reproduce 9` does.
+
+    Values beyond the ranges of the env are brought to their ends.
+    """
+    from ..chapter9.designs import design_for
+    from ..chapter9.sections import SPEEDS, identify
+    from ..chapter9.table import STUDIES
+
+    jobs = {
+        v: job for (p, v), job in STUDIES["identification"].jobs(DATA_SEED).items() if p == "p1"
+    }
+    results = {speed: jobs[speed].run() for speed in SPEEDS}
+    models = [identify(results, (motor,)) for motor in range(6)]
+    proposals = [design_for(model.system, model.fit) for model in models]
+    gamma, delta, cutoff = (
+        tuple(float(np.clip(getattr(p, v.name), v.low, v.high)) for p in proposals)
+        for v in VARIABLES
+    )
+    return Design(gamma=gamma, delta=tuple(int(d) for d in delta), cutoff=cutoff)

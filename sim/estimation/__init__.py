@@ -1,0 +1,1 @@
+"""Where the tool is, from motor angles and an IMU; what is learned from it."""

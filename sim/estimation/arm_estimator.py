@@ -1,0 +1,159 @@
+"""The tool's path from motor angles and IMU: observer, plus what a smoother makes of the readings.
+
+The observer drags the nominal arm along with the measured motors, in full. What the IMU says beyond
+that is small, so it is estimated in deviation form: a linear filter and smoother whose gains depend
+on the arm, the pose and the IMU's timeline only, and are computed once for all runs of a reference.
+"""
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
+from ilc.estimation.wiener import NonCausal
+
+from ..instruments.imu import ImuCfg, ImuSamples
+from ..recording import Array
+from .arm_filter import ArmFilter, Distrust, arm_filter
+from .arm_identification import Run, bent_by, prepared, residual
+from .arm_springs import Springs
+from .frozen_arm import frozen
+from .nominal import NominalArm
+from .observer import ArmMotion, observe
+from .tool_path import REST_SAMPLES, relative_to_start
+
+UNIDENTIFIED = 0.3
+"""`Distrust.share` of an arm whose springs were not identified."""
+
+
+class Estimate(Enum):
+    """How far the readings of a run are used for its path."""
+
+    OBSERVER = "observer"
+    """Not at all: motor angles and model only."""
+    FILTER = "filter"
+    """Those before each instant: what a controller could know."""
+    SMOOTHER = "smoother"
+    """All of them: a run is over before it is learned from."""
+    WIENER = "wiener"
+    """All of them, in the frequency domain."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ToolEstimate:
+    """The tool as estimated, at the instants of the motor log."""
+
+    displacement: Array
+    """(N, 6): displacement [m] and turn [rad] from rest, base axes."""
+    innovation: Array
+    """(K, 6), whitened innovations of the filter; NaN where no reading was used."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ArmEstimator:
+    """Estimates the tool of one robot at one pose."""
+
+    arm: NominalArm
+    """On the springs that are believed."""
+    clock_offset: float
+    """Robot time when the IMU's clock shows 0 [s]."""
+    mounting: Array
+    """(3,) [rad], turn of the IMU's housing."""
+    rest: Array
+    """(6,) [rad], motor angles at rest."""
+    imu: ImuCfg
+    distrust: Distrust
+
+    @cached_property
+    def model(self) -> ArmFilter:
+        """The process that filters work on."""
+        return arm_filter(frozen(self.arm, self.rest), self.imu, self.distrust)
+
+    @cached_property
+    def _smoothers(self) -> dict[bytes, Smoother]:
+        return {}
+
+    def smoother(self, run: Run) -> Smoother:
+        """Gains for the timeline of a run; computed when a timeline is first met."""
+        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.reading).all(axis=1))
+        key = seen.tobytes()
+        if key not in self._smoothers:
+            process = self.model.sampled(1.0 / self.imu.rate)
+            self._smoothers[key] = Smoother(process, self.model.start_covariance(), seen)
+        return self._smoothers[key]
+
+    @cached_property
+    def settled(self) -> SettledFilter:
+        return SettledFilter(self.model.sampled(1.0 / self.imu.rate))
+
+    @cached_property
+    def _wiener(self) -> NonCausal:
+        return NonCausal(self.model.A, self.model.intensity, self.model.C, self.model.tool)
+
+    def deviations(self, run: Run) -> Smoothed:
+        """States of filter and smoother at the IMU's instants."""
+        left, bias = self._residual(run)
+        start = np.zeros(len(self.model.A))
+        start[-6:] = bias
+        return self.smoother(run)(left, start)
+
+    def _residual(self, run: Run) -> tuple[Array, Array]:
+        bent = bent_by(self.arm, self.model, run)
+        return residual(self.model, bent, self.clock_offset, self.mounting)
+
+    def __call__(
+        self,
+        time: Array,
+        motor_angle: Array,
+        samples: ImuSamples | None,
+        kind: Estimate = Estimate.SMOOTHER,
+    ) -> ToolEstimate:
+        """The tool in one run: log (N,), (N, 6) and IMU samples, None without an IMU."""
+        period = float(time[1] - time[0])
+        path = tool_path(observe(self.arm, motor_angle, period), period)
+        if samples is None or kind is Estimate.OBSERVER:
+            return ToolEstimate(displacement=path, innovation=np.empty((0, 6)))
+        run = prepared(self.arm, time, motor_angle, samples)
+        states = self.deviations(run)
+        if kind is Estimate.WIENER:
+            left, bias = self._residual(run)
+            deviation = self._wiener(
+                left - bias, 1.0 / self.imu.rate, self.model.reading_covariance
+            )
+        else:
+            chosen = states.filtered if kind is Estimate.FILTER else states.smoothed
+            deviation = chosen @ self.model.tool.T
+        shift = _at(time, run.imu_time + self.clock_offset, deviation)
+        shift -= shift[:REST_SAMPLES].mean(axis=0)
+        W, _ = self.settled.whitening
+        return ToolEstimate(displacement=path + shift, innovation=states.innovation @ W.T)
+
+
+def estimator(
+    arm: NominalArm, springs: Springs, rest: Array, imu: ImuCfg, distrust: Distrust = Distrust()
+) -> ArmEstimator:
+    """An estimator on identified springs."""
+    return ArmEstimator(
+        arm=springs.on(arm),
+        clock_offset=springs.clock_offset,
+        mounting=springs.mounting,
+        rest=rest,
+        imu=imu,
+        distrust=replace(distrust, share=springs.distrust),
+    )
+
+
+def tool_path(motion: ArmMotion, period: float) -> Array:
+    """(N, 6): displacement and turn of the tool from rest, every `period` [s]."""
+    every = round(period / float(motion.time[1] - motion.time[0]))
+    return relative_to_start(motion.tool_position[::every], motion.tool_quaternion[::every])
+
+
+def _at(time: Array, instants: Array, values: Array) -> Array:
+    """Values (K, n) at instants (K,), as a cubic spline at times (N,); held beyond the ends."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(instants, values)(np.clip(time, instants[0], instants[-1]))

@@ -1,0 +1,184 @@
+"""The nominal arm with its IMU as a process for filters: what is estimated, and what disturbs it.
+
+    x = (dq, dq', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
+
+dq is the deviation of the arm from the observer that the motor angles drive. It is excited by a
+torque tau_d in each gear that stands for all that the model lacks, a first-order process: white
+torque would reach the accelerometer at once and correlate with its noise. The sensor's noise passes
+its low-pass as the signal does, so the low-pass belongs to the process.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ilc.estimation.simulation import simulate
+from ilc.estimation.state_space import Process, first_order_hold, sampled_noise
+
+from ..instruments.imu import ImuCfg, TriadCfg
+from ..recording import Array
+from .curvature import Curvature
+from .frozen_arm import FrozenArm
+
+_BUTTERWORTH_DAMPING = np.sqrt(0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distrust:
+    """How far the arm's model is trusted between two samples."""
+
+    twist: float = 6e-5
+    """Typical twist of a gear under the inertial loads of a cut [rad]."""
+    share: float = 0.05
+    """Standard deviation of tau_d over stiffness times twist."""
+    corner: float = 20.0
+    """Of tau_d's spectrum [Hz]."""
+    bias_walk: float = 1e-3
+    """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
+    start_torque: float = 1e-3
+    """Standard deviation of tau_d at the start, relative to its own: the observer starts at rest,
+    and a constant error of the rest is none of a cut's."""
+
+    def __post_init__(self) -> None:
+        for name in ("twist", "share", "corner"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+
+    def torque(self, arm: FrozenArm) -> Array:
+        """(6,) [N m], standard deviation of tau_d."""
+        return self.share * self.twist * np.diag(arm.stiffness)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ArmFilter:
+    """Continuous matrices; `sampled` makes a process of them."""
+
+    arm: FrozenArm
+    imu: ImuCfg
+    distrust: Distrust
+    A: Array
+    """(m, m)."""
+    intensity: Array
+    """(m, m), of the white noise that drives it."""
+    E: Array
+    """(m, n + 6), from torque on the arm [N m] and from what the IMU reads beyond the state."""
+    C: Array
+    """(6, m): accelerometer and gyro."""
+
+    @property
+    def n_free(self) -> int:
+        return self.arm.n_free
+
+    @property
+    def n_mechanical(self) -> int:
+        """States of arm and sensor low-passes: those without noise models."""
+        return 2 * self.n_free + 12
+
+    @property
+    def B(self) -> Array:
+        """(m, 12), from (dphi, dphi')."""
+        return self.E[:, self.arm.axes] @ np.hstack((self.arm.stiffness, np.diag(self.arm.damping)))
+
+    @property
+    def tool(self) -> Array:
+        """(6, m), displacement and turn of the tool for the state."""
+        T = np.zeros((6, len(self.A)))
+        T[:, : self.n_free] = self.arm.tool_jacobian
+        return T
+
+    def sampled(self, step: float) -> Process:
+        """Between IMU samples that are step [s] apart."""
+        A, Q = sampled_noise(self.A, self.intensity, step)
+        return Process(A=A, Q=Q, C=self.C, R=self.reading_covariance)
+
+    @property
+    def reading_covariance(self) -> Array:
+        """(6, 6), of rounding to counts; at least a hundredth of the noise, to keep digits."""
+        variances = []
+        for triad in (self.imu.accelerometer, self.imu.gyroscope):
+            noise = triad.noise_density * np.sqrt(triad.bandwidth)
+            floor = max(triad.resolution / np.sqrt(12.0), 0.05 * noise)
+            variances += [floor**2] * 3
+        return np.diag(variances)
+
+    def start_covariance(self) -> Array:
+        """(m, m) at rest before the cut."""
+        P = np.zeros(len(self.A))
+        n, m = self.n_free, self.n_mechanical
+        P[:n] = (1e-7) ** 2  # [rad]: the observer starts where the arm is
+        P[n : 2 * n] = (1e-6) ** 2
+        for k, triad in enumerate((self.imu.accelerometer, self.imu.gyroscope)):
+            noise, omega = triad.noise_density * np.sqrt(triad.bandwidth), _omega(triad)
+            P[2 * n + 6 * k : 2 * n + 6 * k + 3] = noise**2
+            P[2 * n + 6 * k + 3 : 2 * n + 6 * k + 6] = (noise * omega) ** 2
+        torque = self.distrust.torque(self.arm)
+        P[m : m + 6] = (torque * self.distrust.start_torque) ** 2
+        P[m + 6 : m + 9] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
+        P[m + 9 : m + 12] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
+        return np.diag(P)
+
+    def simulated(self, phi: Array, phi_dot: Array, bent: Curvature, step: float) -> Array:
+        """(N, n_mechanical) states for motor deviations from rest (N, 6).
+
+        phi, phi_dot: every `step` [s], starting at rest; bent: what is not linear on the way.
+        """
+        m = self.n_mechanical
+        torque = -bent.torque
+        torque[:, self.arm.axes] += phi @ self.arm.stiffness + phi_dot * self.arm.damping
+        A, E0, E1 = first_order_hold(self.A[:m, :m], self.E[:m], step)
+        return simulate(A, E0, E1, np.hstack((torque, bent.reading)))
+
+    def readings(self, states: Array) -> tuple[Array, Array]:
+        """Low-passed readings (N, 6) in mechanical states, and their rates."""
+        low = states[:, 2 * self.n_free : self.n_mechanical]
+        return low[:, [0, 1, 2, 6, 7, 8]], low[:, [3, 4, 5, 9, 10, 11]]
+
+
+def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> ArmFilter:
+    """The process of one arm and one kind of IMU."""
+    n = arm.n_free
+    m = 2 * n + 12
+    size = m + 12
+    A, E, W = np.zeros((size, size)), np.zeros((size, n + 6)), np.zeros((size, size))
+    A[: 2 * n, : 2 * n], _ = arm.dynamics()
+    E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
+    A[n : 2 * n, m : m + 6] = E[n : 2 * n, arm.axes]
+    A[m : m + 6, m : m + 6] = -2.0 * np.pi * distrust.corner * np.eye(6)
+
+    # Accelerometer: J q'' + (turned gravity) q; gyro: J q'.
+    from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
+    from_state[:, :n] += arm.imu_gravity
+    from_torque = arm.imu_jacobian[:3] @ E[n : 2 * n, :n]
+    turning = np.zeros((3, size))
+    turning[:, n : 2 * n] = arm.imu_jacobian[3:]
+    for k, (triad, ideal, direct) in enumerate(
+        (
+            (imu.accelerometer, from_state, from_torque),
+            (imu.gyroscope, turning, np.zeros((3, n))),
+        )
+    ):
+        low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
+        omega = _omega(triad)
+        A[low, rate] = 1.0
+        A[rate] = omega**2 * ideal
+        A[rate, low] -= omega**2
+        A[rate, rate] -= 2.0 * _BUTTERWORTH_DAMPING * omega
+        E[rate, :n] = omega**2 * direct
+        E[rate, n + 3 * k + np.arange(3)] = omega**2
+        # A one-sided density d^2 is a two-sided intensity d^2 / 2.
+        W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
+
+    torque = distrust.torque(arm)
+    driving = 2.0 * (2.0 * np.pi * distrust.corner) * torque**2
+    W[range(m, m + 6), range(m, m + 6)] = driving
+    walk = np.repeat([distrust.bias_walk, 0.1 * distrust.bias_walk], 3) ** 2
+    W[range(m + 6, size), range(m + 6, size)] = walk
+    C = np.zeros((6, size))
+    C[[0, 1, 2], [2 * n, 2 * n + 1, 2 * n + 2]] = 1.0
+    C[[3, 4, 5], [2 * n + 6, 2 * n + 7, 2 * n + 8]] = 1.0
+    C[range(6), range(m + 6, size)] = 1.0
+    return ArmFilter(arm=arm, imu=imu, distrust=distrust, A=A, intensity=W, E=E, C=C)
+
+
+def _omega(triad: TriadCfg) -> float:
+    return 2.0 * np.pi * triad.bandwidth

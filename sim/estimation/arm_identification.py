@@ -1,0 +1,229 @@
+"""The arm's springs from one run: motor angles in, IMU out, by the filter's innovations.
+
+What one run tells is a local, *effective* elasticity: gears and structure together as they act at
+the tool in this pose. Inertia is taken from the nominal arm; only K / M shows in the motion.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ilc.estimation.consistency import Whiteness, whiteness
+from ilc.estimation.kalman import SettledFilter
+from ilc.estimation.prediction_error import Fit, Whitened, fit
+from ilc.filters import ZeroPhaseButterworth
+
+from ..instruments.imu import ImuCfg, ImuSamples
+from ..model import N_AXES
+from ..recording import Array
+from ..servo import interpolate
+from .arm_filter import ArmFilter, Distrust, arm_filter
+from .arm_springs import SpringPrior, Springs, springs_at
+from .curvature import Curvature, curvature
+from .frozen_arm import FrozenArm, frozen
+from .nominal import NominalArm
+from .observer import ENCODER_FILTER
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
+
+REST = 0.2
+"""At the beginning of a run in which the arm does not move yet [s]."""
+_SLOWEST = 1.0
+"""[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
+_STARTS = (
+    (0.0, 0.0),
+    (-0.3, -0.3),
+    (-0.3, 0.0),
+    (-0.7, -0.3),
+    (-0.7, 0.3),
+    (-1.1, 0.0),
+)
+"""Of log K: of axes 1 to 3, and of the wrist. A structure in series with the gears of the first
+only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identified:
+    """Springs, how well they are known, and whether the filter then leaves white innovations."""
+
+    springs: Springs
+    fit: Fit
+    names: tuple[str, ...]
+    """Of the entries of fit.theta."""
+    whiteness: Whiteness
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Run:
+    """What is measured in one run, prepared for linear filters around rest."""
+
+    time: Array
+    """(N,) [s], of the motor log."""
+    phi: Array
+    """(N, 6) [rad], motor angles from rest, low-passed."""
+    phi_dot: Array
+    """(N, 6) [rad/s]."""
+    imu_time: Array
+    """(K,) [s], the IMU's own clock."""
+    reading: Array
+    """(K, 6) [m/s^2], [rad/s]; rows of NaN are missing."""
+    bent: Curvature
+    """What is not linear in the motion, to begin with that of a rigid arm."""
+
+    @property
+    def period(self) -> float:
+        return float(self.time[1] - self.time[0])
+
+
+def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSamples) -> Run:
+    """A run's log (N,), (N, 6) and the IMU's samples; of the arm its springs do not matter."""
+    period = float(time[1] - time[0])
+    smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    phi, phi_dot, phi_ddot = interpolate(smooth, period, 1)
+    return Run(
+        time=time,
+        phi=phi - phi[0],
+        phi_dot=phi_dot,
+        imu_time=samples.time,
+        reading=np.hstack((samples.acceleration, samples.angular_velocity)),
+        bent=_bent_rigidly(arm, phi, phi_dot, phi_ddot),
+    )
+
+
+def _bent_rigidly(arm: NominalArm, phi: Array, phi_dot: Array, phi_ddot: Array) -> Curvature:
+    linear = frozen(arm, phi[0])
+    picked = np.zeros((N_AXES, linear.n_free))
+    picked[range(N_AXES), linear.axes] = 1.0
+    return curvature(arm, linear, (phi - phi[0]) @ picked, phi_dot @ picked, phi_ddot @ picked)
+
+
+def bent_by(arm: NominalArm, model: ArmFilter, run: Run) -> Run:
+    """The run with its curvature along the motion of a model, in place of a rigid arm's."""
+    n = model.n_free
+    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    q, q_dot = states[:, :n], states[:, n : 2 * n]
+    q_ddot = np.gradient(q_dot, run.period, axis=0)
+    return replace(run, bent=curvature(arm, model.arm, q, q_dot, q_ddot))
+
+
+def identify(
+    arm: NominalArm,
+    run: Run,
+    rest: Array,
+    imu: ImuCfg,
+    *,
+    prior: SpringPrior = SpringPrior(),
+    distrust: Distrust = Distrust(),
+) -> Identified:
+    """The springs that explain one run best.
+
+    Args:
+        arm: the nominal arm, where the search starts.
+        rest: (6,) [rad], motor angles at rest.
+        imu: the kind of unit, as its data sheet has it.
+
+    Raises:
+        RuntimeError: no start leads anywhere.
+    """
+    nominal, sd = frozen(arm, rest), prior.standard_deviation
+    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
+    starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
+    rigid = fit(innovations, np.zeros(sd.size), sd, starts)
+    springs = springs_at(arm, prior, rigid.theta, distrust.share)
+    elastic = nominal.on_springs(springs.stiffness, springs.damping)
+    run = bent_by(arm, arm_filter(elastic, imu, distrust), run)
+    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
+    best = fit(innovations, np.zeros(sd.size), sd, [rigid.theta])
+    return Identified(
+        springs=springs_at(arm, prior, best.theta, distrust.share),
+        fit=replace(best, costs=rigid.costs),
+        names=prior.names,
+        whiteness=whiteness(best.innovation),
+    )
+
+
+def residual(
+    model: ArmFilter, run: Run, clock_offset: float, mounting: Array
+) -> tuple[Array, Array]:
+    """IMU readings minus those that the motor angles explain, and their mean at rest.
+
+    Args:
+        mounting: (3,) [rad], turn of the IMU's housing: it reads y - mounting x y.
+
+    Returns:
+        (K, 6), and (6,): the biases.
+    """
+    return _left(run, _explained(model, run), clock_offset, mounting)
+
+
+def _explained(model: ArmFilter, run: Run) -> "CubicHermiteSpline":
+    """(6,) low-passed readings that the motor angles explain, over time."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    return CubicHermiteSpline(run.time, *model.readings(states))
+
+
+def _left(
+    run: Run, explained: "CubicHermiteSpline", clock_offset: float, mounting: Array
+) -> tuple[Array, Array]:
+    at = run.imu_time + clock_offset
+    y = explained(np.clip(at, run.time[0], run.time[-1]))
+    turned = [np.cross(mounting, part) for part in np.split(y, 2, axis=1)]
+    left = run.reading - y + np.hstack(turned)
+    return left, np.nanmean(left[at < REST], axis=0)
+
+
+class _Innovations:
+    """Whitened innovations of a run, for parameters (m,)."""
+
+    def __init__(
+        self,
+        arm: NominalArm,
+        nominal: FrozenArm,
+        run: Run,
+        imu: ImuCfg,
+        prior: SpringPrior,
+        distrust: Distrust,
+    ) -> None:
+        self.arm, self.nominal, self.run = arm, nominal, run
+        self.imu, self.prior, self.distrust = imu, prior, distrust
+        # Gradients move clock and seat of the IMU as well, which the filter does not depend on.
+        self._last: tuple[bytes, _Filter | None] = (b"", None)
+
+    def __call__(self, theta: Array) -> Whitened:
+        springs = springs_at(self.arm, self.prior, theta, self.distrust.share)
+        known = self._filter(springs)
+        if known is None:
+            return Whitened(np.full_like(self.run.reading, np.inf), 0.0)
+        start = np.zeros(len(known.settled.process.A))
+        left, start[-6:] = _left(self.run, known.explained, springs.clock_offset, springs.mounting)
+        W, log_det = known.settled.whitening
+        return Whitened(known.settled(left, start).innovation @ W.T, log_det)
+
+    def _filter(self, springs: Springs) -> "_Filter | None":
+        """None for springs on which the arm would fall."""
+        key = b"".join(
+            np.asarray(part).tobytes()
+            for part in (springs.stiffness, springs.damping, springs.distrust)
+        )
+        if key != self._last[0]:
+            self._last = key, self._set_up(springs)
+        return self._last[1]
+
+    def _set_up(self, springs: Springs) -> "_Filter | None":
+        candidate = self.nominal.on_springs(springs.stiffness, springs.damping)
+        if candidate.locked_modes()[0] < _SLOWEST:
+            return None
+        model = arm_filter(candidate, self.imu, replace(self.distrust, share=springs.distrust))
+        return _Filter(
+            SettledFilter(model.sampled(1.0 / self.imu.rate)),
+            _explained(model, self.run),
+        )
+
+
+class _Filter(NamedTuple):
+    settled: SettledFilter
+    explained: "CubicHermiteSpline"

@@ -1,0 +1,82 @@
+"""From a correction to the tool, as far as the nominal robot and identified springs tell.
+
+    J phi'' = kp (v - phi) + kd (g v' - phi') - f phi' - K (phi - q) - D (phi' - q')
+    M q'' + (S D S^T + D_s) q' + (S K S^T + G) q = S (K phi + D phi')
+
+v is the correction after its delay and lag, phi and q are deviations of motors and arm from rest,
+all on the arm side. Coulomb friction is left out: on a contour the motors slide.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ilc.system import Complex
+
+from ..model import AXES, RobotModel
+from ..recording import Array
+from .frozen_arm import FrozenArm
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ArmPlant:
+    """Response of the tool to corrections."""
+
+    robot: RobotModel
+    """The nominal robot: its servo is what counts here."""
+    arm: FrozenArm
+    period: float
+    """Of the correction [s]."""
+
+    @property
+    def input_size(self) -> Array:
+        """(6,) [rad]: turns of the axes that move the tool, or turn it by its lever, alike."""
+        J = self.arm.tool_jacobian[:, self.arm.axes]
+        reach = np.sqrt(np.square(J[:3]).sum(axis=0) + np.square(LEVER * J[3:]).sum(axis=0))
+        return 1.0 / reach
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """(M, 6, 6): displacement [m] and turn [rad] of the tool in base axes for u [rad].
+
+        omega: (M,) [rad/sample].
+        """
+        s = 1j * np.asarray(omega, dtype=np.float64)[:, None, None] / self.period
+        arm, drives = self.arm, self.robot.drives
+        n = arm.n_free
+        square = drives.gear**2
+        picked = np.zeros((n, 6))
+        picked[arm.axes, range(6)] = 1.0
+        spring = arm.stiffness + s * np.diag(arm.damping)
+        viscous = np.diag(square * self._viscous())
+        kp, kd = np.diag(square * drives.kp), np.diag(square * drives.kd)
+        motor = s**2 * np.diag(self._rotor()) + kp + s * (kd + viscous) + spring
+        free = s**2 * arm.mass + s * arm.damping_matrix + arm.spring_matrix
+        # Motors and arm in one: [motor, -spring S^T; -S spring, free] (phi, q) = (servo v, 0)
+        whole = np.concatenate(
+            (
+                np.concatenate((motor, -spring @ picked.T), axis=2),
+                np.concatenate((-picked @ spring, free), axis=2),
+            ),
+            axis=1,
+        )
+        servo = kp + s * kd * drives.velocity_feedforward
+        lag = 1.0 + s / (2.0 * np.pi * drives.correction_lag)
+        right = np.concatenate(
+            (servo * np.exp(-s * drives.correction_delay) / lag, np.zeros((len(s), n, 6))), axis=1
+        )
+        q = np.linalg.solve(whole, right)[:, 6:]
+        return arm.tool_jacobian @ q
+
+    def _rotor(self) -> Array:
+        mj = self.robot.mj
+        return np.array([mj.joint(f"motor_{i}").armature[0] for i in AXES])
+
+    def _viscous(self) -> Array:
+        mj = self.robot.mj
+        axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+        return mj.actuator_damping[axes].reshape(len(axes), -1)[:, 0]
+
+
+LEVER = 0.2
+"""[m]: a turn of the tool by 1 mrad counts as much as a displacement by 0.2 mm. ESTIMATE."""

@@ -1,0 +1,119 @@
+"""What is unknown of an arm's springs, and of its IMU's clock and seat, as parameters.
+
+    theta = (log K_11..K_66, log D scale, clock offset, log distrust, mounting (3), rho_ij)
+
+relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
+that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import N_AXES
+from ..recording import Array
+from .nominal import NominalArm
+
+COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
+"""Axes 2, 3, 5 and axes 1, 4, 6, counted from 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringPrior:
+    """Standard deviations of what is known before: how wrong the nominal arm may be."""
+
+    stiffness: float = 0.6
+    """Of log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
+    them softer, twice and more. ESTIMATE."""
+    wrist_stiffness: float = 0.2
+    """Of log K of axes 4 to 6: uniform within +- 30 % is a standard deviation of 0.17. A wider one
+    lets the wrist explain what is not its own, and ends in wrong minima."""
+    damping: float = 0.5
+    """Of the log of the damping's scale."""
+    clock: float = 0.010
+    """[s]."""
+    distrust: float = 0.5
+    """Of the log of `Distrust.share`."""
+    mounting: float = 0.02
+    """Of the turn of the IMU's housing about each of its axes [rad]."""
+    coupling: float = 0.3
+    """Of rho; 0 keeps to gear springs."""
+
+    def __post_init__(self) -> None:
+        for name in (
+            "stiffness",
+            "wrist_stiffness",
+            "damping",
+            "clock",
+            "distrust",
+            "mounting",
+        ):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+        if not self.coupling >= 0.0:
+            raise ValueError(f"coupling must be >= 0, got {self.coupling}")
+
+    @property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        return COUPLED if self.coupling > 0.0 else ()
+
+    @property
+    def standard_deviation(self) -> Array:
+        """(m,), of theta; its mean is 0."""
+        return np.array(
+            [self.stiffness] * 3
+            + [self.wrist_stiffness] * 3
+            + [self.damping, self.clock, self.distrust]
+            + [self.mounting] * 3
+            + [self.coupling] * len(self.pairs)
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(m,), of the entries of theta."""
+        seat = [f"mounting {axis}" for axis in "xyz"]
+        pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
+        return (
+            *(f"stiffness {i}" for i in range(1, N_AXES + 1)),
+            "damping",
+            "clock",
+            "distrust",
+            *seat,
+            *pairs,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Springs:
+    """Springs of an arm, and when its IMU's clock started."""
+
+    stiffness: Array
+    """(6, 6) [N m/rad]."""
+    damping: Array
+    """(6,) [N m s/rad]."""
+    clock_offset: float
+    """Robot time when the unit's clock shows 0 [s]."""
+    distrust: float
+    """`Distrust.share`: how much of the arm's twist the model leaves unexplained."""
+
+    mounting: Array
+    """(3,) [rad], turn of the IMU's housing from its site."""
+
+    def on(self, arm: NominalArm) -> NominalArm:
+        """The arm on these springs."""
+        return arm.with_springs(self.stiffness, self.damping)
+
+
+def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, share: float) -> Springs:
+    """The springs that parameters mean on a nominal arm; share is the distrust expected."""
+    own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
+    K = np.diag(own)
+    for rho, (i, j) in zip(theta[N_AXES + 6 :], prior.pairs, strict=True):
+        K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
+    return Springs(
+        stiffness=K,
+        damping=arm.damping * np.exp(theta[N_AXES]),
+        clock_offset=float(theta[N_AXES + 1]),
+        distrust=share * float(np.exp(theta[N_AXES + 2])),
+        mounting=theta[N_AXES + 3 : N_AXES + 6].copy(),
+    )

@@ -1,0 +1,62 @@
+"""What a linear arm leaves out of a cut: its matrices turn as the arm does.
+
+The filters' arm is linear around rest. Over a fast cut the Jacobian turns by a few thousandths, and
+what moves twice a circle's period then meets the structure's resonances: tens of micrometres. The
+part that is not linear is small, so it is taken along a motion that is nearly the right one, and
+given to the linear arm as an input:
+
+    M0 dq'' + ... = S (K dphi + D dphi') - torque        y = J0 dq'' + ... + reading
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ..recording import Array
+from .frozen_arm import FrozenArm
+from .nominal import NominalArm
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Curvature:
+    """What is not linear in a motion."""
+
+    torque: Array
+    """(N, n) [N m], that the motion takes beyond the linear arm's."""
+    reading: Array
+    """(N, 6) [m/s^2], [rad/s], that an ideal IMU reads beyond the linear arm's."""
+
+
+def curvature(
+    arm: NominalArm, linear: FrozenArm, q: Array, q_dot: Array, q_ddot: Array
+) -> Curvature:
+    """Along a motion of the arm, (N, n) each: angles from rest and their derivatives.
+
+    linear: the same arm at rest, before the motion.
+    """
+    torque, reading = _inverse(arm.mj, linear.q + q, q_dot, q_ddot)
+    still = np.zeros((1, linear.n_free))
+    rest_torque, rest_reading = _inverse(arm.mj, linear.q[None], still, still)
+    J = linear.imu_jacobian
+    return Curvature(
+        torque=torque
+        - rest_torque
+        - (q_ddot @ linear.mass.T + q_dot * linear.structure_damping + q @ linear.gradient.T),
+        reading=reading
+        - rest_reading
+        - np.hstack((q_ddot @ J[:3].T + q @ linear.imu_gravity.T, q_dot @ J[3:].T)),
+    )
+
+
+def _inverse(mj: mujoco.MjModel, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array]:
+    """Torques (N, n) that motions take, gear springs left out, and readings (N, 6) of the IMU."""
+    data = mujoco.MjData(mj)
+    sensors = [mj.sensor(name).adr[0] + np.arange(3) for name in ("imu_acc", "imu_gyro")]
+    picked = np.concatenate(sensors)
+    torque, reading = np.empty_like(q), np.empty((len(q), 6))
+    for i in range(len(q)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], q_dot[i], q_ddot[i]
+        mujoco.mj_inverse(mj, data)
+        torque[i], reading[i] = data.qfrc_inverse, data.sensordata[picked]
+    return torque, reading

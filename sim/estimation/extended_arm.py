@@ -1,0 +1,169 @@
+"""The arm's full extended Kalman filter: its whole motion is the state, relinearised each step.
+
+    x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
+
+Mass, gravity and velocity forces are those of the nominal arm at the estimate; the readings and
+their gradients are the toolbox's measurement equation. What the deviation form keeps frozen moves
+here: the two agree where a cut is small, and this one is the reference.
+"""
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+import kinematics
+from ilc.estimation.extended import ExtendedResult, extended
+from ilc.estimation.state_space import exponential, sampled_noise
+from ilc.filters import ZeroPhaseButterworth
+from kinematics.robots import IMU_LINKS
+
+from ..instruments.imu import ImuSamples
+from ..recording import Array
+from .arm_estimator import ArmEstimator
+from .arm_filter import ArmFilter, arm_filter
+from .arm_identification import REST
+from .observer import ENCODER_FILTER, at_rest
+
+STEP = 0.0025
+"""Of the filter [s]; divides the period of the log and of a 100 Hz IMU as nearly as its clock
+allows: a reading is taken at the step nearest to it, and moved there along its slope."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExtendedEstimate:
+    """The tool by the full filter and smoother."""
+
+    time: Array
+    """(N,) [s], every STEP."""
+    filtered: Array
+    """(N, 3) [m], displacement from the first sample."""
+    smoothed: Array
+    result: ExtendedResult
+
+
+class ExtendedArm:
+    """Full filter and smoother on the same arm, noise and parameters as an `ArmEstimator`."""
+
+    def __init__(self, known: ArmEstimator, robot: kinematics.Robot) -> None:
+        """robot: D-H description of the arm, tool at its end.
+
+        Raises ValueError for an arm with degrees of freedom beyond its six axes.
+        """
+        self.known, self.model = known, known.model
+        if self.model.n_free != robot.n_joints:
+            raise ValueError(
+                f"the full filter has {robot.n_joints} axes, the arm {self.model.n_free}"
+            )
+        self._mj = known.arm.mj
+        self._data = mujoco.MjData(self._mj)
+        self._mass = np.empty((6, 6))
+        self._tool = kinematics.compile(robot)
+        with_imu = replace(robot, links=(*robot.links, *IMU_LINKS), name=f"{robot.name} with IMU")
+        self._sensor = kinematics.compile_measurement(with_imu)
+
+    def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples) -> ExtendedEstimate:
+        """The tool in one run: log (N,), (N, 6) and IMU samples."""
+        from scipy.interpolate import CubicSpline
+
+        model = self.model
+        smooth = ZeroPhaseButterworth(ENCODER_FILTER, float(time[1] - time[0]))(motor_angle)
+        fine: Array = np.arange(0.0, float(time[-1]) + 1e-9, STEP)
+        spline = CubicSpline(time, smooth, bc_type="clamped")
+        inputs = np.hstack((spline(fine), spline(fine, 1)))
+        slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / STEP
+        y = self._on_steps(fine, samples)
+        start = np.zeros(len(model.A))
+        start[:6] = at_rest(self.known.arm, inputs[0, :6])
+        _, reading, _ = self._motion(start, inputs[0])
+        start[[12, 13, 14]] = reading[:3]
+        start[-6:] = np.nanmean(y[fine < REST], axis=0) - reading
+        _, Q = sampled_noise(model.A, model.intensity, STEP)
+        result = extended(
+            lambda i, x: self._step(x, inputs[i], slopes[i]),
+            lambda i, x: (model.C @ x, model.C),
+            y,
+            Q,
+            model.reading_covariance,
+            start,
+            model.start_covariance(),
+        )
+        return ExtendedEstimate(
+            time=fine,
+            filtered=self._path(result.filtered),
+            smoothed=self._path(result.smoothed),
+            result=result,
+        )
+
+    def _on_steps(self, fine: Array, samples: ImuSamples) -> Array:
+        """(N, 6): readings at the filter's instants, NaN between them.
+
+        The unit's instants fall between the filter's; a spline through its readings moves each to
+        the nearest one, by half a step at most.
+        """
+        from scipy.interpolate import CubicSpline
+
+        seat = self.known.mounting
+        turned = (y + np.cross(seat, y) for y in (samples.acceleration, samples.angular_velocity))
+        reading = np.hstack(tuple(turned))
+        at = samples.time + self.known.clock_offset
+        here = np.unique(np.clip(np.rint(at / STEP).astype(int), 0, len(fine) - 1))
+        y = np.full((len(fine), 6), np.nan)
+        y[here] = CubicSpline(at, reading)(np.clip(fine[here], at[0], at[-1]))
+        return y
+
+    def _step(self, x: Array, u: Array, slope: Array) -> tuple[Array, Array]:
+        """Exact for the linearisation at x, with inputs that change linearly."""
+        rate, _, local = self._motion(x, u)
+        n = len(x)
+        # dx' = A dx + rate + (B slope) t as one linear system with the states 1 and t.
+        block = np.zeros((n + 2, n + 2))
+        block[:n, :n], block[:n, n], block[:n, n + 1] = local.A, rate, local.B @ slope
+        block[n + 1, n] = 1.0
+        grown = exponential(block * STEP)
+        return x + grown[:n, n], grown[:n, :n]
+
+    def _motion(self, x: Array, u: Array) -> tuple[Array, Array, ArmFilter]:
+        """x', what an ideal IMU reads (6,), and the filter's matrices at x and u = (phi, phi')."""
+        model, arm = self.model, self.model.arm
+        q, q_dot, torque = x[:6], x[6:12], x[model.n_mechanical : model.n_mechanical + 6]
+        pull = arm.stiffness @ (u[:6] - q) + arm.damping * (u[6:] - q_dot) + torque
+        mass, missing = self._forces(q, q_dot, pull)
+        q_ddot: Array = np.asarray(np.linalg.solve(mass, missing), dtype=np.float64)
+        local = self._linearised(q, q_dot, q_ddot)
+        rate = local.A @ x
+        rate[:6], rate[6:12] = q_dot, q_ddot
+        # The toolbox's y: motor angles, angular velocity, specific force.
+        reading = self._sensor.reading(q, q_dot, q_ddot)[[9, 10, 11, 6, 7, 8]]
+        for k, triad in enumerate((self.known.imu.accelerometer, self.known.imu.gyroscope)):
+            low = np.arange(12 + 6 * k, 15 + 6 * k)
+            omega = 2.0 * np.pi * triad.bandwidth
+            ideal = reading[3 * k : 3 * k + 3]
+            rate[low + 3] = omega**2 * (ideal - x[low]) - np.sqrt(2.0) * omega * x[low + 3]
+        return rate, reading, local
+
+    def _forces(self, q: Array, q_dot: Array, pull: Array) -> tuple[Array, Array]:
+        data = self._data
+        data.qpos[:], data.qvel[:] = q, q_dot
+        mujoco.mj_fwdPosition(self._mj, data)
+        mujoco.mj_fwdVelocity(self._mj, data)
+        mujoco.mj_fullM(self._mj, data, self._mass)
+        return self._mass, pull - data.qfrc_bias + data.qfrc_passive
+
+    def _linearised(self, q: Array, q_dot: Array, q_ddot: Array) -> ArmFilter:
+        """The filter's matrices with the mass and the measurement's gradient of this state."""
+        model = self.model
+        H = self._sensor.jacobian(q, q_dot, q_ddot)
+        moved = replace(
+            model.arm,
+            mass=self._mass.copy(),
+            imu_jacobian=np.vstack((H[9:, 12:], H[6:9, 6:12])),
+            imu_gravity=H[9:, :6],
+        )
+        return arm_filter(moved, model.imu, model.distrust)
+
+    def _path(self, states: Array) -> Array:
+        """(N, 3): the tool's displacement from rest."""
+        q = np.ascontiguousarray(states[:, :6])
+        position = self._tool.pose(q)[:, :3, 3]
+        return position - position[: round(0.1 / STEP)].mean(axis=0)

@@ -1,0 +1,143 @@
+"""The nominal arm, linear around rest at one pose: what filters and laws calculate with.
+
+    M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
+
+dq and dphi are deviations of arm and motors from rest, S picks the six axes among the arm's degrees
+of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
+turns the joints by hundredths of a radian, so the matrices may be frozen; the springs enter in the
+open, so that another stiffness needs no new physics.
+"""
+
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from ..recording import Array
+from .nominal import NominalArm
+from .observer import at_rest
+
+_TURN = 1e-6  # [rad], of the differences that gradients are made of
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrozenArm:
+    """Matrices of the arm at rest. n degrees of freedom, six of them behind gears."""
+
+    q: Array
+    """(n,) [rad], the arm's angles at rest."""
+    mass: Array
+    """(n, n) [kg m^2]."""
+    gradient: Array
+    """G, (n, n) [N m/rad]."""
+    structure_damping: Array
+    """(n,) diagonal of D_s [N m s/rad]."""
+    axes: np.ndarray
+    """(6,) the degrees of freedom behind gears."""
+    stiffness: Array
+    """K, (6, 6) [N m/rad], symmetric."""
+    damping: Array
+    """D, (6,) [N m s/rad]."""
+    tool_jacobian: Array
+    """(6, n), (v, omega) of TCP0 in base axes."""
+    imu_jacobian: Array
+    """(6, n), (v, omega) of the IMU in its own axes."""
+    imu_gravity: Array
+    """(3, n) [m/s^2/rad], by which tilting turns gravity in the IMU's axes."""
+    imu_up: Array
+    """(3,) [m/s^2], what an ideal accelerometer reads at rest."""
+
+    def on_springs(self, stiffness: Array, damping: Array) -> "FrozenArm":
+        """The same arm on other gears. The pose at rest is kept: it moves by far less."""
+        return replace(self, stiffness=np.asarray(stiffness), damping=np.asarray(damping))
+
+    @property
+    def n_free(self) -> int:
+        return len(self.mass)
+
+    @property
+    def spring_matrix(self) -> Array:
+        """S K S^T + G."""
+        K = self.gradient.copy()
+        K[np.ix_(self.axes, self.axes)] += self.stiffness
+        return K
+
+    @property
+    def damping_matrix(self) -> Array:
+        """S D S^T + D_s."""
+        D = np.diag(self.structure_damping)
+        D[self.axes, self.axes] += self.damping
+        return D
+
+    def dynamics(self) -> tuple[Array, Array]:
+        """A (2n, 2n) and B (2n, 12) of x' = A x + B (dphi, dphi'), x = (dq, dq')."""
+        n = self.n_free
+        picked = np.zeros((n, 6))
+        picked[self.axes, range(6)] = 1.0
+        right = np.hstack(
+            (
+                -self.spring_matrix,
+                -self.damping_matrix,
+                picked @ self.stiffness,
+                picked * self.damping,
+            )
+        )
+        acceleration = np.linalg.solve(self.mass, right)
+        A = np.zeros((2 * n, 2 * n))
+        A[:n, n:] = np.eye(n)
+        A[n:] = acceleration[:, : 2 * n]
+        B = np.zeros((2 * n, 12))
+        B[n:] = acceleration[:, 2 * n :]
+        return A, B
+
+    def locked_modes(self) -> Array:
+        """(n,) [Hz], ascending: natural frequencies with the motors held."""
+        square = np.linalg.eigvals(np.linalg.solve(self.mass, self.spring_matrix))
+        return np.sort(np.sqrt(np.maximum(square.real, 0.0))) / (2.0 * np.pi)
+
+
+def frozen(arm: NominalArm, phi: Array) -> FrozenArm:
+    """The arm at rest with its motors at phi, (6,) [rad]."""
+    mj = arm.mj
+    q = at_rest(arm, phi)
+    data = mujoco.MjData(mj)
+    data.qpos[:] = q
+    mujoco.mj_forward(mj, data)
+    mass = np.empty((mj.nv, mj.nv))
+    mujoco.mj_fullM(mj, data, mass)
+    tool, imu = mj.site("tool0").id, mj.site("imu").id
+    tool_jacobian, imu_jacobian = np.empty((6, mj.nv)), np.empty((6, mj.nv))
+    mujoco.mj_jacSite(mj, data, tool_jacobian[:3], tool_jacobian[3:], tool)
+    mujoco.mj_jacSite(mj, data, imu_jacobian[:3], imu_jacobian[3:], imu)
+    R_imu_base = data.site_xmat[imu].reshape(3, 3).T
+    gradient, tilt = _gradients(mj, q, imu)
+    return FrozenArm(
+        q=q,
+        mass=mass,
+        gradient=gradient,
+        structure_damping=mj.dof_damping.copy(),
+        axes=arm.axes,
+        stiffness=arm.stiffness,
+        damping=arm.damping,
+        tool_jacobian=tool_jacobian,
+        imu_jacobian=np.vstack((R_imu_base @ imu_jacobian[:3], R_imu_base @ imu_jacobian[3:])),
+        imu_gravity=tilt,
+        imu_up=-R_imu_base @ mj.opt.gravity,
+    )
+
+
+def _gradients(mj: mujoco.MjModel, q: Array, imu: int) -> tuple[Array, Array]:
+    """Central differences of the passive and gravity forces, and of gravity in the IMU's axes."""
+    data = mujoco.MjData(mj)
+
+    def at(moved: Array) -> tuple[Array, Array]:
+        data.qpos[:] = moved
+        mujoco.mj_forward(mj, data)
+        up = -data.site_xmat[imu].reshape(3, 3).T @ mj.opt.gravity
+        return data.qfrc_bias - data.qfrc_passive, up
+
+    force, up = np.empty((mj.nv, mj.nv)), np.empty((3, mj.nv))
+    for i, turn in enumerate(_TURN * np.eye(mj.nv)):
+        (f1, u1), (f0, u0) = at(q + turn), at(q - turn)
+        force[:, i], up[:, i] = (f1 - f0) / (2.0 * _TURN), (u1 - u0) / (2.0 * _TURN)
+    return force, up

@@ -1,0 +1,100 @@
+"""Whether the samples of an IMU can be learned from; what is wrong has a name.
+
+Single samples that are lost or clipped are no fault: they become rows of NaN on an even timeline,
+which filters predict over. Too many of them are one, as are a sensor that stands still and a clock
+that runs backwards.
+"""
+
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+
+from ..instruments.imu import ImuCfg, ImuSamples
+from ..recording import Array
+
+MOST_MISSING = 0.2
+"""Share of samples that may be lost or clipped. ESTIMATE."""
+_LATE = 0.25  # of a period, by which a sample may be off its place
+
+
+class Fault(Enum):
+    """Why an IMU cannot be used."""
+
+    TOO_SHORT = "too few samples"
+    OUT_OF_ORDER = "timestamps out of order"
+    UNEVEN = "timestamps off the unit's rate"
+    NOT_FINITE = "readings that are not finite"
+    DEAD = "dead sensor"
+    CLIPPED = "clipped readings"
+    LOST = "lost samples"
+    MODEL = "a model that does not explain the readings"
+
+
+class ImuError(ValueError):
+    """The IMU cannot be used, and why."""
+
+    def __init__(self, fault: Fault, details: str) -> None:
+        super().__init__(f"IMU: {fault.value}: {details}")
+        self.fault = fault
+
+
+def mended(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
+    """The samples on an even timeline, NaN where one is lost or clipped.
+
+    Raises:
+        ImuError: they cannot be used; says what is wrong, where and by how much.
+    """
+    time = samples.time
+    if len(time) < 2 or time[-1] - time[0] < 0.5:
+        raise ImuError(Fault.TOO_SHORT, f"{len(time)} samples; half a second is needed")
+    backwards = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(backwards):
+        i = int(backwards[0])
+        raise ImuError(Fault.OUT_OF_ORDER, f"{time[i + 1]:.4f} s follows {time[i]:.4f} s")
+    place = (time - time[0]) * cfg.rate
+    slot = np.rint(place).astype(int)
+    off = np.abs(place - slot)
+    if off.max() > _LATE or len(np.unique(slot)) < len(slot):
+        i = int(np.argmax(off))
+        raise ImuError(Fault.UNEVEN, f"{time[i]:.4f} s does not fit {cfg.rate:g} Hz")
+    reading = np.hstack((samples.acceleration, samples.angular_velocity))
+    if not np.isfinite(reading).all():
+        i = int(np.argmin(np.isfinite(reading).all(axis=1)))
+        raise ImuError(Fault.NOT_FINITE, f"at {time[i]:.4f} s")
+    still = np.ptp(reading, axis=0) == 0.0
+    if still.any():
+        raise ImuError(Fault.DEAD, f"{', '.join(_CHANNELS[i] for i in np.flatnonzero(still))}")
+    clipped = np.hstack((samples.acceleration_clipped, samples.angular_velocity_clipped))
+    _few(np.asarray(clipped.any(axis=1)), Fault.CLIPPED)
+    n = int(slot[-1]) + 1
+    lost = np.ones(n, dtype=bool)
+    lost[slot] = False
+    _few(lost, Fault.LOST)
+    reading[clipped.any(axis=1)] = np.nan
+    whole = np.full((n, 6), np.nan)
+    whole[slot] = reading
+    unclipped = np.zeros((n, 3), dtype=bool)
+    return replace(
+        samples,
+        time=time[0] + np.arange(n) / cfg.rate,
+        acceleration=whole[:, :3],
+        angular_velocity=whole[:, 3:],
+        acceleration_clipped=unclipped,
+        angular_velocity_clipped=unclipped,
+    )
+
+
+_CHANNELS = (*(f"accelerometer {c}" for c in "xyz"), *(f"gyro {c}" for c in "xyz"))
+
+
+def _few(missing: np.ndarray, fault: Fault) -> None:
+    share = float(missing.mean())
+    if share > MOST_MISSING:
+        most = f"{100 * MOST_MISSING:.0f} % at most"
+        raise ImuError(fault, f"{100 * share:.0f} % of the samples, {most}")
+
+
+def missing_rows(reading: Array) -> int:
+    """How many rows (K, 6) are not there."""
+    return int((~np.isfinite(reading).all(axis=1)).sum())

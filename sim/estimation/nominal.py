@@ -1,0 +1,180 @@
+"""The arm as an estimator knows it: links on springs whose other ends are the measured motors.
+
+The motors are taken out of the robot's MJCF and with them everything that only moves them (rotors,
+friction, servo): their angles are measured, so they are an input,
+
+    M(q) q'' + c(q, q') + g(q) = K (phi - q) + D (phi' - q')
+
+with q the arm's angles and phi the motor's, both on the arm side of the gear. This is the *nominal*
+robot: how far it is wrong is said by `NominalCfg`, and nothing is read from an individual.
+
+K is a symmetric matrix. The gears make its diagonal; a structure that gives way as well, which the
+nominal robot does not know, couples the axes: its elasticity shows as entries off the diagonal.
+"""
+
+import copy
+import itertools
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..model import AXES, N_AXES, ModelError
+from ..recording import Array
+from ..variants import Flexibility, without
+
+PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
+"""The couplings of two axes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NominalCfg:
+    """What is believed of an arm, relative to the data of its file."""
+
+    stiffness: tuple[float, ...] = (1.0,) * N_AXES
+    """Factor on each gear's stiffness."""
+    damping: float = 1.0
+    """Factor on the damping of all gears."""
+    payload: float = 0.0
+    """Added to the mass of the tool [kg]."""
+    link_mass: float = 1.0
+    """Factor on mass and inertia of every body."""
+    structure: bool = False
+    """The hinges of the structure are known too."""
+
+    def __post_init__(self) -> None:
+        stiffness = tuple(float(k) for k in np.broadcast_to(self.stiffness, N_AXES))
+        object.__setattr__(self, "stiffness", stiffness)
+        for name in ("stiffness", "damping", "link_mass"):
+            value = np.asarray(getattr(self, name))
+            if not (np.isfinite(value).all() and (value > 0.0).all()):
+                raise ValueError(f"factors of {name} must be > 0, got {value.tolist()}")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NominalArm:
+    """The model of `NominalCfg`, compiled, with its springs and indices."""
+
+    mj: mujoco.MjModel
+    """Actuators spring_1..6 pull the axes towards the angles they are given, spring_i_j their
+    differences."""
+    axes: np.ndarray
+    """(6,) degree of freedom of each axis."""
+    stiffness: Array
+    """(6, 6) [N m/rad], symmetric; diagonal as long as only gears are known."""
+    damping: Array
+    """(6,) [N m s/rad]."""
+
+    @property
+    def n_free(self) -> int:
+        """Degrees of freedom: six, and those of the structure if it is known."""
+        return int(self.mj.nv)
+
+    def with_springs(self, stiffness: ArrayLike, damping: ArrayLike) -> "NominalArm":
+        """The same arm on other springs: stiffness (6, 6) symmetric, damping (6,).
+
+        Raises ValueError for a stiffness that is not symmetric.
+        """
+        K, D = np.array(stiffness, dtype=np.float64), np.array(damping, dtype=np.float64)
+        if K.shape != (N_AXES, N_AXES) or not np.allclose(K, K.T):
+            raise ValueError(f"stiffness must be symmetric, ({N_AXES}, {N_AXES})")
+        mj = copy.copy(self.mj)
+        _set_springs(mj, K, D)
+        return replace(self, mj=mj, stiffness=K, damping=D)
+
+    def spring_input(self, phi: Array, phi_dot: Array) -> Array:
+        """(..., 21) controls of motor angles and rates (..., 6).
+
+        K (phi - q) + D (phi' - q') = K (control - q) - D q', D on the axes' own springs alone.
+        """
+        own = self.stiffness.sum(axis=1)
+        axes = phi + self.damping / own * phi_dot
+        pairs = [phi[..., i] - phi[..., j] for i, j in PAIRS]
+        return np.concatenate((axes, np.stack(pairs, axis=-1)), axis=-1)
+
+
+def nominal_arm(source: Path | str, cfg: NominalCfg = NominalCfg()) -> NominalArm:
+    """The nominal arm of a robot's MJCF file.
+
+    Raises:
+        ModelError: the robot's arm has loops, or lacks a gear spring or the body of the tool.
+    """
+    spec = mujoco.MjSpec.from_file(str(source))
+    if spec.equalities:
+        raise ModelError(f"an estimator needs an open chain; {source} closes loops by equalities")
+    missing = [f"flex_{i}" for i in AXES if spec.joint(f"flex_{i}") is None]
+    if missing:
+        raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
+    gears = [(j.stiffness, j.damping) for j in (spec.joint(f"flex_{i}") for i in AXES)]
+    stiffness = np.array([float(np.ravel(k)[0]) for k, _ in gears]) * cfg.stiffness
+    damping = np.array([float(np.ravel(d)[0]) for _, d in gears]) * cfg.damping
+    if not cfg.structure:
+        without(spec, Flexibility.GEARS)
+    _replace_motors_by_springs(spec)
+    _reweigh(spec, cfg)
+    mj = spec.compile()
+    axes = np.array([int(mj.joint(f"flex_{i}").dofadr[0]) for i in AXES])
+    arm = NominalArm(mj=mj, axes=axes, stiffness=np.diag(stiffness), damping=damping)
+    return arm.with_springs(arm.stiffness, damping)
+
+
+def _replace_motors_by_springs(spec: mujoco.MjSpec) -> None:
+    for i in AXES:
+        spec.delete(spec.actuator(f"axis_{i}"))
+        for what in ("pos", "torque"):
+            spec.delete(spec.sensor(f"axis_{i}_{what}"))
+    for tendon in list(spec.tendons):
+        if tendon.name.startswith("gear_"):
+            spec.delete(tendon)
+    for i in AXES:
+        spec.delete(spec.joint(f"motor_{i}"))
+        gear = spec.joint(f"flex_{i}")
+        gear.stiffness, gear.damping = np.zeros_like(gear.stiffness), np.zeros_like(gear.damping)
+        _add_spring(spec, f"spring_{i}", mujoco.mjtTrn.mjTRN_JOINT, gear.name)
+    for i, j in PAIRS:
+        name = f"spring_{i + 1}_{j + 1}"
+        difference = spec.add_tendon(name=name)
+        difference.wrap_joint(f"flex_{i + 1}", 1.0)
+        difference.wrap_joint(f"flex_{j + 1}", -1.0)
+        _add_spring(spec, name, mujoco.mjtTrn.mjTRN_TENDON, name)
+
+
+def _add_spring(spec: mujoco.MjSpec, name: str, kind: mujoco.mjtTrn, target: str) -> None:
+    spring = spec.add_actuator(name=name, target=target)
+    spring.trntype = kind
+    spring.gaintype, spring.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+
+
+def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
+    for body in spec.bodies:
+        body.mass *= cfg.link_mass
+        body.inertia = np.asarray(body.inertia) * cfg.link_mass
+    if cfg.payload:
+        tool = spec.body("tool")
+        if tool is None:
+            raise ModelError("the robot model lacks the body tool, which carries the payload")
+        if tool.mass + cfg.payload <= 0.0:
+            raise ValueError(f"payload must be > {-tool.mass:g} kg, got {cfg.payload:g}")
+        # A payload of other mass and the same shape.
+        tool.inertia = np.asarray(tool.inertia) * (1.0 + cfg.payload / tool.mass)
+        tool.mass += cfg.payload
+
+
+def _pair_stiffness(stiffness: Array) -> Array:
+    """(6, 6): the spring -K_ij between each two axes; zero diagonal."""
+    return np.diag(np.diag(stiffness)) - stiffness
+
+
+def _set_springs(mj: mujoco.MjModel, stiffness: Array, damping: Array) -> None:
+    between = _pair_stiffness(stiffness)
+    # A spring between two axes adds to both diagonal entries, which the axes' own springs give up.
+    own = stiffness.sum(axis=1)
+    names = [f"spring_{i + 1}" for i in range(N_AXES)]
+    names += [f"spring_{i + 1}_{j + 1}" for i, j in PAIRS]
+    k_all = [*own, *(between[i, j] for i, j in PAIRS)]
+    for name, k, d in zip(names, k_all, [*damping, *np.zeros(len(PAIRS))], strict=True):
+        spring = mj.actuator(name).id
+        mj.actuator_gainprm[spring, 0] = k
+        mj.actuator_biasprm[spring, :3] = (0.0, -k, -d)

@@ -1,0 +1,106 @@
+"""The arm's motion from measured motor angles alone: the nominal arm dragged along, one rollout.
+
+Exact where the nominal arm is: motor dynamics, friction and servo drop out, because what they do is
+measured. A drive error of the estimator is therefore only an error of the arm's own model.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+
+from ilc.filters import ZeroPhaseButterworth
+
+from ..recording import Array
+from ..servo import interpolate, substeps
+from .nominal import NominalArm
+
+ENCODER_FILTER = 60.0
+"""[Hz], zero-phase low-pass of the motor angles; far above the arm's modes, below the noise of
+differences of encoder counts."""
+_FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_NEWTON_STEPS = 200
+_REST_TORQUE = 1e-7  # [N m]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmMotion:
+    """How the nominal arm moves. All rows belong to the same instant."""
+
+    time: Array
+    """(M,) [s], every physics step."""
+    q: Array
+    """(M, nv) [rad], the arm's angles."""
+    q_dot: Array
+    """(M, nv) [rad/s]."""
+    tool_position: Array
+    """(M, 3) [m], TCP0 in base axes."""
+    tool_quaternion: Array
+    """(M, 4), base to tool."""
+    imu_acceleration: Array
+    """(M, 3) [m/s^2], specific force in the frame of the IMU's site."""
+    imu_angular_velocity: Array
+    """(M, 3) [rad/s]."""
+
+
+def at_rest(arm: NominalArm, phi: Array) -> Array:
+    """(nv,) [rad], the arm's angles with its motors held at phi (6,).
+
+    Raises RuntimeError when the springs cannot carry the arm.
+    """
+    mj = arm.mj
+    data = mujoco.MjData(mj)
+    data.qpos[arm.axes] = phi
+    data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
+    spring = np.diag(mj.jnt_stiffness[mj.dof_jntid])
+    spring[arm.axes[:, None], arm.axes] += arm.stiffness
+    for _ in range(_NEWTON_STEPS):
+        data.qvel[:] = data.qacc[:] = 0.0
+        mujoco.mj_inverse(mj, data)
+        mujoco.mj_fwdActuation(mj, data)
+        missing = data.qfrc_inverse - data.qfrc_actuator
+        if np.abs(missing).max() < _REST_TORQUE:
+            return data.qpos.copy()
+        data.qpos -= np.linalg.solve(spring, missing)
+    raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
+
+
+def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
+    """The arm's motion from logged motor angles (N, 6) [rad], every `period` [s].
+
+    The log is low-passed without phase and splined to the physics rate; it starts at rest.
+    """
+    smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    ratio = substeps(float(arm.mj.opt.timestep), period)
+    phi, phi_dot, _ = interpolate(smooth, period, ratio)
+    return dragged(arm, phi, phi_dot)
+
+
+def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
+    """The arm's motion from motor angles and rates (M, 6) at every physics step."""
+    mj = arm.mj
+    data = mujoco.MjData(mj)
+    data.qpos[:] = at_rest(arm, phi[0])
+    initial = np.empty(mujoco.mj_stateSize(mj, int(_FULL_STATE)))
+    mujoco.mj_getState(mj, data, initial, int(_FULL_STATE))
+    controls = arm.spring_input(phi, phi_dot)
+    with Rollout(nthread=0) as rollout:
+        result = rollout.rollout([mj], [data], initial[None], controls[None])
+    states, sensors = (np.asarray(part, dtype=np.float64)[0] for part in result)
+    moved = np.vstack((initial, states[:-1]))  # a state row belongs to the end of its step
+    nq = mj.nq
+
+    def sensor(name: str) -> Array:
+        adr, dim = int(mj.sensor(name).adr[0]), int(mj.sensor(name).dim[0])
+        return sensors[:, adr : adr + dim]
+
+    return ArmMotion(
+        time=np.arange(len(phi), dtype=np.float64) * float(mj.opt.timestep),
+        q=moved[:, 1 : 1 + nq],
+        q_dot=moved[:, 1 + nq : 1 + 2 * nq],
+        tool_position=sensor("tool0_pos"),
+        tool_quaternion=sensor("tool0_quat"),
+        imu_acceleration=sensor("imu_acc"),
+        imu_angular_velocity=sensor("imu_gyro"),
+    )

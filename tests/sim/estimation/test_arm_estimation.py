@@ -1,0 +1,308 @@
+"""The arm from motor angles and IMU: observer, filters in three forms, identification, faults."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kinematics
+from assets import IRB1400_XML, LARGE_ROBOT_XML
+from ilc.estimation.consistency import normalised_squared
+from ilc.filters import butterworth
+from ilc.recursion import recursion
+from kinematics.robots import IMU_LINKS
+from scripts.arm_side import GEAR_EFFECTS, Case
+from scripts.verifications.estimation import error, fk_path
+from sim.estimation.arm_estimator import Estimate
+from sim.estimation.arm_filter import arm_filter
+from sim.estimation.arm_identification import bent_by, prepared
+from sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
+from sim.estimation.extended_arm import ExtendedArm
+from sim.estimation.frozen_arm import frozen
+from sim.estimation.imu_health import Fault, ImuError, mended
+from sim.estimation.nominal import NominalCfg, nominal_arm
+from sim.estimation.observer import dragged, observe
+from sim.estimation.tool_path import relative_to_start
+from sim.model import ModelError, load_model
+
+CASE = Case(pose="p2", without=GEAR_EFFECTS)
+
+
+@pytest.fixture(scope="module")
+def first():
+    """One cut before learning."""
+    experiment = CASE.experiment()
+    return experiment.plant.run(np.zeros_like(experiment.job.reference))
+
+
+@pytest.fixture(scope="module")
+def known(first):
+    """What that cut made known."""
+    robot = load_model(LARGE_ROBOT_XML)
+    return commission(robot, CASE.arm(), CASE.imu, first, ArmLearningCfg())
+
+
+def spread(a, b):
+    """3D RMS distance of two paths from rest [m]."""
+    return float(np.sqrt(np.square((a - b)[:, :3]).sum(axis=1).mean()))
+
+
+def test_observer_with_true_structure_and_exact_angles_is_the_truth(first):
+    truth = first.recording.truth
+    arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True))
+    rate = np.gradient(truth.motor_angle, truth.time[1], axis=0)
+    motion = dragged(arm, truth.motor_angle, rate)
+    every = 8
+    path = relative_to_start(motion.tool_position[::every])
+    true = relative_to_start(truth.tool_position[::every])
+    assert spread(path, true) <= 0.5e-6
+
+
+def test_frozen_arm_is_the_rollout_linearised():
+    """Same springs, coupled; a motion of 0.1 mrad."""
+    arm = nominal_arm(LARGE_ROBOT_XML)
+    K = arm.stiffness.copy()
+    K[1, 2] = K[2, 1] = -0.1 * K[2, 2]
+    arm = arm.with_springs(K, arm.damping)
+    phi0 = np.array([0.1, 0.2, 0.3, 0.1, 0.5, 0.1])
+    t = np.arange(2000) * arm.mj.opt.timestep
+    phi = phi0 + 1e-4 * np.sin(2 * np.pi * 3.0 * t)[:, None] ** 3
+    motion = dragged(arm, phi, np.gradient(phi, t[1], axis=0))
+    from ilc.estimation.simulation import simulate
+    from ilc.estimation.state_space import first_order_hold
+
+    A, B = frozen(arm, phi0).dynamics()
+    inputs = np.hstack((phi - phi0, np.gradient(phi, t[1], axis=0)))
+    x = simulate(*first_order_hold(A, B, t[1]), inputs)
+    assert np.abs(motion.q - motion.q[0] - x[:, :6]).max() < 0.02 * np.abs(x[:, :6]).max()
+
+
+def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
+    """A circle of the robot at 100 mm/s: at twice its frequency, where linear models are blind."""
+    case = replace(CASE, speed=0.1, acceleration=2.2)
+    # As soft as structure and gears together, so that its lowest modes are where the robot's are.
+    arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(stiffness=0.4))
+    experiment = case.experiment()
+    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    log = made.recording
+    motion = observe(arm, log.motor_angle, float(log.time[1]))
+    model = arm_filter(frozen(arm, log.motor_angle[0]), case.imu)
+    run = prepared(arm, log.time, log.motor_angle, mended(made.imu, case.imu))
+    run = bent_by(arm, model, run)
+    rollout = np.hstack((motion.imu_acceleration, motion.imu_angular_velocity))
+    seen = np.hstack(
+        [
+            low_passed(part - part[0], triad.bandwidth, motion.time[1])[::8]
+            for part, triad in zip(
+                np.split(rollout, 2, axis=1),
+                (case.imu.accelerometer, case.imu.gyroscope),
+                strict=True,
+            )
+        ]
+    )
+
+    def missing(bent):
+        states = model.simulated(run.phi, run.phi_dot, bent, run.period)
+        return np.sqrt(np.square(model.readings(states)[0] - seen).mean(axis=0))
+
+    none = replace(run.bent, torque=0.0 * run.bent.torque, reading=0.0 * run.bent.reading)
+    noise = case.imu.accelerometer.noise_density * np.sqrt(case.imu.accelerometer.bandwidth)
+    assert missing(none)[:3].max() > 2.0 * noise
+    assert missing(run.bent)[:3].max() < noise  # the time step of rollout and low-pass
+
+
+def low_passed(signal, bandwidth, step):
+    """Second-order Butterworth, one way, as the unit has it."""
+    for b, a in butterworth(bandwidth, step, 2):
+        signal = recursion(b, a, np.ascontiguousarray(signal))
+    return signal
+
+
+def test_measurement_matrices_are_those_of_the_toolbox(known):
+    arm = known.estimator.model.arm
+    robot = kinematics.LARGE_ROBOT
+    with_imu = replace(robot, links=(*robot.links, *IMU_LINKS), name="arm with IMU")
+    H = kinematics.compile_measurement(with_imu).jacobian(arm.q, np.zeros(6), np.zeros(6))
+    assert arm.imu_jacobian[:3] == pytest.approx(H[9:, 12:], abs=1e-9)
+    assert arm.imu_jacobian[3:] == pytest.approx(H[6:9, 6:12], abs=1e-9)
+    assert arm.imu_gravity == pytest.approx(H[9:, :6], abs=1e-6)
+
+
+def test_full_filter_deviation_form_and_frequency_domain_agree(first, known):
+    log = first.recording
+    samples = mended(first.imu, CASE.imu)
+    form = {
+        kind: known.estimator(log.time, log.motor_angle, samples, kind).displacement
+        for kind in Estimate
+    }
+    full = ExtendedArm(known.estimator, kinematics.LARGE_ROBOT)
+    estimate = full(log.time, log.motor_angle, samples)
+
+    def on_log(path):
+        return np.stack([np.interp(log.time, estimate.time, c) for c in path.T], axis=1)
+
+    smoother = form[Estimate.SMOOTHER]
+    assert spread(on_log(estimate.smoothed), smoother[:, :3]) <= 5e-6
+    assert spread(on_log(estimate.filtered), form[Estimate.FILTER][:, :3]) <= 5e-6
+    assert spread(form[Estimate.WIENER], smoother) <= 5e-6
+
+
+def test_identification_makes_the_estimate_five_times_better_than_the_motors(first, known):
+    log = first.recording
+    estimate = known.estimator(log.time, log.motor_angle, mended(first.imu, CASE.imu))
+    assert error(estimate.displacement, first) <= error(fk_path(first), first) / 5.0
+
+
+def test_identified_modes_are_those_of_the_true_arm(first, known):
+    rest = first.recording.motor_angle[0]
+    true = frozen(nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True)), rest)
+    found = known.estimator.model.arm.locked_modes()[:2]
+    assert found == pytest.approx(true.locked_modes()[:2], rel=0.10)
+    assert frozen(CASE.arm(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
+
+
+def test_clock_offset_is_found_to_a_millisecond(known):
+    true = CASE.experiment().plant.imu.unit.clock_offset
+    assert known.springs.clock_offset == pytest.approx(true, abs=1.2e-3)
+
+
+def test_innovations_have_the_size_the_filter_expects(first, known):
+    log = first.recording
+    e = known.estimator(log.time, log.motor_angle, mended(first.imu, CASE.imu)).innovation
+    nis = normalised_squared(e, np.eye(6)[None])
+    assert 0.7 * 6 < nis.mean() < 1.5 * 6
+
+
+def test_no_estimator_reads_the_truth(first, known):
+    """The same log with another truth gives the same estimate, bit for bit."""
+    log = first.recording
+    other = replace(log, truth=replace(log.truth, tool_position=log.truth.tool_position + 1.0))
+    samples = mended(first.imu, CASE.imu)
+    paths = [known.estimator(r.time, r.motor_angle, samples).displacement for r in (log, other)]
+    assert np.array_equal(*paths)
+
+
+def test_single_lost_and_clipped_samples_are_bridged(first, known):
+    log, imu = first.recording, first.imu
+    keep = np.ones(len(imu.time), dtype=bool)
+    keep[60:64] = False
+    clipped = imu.acceleration_clipped.copy()
+    clipped[80] = True
+    gappy = _kept(replace(imu, acceleration_clipped=clipped), keep)
+    whole, bridged = (
+        known.estimator(log.time, log.motor_angle, mended(s, CASE.imu)).displacement
+        for s in (imu, gappy)
+    )
+    assert 0.0 < spread(whole, bridged) < 5e-6
+
+
+def _kept(imu, keep):
+    return replace(
+        imu,
+        **{
+            name: getattr(imu, name)[keep]
+            for name in (
+                "time",
+                "acceleration",
+                "angular_velocity",
+                "acceleration_clipped",
+                "angular_velocity_clipped",
+            )
+        },
+    )
+
+
+def _disordered(imu):
+    time = imu.time.copy()
+    time[50:52] = time[51], time[50]
+    return replace(imu, time=time)
+
+
+def _dead(imu):
+    still = imu.angular_velocity.copy()
+    still[:, 2] = 0.01
+    return replace(imu, angular_velocity=still)
+
+
+def _clipping(imu):
+    clipped = imu.acceleration_clipped.copy()
+    clipped[::3] = True
+    return replace(imu, acceleration_clipped=clipped)
+
+
+def _broken(imu):
+    broken = imu.acceleration.copy()
+    broken[7] = np.nan
+    return replace(imu, acceleration=broken)
+
+
+FAULTS = {
+    Fault.OUT_OF_ORDER: _disordered,
+    Fault.DEAD: _dead,
+    Fault.CLIPPED: _clipping,
+    Fault.NOT_FINITE: _broken,
+    Fault.LOST: lambda imu: _kept(imu, np.arange(len(imu.time)) % 3 > 0),
+    Fault.TOO_SHORT: lambda imu: _kept(imu, np.arange(len(imu.time)) < 20),
+    Fault.UNEVEN: lambda imu: replace(imu, time=imu.time * 1.02),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_faulty_imu_is_named_and_learning_refuses_to_start(fault, first):
+    robot = load_model(LARGE_ROBOT_XML)
+    bad = replace(first, imu=FAULTS[fault](first.imu))
+    with pytest.raises(ImuError, match=fault.value) as raised:
+        commission(robot, CASE.arm(), CASE.imu, bad, ArmLearningCfg())
+    assert raised.value.fault is fault
+
+
+def test_or_it_goes_on_without_the_imu_if_told_so(first):
+    robot = load_model(LARGE_ROBOT_XML)
+    bad = replace(first, imu=_dead(first.imu))
+    cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
+    known = commission(robot, CASE.arm(), CASE.imu, bad, cfg)
+    assert known.fault is not None
+    assert known.fault.fault is Fault.DEAD
+    assert known.identified is None
+
+
+@pytest.mark.parametrize(
+    "turn",
+    [
+        (0.0, 0.0, 0.0, 1.2, 0.8, 2.0),
+        (0.0, 0.3, -0.3, 0.0, 0.3, 0.0),
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.5),
+    ],
+)
+def test_a_model_of_another_robot_is_refused(turn, first):
+    """The same arm in another posture, or with its flange turned: another robot to the IMU."""
+    robot = load_model(LARGE_ROBOT_XML)
+    turned = first.recording.motor_angle + np.array(turn)
+    other = replace(first, recording=replace(first.recording, motor_angle=turned))
+    with pytest.raises(ImuError, match=Fault.MODEL.value):
+        commission(robot, CASE.arm(), CASE.imu, other, ArmLearningCfg())
+
+
+def test_an_arm_with_loops_is_refused():
+    with pytest.raises(ModelError, match="open chain"):
+        nominal_arm(IRB1400_XML)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"stiffness": 0.0}, "stiffness"),
+        ({"damping": -1.0}, "damping"),
+        ({"link_mass": np.nan}, "link_mass"),
+    ],
+)
+def test_a_nominal_arm_says_what_is_out_of_range(options, said):
+    with pytest.raises(ValueError, match=said):
+        NominalCfg(**options)
+
+
+def test_motor_angles_and_wrong_springs_alone_are_not_enough(first):
+    """Negative control: what the IMU adds is needed."""
+    log = first.recording
+    path = relative_to_start(observe(CASE.arm(), log.motor_angle, 0.004).tool_position[::8])
+    assert error(path, first) > 0.4 * error(fk_path(first), first)
