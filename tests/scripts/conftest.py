@@ -42,6 +42,19 @@ def armside(monkeypatch, tmp_path, capsys):
 
 
 @pytest.fixture
+def bad_input(armside, tmp_path):
+    """Checks that a command line is refused with one clear line, and that nothing is written."""
+
+    def check(line: str, said: str) -> None:
+        status, out, err = armside(line)
+        assert (status, out, err.count("\n")) == (2, "", 1)
+        assert said in err
+        assert not list(tmp_path.iterdir())
+
+    return check
+
+
+@pytest.fixture
 def armside_process(tmp_path):
     """Runs a command line in a process of its own, in an empty working folder."""
 

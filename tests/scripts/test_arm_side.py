@@ -86,14 +86,8 @@ def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path
         ("--path-acceleration 0", "path-acceleration"),
     ],
 )
-def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["laser", *words.split()]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert said in err
-    assert not list(tmp_path.iterdir())
+def test_bad_input_is_one_clear_line(words, said, bad_input):
+    bad_input(f"laser {words}", said)
 
 
 def test_compare_puts_all_measures_side_by_side(tmp_path):

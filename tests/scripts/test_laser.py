@@ -145,14 +145,8 @@ def test_six_values_make_a_law_per_motor(tmp_path):
         ("--model missing.xml", "missing.xml"),
     ],
 )
-def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["laser", *words.split()]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert said in err
-    assert not list(tmp_path.iterdir())
+def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, bad_input):
+    bad_input(f"laser {words}", said)
 
 
 def test_a_model_that_lacks_a_joint_is_refused_by_name(tmp_path, monkeypatch, capsys):

@@ -137,14 +137,8 @@ def test_the_irb1400_cuts_a_slot():
         ("--repetitions -2", "2 and more"),
     ],
 )
-def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["laser", *words.split()]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert said in err
-    assert not list(tmp_path.iterdir())
+def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, bad_input):
+    bad_input(f"laser {words}", said)
 
 
 def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
