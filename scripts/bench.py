@@ -56,7 +56,7 @@ def bench(name: Name = "all", /, *, common: Common = Common()) -> None:
 
 def _cells(row: Row) -> tuple[str, str, str, str, str]:
     theirs = "" if row.theirs is None else engineering(row.theirs)
-    ratio = "" if row.ratio is None else f"{row.ratio:.2g}"
+    ratio = "" if row.ratio is None else f"{row.ratio:.3g}"
     return row.name, engineering(row.ours), row.peer or "", theirs, ratio
 
 

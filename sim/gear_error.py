@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from .recording import Array
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +37,10 @@ class GearError:
             self.phase + 0.5 * np.pi,
         )
         return slope * phi_dot
+
+
+EXACT = GearError(amplitude=np.zeros((6, 0)), order=np.zeros((6, 0)), phase=np.zeros((6, 0)))
+"""Of gears without one."""
 
 
 @njit(cache=True, nogil=True)

@@ -106,7 +106,8 @@ def run_jobs(
         for job, u in zip(jobs, corrections, strict=True)
     ]
     inputs = [job.controls_with(u, rng) for job, u, rng in zip(jobs, wanted, rngs, strict=True)]
-    controls = np.stack([of_job for of_job, _ in inputs])
+    of_jobs = [of_job for of_job, _ in inputs]
+    controls = of_jobs[0][None] if len(jobs) == 1 else np.stack(of_jobs)
     states, sensors = _roll_out(jobs, controls, threads)
     return [
         _recording(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
@@ -129,7 +130,7 @@ def _recording(
         time=happened.time[log],
         reference=job.reference,
         correction=correction,
-        motor_angle=measured_angle(job.model, happened.motor_angle[log], noise),
+        motor_angle=measured_angle(job.model, happened.gear_angle[log], noise),
         motor_torque=happened.motor_torque[log],
         truth=happened,
         limits_hit=limits,

@@ -4,10 +4,13 @@ Angles are arm-side radians unless a name says otherwise. The log is what a robo
 `Truth` is for evaluation only and is never handed to a law or an estimator.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .gear_error import EXACT, GearError
 
 Array = NDArray[np.float64]
 
@@ -34,10 +37,10 @@ class Truth:
 
     time: Array
     """(M,) [s]."""
-    motor_angle: Array
-    """(M, 6) [rad], arm side."""
-    flex_angle: Array
-    """(M, 6) [rad], arm minus motor, each axis."""
+    gear_angle: Array
+    """(M, 6) [rad], arm side: what the gears make of the motor angles, before their springs."""
+    spring_angle: Array
+    """(M, 6) [rad], wind-up of the gear springs."""
     motor_torque: Array
     """(M, 6) [N m], motor side, what the drive delivers."""
     tool_position: Array
@@ -50,13 +53,15 @@ class Truth:
     """(M, 3) [rad/s], ideal, in the IMU frame."""
     qpos: Array
     """(M, nq), MuJoCo joint positions, for replay."""
+    gear_error: GearError = EXACT
+    """Of the gears, where `gear_angle` has one."""
 
     def __post_init__(self) -> None:
         six, three = (6,), (3,)
         shapes = {
             "time": (),
-            "motor_angle": six,
-            "flex_angle": six,
+            "gear_angle": six,
+            "spring_angle": six,
             "motor_torque": six,
             "tool_position": three,
             "tool_quaternion": (4,),
@@ -65,6 +70,25 @@ class Truth:
             "qpos": np.asarray(self.qpos).shape[1:],
         }
         _freeze(self, len(self.time), shapes)
+
+    @cached_property
+    def motor_angle(self) -> Array:
+        """(M, 6) [rad], arm side."""
+        return self.gear_angle - self.gear_error(self.gear_angle)
+
+    @cached_property
+    def flex_angle(self) -> Array:
+        """(M, 6) [rad], arm minus motor, each axis."""
+        return self.spring_angle + self.gear_error(self.gear_angle)
+
+    def every(self, stride: int) -> "Truth":
+        """Every how many rows of it."""
+        rows = {
+            field.name: getattr(self, field.name)[::stride]
+            for field in fields(self)
+            if field.name != "gear_error"
+        }
+        return replace(self, **rows)
 
 
 @dataclass(frozen=True, kw_only=True)

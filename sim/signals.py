@@ -7,7 +7,7 @@ Units stand in the metadata of each column, the configuration in that of the tab
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from .atomic import atomic
+from .gear_error import EXACT
 from .instruments.laser_tracker import TrackerSamples
 from .instruments.sampling import rate_of, stride
 from .recording import Recording, Truth
@@ -154,7 +155,7 @@ def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
 def _table(run: Run, truth_rate: float) -> pa.Table:
     """One run as a table: the union of the instants of its streams."""
     recording, tracker = run.recording, run.tracker
-    truth = _decimated(recording.truth, truth_rate)
+    truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
     clocks = [recording.time, truth.time] + ([tracker.time] if tracker else [])
     time = np.unique(np.concatenate(clocks))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
@@ -194,11 +195,6 @@ def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array
     return [pa.array(column, mask=null) for column in columns]
 
 
-def _decimated(truth: Truth, rate: float) -> Truth:
-    every = stride(rate_of(truth.time), rate)
-    return Truth(**{field.name: getattr(truth, field.name)[::every] for field in fields(truth)})
-
-
 def _rates(run: Run, truth_rate: float) -> dict[str, float]:
     """[Hz], of each stream."""
     rates = {"log": rate_of(run.recording.time), "truth": truth_rate}
@@ -224,7 +220,14 @@ def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]
     }
     recording = Recording(
         time=_numbers(log, "time"),
-        truth=Truth(time=_numbers(true, "time"), **truth),
+        # The file has what the gears' error made of it: to these angles it is added already.
+        truth=Truth(
+            time=_numbers(true, "time"),
+            gear_angle=truth.pop("motor_angle"),
+            spring_angle=truth.pop("flex_angle"),
+            gear_error=EXACT,
+            **truth,
+        ),
         limits_hit=limits_hit,
         **signals,
     )

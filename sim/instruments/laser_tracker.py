@@ -8,9 +8,8 @@ lost samples are NaN and marked, never interpolated.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
-
-from kinematics.rotation import from_quaternion
 
 from . import noise
 from .sampling import rate_of, stride
@@ -164,36 +163,28 @@ class LaserTracker:
             tool_quaternion: (M, 4), base to tool.
             rng: what the noise is drawn from.
             target_axis: (3,), where the reflector looks, in tool axes. Left out, an operator has
-                turned it towards the tracker at the first sample.
+                turned it towards the tracker at the first sample. Zero raises ValueError.
 
         The offset of the reflector is taken off with the orientation of the first sample, the one
         that is programmed: the tracker does not see how the tool tilts.
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
-        R_base_tool = from_quaternion(tool_quaternion[::every])
-        offset = R_base_tool @ np.array(self.cfg.target_offset)
-        reflector = tool_position + offset
-
-        valid = self._beam_holds(reflector, R_base_tool, target_axis)
-        position = self.registration.to_base(self.read(reflector, rng)) - offset[0]
+        axis = np.zeros(3) if target_axis is None else np.array(target_axis, dtype=np.float64)
+        if target_axis is not None and not axis.any():
+            raise ValueError("target_axis must not be zero")
+        reflector, valid = _sight(
+            np.ascontiguousarray(tool_position),
+            np.ascontiguousarray(tool_quaternion[::every]),
+            np.array(self.cfg.target_offset, dtype=np.float64),
+            axis,
+            np.array(self.cfg.position, dtype=np.float64),
+            np.cos(self.cfg.acceptance_angle) - 1e-12,
+        )
+        position = self.registration.to_base(self.read(reflector, rng))
+        position -= reflector[0] - tool_position[0]
         position[~valid] = np.nan
         return TrackerSamples(time=time, position=position, valid=valid)
-
-    def _beam_holds(
-        self, reflector: Array, R_base_tool: Array, target_axis: ArrayLike | None
-    ) -> NDArray[np.bool_]:
-        """Until the reflector first leaves the cone: a lost interferometer stays lost."""
-        to_tracker = np.array(self.cfg.position) - reflector
-        to_tracker /= np.linalg.norm(to_tracker, axis=1, keepdims=True)
-        if target_axis is None:
-            axis = R_base_tool[0].T @ to_tracker[0]
-        else:
-            axis = np.asarray(target_axis, dtype=np.float64)
-            axis = axis / np.linalg.norm(axis)
-        cosine = np.einsum("ij,ij->i", R_base_tool @ axis, to_tracker)
-        inside = cosine >= np.cos(self.cfg.acceptance_angle) - 1e-12
-        return np.logical_and.accumulate(inside)
 
 
 def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
@@ -237,3 +228,65 @@ def _from_polar(distance: Array, azimuth: Array, elevation: Array) -> Array:
     return np.stack(
         [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
     )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sight(
+    tool_position: Array,
+    tool_quaternion: Array,
+    offset: Array,
+    axis: Array,
+    tracker: Array,
+    least_cosine: float,
+) -> tuple[Array, NDArray[np.bool_]]:  # pragma: no cover - compiled
+    """Where the reflector is, (K, 3) [m] in base axes, and whether the beam holds, (K,).
+
+    The beam holds until the reflector first leaves the cone: a lost interferometer stays lost.
+
+    Args:
+        axis: where the reflector looks, in tool axes; zero for straight at the tracker at first.
+    """
+    reflector = np.empty_like(tool_position)
+    holds = np.zeros(len(tool_position), dtype=np.bool_)
+    looks = (axis[0], axis[1], axis[2])
+    held = True
+    for i in range(len(tool_position)):
+        w, x, y, z = tool_quaternion[i]
+        away = _turned(w, x, y, z, (offset[0], offset[1], offset[2]))
+        for j in range(3):
+            reflector[i, j] = tool_position[i, j] + away[j]
+        beam = (
+            tracker[0] - reflector[i, 0],
+            tracker[1] - reflector[i, 1],
+            tracker[2] - reflector[i, 2],
+        )
+        if i == 0 and not axis.any():
+            looks = _turned(w, -x, -y, -z, beam)
+        sight = _turned(w, x, y, z, looks)
+        cosine = _dot(sight, beam) / np.sqrt(_dot(sight, sight) * _dot(beam, beam))
+        held = held and cosine >= least_cosine  # false for NaN too
+        holds[i] = held
+    return reflector, holds
+
+
+Vector = tuple[float, float, float]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _turned(
+    w: float, x: float, y: float, z: float, v: Vector
+) -> Vector:  # pragma: no cover - compiled
+    """A vector turned by a quaternion of any length: v + 2 r x (w v + r x v), r = (x, y, z)."""
+    a, b, c = v
+    d, e, f = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
+    twice = 2.0 / (w * w + x * x + y * y + z * z)
+    return (
+        a + twice * (y * f - z * e),
+        b + twice * (z * d - x * f),
+        c + twice * (x * e - y * d),
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _dot(a: Vector, b: Vector) -> float:  # pragma: no cover - compiled
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ilc.measures import inf_norm, two_norm
+from ilc.measures import two_norm
 
 from ..model import N_AXES
 from ..recording import Array
@@ -98,13 +98,11 @@ def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...
 def observation(situation: Situation) -> np.ndarray:
     """(50,) float32 in [-1, 1], as the table says."""
     job = situation.experiment.job
-    gear = job.model.drives.gear
-    error, correction = situation.error * gear, situation.correction * gear
     values = (
-        two_norm(error),
-        inf_norm(error),
-        *band_rms(error, LOG_PERIOD, BANDS),
-        two_norm(correction),
+        situation.two_norm,
+        situation.inf_norm,
+        *band_rms(situation.motor_error, LOG_PERIOD, BANDS),
+        two_norm(situation.correction * job.model.drives.gear),
         job.reference[0],
         np.array([situation.experiment.motion.programmed_speed]),
         np.array([float(situation.k)]),

@@ -5,8 +5,6 @@ from enum import Enum
 
 import numpy as np
 
-from ilc.measures import two_norm
-
 from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
@@ -53,7 +51,7 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
     circle.set_title(f"tool, deviation x {MAGNIFIED:g} [mm]", fontsize=9)
     k = [situation.k for situation in history]
     first = history[0].first_norm
-    norms = np.array([two_norm(situation.error) / first for situation in history])
+    norms = np.array([situation.two_norm / first for situation in history])
     for i, motor in enumerate(norms.T):
         errors.semilogy(k, motor, ".-", lw=1, label=f"motor {i + 1}")
     rms = np.array([situation.seen.rms for situation in history])

@@ -12,8 +12,6 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from ilc.measures import inf_norm, two_norm
-
 from ..cell import CELLS, Cell
 from ..model import RobotModel, load_model
 from . import observation, task
@@ -125,7 +123,6 @@ class Rules:
         motor_error_two and motor_error_inf (6,) [rad] of the motor shaft; speed [m/s] reached;
         after a step gamma, delta [samples] and cutoff [Hz], (6,) each.
         """
-        motor_error = situation.error * situation.experiment.job.model.drives.gear
         status = "done" if self.truncated(situation) else "running"
         return {
             "k": situation.k,
@@ -135,8 +132,8 @@ class Rules:
             "log_decrease": reward,
             "rms_true": float(situation.true.rms),
             "maxdev_true": float(situation.true.maxdev),
-            "motor_error_two": two_norm(motor_error),
-            "motor_error_inf": inf_norm(motor_error),
+            "motor_error_two": situation.two_norm,
+            "motor_error_inf": situation.inf_norm,
             "speed": float(situation.experiment.motion.reached_speed),
             **({} if design is None else design.arrays()),
         }

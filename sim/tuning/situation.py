@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ilc.measures import two_norm
+from ilc.measures import inf_norm, two_norm
 
 from ..arm_side import ArmSide, arm_side
 from ..cutting import Pass
@@ -30,8 +30,14 @@ class Situation:
     """u_k, (N, 6) [rad], arm side."""
     error: Array = field(repr=False)
     """e_k, (N, 6) [rad], arm side."""
+    motor_error: Array = field(repr=False)
+    """e_k of the motor shafts, (N, 6) [rad]."""
+    two_norm: Array
+    """(6,) [rad], of `motor_error`."""
+    inf_norm: Array
+    """(6,) [rad], of `motor_error`."""
     first_norm: Array
-    """(6,), 2-norms of e_0 [rad]."""
+    """(6,) [rad], `two_norm` at k = 0."""
     seen: ArmSide
     """The tool as the configured sensor has it."""
     true: ArmSide
@@ -45,15 +51,15 @@ def begin(experiment: Experiment, sensor: Sensor) -> Situation:
     correction = np.zeros_like(experiment.job.reference)
     cut = experiment.plant.run(correction)
     reading = sensor(experiment, cut)
-    return _situation(experiment, reading, 0, correction, cut, two_norm(cut.recording.error))
+    return _situation(experiment, reading, 0, correction, cut)
 
 
 def advance(situation: Situation, design: Design) -> Situation:
     """Learn once with a design and run again."""
     correction = design.law(situation.correction, situation.error)
-    experiment, first_norm = situation.experiment, situation.first_norm
+    experiment, first = situation.experiment, situation.first_norm
     cut = experiment.plant.run(correction)
-    return _situation(experiment, situation.reading, situation.k + 1, correction, cut, first_norm)
+    return _situation(experiment, situation.reading, situation.k + 1, correction, cut, first)
 
 
 def restarted(situation: Situation) -> Situation:
@@ -64,7 +70,12 @@ def restarted(situation: Situation) -> Situation:
 
 
 def _situation(
-    experiment: Experiment, reading: Reading, k: int, correction: Array, cut: Pass, first: Array
+    experiment: Experiment,
+    reading: Reading,
+    k: int,
+    correction: Array,
+    cut: Pass,
+    first: Array | None = None,
 ) -> Situation:
     truth = cut.recording.truth
     tracker_stride = round(
@@ -72,16 +83,21 @@ def _situation(
     )
     time, position = truth.time[::tracker_stride], truth.tool_position[::tracker_stride]
     error = cut.recording.error
-    diverged = not np.isfinite(error).all() or bool((two_norm(error) > DIVERGED * first).any())
+    motor_error = error * experiment.job.model.drives.gear
+    norm = two_norm(motor_error)
+    first = norm if first is None else first
     return Situation(
         experiment=experiment,
         reading=reading,
         k=k,
         correction=correction,
         error=error,
+        motor_error=motor_error,
+        two_norm=norm,
+        inf_norm=inf_norm(motor_error),
         first_norm=first,
         seen=reading(cut),
         true=arm_side(experiment.motion, time, position),
-        diverged=diverged,
+        diverged=not (np.isfinite(norm) & (norm <= DIVERGED * first)).all(),
         limits_hit=cut.recording.limits_hit,
     )

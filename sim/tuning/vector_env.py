@@ -6,8 +6,8 @@ Records differ in length with the speed: one common rollout would pad all to the
 """
 
 import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, TypeVar
 
 import numpy as np
@@ -120,26 +120,26 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if anew.any() and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
             raise RuntimeError("episodes are over: reset them with options['reset_mask']")
         designs = [None if anew[i] else self.rules.design(a) for i, a in enumerate(actions)]
-        steps = self._all(
+        same_step = self.autoreset_mode is AutoresetMode.SAME_STEP
+        observations = np.empty(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
+        rewards = np.empty(self.num_envs)
+        terminated, truncated = (np.empty(self.num_envs, dtype=bool) for _ in range(2))
+        infos: dict[str, Any] = {}
+        for i, step in self._all(
             lambda i: self._start(i) if designs[i] is None else self._advance(i, designs[i]),
             range(self.num_envs),
-        )
-        infos: dict[str, Any] = {}
-        for i, (observed, _, terminated, truncated, info) in enumerate(steps):
-            self._over[i] = terminated or truncated
-            if self._over[i] and self.autoreset_mode is AutoresetMode.SAME_STEP:
-                infos = self._add_info(infos, {"final_obs": observed, "final_info": info}, i)
-        ended: list[int] = np.flatnonzero(self._over).tolist()
-        rows = [step[0] for step in steps]
-        latest = [step[4] for step in steps]
-        if self.autoreset_mode is AutoresetMode.SAME_STEP:
-            for i, begun in zip(ended, self._all(self._start, ended), strict=True):
-                rows[i], latest[i] = begun[0], begun[4]
-            self._over[:] = False
-        for i, info in enumerate(latest):
+        ):
+            observations[i], rewards[i], terminated[i], truncated[i], info = step
+            self._over[i] = terminated[i] or truncated[i]
+            if self._over[i] and same_step:
+                info = {"final_obs": step[0], "final_info": info}
             infos = self._add_info(infos, info, i)
-        rewards, terminated, truncated = (np.array([s[n] for s in steps]) for n in (1, 2, 3))
-        return np.stack(rows), rewards, terminated, truncated, infos
+        if same_step:
+            for i, begun in self._all(self._start, np.flatnonzero(self._over).tolist()):
+                observations[i] = begun[0]
+                infos = self._add_info(infos, begun[4], i)
+            self._over[:] = False
+        return observations, rewards, terminated, truncated, infos
 
     @property
     def situations(self) -> list[Situation]:
@@ -176,10 +176,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             self.rules.info(after, design, reward),
         )
 
-    def _all(self, function: Callable[[int], Result], robots: Sequence[int]) -> list[Result]:
-        """function of each robot on the threads, longest record first; results in order."""
-        futures = {i: self._pool.submit(function, i) for i in sorted(robots, key=self._order)}
-        return [futures[i].result() for i in robots]
+    def _all(
+        self, function: Callable[[int], Result], robots: Sequence[int]
+    ) -> Iterator[tuple[int, Result]]:
+        """(i, function of robot i), on the threads, as they are done; longest record first."""
+        futures = {self._pool.submit(function, i): i for i in sorted(robots, key=self._order)}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
 
     def _order(self, i: int) -> int:
         situation = self._situations[i]

@@ -197,8 +197,8 @@ def test_idle_peaks_are_what_others_moves_do_to_a_resting_motor():
 
 def nothing_happens(time):
     shapes = {
-        "motor_angle": 6,
-        "flex_angle": 6,
+        "gear_angle": 6,
+        "spring_angle": 6,
         "motor_torque": 6,
         "tool_position": 3,
         "tool_quaternion": 4,

@@ -61,8 +61,8 @@ def a_run(k, motion, phi, excess):
     tool = motion.plane.origin + p * (1 + excess / RADIUS) + [1e-3, 0.0, -1e-3]
     truth = Truth(
         time=time,
-        motor_angle=angle,
-        flex_angle=np.zeros_like(angle),
+        gear_angle=angle,
+        spring_angle=np.zeros_like(angle),
         motor_torque=np.zeros_like(angle),
         tool_position=tool,
         tool_quaternion=np.tile(TOOL_QUATERNION, (len(time), 1)),

@@ -7,6 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from sim.gear_error import GearError
 from sim.instruments import TrackerSamples
 from sim.recording import Recording, Truth
 from sim.signals import Run, read_signals, write_signals
@@ -22,8 +23,8 @@ def a_recording(rng, n_log=100, step=5e-4):
 
     truth = Truth(
         time=np.arange(n_true) * step,
-        motor_angle=draw(n_true, 6),
-        flex_angle=draw(n_true, 6),
+        gear_angle=draw(n_true, 6),
+        spring_angle=draw(n_true, 6),
         motor_torque=draw(n_true, 6),
         tool_position=draw(n_true, 3),
         tool_quaternion=draw(n_true, 4),
@@ -61,7 +62,7 @@ def assert_same_bits(a, b):
         if isinstance(x, np.ndarray):
             assert x.dtype == y.dtype, field.name
             assert x.tobytes() == y.tobytes(), field.name
-        elif field.name != "truth":
+        elif field.name not in ("truth", "gear_error"):
             assert x == y, field.name
 
 
@@ -75,8 +76,25 @@ def test_every_array_is_read_back_bit_for_bit(tmp_path):
         assert_same_bits(wrote.recording, read.recording)
         assert_same_bits(wrote.tracker, read.tracker)
         truth = wrote.recording.truth
-        at_1000_hz = Truth(**{f.name: getattr(truth, f.name)[::2] for f in fields(truth)})
+        arrays = [f.name for f in fields(truth) if f.name != "gear_error"]
+        at_1000_hz = Truth(**{name: getattr(truth, name)[::2] for name in arrays})
         assert_same_bits(at_1000_hz, read.recording.truth)
+
+
+def test_motor_angles_are_kept_as_the_gears_error_made_them(tmp_path):
+    (run,) = some_runs(1)
+    ones = np.ones((6, 1))
+    gear_error = GearError(amplitude=1e-4 * ones, order=100 * ones, phase=ones)
+    truth = replace(run.recording.truth, gear_error=gear_error)
+    run = replace(run, recording=replace(run.recording, truth=truth))
+    write_signals(tmp_path / "s.parquet", [run], config={}, seed=1, truth_rate=2000.0)
+    read = read_signals(tmp_path / "s.parquet").runs[0].recording.truth
+    angle = truth.gear_angle
+    assert read.motor_angle == pytest.approx(angle - 1e-4 * np.sin(100 * angle + 1), abs=1e-12)
+    assert np.array_equal(read.motor_angle, truth.motor_angle)
+    assert np.array_equal(read.flex_angle, truth.flex_angle)
+    whole = truth.gear_angle + truth.spring_angle
+    assert read.motor_angle + read.flex_angle == pytest.approx(whole, abs=1e-12)
 
 
 def test_the_whole_truth_can_be_kept(tmp_path):
