@@ -42,16 +42,6 @@ def shots(scene: Scene) -> list[Shot]:
     return [Shot(run, Contour(run, scene.motion, robot)) for run in scene.runs]
 
 
-def drawn_model(mj: mujoco.MjModel, source: Path) -> mujoco.MjModel:
-    """The robot on its floor where a scene of it lies beside its file, or the model itself."""
-    file = source.with_name(f"{source.stem}_scene.xml")
-    if file.is_file():
-        scene = mujoco.MjModel.from_xml_path(str(file))
-        if scene.nq == mj.nq:
-            return scene
-    return mj
-
-
 def picture(file: Path, mj: mujoco.MjModel, taken: Sequence[Shot], factor: float | None) -> None:
     """One picture: the robot as it starts to cut, the tool's first and last path beside it."""
     with Offscreen(mj, WIDTH, HEIGHT) as camera:

@@ -110,9 +110,7 @@ def robots(file: Path, seed: int) -> None:
     import mujoco
 
     from sim.cell import CELLS
-    from sim.offscreen import Offscreen, named_camera
-
-    from .film import drawn_model
+    from sim.offscreen import Offscreen, drawn_model, named_camera
 
     images = []
     for cell in CELLS.values():

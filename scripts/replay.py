@@ -194,13 +194,13 @@ def _show(file: Path, cfg: ReplayCfg) -> None:
 
 def _draw(run: StoredRun, cfg: ReplayCfg, report: Report) -> list[Path]:
     """Picture and film; returns what was written."""
-    from sim.offscreen import NoGraphicsError
+    from sim.offscreen import NoGraphicsError, drawn_model
 
     from . import film
 
     with checking_input():
         mj, source, taken = _shots(run)
-    drawn = film.drawn_model(mj, source)
+    drawn = drawn_model(mj, source)
     try:
         if cfg.png is not None:
             film.picture(cfg.png, drawn, taken, cfg.magnification)

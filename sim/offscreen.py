@@ -1,6 +1,7 @@
 """Pictures of a model without a window, by MuJoCo's own renderer on EGL or OSMesa."""
 
 import os
+from pathlib import Path
 from types import TracebackType
 
 import mujoco
@@ -59,6 +60,16 @@ class Offscreen:
         image = np.empty((self._rect.height, self._rect.width, 3), dtype=np.uint8)
         mujoco.mjr_readPixels(image, None, self._rect, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         return image[::-1]
+
+
+def drawn_model(mj: mujoco.MjModel, source: Path) -> mujoco.MjModel:
+    """The robot on its floor where a scene of it lies beside its file, or the model itself."""
+    file = source.with_name(f"{source.stem}_scene.xml")
+    if file.is_file():
+        scene = mujoco.MjModel.from_xml_path(str(file))
+        if scene.nq == mj.nq:
+            return scene
+    return mj
 
 
 def named_camera(mj: mujoco.MjModel, name: str) -> mujoco.MjvCamera:

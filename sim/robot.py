@@ -49,7 +49,8 @@ class VirtualRobot:
             reference: (N, 6) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
             motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
 
-        Raises ValueError for a wrong shape, values that are not finite, or brakes the robot lacks.
+        Raises ValueError for a wrong shape, values that are not finite, brakes the robot lacks, or
+        a load at the tool that its drives cannot hold.
         """
         reference = checked_signal(reference, "reference")
         model, drives = self.model, self.model.drives
@@ -62,6 +63,7 @@ class VirtualRobot:
             hinge_speed += model.gear_error.rate(position, velocity)
             position = position + model.gear_error(position)
         start = statics.equilibrium(position[0])
+        _check_holds(model, start.holding_torque)
         torque += start.holding_torque - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
@@ -99,6 +101,17 @@ class VirtualRobot:
         if drives.friction_feedforward > 0.0:
             torque += friction_torque(drives, velocity)
         return drives.torque_feedforward * torque
+
+
+def _check_holds(model: RobotModel, torque: Array) -> None:
+    """torque: (6,) [N m], arm side, at rest."""
+    limit = np.abs(model.drives.gear) * model.drives.torque_limit
+    axis = int((np.abs(torque) / limit).argmax())
+    if not abs(torque[axis]) < limit[axis]:
+        raise ValueError(
+            f"the robot cannot carry its load: at rest axis {axis + 1} would have to hold "
+            f"{abs(torque[axis]):.0f} N m, and its drive holds {limit[axis]:.0f} N m"
+        )
 
 
 def _initial_state(mj: mujoco.MjModel, qpos: Array) -> Array:

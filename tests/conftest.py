@@ -1,4 +1,4 @@
-"""Shared by all tests: programs that a bare machine may lack."""
+"""Shared by all tests: programs and graphics that a bare machine may lack."""
 
 import os
 import shutil
@@ -24,3 +24,19 @@ def require_program():
         pytest.skip(message)
 
     return require
+
+
+@pytest.fixture
+def graphics():
+    """Skips the test, or fails it under ARMSIDE_CI, where OpenGL does not draw."""
+    import mujoco
+
+    from sim.offscreen import NoGraphicsError, Offscreen
+
+    try:
+        with Offscreen(mujoco.MjModel.from_xml_string("<mujoco/>"), 8, 8):
+            pass
+    except NoGraphicsError as error:
+        if os.environ.get("ARMSIDE_CI"):
+            pytest.fail(str(error))
+        pytest.skip("needs the library libEGL")

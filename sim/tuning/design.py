@@ -43,7 +43,7 @@ class Variable:
     scale: Scale
 
     def physical(self, normalised: Array) -> Array:
-        """From [-1, 1] to [low, high]."""
+        """From [-1, 1] to [low, high], any shape."""
         part = 0.5 * (np.asarray(normalised, dtype=np.float64) + 1.0)
         if self.scale is Scale.LOGARITHMIC:
             # Clipped: the power of a ratio may miss the end of the range by a rounding error.
@@ -53,7 +53,7 @@ class Variable:
         return np.rint(value) if self.scale is Scale.WHOLE else value
 
     def normalised(self, physical: Array) -> Array:
-        """From [low, high] to [-1, 1]. Raises ValueError outside."""
+        """From [low, high] to [-1, 1], any shape. Raises ValueError outside."""
         value = np.asarray(physical, dtype=np.float64)
         if not ((value >= self.low) & (value <= self.high)).all():
             raise ValueError(
@@ -120,8 +120,11 @@ def design_of(action: ArrayLike, motors: Motors) -> Design:
     Raises:
         ValueError: wrong shape, NaN or outside of [-1, 1]; the message names the first bad value.
     """
-    values = np.asarray(action, dtype=np.float64)
     expected = (len(VARIABLES) * motors.count,)
+    try:
+        values = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"an action must be {expected[0]} numbers, got {action!r}") from None
     if values.shape != expected:
         raise ValueError(f"an action must have shape {expected}, got {values.shape}")
     wrong = ~((values >= -1.0) & (values <= 1.0))  # true for NaN too

@@ -38,7 +38,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             robot: large or irb1400.
             motors: shared, one design for all motors, or each.
             reward: the sensor that the reward is computed from: tracker, estimate or motor.
-            iterations: learning iterations of an episode.
+            iterations: learning iterations of an episode, 1 to 10.
             sealed: take the sealed test seeds, and only those.
             render_mode: rgb_array or None.
             picture: drawing (circle and errors, no GL needed) or mujoco (the robot).
@@ -61,10 +61,15 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Draw a task, or take from `options` what they give, and run once without learning.
 
-        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` (mass of the tool,
-        [kg]) and `individual` (a seed).
+        options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass
+        of the tool, [kg]) and `individual` (a seed).
 
-        Raises ValueError for options that do not exist or cannot be done.
+        Returns:
+            observation (50,) float32, and info of `sim.tuning.rules`.
+
+        Raises:
+            ValueError: options that do not exist, out of reach (`kinematics.UnreachableError`) or
+                more than the robot can carry; a seed that is sealed, or that has to be.
         """
         self.rules.check_seed(seed)
         super().reset(seed=seed)
@@ -73,7 +78,19 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return self.rules.observe(situation), self.rules.info(situation, None, 0.0)
 
     def step(self, action: np.ndarray) -> Step:
-        """Learn once and run. Raises ValueError for an action outside of its space or NaN."""
+        """Learn once and run.
+
+        Args:
+            action: (3,) or (18,), in [-1, 1].
+
+        Returns:
+            observation (50,) float32, reward, diverged, budget used up, and info.
+
+        Raises:
+            ValueError: an action of the wrong shape, outside of its space or NaN; the episode goes
+                on as if it had not been given.
+            RuntimeError: before `reset`, or after the episode is over.
+        """
         design = self.rules.design(action)
         before = self._now
         if before.diverged or self.rules.truncated(before):
@@ -90,12 +107,17 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         )
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
-        """(height, width, 3) uint8 of the episode so far; None without a render mode."""
+        """(320, 640, 3) uint8 of the episode so far; None without a render mode.
+
+        Raises:
+            RuntimeError: before `reset`; `sim.offscreen.NoGraphicsError`, one of it, where
+                picture="mujoco" finds no OpenGL.
+        """
         if self.render_mode is None:
             return None
         if not self._history:
             raise RuntimeError("there is nothing to draw yet: call reset first")
-        return self.picture.draw(self._history)
+        return self.picture.draw(self._history, self.rules.cell.xml)
 
     @property
     def _now(self) -> Situation:

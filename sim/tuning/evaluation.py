@@ -11,7 +11,7 @@ from .design import Design, Motors, action_of
 from .rules import Rules
 
 Policy = Callable[[np.ndarray], np.ndarray]
-"""From an observation (50,) to an action."""
+"""From an observation (50,) to an action, (3,) or (18,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,10 @@ class Episode:
 
 
 def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
-    """The episode of `reset(seed=seed)`, with the policy's actions."""
+    """The episode of `reset(seed=seed)`, with the policy's actions.
+
+    Raises ValueError for a seed that is sealed, or has to be, and for an action out of range.
+    """
     rules.check_seed(seed)
     situation = rules.begin(rules.draw(np.random.default_rng(seed)))
     runs = [situation]
@@ -51,12 +54,15 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
 def evaluate(
     rules: Rules, seeds: Sequence[int], policy: Policy, *, threads: int = 1
 ) -> Iterator[Episode]:
-    """The episodes of these seeds, in their order."""
+    """The episodes of these seeds, in their order. Raises as `run_episode` does."""
     with ThreadPoolExecutor(threads) as pool:
         yield from pool.map(lambda seed: run_episode(rules, seed, policy), seeds)
 
 
 def always(design: Design, motors: Motors) -> Policy:
-    """The policy that takes the same design in each iteration."""
+    """The policy that takes the same design in each iteration.
+
+    Raises ValueError for a design outside of the ranges, or of six motors where they share one.
+    """
     action = action_of(design, motors)
     return lambda observed: action

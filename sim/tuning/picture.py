@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 from enum import Enum
+from pathlib import Path
 
 import numpy as np
 
 from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
-MAGNIFIED = 20.0
-"""Deviation from the programmed circle."""
+MAGNIFICATIONS = (20.0, 10.0, 5.0, 2.0)
+"""Of the deviation from the programmed circle: the largest that leaves its shape to be seen."""
+LARGEST_SHOWN = 0.6
+"""Of the radius."""
 
 
 class Picture(Enum):
@@ -18,11 +21,14 @@ class Picture(Enum):
     DRAWING = "drawing"
     """Circle and errors over the iterations."""
     MUJOCO = "mujoco"
-    """The robot where its run starts; needs GL."""
+    """The robot where its run starts; needs OpenGL, in software or hardware."""
 
-    def draw(self, history: Sequence[Situation]) -> np.ndarray:
-        """(height, width, 3) uint8."""
-        return _robot(history[-1]) if self is Picture.MUJOCO else _drawing(history)
+    def draw(self, history: Sequence[Situation], xml: Path) -> np.ndarray:
+        """(height, width, 3) uint8; xml: the robot's file.
+
+        Raises NoGraphicsError where MuJoCo cannot draw.
+        """
+        return _robot(history[-1], xml) if self is Picture.MUJOCO else _drawing(history)
 
     @classmethod
     def _missing_(cls, value: object) -> None:
@@ -39,16 +45,17 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
     canvas = FigureCanvasAgg(figure)
     circle, errors = figure.subplots(1, 2)
     radius = history[0].experiment.task.curve.smallest_radius
+    factor = magnification(history, radius)
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)
     for situation in history:
         path = situation.seen.path
         distance = np.hypot(*path.T)
-        shown = path * (1.0 + (MAGNIFIED - 1.0) * (1.0 - radius / distance))[:, None]
+        shown = path * (1.0 + (factor - 1.0) * (1.0 - radius / distance))[:, None]
         newest = situation is history[-1]
         circle.plot(*(1e3 * shown.T), lw=1.5 if newest else 0.7, color="C3" if newest else "0.7")
     circle.set_aspect("equal")
-    circle.set_title(f"tool, deviation x {MAGNIFIED:g} [mm]", fontsize=9)
+    circle.set_title(f"tool, deviation x {factor:g} [mm]", fontsize=9)
     k = [situation.k for situation in history]
     first = history[0].first_norm
     norms = np.array([situation.two_norm / first for situation in history])
@@ -57,7 +64,9 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
     rms = np.array([situation.seen.rms for situation in history])
     errors.semilogy(k, rms / rms[0], "k.-", lw=2, label="tool RMS")
     errors.set_title("errors over those at k = 0", fontsize=9)
-    errors.set_xlabel("k", fontsize=8)
+    errors.set_xlabel("iteration k", fontsize=8)
+    errors.set_xticks(k)
+    errors.set_xlim(-0.2, max(k[-1], 1) + 0.2)
     errors.legend(fontsize=6)
     for axes in (circle, errors):
         axes.tick_params(labelsize=7)
@@ -65,15 +74,22 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
 
-def _robot(situation: Situation) -> np.ndarray:
+def magnification(history: Sequence[Situation], radius: float) -> float:
+    """That of the deviations from a circle of `radius` [m], as the sensor saw them."""
+    largest = max(np.nan_to_num(situation.seen.maxdev) for situation in history)
+    fitting = (m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius)
+    return next(fitting, 1.0)
+
+
+def _robot(situation: Situation, xml: Path) -> np.ndarray:
     import mujoco
 
+    from ..offscreen import Offscreen, drawn_model, named_camera
+
     job = situation.experiment.job
-    data = mujoco.MjData(job.model.mj)
-    mujoco.mj_setState(
-        job.model.mj, data, job.initial_state, int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    )
-    mujoco.mj_forward(job.model.mj, data)
-    with mujoco.Renderer(job.model.mj, HEIGHT, WIDTH) as renderer:
-        renderer.update_scene(data)
-        return renderer.render()
+    mj = drawn_model(job.model.mj, xml)
+    data = mujoco.MjData(mj)
+    data.qpos[:] = job.initial_state[1 : 1 + mj.nq]
+    mujoco.mj_forward(mj, data)
+    with Offscreen(mj, WIDTH, HEIGHT) as camera:
+        return camera.draw(data, named_camera(mj, "whole"))

@@ -40,8 +40,10 @@ class Rules:
         _one_of("robot", self.robot, CELLS)
         _one_of("motors", self.motors, [m.value for m in Motors])
         _one_of("reward", self.reward, [s.value for s in Sees])
-        if not 1 <= self.iterations <= 10:
-            raise ValueError(f"iterations must be in 1 .. 10, got {self.iterations}")
+        if not (isinstance(self.iterations, int) and 1 <= self.iterations <= 10):
+            raise ValueError(f"iterations must be in 1 .. 10, got {self.iterations!r}")
+        if not isinstance(self.sealed, bool):
+            raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
         object.__setattr__(self, "_nominal", load_model(self.cell.xml))
         object.__setattr__(self, "_sensor", Sees(self.reward).sensor(self.robot))
 

@@ -29,6 +29,8 @@ POSE_SPREAD = 0.050
 """[m]"""
 SPEEDS = (0.020, 0.060)
 """[m/s]"""
+SLOWEST, FASTEST = 0.001, 0.1
+"""[m/s], that may be asked for: thesis 9.3.1 goes no further than 100 mm/s."""
 PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
 """[kg], by robot; a robot that is not here keeps the tool of its model."""
 RADIUS = 0.005
@@ -59,12 +61,14 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
     The draws do not depend on the options: fixing the speed leaves the pose of a seed.
 
     Args:
-        options: any of `pose` (a name or a ToolPose), `speed` [m/s], `payload` (mass of the tool,
-            [kg]) and `individual` (a seed).
+        options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass
+            of the tool, [kg]) and `individual` (a seed).
 
     Raises:
         ValueError: an option that does not exist or is out of range.
     """
+    if not isinstance(options, Mapping | None):
+        raise ValueError(f"options of reset must be a dict, got {options!r}")
     options = dict(options or {})
     unknown = [name for name in options if name not in OPTIONS]
     if unknown:
@@ -91,15 +95,18 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
             raise ValueError(f"pose must be a name or a ToolPose, got {value!r}")
         return value
     if name == "individual":
-        if not isinstance(value, (int, np.integer)) or value < 0:
+        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 0:
             raise ValueError(f"individual must be a seed, a whole number >= 0, got {value!r}")
         return int(value)
     if name == "payload" and value is None:
         return None
-    low = 0.0 if name == "payload" else 1e-3
-    if not isinstance(value, (int, float, np.number)) or not low <= value < np.inf:
-        unit = "kg" if name == "payload" else "m/s"
-        raise ValueError(f"{name} must be a number >= {low:g} {unit}, got {value!r}")
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if name == "payload" and not (number and 0.0 <= value < np.inf):
+        raise ValueError(f"payload must be a number >= 0 kg, got {value!r}")
+    if name == "speed" and not (number and SLOWEST <= value <= FASTEST):
+        raise ValueError(
+            f"speed must be a number from {SLOWEST:g} to {FASTEST:g} m/s, got {value!r}"
+        )
     return float(value)
 
 
@@ -111,7 +118,8 @@ def experiment(
     imu: the kind of unit at the tool.
 
     Raises:
-        ValueError: the task leaves the joint limits or the reach, or the robot cannot carry it.
+        ValueError: the task leaves the joint limits or the reach, or the robot cannot carry its
+            load.
     """
     if task.payload is not None:
         nominal = with_payload(nominal, task.payload)

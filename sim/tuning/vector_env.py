@@ -6,7 +6,7 @@ Records differ in length with the speed: one common rollout would pad all to the
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from .design import Design
 from .env import Step
 from .rules import Rules
 from .situation import Situation
@@ -28,6 +29,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     `gymnasium.make_vec(..., vectorization_mode="vector_entry_point")` makes it. Episodes that are
     over start again by themselves, at the next step as Gymnasium does by default, or as
     `autoreset_mode` says.
+
+    Observations (num_envs, 50) float32, actions (num_envs, 3) or (num_envs, 18) float32, rewards
+    (num_envs,) float64, ends (num_envs,) bool.
     """
 
     def __init__(
@@ -46,7 +50,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """
         Args:
             threads: robots that run at the same time; all cores if None.
-            autoreset_mode: NextStep, SameStep or Disabled.
+            autoreset_mode: NextStep, SameStep or Disabled; sealed episodes, whose seeds are given,
+                need Disabled.
 
         The others are those of the single env. Raises ValueError as it does.
         """
@@ -62,6 +67,10 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.num_envs = num_envs
         self.render_mode = None
         self.autoreset_mode = AutoresetMode(autoreset_mode)
+        if sealed and self.autoreset_mode is not AutoresetMode.DISABLED:
+            raise ValueError(
+                "a sealed env cannot start episodes by itself: give autoreset_mode='Disabled'"
+            )
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.single_action_space = self.rules.action_space
         self.single_observation_space = self.rules.observation_space
@@ -82,8 +91,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
         seed: of the first robot, the others count up from it, or one for each. Other options are
         those of the single env and hold for all robots.
+
+        Raises ValueError as the single env does, and for seeds or a mask that do not fit.
         """
         seeds = self._seeds(seed)
+        if not isinstance(options, Mapping | None):
+            raise ValueError(f"options of reset must be a dict, got {options!r}")
         options = dict(options or {})
         mask = self._mask(options.pop("reset_mask", None))
         chosen: list[int] = np.flatnonzero(mask).tolist()
@@ -92,11 +105,10 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         for i in chosen:
             if seeds[i] is not None or self._rngs[i] is None:
                 self._rngs[i], _ = np_random(seeds[i])
-        tasks = [self.rules.draw(self._rng(i), options) for i in chosen]
-        began = list(self._pool.map(self.rules.begin, tasks))
+        tasks = {i: self.rules.draw(self._rng(i), options) for i in chosen}
         observations = np.zeros(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         infos: dict[str, Any] = {}
-        for i, situation in zip(chosen, began, strict=True):
+        for i, situation in self._all(lambda i: self.rules.begin(tasks[i]), chosen):
             self._situations[i] = situation
             self._over[i] = False
             infos = self._add_info(infos, self.rules.info(situation, None, 0.0), i)
@@ -108,7 +120,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def step(
         self, actions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """One iteration of each robot, in parallel. Raises ValueError as the single env does."""
+        """One iteration of each robot, in parallel.
+
+        Raises:
+            ValueError: as the single env does, with the number of the robot.
+            RuntimeError: before `reset`; or without autoreset, while episodes are over.
+        """
         actions = np.asarray(actions)
         if actions.shape != self.action_space.shape:
             raise ValueError(
@@ -119,16 +136,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         anew = self._over.copy()
         if anew.any() and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
             raise RuntimeError("episodes are over: reset them with options['reset_mask']")
-        designs = [None if anew[i] else self.rules.design(a) for i, a in enumerate(actions)]
+        designs = [None if anew[i] else self._design(i, a) for i, a in enumerate(actions)]
         same_step = self.autoreset_mode is AutoresetMode.SAME_STEP
         observations = np.empty(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         rewards = np.empty(self.num_envs)
         terminated, truncated = (np.empty(self.num_envs, dtype=bool) for _ in range(2))
         infos: dict[str, Any] = {}
-        for i, step in self._all(
-            lambda i: self._start(i) if designs[i] is None else self._advance(i, designs[i]),
-            range(self.num_envs),
-        ):
+        for i, step in self._all(lambda i: self._next(i, designs[i]), range(self.num_envs)):
             observations[i], rewards[i], terminated[i], truncated[i], info = step
             self._over[i] = terminated[i] or truncated[i]
             if self._over[i] and same_step:
@@ -155,6 +169,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Stop the threads."""
         self._pool.shutdown()
 
+    def _design(self, i: int, action: np.ndarray) -> Design:
+        try:
+            return self.rules.design(action)
+        except ValueError as error:
+            raise ValueError(f"robot {i}: {error}") from None
+
     def _start(self, i: int) -> Step:
         """A new episode of robot i, as the step that follows the end of one."""
         situation = self.rules.begin(self.rules.draw(self._rng(i)))
@@ -162,7 +182,10 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         info = self.rules.info(situation, None, 0.0)
         return self.rules.observe(situation), 0.0, False, False, info
 
-    def _advance(self, i: int, design: Any) -> Step:
+    def _next(self, i: int, design: Design | None) -> Step:
+        """One iteration of robot i; without a design, a new episode."""
+        if design is None:
+            return self._start(i)
         before = self._situations[i]
         assert before is not None
         after = self.rules.advance(before, design)
@@ -180,6 +203,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self, function: Callable[[int], Result], robots: Sequence[int]
     ) -> Iterator[tuple[int, Result]]:
         """(i, function of robot i), on the threads, as they are done; longest record first."""
+        if self.closed:
+            raise RuntimeError("this env is closed")
         futures = {self._pool.submit(function, i): i for i in sorted(robots, key=self._order)}
         for future in as_completed(futures):
             yield futures[future], future.result()
@@ -198,6 +223,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             return [None] * self.num_envs
         if isinstance(seed, (int, np.integer)):
             return [int(seed) + i for i in range(self.num_envs)]
+        if not isinstance(seed, Sequence | np.ndarray):
+            raise ValueError(f"seed must be a whole number or one for each robot, got {seed!r}")
         if len(seed) != self.num_envs:
             raise ValueError(f"{self.num_envs} robots need as many seeds, got {len(seed)}")
         return list(seed)

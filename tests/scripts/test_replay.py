@@ -19,7 +19,6 @@ from PIL import Image
 
 from scripts import cli, web_viewer
 from scripts.replay_scene import about, learning
-from sim.offscreen import NoGraphicsError, Offscreen
 
 
 @pytest.fixture(scope="module")
@@ -232,20 +231,6 @@ def test_chromium_shows_robot_and_plots_and_asks_nobody_else(viewer, require_pro
 
 
 # Pictures without a window
-
-
-@pytest.fixture
-def graphics():
-    import mujoco
-
-    mj = mujoco.MjModel.from_xml_string("<mujoco/>")
-    try:
-        with Offscreen(mj, 8, 8):
-            pass
-    except NoGraphicsError as error:
-        if os.environ.get("ARMSIDE_CI"):
-            pytest.fail(str(error))
-        pytest.skip("needs the library libEGL")
 
 
 def test_a_picture_shows_the_robot_and_its_path(run, tmp_path, graphics):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -11,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 import sim
 from sim.tuning.design import THESIS, Motors, action_of
 from sim.tuning.evaluation import always, run_episode
+from sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
 from sim.tuning.rules import WORST_REWARD, Rules
 from sim.tuning.task import TEST_SEEDS
 
@@ -94,8 +96,6 @@ def test_the_estimate_sees_the_tool_far_better_than_the_motors_do(quick):
 
 def test_the_observation_knows_nothing_of_the_tool(quick):
     """Two robots whose tools differ and whose motors do not look alike to a policy."""
-    from dataclasses import replace
-
     rules = Rules()
     now = rules.begin(rules.draw(np.random.default_rng(0), quick))
     worse = replace(now, seen=replace(now.seen, rms=1.0), true=replace(now.true, rms=1.0))
@@ -148,11 +148,11 @@ def test_evaluation_runs_the_episodes_of_the_env(env):
     assert episode.rms_true.tolist() == rms
 
 
-@pytest.mark.parametrize("action", [[0.0, 1.5, 0.0], [0.0, np.nan, 0.0], [0.0]])
+@pytest.mark.parametrize("action", [[0.0, 1.5, 0.0], [0.0, np.nan, 0.0], [0.0], "abc"])
 def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, quick, action):
     env.reset(seed=0, options=quick)
     with pytest.raises(ValueError, match="an action must"):
-        env.unwrapped.step(np.array(action, np.float32))
+        env.unwrapped.step(action)
     assert env.step(ACTION)[4]["k"] == 1
 
 
@@ -164,6 +164,9 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
         ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, estimate, motor"),
         ({"reward": "estimate", "robot": "irb1400"}, "needs an open chain"),
         ({"iterations": 0}, "iterations must be in 1 .. 10, got 0"),
+        ({"iterations": 2.5}, "iterations must be in 1 .. 10, got 2.5"),
+        ({"iterations": "5"}, "iterations must be in 1 .. 10, got '5'"),
+        ({"sealed": "no"}, "sealed must be True or False, got 'no'"),
         ({"render_mode": "human"}, "Unknown render_mode 'human'"),
         ({"picture": "oil"}, "Unknown picture 'oil'. It can be: drawing, mujoco"),
     ],
@@ -203,3 +206,25 @@ def test_the_picture_is_drawn_without_gl_and_changes_with_the_run(quick, monkeyp
     assert before.shape == after.shape == (320, 640, 3)
     assert before.dtype == np.uint8
     assert not np.array_equal(before, after)
+
+
+def test_the_drawing_magnifies_no_more_than_the_circle_bears():
+    """A path beyond its own centre would be drawn on the other side."""
+    env = gymnasium.make(ID, render_mode="rgb_array")
+    env.reset(seed=0)
+    history = env.unwrapped._history
+    radius = history[0].experiment.task.curve.smallest_radius
+    factor = magnification(history, radius)
+    assert factor * history[0].seen.maxdev <= LARGEST_SHOWN * radius
+    assert factor in MAGNIFICATIONS
+    lost = replace(history[0], seen=replace(history[0].seen, maxdev=np.nan))
+    assert magnification([lost], radius) == MAGNIFICATIONS[0]
+
+
+def test_mujoco_draws_the_robot(quick, graphics):
+    env = gymnasium.make(ID, render_mode="rgb_array", picture="mujoco")
+    env.reset(seed=0, options=quick)
+    drawn = env.render().astype(int)
+    assert drawn.shape == (320, 640, 3)
+    red, green, blue = np.moveaxis(drawn, -1, 0)
+    assert ((red > green + 50) & (green > blue)).sum() > 1000  # the arm is orange

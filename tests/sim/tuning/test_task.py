@@ -69,14 +69,30 @@ def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what
     ("options", "message"),
     [
         ({"sped": 0.04}, "Unknown option 'sped' of reset. Options: pose, speed, payload, indiv"),
-        ({"speed": -1.0}, "speed must be a number >= 0.001 m/s"),
+        ({"speed": -1.0}, "speed must be a number from 0.001 to 0.1 m/s, got -1.0"),
+        ({"speed": 40}, "speed must be a number from 0.001 to 0.1 m/s, got 40"),
+        ({"speed": True}, "speed must be"),
         ({"speed": np.nan}, "speed must be"),
         ({"payload": "heavy"}, "payload must be a number >= 0 kg, got 'heavy'"),
         ({"pose": "p9"}, "Unknown pose 'p9'"),
         ({"pose": 3}, "a name or a ToolPose"),
         ({"individual": 1.5}, "individual must be a seed"),
+        ({"individual": True}, "individual must be a seed"),
     ],
 )
 def test_options_that_do_not_exist_or_make_no_sense_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         _drawn(n=1, **options)
+
+
+def test_a_load_that_the_drives_cannot_hold_is_refused():
+    cell = CELLS["large"]
+    nominal = load_model(cell.xml)
+    heavy = draw("large", np.random.default_rng(1), {"payload": 500.0, "pose": "p1"})
+    with pytest.raises(ValueError, match=r"cannot carry its load: at rest axis \d would have to"):
+        task.experiment(cell, nominal, heavy)
+
+
+def test_options_that_are_no_mapping_are_refused():
+    with pytest.raises(ValueError, match="options of reset must be a dict, got"):
+        draw("large", np.random.default_rng(0), [1])

@@ -80,7 +80,17 @@ def test_bad_input_is_one_clear_error(quick):
     with pytest.raises(ValueError, match="reset_mask must be 2 booleans"):
         cells.reset(seed=0, options={"reset_mask": np.array([False, False])})
     cells.reset(seed=0, options=quick)
-    with pytest.raises(ValueError, match="got nan at index 1"):
+    with pytest.raises(ValueError, match=r"robot 1: an action must .* got nan at index 1"):
         cells.step(np.array([[0, 0, 0], [0, np.nan, 0]], np.float32))
     with pytest.raises(ValueError, match="actions must have shape"):
         cells.step(np.zeros((3, 3), np.float32))
+    for bad in (1.5, "one"):
+        with pytest.raises(ValueError, match=r"seed must be|as many seeds"):
+            cells.reset(seed=bad)
+    with pytest.raises(ValueError, match="options of reset must be a dict"):
+        cells.reset(options=[1])
+    with pytest.raises(ValueError, match="a sealed env cannot start episodes by itself"):
+        IlcTuningVectorEnv(2, sealed=True)
+    cells.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        cells.step(np.zeros((2, 3), np.float32))
