@@ -23,7 +23,7 @@ from .run_folder import RUNS, write_whole
 from .store import Store
 from .summary import dumps, summary
 
-TITLE = "The experiments of the thesis, on virtual robots"
+TITLE = "The thesis made again: an IMU on a robot, learning on a joint and on a robot"
 DRAWING = 1.5
 """What drawing a section counts in the progress, beside the cost of jobs."""
 
@@ -41,6 +41,25 @@ class Entry(NamedTuple):
 
 
 ENTRIES = (
+    Entry("5.2", ("E02",), "5", "scripts.chapter5:rest"),
+    Entry("5.3", ("E01",), "5", "scripts.chapter5:mounting"),
+    Entry("synchronisation", ("E04",), "5", "scripts.chapter5:synchronisation"),
+    Entry("5.4", ("E05",), "5", "scripts.chapter5:sequential"),
+    Entry("5.5", ("E03", "E06", "5.6"), "5", "scripts.chapter5:simultaneous"),
+    Entry("5.7", ("E07",), "5", "scripts.chapter5:position"),
+    Entry("5.8", ("E08",), "5", "scripts.chapter5:angular_velocity"),
+    Entry("5.9", ("E09",), "5", "scripts.chapter5:acceleration"),
+    Entry("5.10", ("E10",), "5", "scripts.chapter5:error_along"),
+    Entry("8.3", ("S01",), "8", "scripts.chapter8:joint"),
+    Entry("8.4", ("S02",), "8", "scripts.chapter8:reference"),
+    Entry("8.5", ("S02",), "8", "scripts.chapter8:tracking"),
+    Entry("8.6", ("S03",), "8", "scripts.chapter8:criterion"),
+    Entry("8.7", ("S04",), "8", "scripts.chapter8:admissible_gain"),
+    Entry("8.8", ("S05",), "8", "scripts.chapter8:learning_curves"),
+    Entry("8.9", ("S06",), "8", "scripts.chapter8:motor_signals"),
+    Entry("8.10", ("S06",), "8", "scripts.chapter8:arm_signals"),
+    Entry("8.11", ("S06",), "8", "scripts.chapter8:model_error"),
+    Entry("8.12", ("S06",), "8", "scripts.chapter8:arm_signals_with_error"),
     Entry("9.5", ("X04",), "9", "scripts.chapter9.sections:by_position"),
     Entry("9.6", ("X04",), "9", "scripts.chapter9.sections:by_velocity"),
     Entry("repeatability", ("X05", "9.10"), "9", "scripts.chapter9.sections:repeatability"),
@@ -81,7 +100,9 @@ class ReportOptions(Common):
 
 Ids = Annotated[
     str,
-    Parameter(help="Chapters (9), figures (9.5) or rows of the map (X05) [default: all chapters]."),
+    Parameter(
+        help="Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]."
+    ),
 ]
 
 

@@ -24,6 +24,8 @@ Result = dict[str, NDArray[Any]]
 """Small named arrays."""
 
 _CODE = ("assets", "kinematics", "ilc", "sim")
+_SUFFIXES = (".py", ".xml", ".toml")
+"""Of code, robots and motion programs."""
 
 
 class Job(Protocol):
@@ -88,7 +90,7 @@ def code_fingerprint(module: str) -> str:
         hashed.update(file.read_bytes())
     for name in _CODE:
         folder = Path(str(import_module(name).__file__)).parent
-        for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.xml")]):
+        for file in sorted(f for f in folder.rglob("*") if f.suffix in _SUFFIXES):
             hashed.update(file.relative_to(folder).as_posix().encode() + b"\0")
             hashed.update(file.read_bytes())
     for name in ("armside", "mujoco", "numpy"):

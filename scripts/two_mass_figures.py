@@ -36,6 +36,13 @@ class Table:
     columns: tuple[str, ...]
     rows: Sequence[Sequence[Any]]
 
+    def value(self, column: str, *beginning: Any) -> float:
+        """The number in a column of the row that begins with these cells. Raises KeyError."""
+        for row in self.rows:
+            if tuple(row[: len(beginning)]) == beginning:
+                return float(row[self.columns.index(column)])
+        raise KeyError(f"no row of {self.title!r} begins with {beginning}")
+
 
 LOOP = TwoMassLoop()
 T_S = LOOP.sample_time
@@ -43,6 +50,10 @@ SHOWN = (0, 1, 2, 5)
 """Iterations of the time signals."""
 COUNTED = (0, 1, 2, 3, 5, 10, 25, 100, 500)
 """Iterations in the tables."""
+THESIS_SHIFT = {"motor": 5, "arm": 15}
+"""The best shift of each side, as the thesis has it in 8.4.2."""
+AT_THESIS_SHIFT = "gamma, delta 5 (arm 15)"
+AS_STATED, ONE_LESS = "Q = 1, δ = 5 (as stated)", "Q = 1, δ = 4 (fits the figure)"
 
 
 def bode(file: Path, seed: int) -> Table:
@@ -122,15 +133,28 @@ def tracking(file: Path, seed: int) -> Table:
     _finish(file, figure, panels, "time [s]")
     return Table(
         title="Fig 8.5: tracking without learning",
-        columns=("side", "2-norm of the error [rad]", "largest error [rad]", "overshoot [rad]"),
+        columns=(
+            "side",
+            "2-norm of the error [rad]",
+            "largest error [rad]",
+            "overshoot [rad]",
+            "reference ends at [rad]",
+        ),
         rows=[
             (
                 "motor",
                 runs.motor[0],
                 _largest(plant.motor_reference - run.motor),
                 _over(run.motor, 5.0),
+                float(plant.motor_reference[-1, 0]),
             ),
-            ("arm", runs.arm[0], _largest(plant.arm_reference - run.arm), _over(run.arm, 1.0)),
+            (
+                "arm",
+                runs.arm[0],
+                _largest(plant.arm_reference - run.arm),
+                _over(run.arm, 1.0),
+                float(plant.arm_reference[-1, 0]),
+            ),
         ],
     )
 
@@ -159,7 +183,8 @@ def criterion_curves(file: Path, seed: int) -> Table:
     for cutoff in (11.0, 22.0, 38.0):
         Q = ZeroPhaseButterworth(cutoff, T_S).response(omega[:-1])
         axes.semilogx(f[:-1], -_decibel(Q), color=INK, lw=1.0, ls="--")
-        axes.text(cutoff * 0.62, 1.55, f"{cutoff:g} Hz", color=INK, fontsize=8, rotation=70)
+        labelled = f[np.searchsorted(-_decibel(Q), 2.4)]
+        axes.text(labelled, 2.4, f"{cutoff:g} Hz ", color=INK, fontsize=8, ha="right")
     axes.axhline(0.0, color=INK, lw=1.0)
     axes.text(2.1, 0.08, "1/|Q| for Q = 1", color=INK, fontsize=8)
     axes.set_xlim(2, 45)
@@ -168,7 +193,7 @@ def criterion_curves(file: Path, seed: int) -> Table:
     axes.set_xticks([], minor=True)
     axes.set_ylabel("magnitude [dB]")
     axes.set_title("|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = 0.9", loc="left")
-    axes.legend(frameon=False, loc="lower left")
+    axes.legend(frameon=False, loc="lower right")
     _finish(file, figure, [axes], "frequency [Hz]")
     return Table(
         title="Fig 8.6: criterion with gamma = 0.9, motor side",
@@ -189,6 +214,7 @@ def gamma_maps(file: Path, seed: int) -> Table:
     """Fig 8.7: admissible gain over shift and cutoff."""
     shifts, cutoffs = chapter8.SHIFTS, chapter8.SEARCHED_CUTOFFS
     figure = new_figure(10.0, 4.2)
+    figure.set_layout_engine("constrained")
     panels = figure.subplots(1, 2, sharey=True)
     rows = []
     look = {"vmin": 0.0, "vmax": 2.0, "cmap": "viridis"}
@@ -199,6 +225,8 @@ def gamma_maps(file: Path, seed: int) -> Table:
         weighted = gain * T_u.static_gain
         axes.pcolormesh(shifts, cutoffs, weighted.T, **look)
         best = weighted.argmax(axis=0)
+        of_fives = shifts[::5][weighted[::5].argmax(axis=0)]
+        at_thesis = gain[shifts == THESIS_SHIFT[side]][0]
         seen = weighted.max(axis=0) > 1e-3
         axes.plot(shifts[best][seen], cutoffs[seen], color="white", lw=1.2)
         axes.set_title(f"Learning from the {side}", loc="left")
@@ -206,7 +234,17 @@ def gamma_maps(file: Path, seed: int) -> Table:
         for cutoff in (0.5, 1.0, 5.0, 10.0, 17.0, 25.0, 30.0):
             column = int(np.abs(cutoffs - cutoff).argmin())
             i = best[column]
-            rows.append((side, cutoff, int(shifts[i]), gain[i, column], weighted[i, column]))
+            rows.append(
+                (
+                    side,
+                    cutoff,
+                    int(shifts[i]),
+                    gain[i, column],
+                    weighted[i, column],
+                    int(of_fives[column]),
+                    at_thesis[column],
+                )
+            )
     panels[0].set_ylabel("cutoff of Q [Hz]")
     bar = figure.colorbar(
         panels[0].collections[0], ax=panels, label="largest γ · |Tᵤ(0)|   (white: best shift)"
@@ -215,7 +253,15 @@ def gamma_maps(file: Path, seed: int) -> Table:
     save(figure, file)
     return Table(
         title="Fig 8.7: best shift and largest admissible gain",
-        columns=("side", "cutoff [Hz]", "best delta", "largest gamma", "gamma |Tu(0)|"),
+        columns=(
+            "side",
+            "cutoff [Hz]",
+            "best delta",
+            "largest gamma",
+            "gamma |Tu(0)|",
+            "best multiple of 5",
+            AT_THESIS_SHIFT,
+        ),
         rows=rows,
     )
 
@@ -225,8 +271,8 @@ def learning_curves(file: Path, seed: int) -> Table:
     figure = new_figure(9.6, 4.0)
     panels = figure.subplots(1, 2, sharey=True)
     without = {
-        "Q = 1, δ = 5 (as stated)": chapter8.learned(None),
-        "Q = 1, δ = 4 (fits the figure)": chapter8.learned(None, delta=4),
+        AS_STATED: chapter8.learned(None),
+        ONE_LESS: chapter8.learned(None, delta=4),
     }
     filtered = {f"{f:g} Hz": chapter8.learned(f) for f in chapter8.CUTOFFS}
     for axes, runs, title in (
@@ -481,6 +527,8 @@ def _signals(file: Path, runs: chapter8.Learning, side: str, title: str) -> Tabl
         upper.plot(t, q, color=COLORS[0], label=f"$q_{letter}$")
         lower.plot(t, r - q, color=COLORS[1])
         upper.set_title(f"k = {k}", loc="left")
+    for k, trial in runs.kept.items():
+        q = getattr(trial.result, side)
         rows.append((k, getattr(runs, side)[k], _largest(r - q), _over(q, float(r[-1, 0]))))
     grid[0, 0].legend(frameon=False)
     grid[0, 0].set_ylabel("angle [rad]")

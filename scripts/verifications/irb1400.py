@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.imu_experiment import under_way
 from sim.rest import lines
 
 from ..imu import (
@@ -14,6 +13,8 @@ from ..imu import (
     ImuExperimentCfg,
     causes,
     evaluated_again,
+    fast_over_slow,
+    in_the_rectangle,
     prepare,
     run_one,
     run_rest,
@@ -22,8 +23,6 @@ from ..verify import Table, Verdict
 
 BASE = ImuExperimentCfg()
 THESIS = replace(BASE, **AS_THE_THESIS)
-SLOW_CIRCLE, RECTANGLE = 0.5, 5.0
-"""Programmed speeds that tell the parts of the motion apart [m/s]."""
 
 
 def imu(seeds: Iterable[int]) -> Table:
@@ -44,9 +43,9 @@ def imu(seeds: Iterable[int]) -> Table:
                 *m.acceleration_rms,
                 *m.acceleration_window_max,
                 *as_thesis.acceleration_window_max,
-                _fast_over_slow(done),
+                fast_over_slow(done),
                 *(
-                    int(_in_the_rectangle(done, processed.acceleration_window_time[:2]))
+                    int(in_the_rectangle(done, processed.acceleration_window_time[:2]).all())
                     for processed in (m, as_thesis)
                 ),
                 m.angular_velocity_rms.max(),
@@ -131,20 +130,6 @@ def imu(seeds: Iterable[int]) -> Table:
             ),
         ),
     )
-
-
-def _fast_over_slow(done: Done) -> float:
-    """RMS of the acceleration error in the rectangle over that in the slow circle."""
-    comparison, motion = done.evaluation.comparison, done.prepared.motion
-    fast, slow = (
-        np.sqrt(np.mean(comparison.acceleration_error[under_way(motion, comparison.time, v)] ** 2))
-        for v in (RECTANGLE, SLOW_CIRCLE)
-    )
-    return float(fast / slow)
-
-
-def _in_the_rectangle(done: Done, time: np.ndarray) -> bool:
-    return bool(under_way(done.prepared.motion, time, RECTANGLE).all())
 
 
 def _smallest_in_z(values: np.ndarray) -> np.ndarray:
