@@ -5,6 +5,7 @@ Estimation error (3D RMS) of the first run, and the tool's deviation after five 
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,12 +19,14 @@ from sim.instruments.imu import ImuCfg, TriadCfg
 from sim.recording import Array
 
 from ..arm_side import GEAR_EFFECTS, Case, rms
+from ..parallel import Workers
 from ..verify import Table, Verdict
 from .estimation import error, fk_path
 
 POSES = ("p1", "p2", "p3")
 UPDATES = 5
 _DEFAULT = "identified (the default)"
+_KINEMATICS, _NO_DYNAMICS = "motor-angle kinematics", "kinematic filter, no dynamics"
 DEAF = 1e3
 """Noise of a sensor that is not to be listened to, over its own."""
 
@@ -76,42 +79,31 @@ def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
     return replace(triad, noise_density=factor * triad.noise_density, range=range_)
 
 
+class Found(NamedTuple):
+    """What one way of measuring and learning leaves of one cut."""
+
+    error: float
+    """Of the first run's path [m], 3D RMS."""
+    ratio: float = np.nan
+    """Of the tool's deviation after `UPDATES` over that before."""
+
+
 def controls(seeds: Iterable[int]) -> Table:
     """Medians over seeds at each pose; structure and gears of linear springs.
 
     NaN: learning was refused, because no springs made the model explain the readings.
     """
-    names = ["motor-angle kinematics", "kinematic filter, no dynamics", *variants()]
-    errors: dict[tuple[str, str], list[float]] = {(n, p): [] for n in names for p in POSES}
-    ratios: dict[tuple[str, str], list[float]] = {(n, p): [] for n in names for p in POSES}
-    for seed in seeds:
-        for pose in POSES:
-            case = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
-            for name, (unit, cfg) in variants().items():
-                try:
-                    known, first, before, after = learned(replace(case, imu=unit), cfg)
-                except ImuError:  # refused: a row of its own kind of failure
-                    errors[name, pose].append(np.nan)
-                    ratios[name, pose].append(np.nan)
-                    continue
-                found = error(measured_path(cfg, known, unit, first), first)
-                errors[name, pose].append(1e6 * found)
-                ratios[name, pose].append(after / before)
-                if cfg == ArmLearningCfg() and unit == ImuCfg():
-                    errors[names[0], pose].append(1e6 * error(fk_path(first), first))
-                    errors[names[1], pose].append(
-                        1e6 * error(_kinematic(known, unit, first), first)
-                    )
-    rows = [
-        [
-            name,
-            *(float(np.median(errors[name, pose])) for pose in POSES),
-            *(float(np.median(ratios[name, pose] or [np.nan])) for pose in POSES),
-        ]
-        for name in names
-    ]
-    by_name = {str(row[0]): np.array(row[1:4], dtype=np.float64) for row in rows}
-    left = {str(row[0]): np.array(row[4:], dtype=np.float64) for row in rows}
+    cases = [(seed, pose) for seed in seeds for pose in POSES]
+    with Workers() as workers:
+        found = list(zip(cases, workers.map(_tried, cases), strict=True))
+    medians = {
+        name: np.median(
+            [[each[name] for (_, at), each in found if at == pose] for pose in POSES], axis=1
+        )
+        for name in (_KINEMATICS, _NO_DYNAMICS, *variants())
+    }
+    errors = {name: 1e6 * by_pose[:, 0] for name, by_pose in medians.items()}
+    left = {name: by_pose[:, 1] for name, by_pose in medians.items()}
     return Table(
         title="What the estimate needs: error of the tool's path, and what learning leaves",
         columns=(
@@ -119,11 +111,11 @@ def controls(seeds: Iterable[int]) -> Table:
             *(f"{pose}: error 3D [µm]" for pose in POSES),
             *(f"{pose}: k = 5 over k = 0" for pose in POSES),
         ),
-        rows=rows,
+        rows=[[name, *errors[name].tolist(), *left[name].tolist()] for name in medians],
         verdicts=[
             Verdict(
                 "negative control: without dynamics errors are more than twice as large",
-                bool((by_name[names[1]] > 2.0 * by_name[_DEFAULT]).all()),
+                bool((errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT]).all()),
             ),
             Verdict(
                 "negative control: without identification averaging runs leaves twice as much",
@@ -131,6 +123,24 @@ def controls(seeds: Iterable[int]) -> Table:
             ),
         ],
     )
+
+
+def _tried(case: tuple[int, str]) -> dict[str, Found]:
+    """Every way, on one robot at one pose, by name."""
+    seed, pose = case
+    cut = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
+    found = {_KINEMATICS: Found(np.nan), _NO_DYNAMICS: Found(np.nan)}
+    for name, (unit, cfg) in variants().items():
+        try:
+            known, first, before, after = learned(replace(cut, imu=unit), cfg)
+        except ImuError:
+            found[name] = Found(np.nan)
+            continue
+        found[name] = Found(error(measured_path(cfg, known, unit, first), first), after / before)
+        if name == _DEFAULT:
+            found[_KINEMATICS] = Found(error(fk_path(first), first))
+            found[_NO_DYNAMICS] = Found(error(_kinematic(known, unit, first), first))
+    return found
 
 
 def _kinematic(known: Commissioned, unit: ImuCfg, first: Pass) -> Array:
