@@ -4,17 +4,16 @@ Optuna is imported here only where it is used: it takes half a second.
 """
 
 import logging
-import random
-import time
+import warnings
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from sim.tuning.design import VARIABLES, Design, Motors, Scale
 
-from .errors import InputError, one_line
+from .errors import InputError
+from .study_storage import connect, reaching
 
 if TYPE_CHECKING:
     import optuna
@@ -22,17 +21,29 @@ if TYPE_CHECKING:
 Sampler = Literal["tpe", "random", "cmaes"]
 Pruner = Literal["percentile", "none"]
 
-CONNECT_TIMEOUT = 10
-"""[s], for a storage server to answer."""
+WORST = 1e3
+"""Objective of a design that diverges: no finite one is that bad."""
+TRUE = "ratio_true"
+"""User attribute of a trial: the objective, had the tool been seen as it was."""
 ENOUGH = 5
 """Complete trials, below which importances mean nothing."""
 PATIENCE = 3
 """Iterations before a design may be given up: what learns slowly is behind at first, and what
 learns fast may lose again what it had gained."""
 KEPT = 75.0
-"""[%] of designs that go on."""
-ATTEMPTS = 5
-"""At making the tables of a new database, which others may be making too."""
+"""[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
+
+
+class Tried(NamedTuple):
+    """What became of one design."""
+
+    number: int
+    seen: float
+    """The objective after the last iteration, WORST if it diverged."""
+    true: float | None
+    """The same in truth; None where it is not known."""
+    whole: bool
+    """Tried to the end, not given up."""
 
 
 def open_study(
@@ -47,7 +58,7 @@ def open_study(
     """The study of that name, new or as other processes have left it.
 
     Args:
-        storage: database URL as SQLAlchemy writes them; the folder of an SQLite file is made.
+        storage: see `study_storage.connect`.
         config: what is tuned; a study of another configuration is refused.
 
     Raises:
@@ -55,26 +66,17 @@ def open_study(
             study tunes something else.
     """
     import optuna
-    from sqlalchemy.exc import SQLAlchemyError
 
     optuna.logging.set_verbosity(logging.ERROR)
-    try:
-        _make_folder(storage)
+    with reaching(storage):
         study = optuna.create_study(
-            storage=_connect(storage),
+            storage=connect(storage),
             study_name=name,
             load_if_exists=True,
             direction="minimize",
             sampler=_sampler(sampler, seed),
             pruner=_pruner(pruner),
         )
-    except ImportError as error:
-        raise InputError(
-            f"storage {_shown(storage)} needs a database driver that is not installed; "
-            "for PostgreSQL: pip install 'armside[postgres]'"
-        ) from error
-    except (SQLAlchemyError, OSError, ValueError) as error:
-        raise InputError(f"storage {_shown(storage)} does not answer: {_reason(error)}") from error
     known = study.user_attrs.get("config")
     if known is None:
         study.set_user_attr("config", dict(config))
@@ -119,6 +121,24 @@ def parameters(design: Design, motors: Motors) -> dict[str, float]:
     }
 
 
+def ask_first(study: "optuna.Study", values: dict[str, float]) -> None:
+    """Try a design next, unless it was tried, is waiting, or another process is trying it now.
+
+    One whose trial failed, or whose process was killed, is asked for again.
+    """
+    import optuna
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+        optuna.storages.fail_stale_trials(study)
+    if not any(
+        trial.system_attrs.get("fixed_params", trial.params) == values
+        for trial in study.get_trials(deepcopy=False)
+        if trial.state is not optuna.trial.TrialState.FAIL
+    ):
+        study.enqueue_trial(values)
+
+
 def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     """Trials that ran to their end or were pruned, in the order of their numbers."""
     from optuna.trial import TrialState
@@ -126,58 +146,52 @@ def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
 
 
-def values(study: "optuna.Study") -> list[tuple[int, float, bool]]:
-    """(number, last ratio, tried to the end) of each finished trial."""
+def outcomes(study: "optuna.Study") -> list[Tried]:
+    """Of all finished trials."""
     from optuna.trial import TrialState
 
     return [
-        (t.number, t.value, t.state is TrialState.COMPLETE)
+        Tried(t.number, t.value, t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
         for t in finished(study)
         if t.value is not None
     ]
 
 
 def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
-    """Each complete trial that was better than all before it."""
+    """Each complete trial that was better than all before it, and did not diverge."""
     from optuna.trial import TrialState
 
     found: list[optuna.trial.FrozenTrial] = []
+    best = WORST
     for trial in study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
-        if trial.value is not None and (not found or trial.value < (found[-1].value or 0.0)):
+        if trial.value is not None and trial.value < best:
+            best = trial.value
             found.append(trial)
     return found
 
 
 def importance(study: "optuna.Study") -> dict[str, float]:
-    """Share of each parameter in what made designs good; empty while too few trials are done."""
+    """Share of each parameter in being among the best tenth, by PED-ANOVA.
+
+    Empty while too few trials are done, or where they are all alike.
+    """
     import optuna
 
     if sum(t.state is optuna.trial.TrialState.COMPLETE for t in study.trials) < ENOUGH:
         return {}
-    try:
-        return optuna.importance.get_param_importances(study)
-    except (RuntimeError, ValueError):
-        return {}
-
-
-def _connect(storage: str) -> "optuna.storages.RDBStorage":
-    """The database, with its tables. Processes that make them at the same moment try again."""
-    import optuna
-    from sqlalchemy.exc import IntegrityError, ProgrammingError
-
-    for attempt in range(1, ATTEMPTS + 1):
+    evaluator = optuna.importance.PedAnovaImportanceEvaluator()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)  # says that the result says nothing
         try:
-            return optuna.storages.RDBStorage(storage, engine_kwargs=_engine_options(storage))
-        except (IntegrityError, ProgrammingError):
-            if attempt == ATTEMPTS:
-                raise
-            time.sleep(random.uniform(0.5, 1.5))
-    raise AssertionError("unreachable")
+            return optuna.importance.get_param_importances(study, evaluator=evaluator)
+        except (RuntimeError, ValueError, UserWarning):
+            return {}
 
 
 def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
-    """Every trial draws from a stream of its own: processes that share a study never repeat each
-    other, and a study that is resumed goes on as if it had not been interrupted."""
+    """Trial n draws from stream n of the seed: processes that share a study never repeat each
+    other, and a study that was stopped between trials goes on as if it had not been. A trial that
+    was cut short keeps its number, so that those after it draw other designs."""
     import optuna
 
     class PerTrial(optuna.samplers.BaseSampler):
@@ -219,31 +233,3 @@ def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
     if name == "cmaes":
         return optuna.samplers.CmaEsSampler(seed=seed)
     return optuna.samplers.TPESampler(seed=seed, constant_liar=True)
-
-
-def _engine_options(storage: str) -> dict[str, Any]:
-    if storage.startswith("sqlite"):
-        return {"connect_args": {"timeout": 60}}  # another process may be writing
-    return {"connect_args": {"connect_timeout": CONNECT_TIMEOUT}, "pool_pre_ping": True}
-
-
-def _make_folder(storage: str) -> None:
-    if storage.startswith("sqlite:///"):
-        Path(storage.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
-
-
-def _shown(storage: str) -> str:
-    """The URL without its password."""
-    from sqlalchemy.engine import make_url
-    from sqlalchemy.exc import ArgumentError
-
-    try:
-        return repr(make_url(storage).render_as_string(hide_password=True))
-    except (ArgumentError, ValueError):
-        return repr(storage)
-
-
-def _reason(error: Exception) -> str:
-    """The driver's own words, without SQLAlchemy's around them."""
-    cause = getattr(error, "orig", None) or error
-    return one_line(cause).split(" Is the server running")[0]

@@ -65,7 +65,8 @@ def first_action(cfg: TrainCfg) -> np.ndarray:
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
     """Learn to choose the design of every ILC iteration with PPO. Sealed test seeds are refused.
 
-    Writes policy.npz and summary.json.
+    Writes policy.npz and summary.json. Raises InputError for a sealed seed, and where the extra
+    [learn] is not installed.
     """
     report = Report(common)
     with checking_input():

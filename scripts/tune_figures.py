@@ -4,48 +4,75 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
-from .figures import COLORS, INK, REFERENCE
+from .figures import COLORS, REFERENCE, new_figure, save
+from .study import WORST, Tried
 
-SHOWN = 1.2
-"""Designs worse than this lie at the upper edge: one that diverges has no finite ratio."""
+LEVELS = (1.0, 2.0, 3.0, 5.0, 7.0)
+"""Numbers on the axis of a ratio, times powers of ten."""
 
 
-def history(file: Path, trials: Sequence[tuple[int, float, bool]]) -> None:
-    """Each trial's ratio and the best so far. trials: (number, ratio, tried to the end)."""
-    number, value = np.array([(n, min(v, SHOWN)) for n, v, _ in trials]).T
-    whole = np.array([complete for *_, complete in trials])
-    figure = Figure((7.0, 4.0), layout="constrained")
+def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
+    """Each design's ratio, and the best so far as the sensor sees it and in truth.
+
+    tried: at least one that was tried to the end and did not diverge.
+    sees: whose eyes the ratio is seen with, such as "as the tracker sees it".
+    """
+    number = np.array([t.number for t in tried])
+    seen = np.array([t.seen for t in tried])
+    true = np.array([t.true for t in tried], dtype=float)
+    whole = np.array([t.whole for t in tried])
+    diverged = seen >= WORST
+    figure = new_figure(8.0, 4.2)
     axes = figure.subplots()
-    axes.plot(number[whole], value[whole], "o", ms=3, color=REFERENCE, label="trial")
-    if not whole.all():
-        label = "given up before its end"
-        axes.plot(number[~whole], value[~whole], "x", ms=4, color=REFERENCE, label=label)
-    best = np.minimum.accumulate(np.where(whole, value, np.inf))
-    axes.step(number, best, where="post", color=COLORS[0], label="best so far")
-    axes.set_ylim(0.0, 1.05 * value.max())
+    figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=0.8)
+    axes.axhline(1.0, color="#DDDDDD", lw=1.0)
+    for chosen, marker, label in (
+        (whole & ~diverged, "o", "design"),
+        (~whole, "x", "given up before its end"),
+    ):
+        if chosen.any():
+            axes.plot(number[chosen], seen[chosen], marker, ms=4, color=REFERENCE, label=label)
+    if diverged.any():
+        edge = np.full(diverged.sum(), 0.98)
+        above = {"transform": axes.get_xaxis_transform(), "label": "diverged, beyond the axis"}
+        axes.plot(number[diverged], edge, "^", ms=5, color=COLORS[1], **above)
+    holder = _holders(np.where(whole, seen, np.inf))
+    best = np.where(holder < 0, np.nan, seen[holder])
+    axes.step(number, best, where="post", color=COLORS[0], label=f"best so far, {sees}")
+    best = np.where(holder < 0, np.nan, true[holder])
+    axes.step(number, best, "--", where="post", color=COLORS[2], label="the same design in truth")
+    axes.set_yscale("log")
+    axes.margins(y=0.1)
+    axes.yaxis.set_major_locator(LogLocator(subs=LEVELS))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("trial")
-    axes.set_ylabel("tool RMS after learning / before")
-    axes.legend(frameon=False)
-    _save(figure, file)
+    axes.set_ylabel("RMS of the tool, after learning / before")
+    figure.legend(loc="upper center", ncols=3, frameon=False, fontsize=8)
+    save(figure, file)
 
 
 def importance(file: Path, shares: Mapping[str, float]) -> None:
     """Share of each parameter, largest on top."""
     names = sorted(shares, key=lambda name: shares[name])
-    figure = Figure((7.0, 1.2 + 0.28 * max(len(names), 2)), layout="constrained")
+    height = 1.2 + 0.28 * len(names)
+    figure = new_figure(7.0, height)
     axes = figure.subplots()
+    figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.15 / height)
     axes.barh(names, [shares[name] for name in names], color=COLORS[0])
-    if not names:
-        axes.text(0.5, 0.5, "too few trials", ha="center", transform=axes.transAxes, color=INK)
-    axes.set_xlabel("share in what made designs good")
-    _save(figure, file)
+    axes.set_xlabel("importance (PED-ANOVA)")
+    save(figure, file)
 
 
-def _save(figure: Figure, file: Path) -> None:
-    FigureCanvasAgg(figure)
-    figure.savefig(file, dpi=120, metadata={"Software": None})
+def _holders(values: np.ndarray) -> np.ndarray:
+    """Index of the smallest value up to each; -1 before there is a finite one below WORST."""
+    holder, best = -1, WORST
+    holders = []
+    for i, value in enumerate(values):
+        if value < best:
+            holder, best = i, value
+        holders.append(holder)
+    return np.array(holders)

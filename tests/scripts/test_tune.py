@@ -15,9 +15,10 @@ import optuna
 import pytest
 
 from scripts import study as studies
+from scripts import study_storage, tune, tune_figures
 from scripts.errors import InputError
-from scripts.study import open_study, suggest
-from scripts.tune import WORST, Objective, TuneCfg, _identity
+from scripts.study import WORST, Tried, open_study, suggest
+from scripts.tune import Objective, Ratio, TuneCfg, _identity, study_name
 from sim.tuning.design import THESIS, Design, Motors
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
@@ -34,7 +35,10 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     assert summary["best"] == summary["bests"][-1]
     assert summary["bests"][0]["delta"] == THESIS.delta[0]  # is tried first
     assert set(summary["importance"]) == {"gamma", "delta", "cutoff"}
+    assert summary["best"]["ratio_true"] == pytest.approx(summary["best"]["ratio"], rel=0.1)
     assert "best so far, trial" in out
+    assert "as the tracker sees it" in out
+    assert "cutoff [Hz]" in out
     for figure in ("history.png", "importance.png"):
         assert (tmp_path / "a" / figure).read_bytes().startswith(b"\x89PNG")
 
@@ -53,10 +57,34 @@ def test_a_study_resumes_as_if_it_had_not_been_interrupted(armside, tmp_path):
 
 
 def test_a_study_of_something_else_is_refused(armside):
-    assert armside(f"tune {QUICK} --quiet --trials 1").status == 0
-    status, _, err = armside(f"tune {QUICK} --quiet --trials 1 --motors each")
+    line = f"tune {QUICK} --quiet --trials 1 --study a"
+    assert armside(line).status == 0
+    status, _, err = armside(f"{line} --motors each")
     assert status == 2
     assert "tunes something else: motors differ" in err
+
+
+def test_searches_of_different_things_do_not_meet_unless_they_are_named(armside, tmp_path):
+    for out, more in (("a", ""), ("b", "--motors each"), ("c", "")):
+        assert armside(f"tune {QUICK} --quiet --trials 1 {more} --out {out}").status == 0
+    studies = [
+        json.loads((tmp_path / out / "summary.json").read_text())["config"]["study"]
+        for out in "abc"
+    ]
+    assert studies[0] == studies[2] != studies[1]
+    assert studies[0].startswith("large-shared-tracker-")
+    assert study_name(TuneCfg(trials=3), 0) == study_name(TuneCfg(sampler="random"), 0)
+    assert study_name(TuneCfg(), 0) != study_name(TuneCfg(), 1)
+
+
+def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
+    """What they see falls by far more than what the tool does; both are told."""
+    status, out, _ = armside(f"tune {QUICK} --reward motor --trials 2 --out a")
+    assert status == 0
+    best = json.loads((tmp_path / "a" / "summary.json").read_text())["best"]
+    assert best["ratio"] < 0.8 * best["ratio_true"]
+    assert "as the motors see it" in out
+    assert f"{best['ratio_true']:.3f} in truth" in out
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
@@ -69,6 +97,7 @@ def test_hopeless_designs_are_pruned_between_iterations():
     objective.close()
 
 
+@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
 def test_a_design_that_learns_slowly_is_not_given_up_early(tmp_path):
     study = open_study(
         f"sqlite:///{tmp_path}/a.db", "a", {}, sampler="random", pruner="percentile", seed=0
@@ -93,7 +122,11 @@ def test_a_design_that_was_given_up_is_never_the_best():
         trial = study.ask()
         trial.report(ratio, 3)
         study.tell(trial, None if end else ratio, state=end)
-    assert studies.values(study) == [(0, 0.5, True), (1, 0.1, False), (2, 0.4, True)]
+    assert studies.outcomes(study) == [
+        Tried(0, 0.5, None, True),
+        Tried(1, 0.1, None, False),
+        Tried(2, 0.4, None, True),
+    ]
     assert [trial.number for trial in studies.bests(study)] == [0, 2]
 
 
@@ -103,11 +136,94 @@ def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
     first, again = (list(objective.ratios(THESIS)) for _ in range(2))
     assert first == again
     assert len(first) == 2
-    assert first[-1] < 1.0
+    assert first[-1].seen < 1.0
+    assert first[-1].true < 1.0
     objective.close()
     bold = Objective(TuneCfg(pose="p1", speed=60.0, episodes=1, iterations=10), seed=0)
-    assert list(bold.ratios(Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))))[-1] == WORST
+    assert list(bold.ratios(Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))))[-1] == Ratio(
+        WORST, WORST
+    )
     bold.close()
+
+
+def test_where_all_designs_diverge_there_is_no_best_one(armside, tmp_path, monkeypatch):
+    """The storage keeps what was tried; no folder of results is made of it."""
+    monkeypatch.setattr(tune, "_mean_ratio", lambda pairs: WORST)
+    status, _, err = armside(f"tune {QUICK} --trials 6 --out a")
+    assert status == 1
+    assert err.splitlines()[-1].endswith("all 6 designs that were tried to the end diverged")
+    assert "Warning" not in err
+    assert not (tmp_path / "a").exists()
+
+
+@pytest.mark.parametrize("sampler", ["random", "cmaes"])
+def test_other_samplers_propose_designs(armside, sampler):
+    assert armside(f"tune {QUICK} --quiet --trials 3 --sampler {sampler}").status == 0
+
+
+def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(tmp_path):
+    """Neither a trial that failed nor one whose process was killed counts."""
+    state = optuna.trial.TrialState
+    study = optuna.create_study()
+    for known, asked in (
+        ({}, True),
+        ({"state": state.FAIL}, True),
+        ({"state": state.WAITING, "system_attrs": {"fixed_params": {"gamma": 0.9}}}, False),
+        ({"state": state.RUNNING}, False),
+        ({"state": state.PRUNED, "value": 0.5}, False),
+        ({"state": state.COMPLETE, "value": 0.5}, False),
+    ):
+        study = optuna.create_study()
+        if known:
+            gamma = optuna.distributions.FloatDistribution(0.0, 1.0)
+            waiting = known["state"] is state.WAITING
+            tried = {"params": {"gamma": 0.9}, "distributions": {"gamma": gamma}}
+            study.add_trial(optuna.trial.create_trial(**({} if waiting else tried), **known))
+        before = len(study.trials)
+        studies.ask_first(study, {"gamma": 0.9})
+        assert (len(study.trials) > before) is asked, known
+
+
+@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
+def test_a_trial_whose_process_was_killed_is_tried_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(study_storage, "HEARTBEAT", 1)
+    monkeypatch.setattr(study_storage, "SILENCE", 1)
+    url = f"sqlite:///{tmp_path}/a.db"
+    study = open_study(url, "a", {}, sampler="tpe", pruner="none", seed=0)
+    study.enqueue_trial({"gamma": 0.9})
+    lost = study.ask()
+    lost.suggest_float("gamma", 0.0, 1.0)
+    study._storage.record_heartbeat(lost._trial_id)
+    studies.ask_first(study, {"gamma": 0.9})
+    assert [t.state.name for t in study.trials] == ["RUNNING"]
+    time.sleep(2.5)
+    studies.ask_first(study, {"gamma": 0.9})
+    assert [t.state.name for t in study.trials] == ["FAIL", "WAITING"]
+    assert study.ask().suggest_float("gamma", 0.0, 1.0) == 0.9
+
+
+def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
+    def interrupted(study, objective, cfg, report):
+        study.optimize(lambda trial: 0.5, n_trials=1)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tune, "_search", interrupted)
+    status, _, err = armside(f"tune {QUICK} --study a --storage sqlite:///b.db")
+    assert status == 130
+    assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
+
+
+def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+    tried = [Tried(0, 0.5, 0.6, True), Tried(1, 1e3, 1e3, True), Tried(2, 9.0, 8.0, True)]
+    tune_figures.history(tmp_path / "a.png", tried, sees="as the motors see it")
+    (axes,) = drawn[0].axes
+    lines = {line.get_label(): line for line in axes.lines}
+    assert axes.get_ylim()[1] > 9.0  # whatever is finite is inside
+    assert list(lines["diverged, beyond the axis"].get_xdata()) == [1]
+    assert list(lines["best so far, as the motors see it"].get_ydata()) == [0.5] * 3
+    assert list(lines["the same design in truth"].get_ydata()) == [0.6] * 3
 
 
 def test_each_motor_has_its_own_parameters():
@@ -122,9 +238,10 @@ def test_each_motor_has_its_own_parameters():
     ("options", "message"),
     [
         ("--storage postgresql+psycopg://nobody@127.0.0.1:1/none", "does not answer"),
-        ("--storage nonsense", "does not answer"),
+        ("--storage nonsense", "'nonsense' is no SQLAlchemy URL"),
+        ("--storage strange://a:secret@b/c", "is no SQLAlchemy URL"),
         ("--storage sqlite:////proc/none/x.db", "does not answer"),
-        ("--storage postgresql+pg8000://a:secret@127.0.0.1/b", "needs a database driver"),
+        ("--storage postgresql+pg8000://a:secret@127.0.0.1/b", "needs the database driver pg8000"),
         ("--pose p9", "Unknown pose 'p9'"),
         ("--speed 0", "speed must be > 0 mm/s"),
         ("--trials 0", "trials must be >= 1"),
@@ -143,7 +260,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options
 
 
 def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeypatch):
-    monkeypatch.setattr(studies, "CONNECT_TIMEOUT", 2)
+    monkeypatch.setattr(study_storage, "CONNECT_TIMEOUT", 2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         port = silent.getsockname()[1]
         url = f"postgresql+psycopg://a@127.0.0.1:{port}/b"
@@ -212,14 +329,14 @@ def postgres(require_program, tmp_path):
 
 def test_two_processes_share_one_study_in_postgresql(postgres, tmp_path):
     command = [sys.executable, "-m", "scripts.cli", "tune", *QUICK.split(), "--quiet"]
-    command += ["--trials", "8", "--pruner", "none", "--storage", postgres]
+    command += ["--trials", "8", "--pruner", "none", "--study", "a", "--storage", postgres]
     running = [
         subprocess.Popen([*command, "--out", str(tmp_path / name)], cwd=Path.cwd())
         for name in ("a", "b")
     ]
     assert [process.wait(120) for process in running] == [0, 0]
     storage = optuna.storages.RDBStorage(postgres)
-    known = optuna.load_study(study_name="armside", storage=storage).trials
+    known = optuna.load_study(study_name="a", storage=storage).trials
     storage.engine.dispose()
     trials = [t for t in known if t.state is optuna.trial.TrialState.COMPLETE]
     assert 8 <= len(trials) <= 9  # both may have been in their last trial

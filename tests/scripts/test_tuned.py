@@ -67,7 +67,8 @@ def test_a_file_without_a_design_is_refused(content, armside, tmp_path):
         (tmp_path / "other.json").write_text(content)
     status, _, err = armside("train --start other.json")
     assert status == 2
-    assert "other.json is no summary.json of armside tune" in err
+    reason = "does not exist" if content is None else "is no summary.json of armside tune"
+    assert f"other.json {reason}" in err
     assert err.count("\n") == 1
 
 

@@ -1,8 +1,11 @@
 """`armside/IlcTuning-v0`: the contract of Gymnasium, and the rules of the thesis's budget."""
 
+import inspect
+import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -228,3 +231,10 @@ def test_mujoco_draws_the_robot(quick, graphics):
     assert drawn.shape == (320, 640, 3)
     red, green, blue = np.moveaxis(drawn, -1, 0)
     assert ((red > green + 50) & (green > blue)).sum() > 1000  # the arm is orange
+
+
+def test_the_page_names_everything_that_make_takes():
+    page = (Path(__file__).parents[3] / "docs" / "tuning.md").read_text(encoding="utf-8")
+    table = page.split("`gymnasium.make` takes, all by name:")[1].split("\n\n")[1]
+    named = re.findall(r"`(\w+)`", " ".join(row.split("|")[1] for row in table.splitlines()))
+    assert set(named) == set(inspect.signature(sim.tuning.env.IlcTuningEnv).parameters)
