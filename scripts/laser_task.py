@@ -61,27 +61,41 @@ def task(cfg: LaserCfg) -> CutTask:
 
 def contour(cfg: LaserCfg) -> ClosedCurve:
     """What to cut. Raises ValueError for sizes that the shape has not, or that do not fit."""
-    own = ("corner",) if cfg.contour else _OWN[cfg.shape]
-    what = "contour from a file" if cfg.contour else cfg.shape
-    for name, not_given in _NOT_GIVEN.items():
-        if name not in own and getattr(cfg, name) != not_given:
-            raise ValueError(f"a {what} has no {name}; it has {' and '.join(own)}")
+    mm = dimensions(cfg)
     if cfg.contour is not None:
-        return _from_file(cfg.contour, cfg.corner)
+        return _from_file(cfg.contour, mm.get("corner"))
     if cfg.shape == "circle":
-        return Circle(cfg.radius * MM)
-    size = SIZES[cfg.shape] if cfg.size is None else cfg.size
+        return Circle(mm["radius"] * MM)
+    size = mm["size"]
     if cfg.shape == "slot":
-        width = size / 3.0 if cfg.width is None else cfg.width
+        width = mm["width"]
         if not width < size:
             raise ValueError(f"a slot of {size:g} mm must be narrower than that, got {width:g} mm")
         return slot(size * MM, width * MM)
-    corner = CORNER * size if cfg.corner is None else cfg.corner
+    corner = mm["corner"]
     if corner > size / 2.0:
         raise ValueError(
             f"corner must be at most half of the {cfg.shape}'s {size:g} mm, got {corner:g} mm"
         )
     return {"square": square, "hexagon": hexagon}[cfg.shape](size * MM, corner * MM)
+
+
+def dimensions(cfg: LaserCfg) -> dict[str, float]:
+    """Sizes that the shape has [mm] by option, defaults filled in; a contour's corner if given.
+
+    Raises ValueError for sizes that the shape has not.
+    """
+    own = ("corner",) if cfg.contour else _OWN[cfg.shape]
+    what = "contour from a file" if cfg.contour else cfg.shape
+    for name, not_given in _NOT_GIVEN.items():
+        if name not in own and getattr(cfg, name) != not_given:
+            raise ValueError(f"a {what} has no {name}; it has {' and '.join(own)}")
+    given = {name: getattr(cfg, name) for name in own if getattr(cfg, name) is not None}
+    if cfg.contour is not None or cfg.shape == "circle":
+        return given
+    size = given.get("size", SIZES[cfg.shape])
+    derived = {"width": size / 3.0} if cfg.shape == "slot" else {"corner": CORNER * size}
+    return {"size": size} | derived | given
 
 
 def _from_file(file: Path, corner: float | None) -> ClosedCurve:

@@ -29,7 +29,7 @@ class Workers:
     def __enter__(self) -> "Workers":
         # Forked threads are unsafe: workers are started afresh.
         context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-        self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_begin_worker)
+        self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=begin_worker)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -58,7 +58,7 @@ class Workers:
             yield futures.pop(future), future.result() if error is None else error
 
 
-def _begin_worker() -> None:
+def begin_worker() -> None:
     """Ctrl-C reaches every process of a terminal, and the parent decides what ends; where the
     parent is killed, its workers would wait for ever."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

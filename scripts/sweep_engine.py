@@ -2,24 +2,22 @@
 
 import os
 import socket
-import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict
 from importlib.metadata import version
-from multiprocessing import get_context, parent_process
-from multiprocessing.connection import wait as wait_for
+from multiprocessing import get_context
 from typing import Any, Protocol
 
 from . import laser
 from .errors import InputError, one_line
-from .parallel import cores
+from .parallel import begin_worker, cores
 from .store import code_fingerprint
 from .summary import plain
 from .sweep_grid import Point, configuration
-from .sweep_store import Row, measures
+from .sweep_resolved import key_of, resolved
+from .sweep_store import FAILED, Row, measures
 
 RETRIES = 3
 """Of a point whose node went away."""
@@ -31,6 +29,8 @@ def simulate(point: Point) -> Row:
     """Run one point. Whatever goes wrong with it becomes its result."""
     try:
         outcome = laser.run(configuration(point), point.seed)
+        if key_of(point.options, point.seed) != point.key:
+            return failed(point, "a file of its options is not what it was when the sweep began")
         return _row(point) | measures(outcome) | {"status": outcome["status"]}
     except Exception as error:
         return failed(point, f"{type(error).__name__}: {one_line(error)}")
@@ -38,11 +38,14 @@ def simulate(point: Point) -> Row:
 
 def failed(point: Point, error: str) -> Row:
     """The row of a point that has no result."""
-    return _row(point) | {"status": "failed", "error": error}
+    return _row(point) | {"status": FAILED, "error": error}
 
 
 def _row(point: Point) -> Row:
-    options = plain(asdict(laser.LaserCfg()) | dict(point.options))
+    try:
+        options = resolved(configuration(point))
+    except (ValueError, OSError):
+        options = plain(point.options)
     by = {"version": version("armside"), "code": code_fingerprint("scripts.laser")[:12]}
     return {"key": point.key, "seed": point.seed, **options, **by}
 
@@ -52,7 +55,7 @@ class Engine(Protocol):
 
     @property
     def room(self) -> int:
-        """Points that can be taken on now."""
+        """Points that can start now. No more are taken on: they may be left to another sweep."""
         ...
 
     @property
@@ -65,7 +68,7 @@ class Engine(Protocol):
         ...
 
     def collect(self) -> list[Row]:
-        """Wait for at least one point that is under way."""
+        """Wait for points that are under way; at least one of them, or none while it recovers."""
         ...
 
     def close(self) -> None:
@@ -79,7 +82,8 @@ class Local:
     def __init__(
         self, workers: int | None = None, *, function: Callable[[Point], Row] = simulate
     ) -> None:
-        """workers: number of processes, all cores if None. function: what runs a point."""
+        """workers: number of processes, all cores if None. function: what runs a point, raising
+        nothing."""
         self._function = function
         self._workers = workers or cores()
         self._pool: ProcessPoolExecutor | None = None
@@ -88,7 +92,7 @@ class Local:
 
     @property
     def room(self) -> int:
-        return 0 if self._suspects else 2 * self._workers - len(self._running)
+        return 0 if self._suspects else self._workers - len(self._running)
 
     @property
     def busy(self) -> bool:
@@ -99,7 +103,7 @@ class Local:
             # Forked threads are unsafe: workers are started afresh.
             context = get_context("forkserver" if os.name == "posix" else "spawn")
             self._pool = ProcessPoolExecutor(
-                self._workers, mp_context=context, initializer=end_with_parent
+                self._workers, mp_context=context, initializer=begin_worker
             )
         try:
             self._running[self._pool.submit(self._function, point)] = point
@@ -157,7 +161,7 @@ class OnRay:
 
     @property
     def room(self) -> int:
-        return 2 * max(1, int(self._ray.cluster_resources().get("CPU", 1))) - len(self._running)
+        return max(1, int(self._ray.cluster_resources().get("CPU", 1))) - len(self._running)
 
     @property
     def busy(self) -> bool:
@@ -186,16 +190,3 @@ def _knock(address: str) -> None:
     host, _, port = address.removeprefix("ray://").rpartition(":")
     if host and port.isdigit():
         socket.create_connection((host, int(port)), ANSWER).close()
-
-
-def end_with_parent() -> None:
-    """End this worker when the process that started it is gone, however it went."""
-    parent = parent_process()
-    if parent is None:
-        return
-
-    def watch() -> None:
-        wait_for([parent.sentinel])
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()

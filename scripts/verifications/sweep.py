@@ -11,14 +11,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import RunFailed
-from ..sweep import run_grid
+from ..sweep import KNOWN, KNOWN_FAILED, run_grid
 from ..sweep_engine import Local
 from ..sweep_grid import Grid, parse
-from ..sweep_store import Store, read, rows_kept
+from ..sweep_store import Store, keys_kept, read
 from ..verify import Table, Verdict
 
-AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", "pose=p1,p2,p9", "seed=0:2")
-"""Two thirds can be done; there is no p9."""
+PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
+AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")
+"""Two thirds can be done; the third place is out of reach."""
 LOOK = 0.01
 """[s], between two looks at what is on disk."""
 SAMPLES = 10
@@ -27,7 +28,10 @@ FLAT = 1.10
 
 
 def sweep(seeds: Iterable[int]) -> Table:
-    """One sweep per seed is killed (SIGKILL) at a random moment of its work and run again."""
+    """One sweep per seed is killed (SIGKILL) at a random moment of its work and run again.
+
+    Raises RunFailed for a sweep that ends without a result.
+    """
     grid = parse(AXES, 0)
     with tempfile.TemporaryDirectory() as folder:
         process = _begun(Path(folder) / "whole")
@@ -41,7 +45,8 @@ def sweep(seeds: Iterable[int]) -> Table:
             delay = random.Random(seed).uniform(0.0, duration)
             kept = _kill(killed, delay)
             counts = run_grid(grid, Store(killed), Local())
-            known, now = counts["known"], counts.total() - counts["known"]
+            known = counts[KNOWN] + counts[KNOWN_FAILED]
+            now = counts.total() - known
             rows.append((seed, delay, kept, known, now, read(killed).equals(whole)))
     n = len(grid)
     return Table(
@@ -115,23 +120,17 @@ def _descendants(pid: int) -> list[int]:
 
 
 def _start(folder: Path) -> subprocess.Popen[bytes]:
-    command = [
-        sys.executable,
-        "-m",
-        "scripts.cli",
-        "sweep",
-        *AXES,
-        "--into",
-        str(folder),
-        "--quiet",
-    ]
-    return subprocess.Popen(command, cwd=Path(__file__).parents[2])
+    command = [sys.executable, "-m", "scripts.cli", "sweep", *AXES, "--into", str(folder)]
+    # It says at its end that some configurations have failed, which they should.
+    return subprocess.Popen(
+        [*command, "--quiet"], cwd=Path(__file__).parents[2], stderr=subprocess.DEVNULL
+    )
 
 
 def _begun(folder: Path) -> subprocess.Popen[bytes]:
     """A sweep with its first result on disk: it takes longer to start than to do its work."""
     process = _start(folder)
-    while not rows_kept(folder):
+    while not keys_kept(folder):
         if process.poll() is not None:
             raise RunFailed("the sweep ended without a result")
         time.sleep(LOOK)
@@ -142,9 +141,8 @@ def _kill(folder: Path, delay: float) -> int:
     """Start a sweep, kill it some time after its first result, and count what is on disk."""
     process = _begun(folder)
     try:
-        if process.wait(delay) != 0:
-            raise RunFailed("the sweep failed before it was killed")
+        process.wait(delay)
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGKILL)
         process.wait()
-    return rows_kept(folder)
+    return len(keys_kept(folder))
