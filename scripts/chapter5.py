@@ -19,15 +19,8 @@ from sim.recording import Array
 from sim.rest import lines
 
 from . import imu_figures as figures
-from .imu import (
-    FAST_CIRCLE,
-    RECTANGLE,
-    SLOW_CIRCLE,
-    ImuExperimentCfg,
-    ImuJob,
-    RestJob,
-    robot_model,
-)
+from .imu import ImuExperimentCfg, robot_model
+from .imu_job import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, ImuJob, RestJob
 from .report import Check, Grid, Part, Section
 from .store import Job, Result
 

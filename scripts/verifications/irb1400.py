@@ -13,12 +13,11 @@ from ..imu import (
     ImuExperimentCfg,
     causes,
     evaluated_again,
-    fast_over_slow,
-    in_the_rectangle,
     prepare,
     run_one,
     run_rest,
 )
+from ..imu_job import fast_over_slow, in_the_rectangle
 from ..verify import Table, Verdict
 
 BASE = ImuExperimentCfg()

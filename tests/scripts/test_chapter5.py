@@ -7,12 +7,11 @@ from scripts import chapter5
 from scripts.imu import (
     AS_THE_THESIS,
     ImuExperimentCfg,
-    ImuJob,
-    RestJob,
     evaluated_again,
     prepare,
     run_one,
 )
+from scripts.imu_job import ImuJob, RestJob
 from scripts.registry import load
 from scripts.reproduce import ENTRIES
 from scripts.store import Store
