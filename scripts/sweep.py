@@ -98,7 +98,7 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     )
     keep(outcome, common)
     if len(points) < len(grid):
-        report.line(f"{len(grid)} combinations come to {len(points)} different configurations")
+        report.line(f"{len(grid)} combinations, of which {len(points)} are different")
     said = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
     report.line(f"{len(points)} configurations: {said}")
     report.line(f"Results in {folder}/part-*.parquet")
@@ -207,6 +207,8 @@ class _Sweep:
             else:
                 self._ready.append(point)
                 self._left[name] += 1
+        if not self._left[name]:
+            self._ours.pop(name).close()
 
     def _keep(self, row: Row) -> None:
         name = block_of(row["key"])
@@ -239,10 +241,11 @@ def _interrupted(points: Sequence[Point], folder: Path) -> str:
     )
 
 
-def _first_error(points: Iterable[Point], folder: Path) -> str:
-    """Of the first point, in the order of the grid, that has failed."""
+def _first_error(points: Iterable[Point], folder: Path) -> str | None:
+    """Of the first point, in the order of the grid, that has failed; None if another sweep has
+    meanwhile run all of them again."""
     known = failures(folder)
-    return next(known[point.key] for point in points if point.key in known)
+    return next((known[point.key] for point in points if point.key in known), None)
 
 
 def _name(points: Iterable[Point]) -> str:

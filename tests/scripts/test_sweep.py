@@ -435,7 +435,7 @@ def test_ctrl_c_says_what_is_kept(armside, tmp_path, monkeypatch):
 
 def test_ctrl_c_in_a_terminal_is_one_line(tmp_path):
     process = _start(tmp_path, stderr=subprocess.PIPE)
-    _wait_for(tmp_path, 1)
+    _wait_for(tmp_path, 3)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
     kept = len(keys_kept(tmp_path))
@@ -564,8 +564,10 @@ def test_results_are_not_kept_in_memory(tmp_path):
         tracemalloc.stop()
         return most
 
-    few, many = peak(20), peak(120)
-    assert many < few + 100 * 2000 * 8 / 4  # a quarter of what the results alone would take
+    few, many, resumed = peak(20), peak(120), peak(120)
+    quarter = 100 * 2000 * 8 / 4  # of what the further results alone would take
+    assert many < few + quarter
+    assert resumed < few + quarter
 
 
 def test_a_point_survives_the_way_to_a_worker():
