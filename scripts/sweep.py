@@ -134,6 +134,7 @@ def run_grid(
     Raises:
         RunFailed: the store's file system has no locks.
         OSError: the store cannot be written to.
+        pyarrow.ArrowInvalid: a part of the store is damaged.
     """
     return _Sweep(points, store, engine, step, retry_failed).run(waiting)
 

@@ -179,6 +179,7 @@ class Store:
         Raises:
             RunFailed: the folder's file system has no locks.
             OSError: the folder cannot be written to.
+            pyarrow.ArrowInvalid: the block's part is damaged.
         """
         locks = self.folder / ".locks"
         locks.mkdir(parents=True, exist_ok=True)
