@@ -1,7 +1,7 @@
 """Results of sweeps in a folder: a Parquet dataset that survives whatever happens to its writers.
 
     FOLDER/part-00.parquet ... part-ff.parquet    rows of the keys that begin so, sorted by key
-    FOLDER/.journal/00.jsonl                      results that are not in their part yet, a line each
+    FOLDER/.journal/00.jsonl                      results not yet in their part, a line each
     FOLDER/.locks/00                              held (flock) by the sweep that works on a block
 
 A result is one appended line of a journal as soon as it exists; when all of a block is done, its
