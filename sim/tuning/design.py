@@ -1,13 +1,5 @@
-"""Design variables of the law, and their normalised form: the action of the env.
-
-| variable | low | high | unit | scale |
-|---|---|---|---|---|
-| gamma | 0.1 | 1.5 | - | linear |
-| delta | 0 | 25 | samples of 4 ms | whole numbers |
-| cutoff | 1 | 30 | Hz | logarithmic |
-
-An action is float32 in [-1, 1]: -1 is low, +1 is high. With one design for all motors it has shape
-(3,), in the order of the table; with one for each motor (18,), six of each variable.
+"""Design variables of the law, and their normalised form: the action of the env, in the table of
+`sim.tuning.env.IlcTuningEnv`.
 """
 
 from dataclasses import dataclass, field
@@ -122,7 +114,7 @@ def design_of(action: ArrayLike, motors: Motors) -> Design:
     """
     expected = (len(VARIABLES) * motors.count,)
     try:
-        values = np.asarray(action, dtype=np.float64)
+        values = np.asarray(action).astype(np.float64, casting="same_kind")
     except (TypeError, ValueError):
         raise ValueError(f"an action must be {expected[0]} numbers, got {action!r}") from None
     if values.shape != expected:

@@ -1,5 +1,6 @@
 """`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
 
+import copy
 from typing import Any
 
 import gymnasium
@@ -15,8 +16,37 @@ Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
 class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     """One step is one ILC iteration: learn with the design of the action, run, look.
 
-    Observation: (50,) float32, table in `sim.tuning.observation`. Action: (3,) or (18,) float32,
-    table in `sim.tuning.design`. Reward and info: `sim.tuning.rules`. Tasks: `sim.tuning.task`.
+    Action: float32 in [-1, 1], -1 is low, +1 is high. With one design for all motors it has shape
+    (3,), in the order of the table; with one for each motor (18,), six of each variable.
+
+    | variable | low | high | unit | scale |
+    |---|---|---|---|---|
+    | gamma | 0.1 | 1.5 | - | linear |
+    | delta | 0 | 25 | samples of 4 ms | whole numbers |
+    | cutoff | 1 | 30 | Hz | logarithmic |
+
+    Observation: (50,) float32, what a robot cell knows after a run, the tool not among it.
+
+    | entries | feature | unit | low | high | scale |
+    |---|---|---|---|---|---|
+    | 0:6 | motor error, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
+    | 6:12 | motor error, infinity-norm | rad | 1e-4 | 1e1 | log10 |
+    | 12:18 | motor error, RMS in 0-3 Hz | rad | 1e-6 | 1e1 | log10 |
+    | 18:24 | motor error, RMS in 3-8 Hz | rad | 1e-6 | 1e1 | log10 |
+    | 24:30 | motor error, RMS in 8-16 Hz | rad | 1e-6 | 1e1 | log10 |
+    | 30:36 | motor error, RMS in 16-125 Hz | rad | 1e-6 | 1e1 | log10 |
+    | 36:42 | correction, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
+    | 42:48 | joint position at the start, motors, arm side | rad | -6.2832 | 6.2832 | linear |
+    | 48:49 | commanded speed | m/s | 0 | 0.1 | linear |
+    | 49:50 | iteration k | - | 0 | 10 | linear |
+
+    Errors and corrections are those of the motor shaft. Low becomes -1 and high +1; what lies
+    outside is clipped, and what is not finite (a run that fell apart) becomes +1.
+
+    Reward: log(RMS before / RMS after) of the tool's circle as the configured sensor sees it,
+    clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
+
+    Info: see `sim.tuning.rules.Rules.info`. Tasks and what they are drawn from: `sim.tuning.task`.
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
     """
 
@@ -69,13 +99,19 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
         Raises:
             ValueError: options that do not exist, out of reach (`kinematics.UnreachableError`) or
-                more than the robot can carry; a seed that is sealed, or that has to be.
+                more than the robot can carry; a seed that is sealed, or that has to be. The
+                env is then as if it had not been asked.
         """
-        self.rules.check_seed(seed)
+        seed = self.rules.check_seed(seed)
+        before = copy.deepcopy((self._np_random, self._np_random_seed))
         super().reset(seed=seed)
-        situation = self.rules.begin(self.rules.draw(self.np_random, options))
+        try:
+            situation = self.rules.begin(self.rules.draw(self.np_random, options))
+        except BaseException:
+            self._np_random, self._np_random_seed = before
+            raise
         self._history = [situation]
-        return self.rules.observe(situation), self.rules.info(situation, None, 0.0)
+        return self.rules.observe(situation), self.rules.info(situation)
 
     def step(self, action: np.ndarray) -> Step:
         """Learn once and run.
@@ -97,13 +133,13 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             raise RuntimeError("this episode is over: call reset before the next step")
         after = self.rules.advance(before, design)
         self._history.append(after)
-        reward = self.rules.score(before, after)
+        score = self.rules.score(before, after)
         return (
             self.rules.observe(after),
-            reward,
+            score.reward,
             after.diverged,
             self.rules.truncated(after),
-            self.rules.info(after, design, reward),
+            self.rules.info(after, design, score),
         )
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
@@ -117,7 +153,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             return None
         if not self._history:
             raise RuntimeError("there is nothing to draw yet: call reset first")
-        return self.picture.draw(self._history, self.rules.cell.xml)
+        return self.picture.draw(self._history, self.rules)
 
     @property
     def _now(self) -> Situation:

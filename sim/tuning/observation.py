@@ -1,21 +1,5 @@
-"""What a robot cell knows after a run, as a vector: the observation of the env.
-
-| entries | feature | unit | low | high | scale |
-|---|---|---|---|---|---|
-| 0:6 | motor error, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
-| 6:12 | motor error, infinity-norm | rad | 1e-4 | 1e1 | log10 |
-| 12:18 | motor error, RMS in 0-3 Hz | rad | 1e-6 | 1e1 | log10 |
-| 18:24 | motor error, RMS in 3-8 Hz | rad | 1e-6 | 1e1 | log10 |
-| 24:30 | motor error, RMS in 8-16 Hz | rad | 1e-6 | 1e1 | log10 |
-| 30:36 | motor error, RMS in 16-125 Hz | rad | 1e-6 | 1e1 | log10 |
-| 36:42 | correction, 2-norm over the record | rad | 1e-3 | 1e2 | log10 |
-| 42:48 | joint position at the start, motors on the arm side | rad | -6.2832 | 6.2832 | linear |
-| 48:49 | commanded speed | m/s | 0 | 0.1 | linear |
-| 49:50 | iteration k | - | 0 | 10 | linear |
-
-Errors and corrections are those of the motor shaft. Each entry is float32, low becomes -1 and high
-+1; what lies outside is clipped, and what is not finite (a run that fell apart) becomes +1.
-Nothing here knows where the tool was.
+"""What a robot cell knows after a run, as a vector: the observation of the env, in the table of
+`sim.tuning.env.IlcTuningEnv`. Nothing here knows where the tool was.
 """
 
 from collections.abc import Iterable
@@ -55,7 +39,7 @@ FEATURES = (
     ),
     Feature("correction, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
     Feature(
-        "joint position at the start, motors on the arm side", N_AXES, "rad", -6.2832, 6.2832, False
+        "joint position at the start, motors, arm side", N_AXES, "rad", -6.2832, 6.2832, False
     ),
     Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
     Feature("iteration k", 1, "-", 0.0, 10.0, False),
@@ -96,7 +80,7 @@ def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...
 
 
 def observation(situation: Situation) -> np.ndarray:
-    """(50,) float32 in [-1, 1], as the table says."""
+    """(50,) float32 in [-1, 1], as `FEATURES` says."""
     job = situation.experiment.job
     values = (
         situation.two_norm,

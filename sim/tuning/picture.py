@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .rules import Rules
+from .sensor import Sees
 from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
@@ -23,12 +25,11 @@ class Picture(Enum):
     MUJOCO = "mujoco"
     """The robot where its run starts; needs OpenGL, in software or hardware."""
 
-    def draw(self, history: Sequence[Situation], xml: Path) -> np.ndarray:
-        """(height, width, 3) uint8; xml: the robot's file.
-
-        Raises NoGraphicsError where MuJoCo cannot draw.
-        """
-        return _robot(history[-1], xml) if self is Picture.MUJOCO else _drawing(history)
+    def draw(self, history: Sequence[Situation], rules: Rules) -> np.ndarray:
+        """(height, width, 3) uint8. Raises NoGraphicsError where MuJoCo cannot draw."""
+        if self is Picture.MUJOCO:
+            return _robot(history[-1], rules.cell.xml)
+        return _drawing(history, rules)
 
     @classmethod
     def _missing_(cls, value: object) -> None:
@@ -37,13 +38,14 @@ class Picture(Enum):
         )
 
 
-def _drawing(history: Sequence[Situation]) -> np.ndarray:
+def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
-    circle, errors = figure.subplots(1, 2)
+    circle, errors = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
     radius = history[0].experiment.task.curve.smallest_radius
     factor = magnification(history, radius)
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
@@ -55,7 +57,10 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
         newest = situation is history[-1]
         circle.plot(*(1e3 * shown.T), lw=1.5 if newest else 0.7, color="C3" if newest else "0.7")
     circle.set_aspect("equal")
-    circle.set_title(f"tool, deviation x {factor:g} [mm]", fontsize=9)
+    edge = 1e3 * (1.05 + LARGEST_SHOWN) * radius
+    circle.set(xlim=(-edge, edge), ylim=(-edge, edge))
+    says = Sees(rules.reward).says
+    circle.set_title(f"tool {says}, deviation x {factor:g} [mm]", fontsize=8)
     k = [situation.k for situation in history]
     first = history[0].first_norm
     norms = np.array([situation.two_norm / first for situation in history])
@@ -63,11 +68,15 @@ def _drawing(history: Sequence[Situation]) -> np.ndarray:
         errors.semilogy(k, motor, ".-", lw=1, label=f"motor {i + 1}")
     rms = np.array([situation.seen.rms for situation in history])
     errors.semilogy(k, rms / rms[0], "k.-", lw=2, label="tool RMS")
-    errors.set_title("errors over those at k = 0", fontsize=9)
+    end = ", diverged" if history[-1].diverged else ""
+    errors.set_title(f"errors over those at k = 0{end}", fontsize=8)
     errors.set_xlabel("iteration k", fontsize=8)
-    errors.set_xticks(k)
-    errors.set_xlim(-0.2, max(k[-1], 1) + 0.2)
-    errors.legend(fontsize=6)
+    errors.set_xticks(range(rules.iterations + 1))
+    errors.set_xlim(-0.2, rules.iterations + 0.2)
+    errors.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    errors.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    errors.yaxis.set_minor_formatter(NullFormatter())
+    errors.legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     for axes in (circle, errors):
         axes.tick_params(labelsize=7)
     canvas.draw()

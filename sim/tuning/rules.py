@@ -5,8 +5,8 @@ sees it, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..cell import CELLS, Cell
 from ..model import RobotModel, load_model
 from . import observation, task
+from .checks import whole
 from .design import VARIABLES, Design, Motors, design_of
 from .sensor import Sees, Sensor
 from .situation import Situation, advance, begin
@@ -22,6 +23,15 @@ from .task import TEST_SEEDS, Task
 
 WORST_REWARD = -5.0
 """Of a run that diverged; also the bound of every other."""
+
+
+class Score(NamedTuple):
+    """What a step was worth."""
+
+    log_decrease: float
+    """log(RMS before / RMS after) as the sensor sees it; NaN where it has no measure."""
+    reward: float
+    """The same within bounds, or what a run that diverged costs."""
 
 
 @dataclass(frozen=True)
@@ -35,32 +45,25 @@ class Rules:
     """Learning iterations of an episode: the budget of the thesis."""
     sealed: bool = False
     """Episodes are those of TEST_SEEDS, which are refused otherwise."""
+    nominal: RobotModel = field(init=False, repr=False)
+    """The robot as its controller knows it."""
+    sensor: Sensor = field(init=False, repr=False)
+    """What the reward is computed from."""
 
     def __post_init__(self) -> None:
         _one_of("robot", self.robot, CELLS)
         _one_of("motors", self.motors, [m.value for m in Motors])
         _one_of("reward", self.reward, [s.value for s in Sees])
-        if not (isinstance(self.iterations, int) and 1 <= self.iterations <= 10):
-            raise ValueError(f"iterations must be in 1 .. 10, got {self.iterations!r}")
+        object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        object.__setattr__(self, "_nominal", load_model(self.cell.xml))
-        object.__setattr__(self, "_sensor", Sees(self.reward).sensor(self.robot))
+        object.__setattr__(self, "sensor", Sees(self.reward).sensor(self.robot))
+        object.__setattr__(self, "nominal", load_model(self.cell.xml))
 
     @property
     def cell(self) -> Cell:
         """The robot's cell."""
         return CELLS[self.robot]
-
-    @property
-    def nominal(self) -> RobotModel:
-        """The robot as its controller knows it."""
-        return self._nominal  # type: ignore[attr-defined]
-
-    @property
-    def sensor(self) -> Sensor:
-        """What the reward is computed from."""
-        return self._sensor  # type: ignore[attr-defined]
 
     @property
     def action_space(self) -> Box:
@@ -72,8 +75,13 @@ class Rules:
         """See `sim.tuning.observation`."""
         return Box(-1.0, 1.0, (observation.SIZE,), np.float32)
 
-    def check_seed(self, seed: int | None) -> None:
-        """Raise ValueError where a seed is sealed, or no sealed one where it must be."""
+    def check_seed(self, seed: Any) -> int | None:
+        """A seed of Python or NumPy, or None.
+
+        Raises ValueError for what is no seed, for a sealed one, or for no sealed one where it must
+        be.
+        """
+        seed = None if seed is None else whole("seed", seed, 0)
         if self.sealed and (seed is None or seed not in TEST_SEEDS):
             raise ValueError(f"a sealed env is reset with a seed of {TEST_SEEDS}, got {seed}")
         if not self.sealed and seed is not None and seed in TEST_SEEDS:
@@ -81,6 +89,7 @@ class Rules:
                 f"seed {seed} belongs to the sealed test seeds {TEST_SEEDS}; "
                 "only an env made with sealed=True takes them"
             )
+        return seed
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
         """Draw a task. See `sim.tuning.task.draw`."""
@@ -88,9 +97,8 @@ class Rules:
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
-        return begin(
-            task.experiment(self.cell, self.nominal, drawn, Sees(self.reward).imu), self.sensor
-        )
+        imu = Sees(self.reward).imu
+        return begin(drawn, task.experiment(self.cell, self.nominal, drawn, imu), self.sensor)
 
     def design(self, action: ArrayLike) -> Design:
         """The design of an action. Raises ValueError as `design_of` does."""
@@ -100,14 +108,15 @@ class Rules:
         """One iteration of learning."""
         return advance(situation, design)
 
-    def score(self, before: Situation, after: Situation) -> float:
+    def score(self, before: Situation, after: Situation) -> Score:
         """The reward of a step."""
-        if after.diverged:
-            return WORST_REWARD
         first, second = before.seen.rms, after.seen.rms
-        if not (np.isfinite(first) and np.isfinite(second) and first > 0.0 and second > 0.0):
-            return 0.0
-        return float(np.clip(np.log(first / second), WORST_REWARD, -WORST_REWARD))
+        if np.isfinite(first) and np.isfinite(second) and first > 0.0 and second > 0.0:
+            decrease = float(np.log(first / second))
+            reward = min(max(decrease, WORST_REWARD), -WORST_REWARD)
+        else:
+            decrease, reward = np.nan, 0.0
+        return Score(decrease, WORST_REWARD if after.diverged else reward)
 
     def truncated(self, situation: Situation) -> bool:
         """The budget of iterations is used up."""
@@ -117,26 +126,39 @@ class Rules:
         """See `sim.tuning.observation`."""
         return observation.observation(situation)
 
-    def info(self, situation: Situation, design: Design | None, reward: float) -> dict[str, Any]:
+    def info(
+        self, situation: Situation, design: Design | None = None, score: Score | None = None
+    ) -> dict[str, Any]:
         """Physical values and truth: what a policy must not see and a person wants to.
 
-        Keys: k, status (running, done or diverged), reward terms rms_seen and maxdev_seen [m] of
-        the configured sensor and log_decrease; truth rms_true and maxdev_true [m];
-        motor_error_two and motor_error_inf (6,) [rad] of the motor shaft; speed [m/s] reached;
-        after a step gamma, delta [samples] and cutoff [Hz], (6,) each.
+        Keys, the same after `reset` but for those of a step:
+
+        - k, status (running, done or diverged);
+        - the task, which as options of `reset` gives the same episode: pose, speed [m/s], payload
+          [kg] (None where a robot keeps its own tool), individual; and speed_reached [m/s];
+        - truth: rms_true, maxdev_true [m];
+        - motors: motor_error_two, motor_error_inf, (6,) [rad] of the shaft;
+        - reward terms: rms_seen, maxdev_seen [m] as the configured sensor has them; of a step
+          log_decrease, log(RMS before / RMS after), NaN where there is none;
+        - of a step: gamma, delta [samples] and cutoff [Hz], (6,) each.
         """
+        drawn = situation.task
         status = "done" if self.truncated(situation) else "running"
         return {
             "k": situation.k,
             "status": "diverged" if situation.diverged else status,
-            "rms_seen": float(situation.seen.rms),
-            "maxdev_seen": float(situation.seen.maxdev),
-            "log_decrease": reward,
+            "pose": drawn.pose,
+            "speed": drawn.speed,
+            "payload": drawn.payload,
+            "individual": drawn.individual,
+            "speed_reached": float(situation.experiment.motion.reached_speed),
             "rms_true": float(situation.true.rms),
             "maxdev_true": float(situation.true.maxdev),
-            "motor_error_two": situation.two_norm,
-            "motor_error_inf": situation.inf_norm,
-            "speed": float(situation.experiment.motion.reached_speed),
+            "motor_error_two": situation.two_norm.copy(),
+            "motor_error_inf": situation.inf_norm.copy(),
+            "rms_seen": float(situation.seen.rms),
+            "maxdev_seen": float(situation.seen.maxdev),
+            **({} if score is None else {"log_decrease": score.log_decrease}),
             **({} if design is None else design.arrays()),
         }
 

@@ -4,8 +4,10 @@ A sensor is set up by the first run of an episode, the one without learning, and
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from kinematics import CompiledRobot
 from kinematics import compile as compile_robot
@@ -15,7 +17,11 @@ from ..cell import CELLS
 from ..cutting import Pass
 from ..experiment import Experiment
 from ..instruments.imu import ImuCfg
-from ..model import load_model
+from ..model import RobotModel, load_model
+from ..motion.program import ToolMotion
+
+if TYPE_CHECKING:
+    from ..estimation.arm_learning import ArmLearningCfg, Commissioned
 
 Reading = Callable[[Pass], ArmSide]
 Sensor = Callable[[Experiment, Pass], Reading]
@@ -34,7 +40,20 @@ class Sees(Enum):
 
     def sensor(self, robot: str) -> Sensor:
         """Raises ValueError for a robot that the sensor cannot serve."""
-        return {Sees.TRACKER: _tracker, Sees.ESTIMATE: _estimate, Sees.MOTOR: _motors}[self](robot)
+        if self is Sees.TRACKER:
+            return _TrackerReading.set_up
+        if self is Sees.MOTOR:
+            return _Motors(robot)
+        if robot != "large":
+            raise ValueError(
+                f"reward 'estimate' needs an open chain: the large robot, got {robot!r}"
+            )
+        return _Estimate(robot)
+
+    @property
+    def says(self) -> str:
+        """Whose eyes a number is seen with."""
+        return f"as the {self.value} sees it" if self is not Sees.MOTOR else "as the motors see it"
 
     @property
     def imu(self) -> ImuCfg | None:
@@ -42,55 +61,76 @@ class Sees(Enum):
         return ImuCfg() if self is Sees.ESTIMATE else None
 
 
-def _tracker(_robot: str) -> Sensor:
-    def set_up(experiment: Experiment, _first: Pass) -> Reading:
-        return lambda cut: arm_side(experiment.motion, cut.tracker.time, cut.tracker.position)
+@dataclass(frozen=True)
+class _TrackerReading:
+    motion: ToolMotion
 
-    return set_up
+    @classmethod
+    def set_up(cls, experiment: Experiment, _first: Pass) -> Reading:
+        return cls(experiment.motion)
+
+    def __call__(self, cut: Pass) -> ArmSide:
+        return arm_side(self.motion, cut.tracker.time, cut.tracker.position)
+
+
+@dataclass(frozen=True)
+class _Motors:
+    robot: str
+
+    def __call__(self, experiment: Experiment, _first: Pass) -> Reading:
+        return _MotorReading(self.robot, experiment.motion)
+
+
+@dataclass(frozen=True)
+class _MotorReading:
+    robot: str
+    motion: ToolMotion
+
+    def __call__(self, cut: Pass) -> ArmSide:
+        arm, log = _arm(self.robot), cut.recording
+        asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
+        # r is shifted against the deflection that the controller expects: compare with r, not
+        # with the programmed path.
+        return arm_side(self.motion, log.time, self.motion.position + got - asked)
 
 
 @lru_cache
-def _motors(robot: str) -> Sensor:
-    arm: CompiledRobot = compile_robot(CELLS[robot].robot)
-
-    def set_up(experiment: Experiment, _first: Pass) -> Reading:
-        motion = experiment.motion
-
-        def reading(cut: Pass) -> ArmSide:
-            log = cut.recording
-            asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
-            # r is shifted against the deflection that the controller expects: compare with r, not
-            # with the programmed path.
-            return arm_side(motion, log.time, motion.position + got - asked)
-
-        return reading
-
-    return set_up
+def _arm(robot: str) -> CompiledRobot:
+    return compile_robot(CELLS[robot].robot)
 
 
-@lru_cache
-def _estimate(robot: str) -> Sensor:
-    if robot != "large":
-        raise ValueError(f"reward 'estimate' needs an open chain: the large robot, got {robot!r}")
-    # Imported here: the other sensors do without the estimator.
-    from ..estimation.arm_learning import ArmLearningCfg, OnFault, commission, measured_path
-    from ..estimation.nominal import NominalCfg, nominal_arm
+@dataclass(frozen=True)
+class _Estimate:
+    robot: str
 
-    cell = CELLS[robot]
-    nominal = load_model(cell.xml)
-    cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
+    def __call__(self, experiment: Experiment, first: Pass) -> Reading:
+        # Imported here, as below: the other sensors do without the estimator.
+        from ..estimation.arm_learning import ArmLearningCfg, OnFault, commission
+        from ..estimation.nominal import NominalCfg, nominal_arm
 
-    def set_up(experiment: Experiment, first: Pass) -> Reading:
+        xml = CELLS[self.robot].xml
+        nominal = _nominal(self.robot)
+        cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
         # The payload is known; the individual's springs are not.
         added = experiment.job.model.mj.body("tool").mass[0] - nominal.mj.body("tool").mass[0]
-        arm = nominal_arm(cell.xml, NominalCfg(payload=float(added)))
+        arm = nominal_arm(xml, NominalCfg(payload=float(added)))
         known = commission(nominal, arm, ImuCfg(), first, cfg)
-        motion = experiment.motion
+        return _EstimateReading(cfg, known, experiment.motion)
 
-        def reading(cut: Pass) -> ArmSide:
-            moved = measured_path(cfg, known, ImuCfg(), cut)[:, :3]
-            return arm_side(motion, cut.recording.time, motion.position[0] + moved)
 
-        return reading
+@lru_cache
+def _nominal(robot: str) -> RobotModel:
+    return load_model(CELLS[robot].xml)
 
-    return set_up
+
+@dataclass(frozen=True)
+class _EstimateReading:
+    cfg: "ArmLearningCfg"
+    known: "Commissioned"
+    motion: ToolMotion
+
+    def __call__(self, cut: Pass) -> ArmSide:
+        from ..estimation.arm_learning import measured_path
+
+        moved = measured_path(self.cfg, self.known, ImuCfg(), cut)[:, :3]
+        return arm_side(self.motion, cut.recording.time, self.motion.position[0] + moved)

@@ -13,6 +13,7 @@ from ..experiment import Experiment
 from ..recording import Array
 from .design import Design
 from .sensor import Reading, Sensor
+from .task import Task
 
 DIVERGED = 3.0
 """Of its value at k = 0: a motor's 2-norm beyond it has diverged, as in `ilc.learning.learn`."""
@@ -22,6 +23,8 @@ DIVERGED = 3.0
 class Situation:
     """After run k of an experiment."""
 
+    task: Task
+    """What was drawn."""
     experiment: Experiment
     reading: Reading = field(repr=False)
     """What the configured sensor makes of a run."""
@@ -43,23 +46,24 @@ class Situation:
     true: ArmSide
     """The tool as it was: for evaluation only."""
     diverged: bool
-    limits_hit: tuple[tuple[str, int, float], ...]
 
 
-def begin(experiment: Experiment, sensor: Sensor) -> Situation:
+def begin(task: Task, experiment: Experiment, sensor: Sensor) -> Situation:
     """Run once without learning, k = 0, and set the sensor up by it."""
     correction = np.zeros_like(experiment.job.reference)
     cut = experiment.plant.run(correction)
     reading = sensor(experiment, cut)
-    return _situation(experiment, reading, 0, correction, cut)
+    return _situation(task, experiment, reading, 0, correction, cut)
 
 
 def advance(situation: Situation, design: Design) -> Situation:
     """Learn once with a design and run again."""
     correction = design.law(situation.correction, situation.error)
-    experiment, first = situation.experiment, situation.first_norm
+    experiment, k = situation.experiment, situation.k + 1
     cut = experiment.plant.run(correction)
-    return _situation(experiment, situation.reading, situation.k + 1, correction, cut, first)
+    return _situation(
+        situation.task, experiment, situation.reading, k, correction, cut, situation.first_norm
+    )
 
 
 def restarted(situation: Situation) -> Situation:
@@ -70,6 +74,7 @@ def restarted(situation: Situation) -> Situation:
 
 
 def _situation(
+    task: Task,
     experiment: Experiment,
     reading: Reading,
     k: int,
@@ -87,6 +92,7 @@ def _situation(
     norm = two_norm(motor_error)
     first = norm if first is None else first
     return Situation(
+        task=task,
         experiment=experiment,
         reading=reading,
         k=k,
@@ -99,5 +105,4 @@ def _situation(
         seen=reading(cut),
         true=arm_side(experiment.motion, time, position),
         diverged=not (np.isfinite(norm) & (norm <= DIVERGED * first)).all(),
-        limits_hit=cut.recording.limits_hit,
     )

@@ -24,6 +24,7 @@ from ..individual import structure_hinges, with_payload
 from ..instruments.imu import ImuCfg
 from ..model import RobotModel
 from ..motion.poses import ToolPose, pose
+from .checks import whole
 
 POSE_SPREAD = 0.050
 """[m]"""
@@ -95,12 +96,11 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
             raise ValueError(f"pose must be a name or a ToolPose, got {value!r}")
         return value
     if name == "individual":
-        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 0:
-            raise ValueError(f"individual must be a seed, a whole number >= 0, got {value!r}")
-        return int(value)
+        return whole("individual", value, 0)
     if name == "payload" and value is None:
         return None
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    number = isinstance(value, int | float | np.integer | np.floating)
+    number = number and not isinstance(value, bool)
     if name == "payload" and not (number and 0.0 <= value < np.inf):
         raise ValueError(f"payload must be a number >= 0 kg, got {value!r}")
     if name == "speed" and not (number and SLOWEST <= value <= FASTEST):

@@ -5,7 +5,7 @@ once as there are cores, and what Python has to do for one robot is done while a
 Records differ in length with the speed: one common rollout would pad all to the longest.
 """
 
-import os
+import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, TypeVar
@@ -15,6 +15,8 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from ..cores import cores
+from .checks import whole
 from .design import Design
 from .env import Step
 from .rules import Rules
@@ -55,18 +57,15 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
         The others are those of the single env. Raises ValueError as it does.
         """
-        if num_envs < 1:
-            raise ValueError(f"num_envs must be >= 1, got {num_envs}")
-        if threads is not None and threads < 1:
-            raise ValueError(f"threads must be >= 1, got {threads}")
+        self.num_envs = whole("num_envs", num_envs, 1)
+        self.threads = cores() if threads is None else whole("threads", threads, 1)
         if render_mode is not None:
             raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
         self.rules = Rules(
             robot=robot, motors=motors, reward=reward, iterations=iterations, sealed=sealed
         )
-        self.num_envs = num_envs
         self.render_mode = None
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = _autoreset_mode(autoreset_mode)
         if sealed and self.autoreset_mode is not AutoresetMode.DISABLED:
             raise ValueError(
                 "a sealed env cannot start episodes by itself: give autoreset_mode='Disabled'"
@@ -74,12 +73,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.single_action_space = self.rules.action_space
         self.single_observation_space = self.rules.observation_space
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self._rngs: list[np.random.Generator | None] = [None] * num_envs
-        self._situations: list[Situation | None] = [None] * num_envs
-        self._over = np.zeros(num_envs, dtype=bool)
-        self._pool = ThreadPoolExecutor(threads or _cores())
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._rngs: list[np.random.Generator | None] = [None] * self.num_envs
+        self._situations: list[Situation | None] = [None] * self.num_envs
+        self._over = np.zeros(self.num_envs, dtype=bool)
+        self._pool = ThreadPoolExecutor(self.threads)
 
     def reset(
         self,
@@ -92,7 +91,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         seed: of the first robot, the others count up from it, or one for each. Other options are
         those of the single env and hold for all robots.
 
-        Raises ValueError as the single env does, and for seeds or a mask that do not fit.
+        Raises ValueError as the single env does, and for seeds or a mask that do not fit; the env
+        is then as if it had not been asked.
         """
         seeds = self._seeds(seed)
         if not isinstance(options, Mapping | None):
@@ -100,18 +100,22 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         options = dict(options or {})
         mask = self._mask(options.pop("reset_mask", None))
         chosen: list[int] = np.flatnonzero(mask).tolist()
+        rngs: dict[int, np.random.Generator] = {}
         for i in chosen:
-            self.rules.check_seed(seeds[i])
-        for i in chosen:
-            if seeds[i] is not None or self._rngs[i] is None:
-                self._rngs[i], _ = np_random(seeds[i])
-        tasks = {i: self.rules.draw(self._rng(i), options) for i in chosen}
+            seed_i, known = self.rules.check_seed(seeds[i]), self._rngs[i]
+            if seed_i is None and known is not None:
+                rngs[i] = copy.deepcopy(known)
+            else:
+                rngs[i], _ = np_random(seed_i)
+        tasks = {i: self.rules.draw(rngs[i], options) for i in chosen}
         observations = np.zeros(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         infos: dict[str, Any] = {}
+        begun: dict[int, Situation] = {}
         for i, situation in self._all(lambda i: self.rules.begin(tasks[i]), chosen):
-            self._situations[i] = situation
-            self._over[i] = False
-            infos = self._add_info(infos, self.rules.info(situation, None, 0.0), i)
+            begun[i] = situation
+            infos = self._add_info(infos, self.rules.info(situation), i)
+        for i, situation in begun.items():
+            self._rngs[i], self._situations[i], self._over[i] = rngs[i], situation, False
         for i, situation in enumerate(self._situations):
             if situation is not None:
                 observations[i] = self.rules.observe(situation)
@@ -179,8 +183,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """A new episode of robot i, as the step that follows the end of one."""
         situation = self.rules.begin(self.rules.draw(self._rng(i)))
         self._situations[i] = situation
-        info = self.rules.info(situation, None, 0.0)
-        return self.rules.observe(situation), 0.0, False, False, info
+        return self.rules.observe(situation), 0.0, False, False, self.rules.info(situation)
 
     def _next(self, i: int, design: Design | None) -> Step:
         """One iteration of robot i; without a design, a new episode."""
@@ -190,13 +193,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         assert before is not None
         after = self.rules.advance(before, design)
         self._situations[i] = after
-        reward = self.rules.score(before, after)
+        score = self.rules.score(before, after)
         return (
             self.rules.observe(after),
-            reward,
+            score.reward,
             after.diverged,
             self.rules.truncated(after),
-            self.rules.info(after, design, reward),
+            self.rules.info(after, design, score),
         )
 
     def _all(
@@ -218,13 +221,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         assert rng is not None
         return rng
 
-    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+    def _seeds(self, seed: Any) -> list[Any]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, (int, np.integer)):
-            return [int(seed) + i for i in range(self.num_envs)]
-        if not isinstance(seed, Sequence | np.ndarray):
-            raise ValueError(f"seed must be a whole number or one for each robot, got {seed!r}")
+        if isinstance(seed, str) or not isinstance(seed, Sequence | np.ndarray):
+            first = whole("seed", seed, 0)
+            return list(range(first, first + self.num_envs))
         if len(seed) != self.num_envs:
             raise ValueError(f"{self.num_envs} robots need as many seeds, got {len(seed)}")
         return list(seed)
@@ -238,5 +240,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return mask
 
 
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _autoreset_mode(value: str | AutoresetMode) -> AutoresetMode:
+    try:
+        return AutoresetMode(value)
+    except ValueError:
+        known = ", ".join(mode.value for mode in AutoresetMode)
+        raise ValueError(f"Unknown autoreset_mode {value!r}. It can be: {known}") from None

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.tuning import design
 from sim.tuning.design import THESIS, VARIABLES, Design, Motors, action_of, design_of
+from sim.tuning.env import IlcTuningEnv
 from sim.tuning.rules import Rules
 
 ROUNDING = 1e-6
 """Relative, of a float32 action."""
 
 
-def test_the_table_of_the_docstring_says_what_the_variables_are():
+def test_the_table_of_the_env_says_what_the_variables_are():
     rows = re.findall(
-        r"^\| (\w+) \| ([\d.]+) \| ([\d.]+) \| .* \| ([\w ]+) \|$", design.__doc__, re.M
+        r"^ +\| (\w+) \| ([\d.]+) \| ([\d.]+) \| .* \| ([\w ]+) \|$", IlcTuningEnv.__doc__, re.M
     )
     assert rows == [(v.name, f"{v.low:g}", f"{v.high:g}", v.scale.value) for v in VARIABLES]
 

@@ -1,6 +1,7 @@
 """`armside/IlcTuning-v0`: the contract of Gymnasium, and the rules of the thesis's budget."""
 
 import inspect
+import pickle
 import re
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from sim.tuning.design import THESIS, Motors, action_of
 from sim.tuning.evaluation import always, run_episode
 from sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
 from sim.tuning.rules import WORST_REWARD, Rules
-from sim.tuning.task import TEST_SEEDS
+from sim.tuning.task import OPTIONS, TEST_SEEDS
 
 ID = "armside/IlcTuning-v0"
 ACTION = action_of(THESIS, Motors.SHARED)
@@ -114,6 +115,63 @@ def test_info_has_the_design_in_physical_units(env, quick):
     assert info["k"] == 1
 
 
+def test_who_changes_an_info_does_not_change_the_episode(env, quick):
+    _, info = env.reset(seed=0, options=quick)
+    kept = info["motor_error_two"].copy()
+    info["motor_error_two"][:] = 1e-9
+    *_, terminated, _, info = env.step(ACTION)
+    assert not terminated
+    info["motor_error_inf"][:] = 0.0
+    assert (kept > 0.0).all()
+    assert np.array_equal(env.unwrapped._history[0].two_norm, kept)
+    assert (env.unwrapped._history[1].inf_norm > 0.0).all()
+
+
+@pytest.mark.parametrize("robot", ["large", "irb1400"])
+def test_what_an_info_says_of_the_task_makes_the_episode_again(robot):
+    env = gymnasium.make(ID, robot=robot)
+    observed, info = env.reset(seed=4)
+    task = {name: info[name] for name in OPTIONS}
+    again, same = env.reset(seed=5, options=task)
+    assert np.array_equal(observed, again)
+    assert same["rms_true"] == info["rms_true"]
+    assert info["speed_reached"] <= info["speed"] + 1e-12
+
+
+def test_the_terms_of_a_reward_are_told_apart_from_what_divergence_costs():
+    rules = Rules()
+    now = rules.begin(rules.draw(np.random.default_rng(0)))
+    half = replace(now, seen=replace(now.seen, rms=0.5 * now.seen.rms))
+    lost = replace(now, seen=replace(now.seen, rms=np.nan))
+    assert rules.score(now, half) == pytest.approx((np.log(2.0), np.log(2.0)))
+    assert rules.score(now, replace(half, diverged=True)) == pytest.approx((np.log(2.0), -5.0))
+    assert rules.score(now, lost) == pytest.approx((np.nan, 0.0), nan_ok=True)
+    far = replace(now, seen=replace(now.seen, rms=1e-6 * now.seen.rms))
+    assert rules.score(now, far) == pytest.approx((np.log(1e6), 5.0))
+    assert rules.info(half, None, rules.score(now, half))["log_decrease"] == np.log(2.0)
+
+
+def test_a_reset_that_is_refused_leaves_the_env_as_it_was(env, quick):
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="speed"):
+        env.reset(seed=7, options={"speed": 9})
+    assert env.step(ACTION)[4]["k"] == 1
+    after_refusal = env.reset()[0]
+    env.reset(seed=0)
+    assert np.array_equal(after_refusal, env.reset()[0])
+
+
+def test_an_episode_can_be_sent_to_another_process(env, quick):
+    env.reset(seed=0, options=quick)
+    sent = pickle.loads(pickle.dumps(env.unwrapped))
+    assert np.array_equal(sent.step(ACTION)[0], env.step(ACTION)[0])
+
+
+def test_seeds_of_numpy_are_seeds(env, quick):
+    observed = env.reset(seed=np.int64(3))[0]
+    assert np.array_equal(observed, env.reset(seed=3)[0])
+
+
 TRAJECTORY = f"""
 import hashlib, sys, gymnasium, numpy as np, sim
 env = gymnasium.make({ID!r}, iterations=2)
@@ -151,7 +209,7 @@ def test_evaluation_runs_the_episodes_of_the_env(env):
     assert episode.rms_true.tolist() == rms
 
 
-@pytest.mark.parametrize("action", [[0.0, 1.5, 0.0], [0.0, np.nan, 0.0], [0.0], "abc"])
+@pytest.mark.parametrize("action", [[0.0, 1.5, 0.0], [0.0, np.nan, 0.0], [0.0], "abc", [0, 1j, 0]])
 def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, quick, action):
     env.reset(seed=0, options=quick)
     with pytest.raises(ValueError, match="an action must"):
@@ -166,9 +224,10 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
         ({"motors": "all"}, "Unknown motors 'all'. It can be: shared, each"),
         ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, estimate, motor"),
         ({"reward": "estimate", "robot": "irb1400"}, "needs an open chain"),
-        ({"iterations": 0}, "iterations must be in 1 .. 10, got 0"),
-        ({"iterations": 2.5}, "iterations must be in 1 .. 10, got 2.5"),
-        ({"iterations": "5"}, "iterations must be in 1 .. 10, got '5'"),
+        ({"iterations": 0}, "iterations must be a whole number in 1 .. 10, got 0"),
+        ({"iterations": 2.5}, "iterations must be a whole number in 1 .. 10, got 2.5"),
+        ({"iterations": "5"}, "iterations must be a whole number in 1 .. 10, got '5'"),
+        ({"iterations": True}, "iterations must be a whole number in 1 .. 10, got True"),
         ({"sealed": "no"}, "sealed must be True or False, got 'no'"),
         ({"render_mode": "human"}, "Unknown render_mode 'human'"),
         ({"picture": "oil"}, "Unknown picture 'oil'. It can be: drawing, mujoco"),

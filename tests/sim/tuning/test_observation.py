@@ -5,14 +5,14 @@ import re
 import numpy as np
 import pytest
 
-from sim.tuning import observation
+from sim.tuning.env import IlcTuningEnv
 from sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms, normalised
 from sim.tuning.rules import Rules
 
 
-def test_the_table_of_the_docstring_says_what_the_entries_are():
-    row = r"^\| (\d+):(\d+) \| (.*) \| (\S+) \| (\S+) \| (\S+) \| (\w+) \|$"
-    rows = re.findall(row, observation.__doc__, re.M)
+def test_the_table_of_the_env_says_what_the_entries_are():
+    row = r"^ +\| (\d+):(\d+) \| (.*) \| (\S+) \| (\S+) \| (\S+) \| (\w+) \|$"
+    rows = re.findall(row, IlcTuningEnv.__doc__, re.M)
     ends = np.cumsum([feature.size for feature in FEATURES]).tolist()
     assert [(int(a), int(b)) for a, b, *_ in rows] == list(zip([0, *ends[:-1]], ends, strict=True))
     for (_, _, name, unit, low, high, scale), feature in zip(rows, FEATURES, strict=True):

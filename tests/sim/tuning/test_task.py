@@ -76,8 +76,9 @@ def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what
         ({"payload": "heavy"}, "payload must be a number >= 0 kg, got 'heavy'"),
         ({"pose": "p9"}, "Unknown pose 'p9'"),
         ({"pose": 3}, "a name or a ToolPose"),
-        ({"individual": 1.5}, "individual must be a seed"),
-        ({"individual": True}, "individual must be a seed"),
+        ({"speed": 0.04 + 0j}, "speed must be"),
+        ({"individual": 1.5}, "individual must be a whole number >= 0, got 1.5"),
+        ({"individual": True}, "individual must be a whole number"),
     ],
 )
 def test_options_that_do_not_exist_or_make_no_sense_are_refused(options, message):

@@ -6,6 +6,7 @@ import pytest
 from gymnasium.vector import SyncVectorEnv
 
 import sim  # noqa: F401 - registers the env
+from sim.motion.poses import ToolPose
 from sim.tuning.vector_env import IlcTuningVectorEnv
 
 ID = "armside/IlcTuning-v0"
@@ -19,6 +20,8 @@ def _same(one, other):
     elif isinstance(one, np.ndarray) and one.dtype == object:
         for a, b in zip(one, other, strict=True):
             _same(a, b)
+    elif isinstance(one, ToolPose):
+        assert one == other
     elif one is not None or other is not None:
         a, b = np.asarray(one), np.asarray(other)
         assert a.dtype == b.dtype
@@ -64,9 +67,9 @@ def test_a_mask_resets_the_robots_it_names_only(quick):
 
 
 def test_bad_input_is_one_clear_error(quick):
-    with pytest.raises(ValueError, match="num_envs must be >= 1, got 0"):
+    with pytest.raises(ValueError, match="num_envs must be a whole number >= 1, got 0"):
         IlcTuningVectorEnv(0)
-    with pytest.raises(ValueError, match="threads must be >= 1"):
+    with pytest.raises(ValueError, match="threads must be a whole number >= 1"):
         IlcTuningVectorEnv(1, threads=0)
     with pytest.raises(ValueError, match="Unknown motors"):
         IlcTuningVectorEnv(1, motors="none")
@@ -84,9 +87,16 @@ def test_bad_input_is_one_clear_error(quick):
         cells.step(np.array([[0, 0, 0], [0, np.nan, 0]], np.float32))
     with pytest.raises(ValueError, match="actions must have shape"):
         cells.step(np.zeros((3, 3), np.float32))
-    for bad in (1.5, "one"):
-        with pytest.raises(ValueError, match=r"seed must be|as many seeds"):
+    for bad in (1.5, "ab", -1, True, [3, -1], [3, 4.0]):
+        with pytest.raises(ValueError, match="seed must be a whole number >= 0"):
             cells.reset(seed=bad)
+    with pytest.raises(ValueError, match="2 robots need as many seeds, got 3"):
+        cells.reset(seed=[1, 2, 3])
+    for wrong in ({"num_envs": "2"}, {"num_envs": 1.5}, {"threads": 1.5}, {"threads": "2"}):
+        with pytest.raises(ValueError, match="must be a whole number >= 1"):
+            IlcTuningVectorEnv(**wrong)
+    with pytest.raises(ValueError, match="It can be: NextStep, SameStep, Disabled"):
+        IlcTuningVectorEnv(2, autoreset_mode="x")
     with pytest.raises(ValueError, match="options of reset must be a dict"):
         cells.reset(options=[1])
     with pytest.raises(ValueError, match="a sealed env cannot start episodes by itself"):
@@ -94,3 +104,26 @@ def test_bad_input_is_one_clear_error(quick):
     cells.close()
     with pytest.raises(RuntimeError, match="closed"):
         cells.step(np.zeros((2, 3), np.float32))
+
+
+def test_a_reset_that_is_refused_leaves_the_robots_as_they_were(quick):
+    cells = IlcTuningVectorEnv(2, iterations=1)
+    after = []
+    for refused in (False, True):
+        cells.reset(seed=0, options=quick)
+        if refused:
+            with pytest.raises(ValueError, match="speed"):
+                cells.reset(seed=50, options={"speed": 9})
+            with pytest.raises(ValueError, match="cannot carry its load"):
+                cells.reset(seed=np.array([50, 51]), options={"payload": 900.0})
+        cells.step(np.zeros((2, 3), np.float32))
+        after.append(cells.step(np.zeros((2, 3), np.float32))[0])  # drawn anew
+    assert np.array_equal(*after)
+    cells.close()
+
+
+def test_seeds_of_numpy_are_seeds(quick):
+    cells = IlcTuningVectorEnv(2)
+    observed = cells.reset(seed=np.array([3, 4]), options=quick)[0]
+    assert np.array_equal(observed, cells.reset(seed=3, options=quick)[0])
+    cells.close()
