@@ -3,7 +3,7 @@
 Estimation error (3D RMS) of the first run, and the tool's deviation after five updates.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -82,36 +82,54 @@ def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
 class Found(NamedTuple):
     """What one way of measuring and learning leaves of one cut."""
 
-    error: float
-    """Of the first run's path [m], 3D RMS."""
+    error: float = np.nan
+    """Of the first run's path [m], 3D RMS; NaN where learning was refused."""
     ratio: float = np.nan
-    """Of the tool's deviation after `UPDATES` over that before."""
+    """Of the tool's deviation after `UPDATES` over that before; NaN where nothing is learned."""
 
 
 def controls(seeds: Iterable[int]) -> Table:
     """Medians over seeds at each pose; structure and gears of linear springs.
 
-    NaN: learning was refused, because no springs made the model explain the readings.
+    Learning is refused where no springs make the model explain the readings; medians are those of
+    the cuts that are left.
     """
     cases = [(seed, pose) for seed in seeds for pose in POSES]
     with Workers() as workers:
         found = list(zip(cases, workers.map(_tried, cases), strict=True))
-    medians = {
-        name: np.median(
-            [[each[name] for (_, at), each in found if at == pose] for pose in POSES], axis=1
-        )
+    by_pose = {
+        name: [[each[name] for (_, at), each in found if at == pose] for pose in POSES]
         for name in (_KINEMATICS, _NO_DYNAMICS, *variants())
     }
-    errors = {name: 1e6 * by_pose[:, 0] for name, by_pose in medians.items()}
-    left = {name: by_pose[:, 1] for name, by_pose in medians.items()}
+    errors = {
+        name: 1e6 * np.array([_median([f.error for f in at]) for at in cuts])
+        for name, cuts in by_pose.items()
+    }
+    left = {
+        name: np.array([_median([f.ratio for f in at]) for at in cuts])
+        for name, cuts in by_pose.items()
+    }
+    refused = {
+        name: sum(np.isnan(cut.error) for at in cuts for cut in at)
+        for name, cuts in by_pose.items()
+    }
     return Table(
         title="What the estimate needs: error of the tool's path, and what learning leaves",
         columns=(
             "",
             *(f"{pose}: error 3D [µm]" for pose in POSES),
             *(f"{pose}: k = 5 over k = 0" for pose in POSES),
+            "refused",
         ),
-        rows=[[name, *errors[name].tolist(), *left[name].tolist()] for name in medians],
+        rows=[
+            [
+                name,
+                *errors[name].tolist(),
+                *left[name].tolist(),
+                f"{refused[name]} of {len(cases)}",
+            ]
+            for name in by_pose
+        ],
         verdicts=[
             Verdict(
                 "negative control: without dynamics errors are more than twice as large",
@@ -125,16 +143,21 @@ def controls(seeds: Iterable[int]) -> Table:
     )
 
 
+def _median(values: Sequence[float]) -> float:
+    known = [value for value in values if not np.isnan(value)]
+    return float(np.median(known)) if known else np.nan
+
+
 def _tried(case: tuple[int, str]) -> dict[str, Found]:
     """Every way, on one robot at one pose, by name."""
     seed, pose = case
     cut = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
-    found = {_KINEMATICS: Found(np.nan), _NO_DYNAMICS: Found(np.nan)}
+    found = {_KINEMATICS: Found(), _NO_DYNAMICS: Found()}
     for name, (unit, cfg) in variants().items():
         try:
             known, first, before, after = learned(replace(cut, imu=unit), cfg)
         except ImuError:
-            found[name] = Found(np.nan)
+            found[name] = Found()
             continue
         found[name] = Found(error(measured_path(cfg, known, unit, first), first), after / before)
         if name == _DEFAULT:
