@@ -54,6 +54,7 @@ CLAIMS: dict[str, Claim] = {
     "ablations": Claim("scripts.verifications.ablations:ablations", n_seeds=3),
     "env": Claim("scripts.verifications.env:env", n_seeds=1000),
     "tuning": Claim("scripts.verifications.tuning:tuning", n_seeds=100),
+    "tuning-iterations": Claim("scripts.verifications.tuning:iterations", n_seeds=100),
     "sweep": Claim("scripts.verifications.sweep:sweep", n_seeds=10),
     "sweep-memory": Claim("scripts.verifications.sweep:memory", n_seeds=10_000),
     "chapter9": Claim("scripts.verifications.chapter9:chapter9", n_seeds=5),

@@ -1,4 +1,5 @@
-"""The claim of `armside verify tuning`: designs and a policy on the sealed test seeds.
+"""The claims of `armside verify tuning` and `tuning-iterations`: designs and a policy on the sealed
+test seeds.
 
 `scripts/tuned/` holds what `armside tune` and `armside train` have written; docs/tuning.md has the
 commands.
@@ -24,6 +25,8 @@ DATA_SEED = 1
 """Of the experiments that models are identified from."""
 NORMAL_95 = 1.96
 """Standard errors to either side of a mean."""
+TWICE = 10
+"""Iterations, twice the budget that was searched and trained with."""
 SIGNIFICANT = 3.0
 """Standard errors by which a mean must beat another."""
 
@@ -75,6 +78,45 @@ def tuning(seeds: Iterable[int]) -> Table:
         verdicts=[
             _beats(name, "thesis design", logs)
             for name in ("best fixed design by search", "learned policy")
+        ],
+    )
+
+
+def iterations(seeds: Iterable[int]) -> Table:
+    """What is left of the error after each iteration, beyond the budget of five for the designs.
+
+    Of the episodes that do not diverge.
+    """
+    seeds = [TEST_SEEDS[i] for i in seeds]
+    long, budget = Rules(iterations=TWICE, sealed=True), Rules(sealed=True)
+    policies: list[tuple[str, Rules, Policy]] = [
+        ("thesis design", long, always(THESIS, Motors.SHARED)),
+        ("best fixed design by search", long, always(searched(), Motors.SHARED)),
+        ("learned policy", budget, Network.load(TUNED / "policy.npz")),
+    ]
+    found = {
+        name: [e for e in evaluate(rules, seeds, policy, threads=cores()) if not e.diverged]
+        for name, rules, policy in policies
+    }
+    rows = {
+        name: np.exp(np.mean([np.log(e.rms_true[1:] / e.rms_true[0]) for e in episodes], axis=0))
+        for name, episodes in found.items()
+    }
+    chosen = [[d.gamma[0] for d in e.designs] for e in found["learned policy"]]
+    rows["gain γ of the learned policy, mean"] = np.mean(chosen, axis=0)
+    search = rows["best fixed design by search"]
+    return Table(
+        title=f"RMS of the tool over that before learning, geometric mean, {len(seeds)} episodes",
+        columns=("", *(f"k = {k}" for k in range(1, TWICE + 1))),
+        rows=[
+            (name, *values.tolist(), *[np.nan] * (TWICE - len(values)))
+            for name, values in rows.items()
+        ],
+        verdicts=[
+            Verdict(
+                "the searched design is made for its budget: after ten iterations it leaves more",
+                bool(search[-1] > search[4]),
+            )
         ],
     )
 

@@ -23,6 +23,8 @@ class Episode:
     """(K + 1,) [m], of the tool after each run; ends early where learning diverged."""
     rms_seen: Array
     """(K + 1,) [m], the same as the configured sensor has it."""
+    designs: tuple[Design, ...]
+    """(K,), those that were taken."""
     diverged: bool
 
     @property
@@ -38,15 +40,17 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
     """
     rules.check_seed(seed)
     situation = rules.begin(rules.draw(np.random.default_rng(seed)))
-    runs = [situation]
+    runs, designs = [situation], list[Design]()
     while not (situation.diverged or rules.truncated(situation)):
         design = rules.design(policy(rules.observe(situation)))
         situation = rules.advance(situation, design)
+        designs.append(design)
         runs.append(situation)
     return Episode(
         seed=seed,
         rms_true=np.array([run.true.rms for run in runs]),
         rms_seen=np.array([run.seen.rms for run in runs]),
+        designs=tuple(designs),
         diverged=situation.diverged,
     )
 

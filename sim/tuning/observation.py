@@ -38,9 +38,7 @@ FEATURES = (
         for low, high in BANDS
     ),
     Feature("correction, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
-    Feature(
-        "joint position at the start, motors, arm side", N_AXES, "rad", -6.2832, 6.2832, False
-    ),
+    Feature("joint position at the start, motors, arm side", N_AXES, "rad", -6.2832, 6.2832, False),
     Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
     Feature("iteration k", 1, "-", 0.0, 10.0, False),
 )

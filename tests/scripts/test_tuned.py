@@ -10,7 +10,7 @@ from scripts.policy import Network
 from scripts.train import TrainCfg, first_action
 from scripts.tuned_design import load_design
 from scripts.verifications import env as verify_env
-from scripts.verifications.tuning import TUNED, searched, tuning
+from scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from sim.tuning.design import VARIABLES, Design, Motors, action_of
 from sim.tuning.evaluation import always, evaluate
 from sim.tuning.rules import Rules
@@ -98,3 +98,16 @@ def test_random_actions_stay_in_the_spaces_with_every_kind_of_env(monkeypatch):
     table = verify_env.env(range(2 * len(verify_env.KINDS)))
     assert len(table.rows) == len(verify_env.KINDS)
     assert [verdict.holds for verdict in table.verdicts] == [True, True]
+
+
+def test_beyond_the_budget_the_thesis_goes_on_and_the_policy_ends():
+    table = iterations(range(3))
+    rows = {name: values for name, *values in table.rows}
+    assert (
+        np.isfinite(rows["thesis design"]).sum()
+        == np.isfinite(rows["best fixed design by search"]).sum()
+        == 10
+    )
+    assert np.isfinite(rows["learned policy"]).sum() == 5
+    gain = np.array(rows["gain γ of the learned policy, mean"])[:5]
+    assert gain.argmax() == 1
