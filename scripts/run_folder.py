@@ -31,6 +31,13 @@ def check_destination(path: Path) -> None:
         raise InputError(f"{path} is in use; give a new folder inside it")
 
 
+def check_writable(path: Path) -> None:
+    """Raise InputError where no folder can be made at `path`: for what takes long before it is."""
+    parent = next(p for p in path.absolute().parents if p.exists())
+    if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
+        raise InputError(f"no folder can be made in {parent}")
+
+
 class RunFolder:
     """Collects the files of one run; `path` is the finished folder once the block has ended.
 

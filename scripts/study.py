@@ -4,16 +4,17 @@ Optuna is imported here only where it is used: it takes half a second.
 """
 
 import logging
-import warnings
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from sim.tuning.design import VARIABLES, Design, Motors, Scale
 
+from . import study_storage
 from .errors import InputError
-from .study_storage import connect, reaching
+from .study_storage import connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
@@ -25,11 +26,13 @@ WORST = 1e3
 """Objective of a design that diverges: no finite one is that bad."""
 TRUE = "ratio_true"
 """User attribute of a trial: the objective, had the tool been seen as it was."""
-ENOUGH = 5
-"""Complete trials, below which importances mean nothing."""
 PATIENCE = 3
-"""Iterations before a design may be given up: what learns slowly is behind at first, and what
-learns fast may lose again what it had gained."""
+"""The first iteration, counted from 1, after which a design may be given up: what learns slowly is
+behind at first, and what learns fast may lose again what it had gained."""
+WRITTEN = 2.0
+"""[s], in which the process that has made a study writes what it tunes."""
+COMPARED = 10
+"""Complete designs, before which none is given up. ESTIMATE: as many as TPE draws at random."""
 KEPT = 75.0
 """[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
 
@@ -62,31 +65,42 @@ def open_study(
         config: what is tuned; a study of another configuration is refused.
 
     Raises:
-        InputError: the storage does not answer or is no URL, its driver is not installed, or the
-            study tunes something else.
+        InputError: the storage does not answer, is no URL or another program's, its driver is not
+            installed, or the study tunes something else.
     """
     import optuna
 
     optuna.logging.set_verbosity(logging.ERROR)
+    how: dict[str, Any] = {"sampler": _sampler(sampler, seed), "pruner": _pruner(pruner)}
     with reaching(storage):
-        study = optuna.create_study(
-            storage=connect(storage),
-            study_name=name,
-            load_if_exists=True,
-            direction="minimize",
-            sampler=_sampler(sampler, seed),
-            pruner=_pruner(pruner),
-        )
-    known = study.user_attrs.get("config")
-    if known is None:
-        study.set_user_attr("config", dict(config))
-    elif known != dict(config):
-        changed = [key for key in config if known.get(key) != config[key]]
+        database = connect(storage)
+        try:  # of processes that start together, one makes the study
+            study = optuna.create_study(
+                storage=database, study_name=name, direction="minimize", **how
+            )
+            study.set_user_attr("config", dict(config))
+        except optuna.exceptions.DuplicatedStudyError:
+            study = optuna.load_study(storage=database, study_name=name, **how)
+        known = _config(study, config)
+    if known != dict(config):
+        changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
         raise InputError(
             f"study {name!r} tunes something else: {', '.join(changed)} differ; "
             "give another --study"
         )
     return study
+
+
+def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
+    """What a study tunes. The process that has made it may be about to write it; if that was
+    killed in between, it is this."""
+    end = time.monotonic() + WRITTEN
+    while (known := study.user_attrs.get("config")) is None and time.monotonic() < end:
+        time.sleep(0.1)
+    if known is None:
+        study.set_user_attr("config", dict(config))
+        known = study.user_attrs["config"]
+    return known
 
 
 def suggest(trial: "optuna.Trial", motors: Motors) -> Design:
@@ -121,22 +135,35 @@ def parameters(design: Design, motors: Motors) -> dict[str, float]:
     }
 
 
-def ask_first(study: "optuna.Study", values: dict[str, float]) -> None:
+def ask_first(
+    study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
+) -> None:
     """Try a design next, unless it was tried, is waiting, or another process is trying it now.
 
-    One whose trial failed, or whose process was killed, is asked for again.
-    """
-    import optuna
+    One whose trial failed, or whose process was killed, is asked for again. Whether a process was
+    killed shows when it has been silent for long enough, which is waited for.
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-        optuna.storages.fail_stale_trials(study)
-    if not any(
-        trial.system_attrs.get("fixed_params", trial.params) == values
-        for trial in study.get_trials(deepcopy=False)
-        if trial.state is not optuna.trial.TrialState.FAIL
-    ):
+    check: called while waiting; what it raises ends that.
+    """
+    from optuna.trial import TrialState
+
+    # The database counts whole seconds, and one more must have passed.
+    end = time.monotonic() + study_storage.SILENCE + 2.0
+    while TrialState.RUNNING in (known := _states(study, values)) and time.monotonic() < end:
+        check()
+        time.sleep(0.2)
+    if not known - {TrialState.FAIL}:
         study.enqueue_trial(values)
+
+
+def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":
+    """Of all trials of a design, after those of killed processes have failed."""
+    fail_silent(study)
+    return {
+        trial.state
+        for trial in study.get_trials(deepcopy=False)
+        if trial.system_attrs.get("fixed_params", trial.params) == values
+    }
 
 
 def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
@@ -151,9 +178,8 @@ def outcomes(study: "optuna.Study") -> list[Tried]:
     from optuna.trial import TrialState
 
     return [
-        Tried(t.number, t.value, t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
+        Tried(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
         for t in finished(study)
-        if t.value is not None
     ]
 
 
@@ -164,28 +190,16 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     found: list[optuna.trial.FrozenTrial] = []
     best = WORST
     for trial in study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
-        if trial.value is not None and trial.value < best:
-            best = trial.value
+        if value(trial) < best:
+            best = value(trial)
             found.append(trial)
     return found
 
 
-def importance(study: "optuna.Study") -> dict[str, float]:
-    """Share of each parameter in being among the best tenth, by PED-ANOVA.
-
-    Empty while too few trials are done, or where they are all alike.
-    """
-    import optuna
-
-    if sum(t.state is optuna.trial.TrialState.COMPLETE for t in study.trials) < ENOUGH:
-        return {}
-    evaluator = optuna.importance.PedAnovaImportanceEvaluator()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)  # says that the result says nothing
-        try:
-            return optuna.importance.get_param_importances(study, evaluator=evaluator)
-        except (RuntimeError, ValueError, UserWarning):
-            return {}
+def value(trial: "optuna.trial.FrozenTrial") -> float:
+    """The objective of a finished trial, or what it last reported when it was given up."""
+    assert trial.value is not None
+    return trial.value
 
 
 def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
@@ -222,7 +236,7 @@ def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
 
     if name == "none":
         return optuna.pruners.NopPruner()
-    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=10, n_warmup_steps=PATIENCE)
+    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=COMPARED, n_warmup_steps=PATIENCE)
 
 
 def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":

@@ -2,43 +2,30 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
-from sim.tuning.design import THESIS, VARIABLES, Design, Motors
+from sim.tuning.design import THESIS, Motors
 from sim.tuning.rules import Rules
-from sim.tuning.situation import Situation, restarted
+from sim.tuning.sensor import Sees
+from sim.tuning.task import FASTEST, SLOWEST
 
 from . import study as studies
 from .console import Report
 from .errors import RunFailed, checking_input
+from .importance import importance
+from .interrupts import Stop, noticing
 from .options import Common, options
-from .parallel import cores
-from .run_folder import RunFolder
-from .study import WORST
-from .study_storage import shown
+from .run_folder import RUNS, RunFolder, check_writable
+from .study import Tried
+from .study_storage import redacted, using
 from .summary import dumps, plain, summary
+from .tune_objective import Objective, prepare
+from .tune_report import new_best, tables
 
 if TYPE_CHECKING:
     import optuna
-
-SEEN = {
-    "tracker": "as the tracker sees it",
-    "estimate": "as the estimate sees it",
-    "motor": "as the motors see it",
-}
-"""Whose eyes the objective is seen with, by reward."""
-UNITS = {
-    name: variable.unit
-    for variable in VARIABLES
-    for name in (variable.name, *studies.parameter_names(variable.name))
-}
-"""Of each parameter; empty for a gain."""
 
 
 @options
@@ -55,9 +42,9 @@ class TuneCfg:
     pose: str | None = None
     """Where, by name [default: drawn for each episode]."""
     speed: float | None = None
-    """Programmed speed [mm/s] [default: drawn for each episode]."""
+    """Programmed speed, 1 to 100 [mm/s] [default: drawn for each episode]."""
     payload: float | None = None
-    """Mass of the tool [kg] [default: drawn for each episode]."""
+    """Mass of the tool [kg] [default: drawn for each episode; the IRB1400 keeps its own]."""
     episodes: int = 4
     """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
     iterations: int = 5
@@ -78,10 +65,15 @@ class TuneCfg:
         for name in ("episodes", "trials"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        for name, unit in (("speed", "mm/s"), ("payload", "kg")):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
+        slowest, fastest = 1e3 * SLOWEST, 1e3 * FASTEST
+        if self.speed is not None and not slowest <= self.speed <= fastest:
+            raise ValueError(
+                f"speed must be from {slowest:g} to {fastest:g} mm/s, got {self.speed:g}"
+            )
+        if self.payload is not None and not 0.0 <= self.payload < float("inf"):
+            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
+        if self.study is not None and not self.study.strip():
+            raise ValueError(f"study must have a name, got {self.study!r}")
         rules(self)
 
 
@@ -90,99 +82,22 @@ def rules(cfg: TuneCfg) -> Rules:
     return Rules(robot=cfg.robot, motors=cfg.motors, reward=cfg.reward, iterations=cfg.iterations)
 
 
-class Ratio(NamedTuple):
-    """The tool's RMS after learning over that before, as the geometric mean of all episodes."""
-
-    seen: float
-    """As the configured sensor sees it; WORST once an episode diverged."""
-    true: float
-    """As it was."""
-
-
-class Objective:
-    """What a design leaves of the tool's RMS, in the eyes of the configured sensor.
-
-    The runs before learning are made once; every design then meets the same noise.
-    """
-
-    def __init__(self, cfg: TuneCfg, seed: int) -> None:
-        """Raises ValueError where a job cannot be done or a seed is sealed."""
-        self.rules = rules(cfg)
-        fixed: dict[str, Any] = {}
-        if cfg.pose is not None:
-            fixed["pose"] = cfg.pose
-        if cfg.speed is not None:
-            fixed["speed"] = cfg.speed * 1e-3
-        if cfg.payload is not None:
-            fixed["payload"] = cfg.payload
-        tasks = []
-        for s in range(seed, seed + cfg.episodes):
-            self.rules.check_seed(s)
-            tasks.append(self.rules.draw(np.random.default_rng(s), fixed))
-        self._pool = ThreadPoolExecutor(min(cores(), cfg.episodes))
-        self._first = list(self._pool.map(self.rules.begin, tasks))
-
-    def __call__(self, trial: "optuna.Trial") -> float:
-        """Try a design, and give up where the pruner says so."""
-        import optuna
-
-        design = studies.suggest(trial, Motors(self.rules.motors))
-        ratio, hopeless = Ratio(1.0, 1.0), False
-        for k, ratio in enumerate(self.ratios(design), start=1):
-            trial.report(ratio.seen, k)
-            going_on = ratio.seen < WORST and k < self.rules.iterations
-            hopeless = going_on and trial.should_prune()
-            if hopeless:
-                break
-        trial.set_user_attr(studies.TRUE, ratio.true)
-        if hopeless:
-            raise optuna.TrialPruned
-        return ratio.seen
-
-    def ratios(self, design: Design) -> Iterator[Ratio]:
-        """The ratio after each iteration; WORST, and the last, once any episode diverged."""
-        situations = [restarted(situation) for situation in self._first]
-        for _ in range(self.rules.iterations):
-            advance = [self._pool.submit(self.rules.advance, s, design) for s in situations]
-            situations = [future.result() for future in advance]
-            yield self._ratio(situations)
-            if any(s.diverged for s in situations):
-                return
-
-    def _ratio(self, situations: list[Situation]) -> Ratio:
-        if any(s.diverged for s in situations):
-            return Ratio(WORST, WORST)
-        pairs = list(zip(situations, self._first, strict=True))
-        return Ratio(
-            seen=_mean_ratio((s.seen.rms, first.seen.rms) for s, first in pairs),
-            true=_mean_ratio((s.true.rms, first.true.rms) for s, first in pairs),
-        )
-
-    def close(self) -> None:
-        """Stop the threads."""
-        self._pool.shutdown()
-
-
-def _mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:
-    """Geometric mean of after over before; WORST where there is none."""
-    ratio = float(np.exp(np.mean([np.log(after / before) for after, before in pairs])))
-    return ratio if np.isfinite(ratio) else WORST
-
-
 def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
     """Search gamma, delta and cutoff with Optuna; resume a study or share it with other processes.
 
     The objective is the tool's RMS after learning as a part of that before, as --reward sees it,
     the geometric mean of all episodes; the same in truth stands beside it. Writes summary.json,
-    history.png and, from five complete trials on, importance.png.
+    history.png and, where the trials can tell what matters, importance.png.
 
-    Raises InputError for a job or a storage that cannot be had, and RunFailed where no design was
-    tried to the end or all of them diverged.
+    Raises InputError for a job, a storage or a folder that cannot be had, RunFailed where no
+    design was tried to the end or all of them diverged, and KeyboardInterrupt with what is kept.
     """
     report = Report(common)
     cfg = replace(cfg, study=cfg.study or study_name(cfg, common.seed))
     with checking_input():
-        objective = Objective(cfg, common.seed)
+        check_writable(common.out or RUNS / "tune")
+        seeds = range(common.seed, common.seed + cfg.episodes)
+        episodes = prepare(rules(cfg), seeds, _fixed(cfg))
         study = studies.open_study(
             cfg.storage,
             str(cfg.study),
@@ -191,24 +106,33 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
             pruner=cfg.pruner,
             seed=common.seed,
         )
-    try:
-        _search(study, objective, cfg, report)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(_interrupted(study, cfg)) from None
-    finally:
-        objective.close()
-    outcome = summary("tune", cfg, common, **results(study))
+    with (
+        noticing(lambda: _kept(study, cfg)) as stop,
+        using(cfg.storage),
+        Objective(rules(cfg), episodes, stop) as objective,
+    ):
+        _search(study, objective, cfg, report, stop)
+        tried, found = studies.outcomes(study), results(study)
+    shown = replace(cfg, storage=redacted(cfg.storage))
+    outcome = summary("tune", shown, common, **found)
     if not outcome["bests"]:
-        raise RunFailed(_without_result(study))
+        raise RunFailed(_without_result(tried))
     with RunFolder("tune", seed=common.seed, out=common.out) as folder:
         from . import tune_figures
 
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-        tried = studies.outcomes(study)
-        tune_figures.history(folder / "history.png", tried, sees=SEEN[cfg.reward])
+        tune_figures.history(folder / "history.png", tried, sees=Sees(cfg.reward).says)
         if outcome["importance"]:
             tune_figures.importance(folder / "importance.png", outcome["importance"])
-    _print(report, outcome, folder.path)
+    tables(report, outcome, folder.path)
+    report.summary(outcome)
+
+
+def _fixed(cfg: TuneCfg) -> dict[str, Any]:
+    """What is not drawn for each episode, as the env has it."""
+    speed = None if cfg.speed is None else cfg.speed * 1e-3
+    given = {"pose": cfg.pose, "speed": speed, "payload": cfg.payload}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 def study_name(cfg: TuneCfg, seed: int) -> str:
@@ -224,41 +148,56 @@ def _identity(cfg: TuneCfg, seed: int) -> dict[str, Any]:
     return {key: v for key, v in plain(cfg).items() if key not in search} | {"seed": seed}
 
 
-def _search(study: "optuna.Study", objective: Objective, cfg: TuneCfg, report: Report) -> None:
-    """Try designs until the study has as many trials as asked for; the thesis's design first."""
-    from optuna.study import MaxTrialsCallback
-    from optuna.trial import TrialState
+def _search(
+    study: "optuna.Study", objective: Objective, cfg: TuneCfg, report: Report, stop: Stop
+) -> None:
+    """Try designs until the study has as many trials as asked for; the thesis's design first.
 
-    states = (TrialState.COMPLETE, TrialState.PRUNED)
-    done = len(studies.finished(study))
-    if done < cfg.trials:
-        studies.ask_first(study, studies.parameters(THESIS, Motors(cfg.motors)))
+    What other processes add to the study is told too, when a trial of this one ends.
+    """
+    done, sees = 0, Sees(cfg.reward)
+    best = min((t.seen for t in studies.outcomes(study) if t.whole), default=studies.WORST)
+    if len(studies.finished(study)) < cfg.trials:
+        thesis = studies.parameters(THESIS, Motors(cfg.motors))
+        studies.ask_first(study, thesis, stop.check)
     with report.progress("tuning", total=cfg.trials) as step:
-        for _ in range(min(done, cfg.trials)):
-            step()
+        while True:
+            known = min(len(studies.finished(study)), cfg.trials)
+            for _ in range(known - done):
+                step()
+            done = known
+            for trial in studies.bests(study):
+                if studies.value(trial) < best:
+                    best = studies.value(trial)
+                    new_best(report, trial, sees)
+            if done >= cfg.trials:
+                return
+            _try_one(study, objective)
+            stop.check()
 
-        def show(study: "optuna.Study", trial: "optuna.trial.FrozenTrial") -> None:
-            step()
-            bests = studies.bests(study)
-            if bests and bests[-1].number == trial.number:
-                report.line(f"best so far, trial {trial.number}: {_row_text(trial, cfg)}")
 
-        if done < cfg.trials:
-            stop = MaxTrialsCallback(cfg.trials, states=states)
-            study.optimize(objective, callbacks=[show, stop])
+def _try_one(study: "optuna.Study", objective: Objective) -> None:
+    """One more trial. One that others have taken for dead, as after a machine has slept, is theirs
+    to repeat."""
+    objective.taken = False
+    try:
+        study.optimize(objective, n_trials=1)
+    except ValueError:  # Optuna cannot end it once more
+        if not objective.taken:
+            raise
 
 
-def _interrupted(study: "optuna.Study", cfg: TuneCfg) -> str:
+def _kept(study: "optuna.Study", cfg: TuneCfg) -> str:
     """What is left of a search that was stopped; empty if nothing is."""
     kept = len(studies.finished(study))
     if not kept:
         return ""
-    where = f"study {cfg.study!r} of {shown(cfg.storage)}"
+    where = f"study {cfg.study!r} of {redacted(cfg.storage)!r}"
     return f"interrupted; finished trials kept in {where}: {kept}. Repeat the command to go on"
 
 
-def _without_result(study: "optuna.Study") -> str:
-    whole = sum(tried.whole for tried in studies.outcomes(study))
+def _without_result(tried: Sequence[Tried]) -> str:
+    whole = sum(t.whole for t in tried)
     if not whole:
         return "no design was tried to the end"
     return f"all {whole} designs that were tried to the end diverged"
@@ -284,35 +223,5 @@ def results(study: "optuna.Study") -> dict[str, Any]:
         },
         "bests": bests,
         "best": bests[-1] if bests else None,
-        "importance": studies.importance(study),
+        "importance": importance(study),
     }
-
-
-def _row_text(trial: "optuna.trial.FrozenTrial", cfg: TuneCfg) -> str:
-    values = ", ".join(f"{k} {v:.4g} {UNITS[k]}".rstrip() for k, v in trial.params.items())
-    seen = f"{trial.value:.3f} of that before learning {SEEN[cfg.reward]}"
-    return f"RMS {seen}, {trial.user_attrs[studies.TRUE]:.3f} in truth, with {values}"
-
-
-def _print(report: Report, outcome: dict[str, Any], path: Path) -> None:
-    config = outcome["config"]
-    names = [name for name in outcome["best"] if name in UNITS]
-    heads = [f"{name} [{UNITS[name]}]" if UNITS[name] else name for name in names]
-    report.table(
-        "Best so far: RMS of the tool after learning over that before",
-        ["trial", SEEN[config["reward"]], "in truth", *heads],
-        [
-            [b["trial"], b["ratio"], b[studies.TRUE], *(b[name] for name in names)]
-            for b in outcome["bests"]
-        ],
-    )
-    if outcome["importance"]:
-        report.table(
-            "Importance of each parameter (PED-ANOVA)",
-            ["parameter", "share"],
-            [[name, share] for name, share in outcome["importance"].items()],
-        )
-    counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)
-    where = f"study {config['study']!r} of {shown(config['storage'])}"
-    report.line(f"Trials: {counts}, in {where}. Results in {path}")
-    report.summary(outcome)

@@ -9,6 +9,10 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodF
 from .figures import COLORS, REFERENCE, new_figure, save
 from .study import WORST, Tried
 
+HEIGHT = 4.2
+"""[inch], of the history."""
+COLUMNS = 3
+"""Of its legend."""
 LEVELS = (1.0, 2.0, 3.0, 5.0, 7.0)
 """Numbers on the axis of a ratio, times powers of ten."""
 
@@ -24,13 +28,12 @@ def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
     true = np.array([t.true for t in tried], dtype=float)
     whole = np.array([t.whole for t in tried])
     diverged = seen >= WORST
-    figure = new_figure(8.0, 4.2)
+    figure = new_figure(8.0, HEIGHT)
     axes = figure.subplots()
-    figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=0.8)
     axes.axhline(1.0, color="#DDDDDD", lw=1.0)
     for chosen, marker, label in (
         (whole & ~diverged, "o", "design"),
-        (~whole, "x", "given up before its end"),
+        (~whole, "x", "given up, at its last iteration"),
     ):
         if chosen.any():
             axes.plot(number[chosen], seen[chosen], marker, ms=4, color=REFERENCE, label=label)
@@ -51,7 +54,12 @@ def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("trial")
     axes.set_ylabel("RMS of the tool, after learning / before")
-    figure.legend(loc="upper center", ncols=3, frameon=False, fontsize=8)
+    legend = axes.legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=COLUMNS, frameon=False, fontsize=8
+    )
+    rows = -(-len(legend.get_texts()) // COLUMNS)
+    top = 1.0 - (0.2 + 0.2 * rows) / HEIGHT
+    figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=top)
     save(figure, file)
 
 

@@ -13,18 +13,27 @@ from pathlib import Path
 
 import optuna
 import pytest
+from optuna.storages._heartbeat import get_heartbeat_thread
 
 from scripts import study as studies
-from scripts import study_storage, tune, tune_figures
+from scripts import study_storage, tune, tune_figures, tune_objective
 from scripts.errors import InputError
 from scripts.study import WORST, Tried, open_study, suggest
-from scripts.tune import Objective, Ratio, TuneCfg, _identity, study_name
+from scripts.tune import TuneCfg, _fixed, _identity, rules, study_name
+from scripts.tune_objective import Objective, Ratio, prepare
 from sim.tuning.design import THESIS, Design, Motors
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
 
-def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path):
+def _objective(**options):
+    cfg = TuneCfg(pose="p1", speed=60.0, **options)
+    return Objective(rules(cfg), prepare(rules(cfg), range(cfg.episodes), _fixed(cfg)))
+
+
+def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path, monkeypatch):
+    shares = {"delta": 0.6, "gamma": 0.3, "cutoff": 0.1}
+    monkeypatch.setattr(tune, "importance", lambda study: shares)
     status, out, err = armside(f"tune {QUICK} --trials 10 --pruner none --sampler random --out a")
     assert (status, err) == (0, "")
     summary = json.loads((tmp_path / "a" / "summary.json").read_text())
@@ -34,9 +43,10 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     assert ratios == sorted(ratios, reverse=True)
     assert summary["best"] == summary["bests"][-1]
     assert summary["bests"][0]["delta"] == THESIS.delta[0]  # is tried first
-    assert set(summary["importance"]) == {"gamma", "delta", "cutoff"}
+    assert summary["importance"] == shares
     assert summary["best"]["ratio_true"] == pytest.approx(summary["best"]["ratio"], rel=0.1)
     assert "best so far, trial" in out
+    assert "Importance of each parameter" in out
     assert "as the tracker sees it" in out
     assert "cutoff [Hz]" in out
     for figure in ("history.png", "importance.png"):
@@ -88,13 +98,13 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
-    cfg = TuneCfg(pose="p1", speed=60.0, payload=40.0, episodes=1, iterations=3)
-    objective = Objective(cfg, seed=0)
     study = optuna.create_study(pruner=optuna.pruners.ThresholdPruner(upper=1e-3))
-    with pytest.raises(optuna.TrialPruned):
+    with (
+        _objective(payload=40.0, episodes=1, iterations=3) as objective,
+        pytest.raises(optuna.TrialPruned),
+    ):
         objective(study.ask())
     assert list(study.trials[0].intermediate_values) == [1]
-    objective.close()
 
 
 @pytest.mark.filterwarnings("ignore:Heartbeat of storage")
@@ -131,24 +141,20 @@ def test_a_design_that_was_given_up_is_never_the_best():
 
 
 def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
-    cfg = TuneCfg(pose="p1", speed=60.0, payload=40.0, episodes=2, iterations=2)
-    objective = Objective(cfg, seed=0)
-    first, again = (list(objective.ratios(THESIS)) for _ in range(2))
+    with _objective(payload=40.0, episodes=2, iterations=2) as objective:
+        first, again = (list(objective.ratios(THESIS)) for _ in range(2))
     assert first == again
     assert len(first) == 2
     assert first[-1].seen < 1.0
     assert first[-1].true < 1.0
-    objective.close()
-    bold = Objective(TuneCfg(pose="p1", speed=60.0, episodes=1, iterations=10), seed=0)
-    assert list(bold.ratios(Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))))[-1] == Ratio(
-        WORST, WORST
-    )
-    bold.close()
+    bold = Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))
+    with _objective(episodes=1, iterations=10) as objective:
+        assert list(objective.ratios(bold))[-1] == Ratio(WORST, WORST)
 
 
 def test_where_all_designs_diverge_there_is_no_best_one(armside, tmp_path, monkeypatch):
     """The storage keeps what was tried; no folder of results is made of it."""
-    monkeypatch.setattr(tune, "_mean_ratio", lambda pairs: WORST)
+    monkeypatch.setattr(tune_objective, "mean_ratio", lambda pairs: WORST)
     status, _, err = armside(f"tune {QUICK} --trials 6 --out a")
     assert status == 1
     assert err.splitlines()[-1].endswith("all 6 designs that were tried to the end diverged")
@@ -161,8 +167,9 @@ def test_other_samplers_propose_designs(armside, sampler):
     assert armside(f"tune {QUICK} --quiet --trials 3 --sampler {sampler}").status == 0
 
 
-def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(tmp_path):
+def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(monkeypatch):
     """Neither a trial that failed nor one whose process was killed counts."""
+    monkeypatch.setattr(study_storage, "SILENCE", -2)
     state = optuna.trial.TrialState
     study = optuna.create_study()
     for known, asked in (
@@ -185,7 +192,8 @@ def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:Heartbeat of storage")
-def test_a_trial_whose_process_was_killed_is_tried_again(tmp_path, monkeypatch):
+def test_the_thesis_design_is_tried_again_once_its_process_is_silent(tmp_path, monkeypatch):
+    """A search that starts right after another was killed waits until that shows."""
     monkeypatch.setattr(study_storage, "HEARTBEAT", 1)
     monkeypatch.setattr(study_storage, "SILENCE", 1)
     url = f"sqlite:///{tmp_path}/a.db"
@@ -193,17 +201,16 @@ def test_a_trial_whose_process_was_killed_is_tried_again(tmp_path, monkeypatch):
     study.enqueue_trial({"gamma": 0.9})
     lost = study.ask()
     lost.suggest_float("gamma", 0.0, 1.0)
-    study._storage.record_heartbeat(lost._trial_id)
-    studies.ask_first(study, {"gamma": 0.9})
-    assert [t.state.name for t in study.trials] == ["RUNNING"]
-    time.sleep(2.5)
+    with get_heartbeat_thread(lost._trial_id, study._storage):
+        studies.ask_first(study, {"gamma": 0.9})
+        assert [t.state.name for t in study.trials] == ["RUNNING"]
     studies.ask_first(study, {"gamma": 0.9})
     assert [t.state.name for t in study.trials] == ["FAIL", "WAITING"]
     assert study.ask().suggest_float("gamma", 0.0, 1.0) == 0.9
 
 
 def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
-    def interrupted(study, objective, cfg, report):
+    def interrupted(study, objective, cfg, report, stop):
         study.optimize(lambda trial: 0.5, n_trials=1)
         raise KeyboardInterrupt
 
@@ -226,6 +233,21 @@ def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
     assert list(lines["the same design in truth"].get_ydata()) == [0.6] * 3
 
 
+@pytest.mark.parametrize("ends", [(0.5, 0.4), (0.5, 1e3), (0.5, 0.4, 1e3, None)])
+def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypatch, ends):
+    drawn = []
+    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+    tried = [Tried(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
+    tune_figures.history(tmp_path / "a.png", tried, sees="as the estimate sees it")
+    (axes,) = drawn[0].axes
+    drawn[0].canvas.draw()
+    box, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
+    gap = 0.2 * drawn[0].dpi  # less than a line of text
+    assert 0.0 <= legend.y0 - box.y1 < gap
+    assert 0.0 <= drawn[0].bbox.y1 - legend.y1 < gap
+    assert drawn[0].bbox.x0 <= legend.x0 < legend.x1 <= drawn[0].bbox.x1
+
+
 def test_each_motor_has_its_own_parameters():
     trial = optuna.create_study(sampler=optuna.samplers.RandomSampler(seed=0)).ask()
     design = suggest(trial, Motors.EACH)
@@ -243,7 +265,11 @@ def test_each_motor_has_its_own_parameters():
         ("--storage sqlite:////proc/none/x.db", "does not answer"),
         ("--storage postgresql+pg8000://a:secret@127.0.0.1/b", "needs the database driver pg8000"),
         ("--pose p9", "Unknown pose 'p9'"),
-        ("--speed 0", "speed must be > 0 mm/s"),
+        ("--speed 0", "speed must be from 1 to 100 mm/s, got 0"),
+        ("--speed 500", "speed must be from 1 to 100 mm/s, got 500"),
+        ("--payload=-1", "payload must be >= 0 kg"),
+        ("--payload 5000", "cannot carry its load"),
+        ("--study=", "study must have a name"),
         ("--trials 0", "trials must be >= 1"),
         ("--robot irb1400 --reward estimate", "needs an open chain"),
         ("--sampler genius", "sampler"),
