@@ -62,8 +62,5 @@ def _divergences(
         optuna.trial.create_trial(params=t.params, distributions=t.distributions, value=value)
         for t, value in zip(trials, values.tolist(), strict=True)
     )
-    return optuna.importance.get_param_importances(
-        study,
-        evaluator=optuna.importance.PedAnovaImportanceEvaluator(),
-        normalize=False,
-    )
+    found = optuna.importance.PedAnovaImportanceEvaluator().evaluate(study)
+    return dict(sorted(found.items(), key=lambda item: -item[1]))

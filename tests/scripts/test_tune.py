@@ -6,22 +6,32 @@ import pwd
 import shutil
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
+import threading
 import time
+from contextlib import closing, nullcontext
 from pathlib import Path
 
+import numpy as np
 import optuna
 import pytest
 from optuna.storages._heartbeat import get_heartbeat_thread
 
+from scripts import console, study_storage, tune, tune_figures, tune_objective, tune_report
 from scripts import study as studies
-from scripts import study_storage, tune, tune_figures, tune_objective
 from scripts.errors import InputError
+from scripts.importance import importance
+from scripts.interrupts import Stop, noticing
+from scripts.options import Common
 from scripts.study import WORST, Tried, open_study, suggest
+from scripts.study_storage import redacted
 from scripts.tune import TuneCfg, _fixed, _identity, rules, study_name
 from scripts.tune_objective import Objective, Ratio, prepare
 from sim.tuning.design import THESIS, Design, Motors
+from sim.tuning.rules import Rules
+from sim.tuning.sensor import Sees
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
@@ -46,7 +56,7 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     assert summary["importance"] == shares
     assert summary["best"]["ratio_true"] == pytest.approx(summary["best"]["ratio"], rel=0.1)
     assert "best so far, trial" in out
-    assert "Importance of each parameter" in out
+    assert "(PED-ANOVA)" in out
     assert "as the tracker sees it" in out
     assert "cutoff [Hz]" in out
     for figure in ("history.png", "importance.png"):
@@ -95,6 +105,34 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
     assert best["ratio"] < 0.8 * best["ratio_true"]
     assert "as the motors see it" in out
     assert f"{best['ratio_true']:.3f} in truth" in out
+
+
+def _searched(rng, n_trials, n_parameters, objective):
+    """A random search in which `objective` says what a point is worth."""
+    unit = optuna.distributions.FloatDistribution(0.0, 1.0)
+    study = optuna.create_study()
+    for x in rng.uniform(size=(n_trials, n_parameters)):
+        params = {f"x{i}": value for i, value in enumerate(x.tolist())}
+        kinds = dict.fromkeys(params, unit)
+        study.add_trial(
+            optuna.trial.create_trial(params=params, distributions=kinds, value=objective(x))
+        )
+    return study
+
+
+@pytest.mark.parametrize(("n_parameters", "n_trials"), [(3, 60), (18, 100)])
+def test_importances_name_what_matters(n_parameters, n_trials):
+    rng = np.random.default_rng(0)
+    shares = importance(_searched(rng, n_trials, n_parameters, lambda x: (x[1] - 0.3) ** 2))
+    assert next(iter(shares)) == "x1"
+    assert sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_noise_has_no_importances_and_nor_have_few_trials():
+    rng = np.random.default_rng(1)
+    assert importance(_searched(rng, 60, 3, lambda x: rng.normal())) == {}
+    assert importance(_searched(rng, 49, 3, lambda x: (x[1] - 0.3) ** 2)) == {}
+    assert importance(_searched(rng, 89, 18, lambda x: (x[1] - 0.3) ** 2)) == {}
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
@@ -220,6 +258,69 @@ def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
     assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
 
 
+def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeypatch):
+    def interrupted(rules, episodes, stop):
+        raise KeyboardInterrupt
+
+    line = f"tune {QUICK} --quiet --trials 1 --study a --storage sqlite:///b.db"
+    assert armside(line).status == 0
+    monkeypatch.setattr(tune, "Objective", interrupted)
+    status, _, err = armside(line)
+    assert status == 130
+    assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
+
+
+def test_ctrl_c_twice_is_one_interruption(tmp_path):
+    line = "tune --pose p1 --speed 60 --payload 40"
+    command = [sys.executable, "-m", "scripts.cli", *line.split()]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    process.stdout.readline()  # the first trial is done
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    # A shell calls both 130: the second may come when Python has already let go of signals.
+    assert process.returncode in (130, -signal.SIGINT)
+    assert err.startswith("armside: interrupted; finished trials kept in study")
+    assert err.count("\n") == 1
+
+
+def test_what_goes_wrong_after_ctrl_c_is_an_interruption():
+    def stopped_twice(then):
+        with noticing(lambda: "kept") as stop:
+            for _ in range(2):
+                signal.raise_signal(signal.SIGINT)
+            assert stop.asked
+            then()
+
+    def broken():
+        raise UnboundLocalError
+
+    before = signal.getsignal(signal.SIGINT)
+    for then in (broken, lambda: None):  # noticed at the end, if not before
+        with pytest.raises(KeyboardInterrupt, match="kept"):
+            stopped_twice(then)
+        assert signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(UnboundLocalError), noticing(lambda: "kept"):
+        broken()
+
+
+def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
+    def broken(*args):
+        raise RuntimeError("a run failed")
+
+    known = set(threading.enumerate())
+    monkeypatch.setattr(Rules, "advance", broken)
+    with pytest.raises(RuntimeError), _objective(payload=40.0, episodes=2) as objective:
+        next(objective.ratios(THESIS))
+    monkeypatch.setattr(tune_objective, "begin", broken)
+    with pytest.raises(RuntimeError):
+        _objective(payload=40.0, episodes=2)
+    assert set(threading.enumerate()) == known
+
+
 def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
@@ -231,6 +332,46 @@ def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
     assert list(lines["diverged, beyond the axis"].get_xdata()) == [1]
     assert list(lines["best so far, as the motors see it"].get_ydata()) == [0.5] * 3
     assert list(lines["the same design in truth"].get_ydata()) == [0.6] * 3
+
+
+@pytest.mark.parametrize("width", [60, 80])
+@pytest.mark.parametrize("motors", list(Motors))
+def test_every_number_can_be_read_in_a_narrow_terminal(monkeypatch, capsys, motors, width):
+    monkeypatch.setattr(console, "PIPE_WIDTH", width)
+    rng = np.random.default_rng(0)
+    values = studies.parameters(THESIS, motors)
+    values = {name: float(rng.uniform(0.1, 30.0)) for name in values}
+    best = {"trial": 1234, "ratio": 0.54321, "ratio_true": 0.65432} | values
+    outcome = {
+        "config": {"reward": "estimate", "study": "a", "storage": "b"},
+        "trials": {"complete": 55},
+        "bests": [best],
+        "best": best,
+        "importance": dict.fromkeys(values, 0.12345),
+    }
+    tune_report.tables(console.Report(Common()), outcome, Path("c"))
+    words = capsys.readouterr().out.replace("│", " ").split()
+    assert {console.cell(value) for value in (*best.values(), 0.12345)} <= set(words)
+
+
+@pytest.mark.parametrize("motors", list(Motors))
+def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
+    values = dict.fromkeys(studies.parameters(THESIS, motors), 0.12345)
+    study = optuna.create_study()
+    trial = optuna.trial.create_trial(
+        params=values,
+        distributions={n: optuna.distributions.FloatDistribution(0.0, 1.0) for n in values},
+        value=0.54321,
+        user_attrs={studies.TRUE: 0.65432},
+    )
+    study.add_trial(trial)
+    tune_report.new_best(console.Report(Common()), study.trials[0], Sees.ESTIMATE)
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == "best so far, trial 0: ratio 0.543 as the estimate sees it"
+    assert second.startswith("0.654 in truth")
+    assert ("gamma" in second) is (motors is Motors.SHARED)
+    assert len(first) <= 60
+    assert len(second) <= 66  # of which the last four are a unit
 
 
 @pytest.mark.parametrize("ends", [(0.5, 0.4), (0.5, 1e3), (0.5, 0.4, 1e3, None)])
@@ -285,6 +426,129 @@ def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options
     assert not [path for path in tmp_path.rglob("*") if path.name != "runs"]
 
 
+@pytest.mark.parametrize("options", ["--storage nonsense", "--out taken/a", "--study a"])
+def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch, options):
+    (tmp_path / "taken").mkdir(mode=0o555)
+    line = f"tune {QUICK} --trials 1 --storage sqlite:///a.db"
+    assert armside(f"{line} --study a").status == 0
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path / "taken")
+    monkeypatch.setattr(tune, "Objective", None)
+    status, _, err = armside(f"{line} --robot irb1400 {options}")
+    assert status == 2
+    assert err.count("\n") == 1
+
+
+def test_a_database_of_another_program_is_refused_and_left_as_it_was(armside, tmp_path):
+    with closing(sqlite3.connect(tmp_path / "a.db")) as database:
+        database.execute("CREATE TABLE studies (title TEXT)")
+        database.commit()
+        status, _, err = armside(f"tune {QUICK} --storage sqlite:///a.db")
+        tables = database.execute("SELECT name FROM sqlite_master").fetchall()
+    assert status == 2
+    assert "belongs to another program: its table 'studies' is none of Optuna's" in err
+    assert err.count("\n") == 1
+    assert tables == [("studies",)]
+
+
+def test_what_is_waited_for_is_said_and_then_what_was_wrong(armside, tmp_path, monkeypatch):
+    monkeypatch.setattr(study_storage, "SLOW", 0.2)
+    monkeypatch.setattr(study_storage, "LOCK_TIMEOUT", 0.5)
+    with closing(sqlite3.connect(tmp_path / "a.db", isolation_level=None)) as database:
+        database.execute("BEGIN EXCLUSIVE")
+        status, _, err = armside(f"tune {QUICK} --storage sqlite:///a.db")
+    assert status == 2
+    waiting, wrong = err.splitlines()
+    assert waiting == "armside: waiting for storage 'sqlite:///a.db'"
+    assert "storage 'sqlite:///a.db' does not answer: database is locked" in wrong
+
+
+def test_a_storage_that_is_lost_is_one_line(armside, tmp_path, monkeypatch):
+    def lost(study, *_):
+        with closing(sqlite3.connect(tmp_path / "a.db")) as database:
+            database.execute("DROP TABLE trials")
+        study.get_trials()
+
+    monkeypatch.setattr(tune, "_search", lost)
+    status, _, err = armside(f"tune {QUICK} --storage sqlite:///a.db")
+    assert status == 1
+    assert "storage 'sqlite:///a.db' failed: no such table: trials" in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["{a}.db", "50%.db"])
+def test_a_file_may_have_any_name(tmp_path, name):
+    open_study(f"sqlite:///{tmp_path}/{name}", "a", {}, sampler="tpe", pruner="none", seed=0)
+    assert (tmp_path / name).exists()
+
+
+def test_of_two_processes_that_begin_together_the_one_with_another_task_is_refused(tmp_path):
+    """The study may be there before what it tunes is."""
+    url = f"sqlite:///{tmp_path}/a.db"
+    study = optuna.create_study(storage=url, study_name="a")
+    writer = threading.Timer(0.5, study.set_user_attr, ["config", {"task": "theirs"}])
+    writer.start()
+    with pytest.raises(InputError, match="tunes something else: task differ"):
+        open_study(url, "a", {"task": "ours"}, sampler="tpe", pruner="none", seed=0)
+    writer.join()
+    assert study.user_attrs["config"] == {"task": "theirs"}
+
+
+def test_a_study_without_a_task_gets_one(tmp_path, monkeypatch):
+    """The process that has made it was killed before it could say."""
+    monkeypatch.setattr(studies, "WRITTEN", 0.0)
+    url = f"sqlite:///{tmp_path}/a.db"
+    optuna.create_study(storage=url, study_name="a")
+    ours = open_study(url, "a", {"task": "ours"}, sampler="tpe", pruner="none", seed=0)
+    assert ours.user_attrs["config"] == {"task": "ours"}
+
+
+@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
+def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch, capsys):
+    def theirs(trial):
+        if trial.number in better:  # another process ends two while ours runs
+            for value in (better[trial.number], 0.9):
+                other.add_trial(
+                    optuna.trial.create_trial(value=value, user_attrs={studies.TRUE: value})
+                )
+        trial.set_user_attr(studies.TRUE, 0.5)
+        return 0.5
+
+    better = {0: 0.4, 3: 0.2}
+    url = f"sqlite:///{tmp_path}/a.db"
+    ours, other = (
+        open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
+    )
+    report, steps = console.Report(Common()), []
+    monkeypatch.setattr(report, "progress", lambda *_, **__: nullcontext(lambda: steps.append(1)))
+    monkeypatch.setattr(studies, "ask_first", lambda *_: None)
+    tune._search(ours, theirs, TuneCfg(trials=5), report, Stop())
+    told = [line for line in capsys.readouterr().out.splitlines() if "best" in line]
+    assert [line.split(": ")[1].split()[1] for line in told] == ["0.500", "0.400", "0.200"]
+    assert len(steps) == 5
+
+
+@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
+def test_a_trial_that_others_took_for_dead_is_left_to_them(tmp_path):
+    url = f"sqlite:///{tmp_path}/a.db"
+    ours, other = (
+        open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
+    )
+    with _objective(payload=40.0, episodes=1, iterations=1) as objective:
+        ratios = objective.ratios
+
+        def slept(design):
+            theirs = other._storage
+            theirs.set_trial_state_values(other.trials[0]._trial_id, optuna.trial.TrialState.FAIL)
+            return ratios(design)
+
+        objective.ratios = slept
+        tune._try_one(ours, objective)
+        assert objective.taken
+        objective.ratios = ratios
+        tune._try_one(ours, objective)
+    assert [t.state.name for t in ours.trials] == ["FAIL", "COMPLETE"]
+
+
 def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeypatch):
     monkeypatch.setattr(study_storage, "CONNECT_TIMEOUT", 2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -304,16 +568,45 @@ def test_a_search_is_not_part_of_what_makes_studies_comparable():
     assert _identity(one, 0) != _identity(one, 1)
 
 
-def test_a_password_is_not_shown(tmp_path):
-    with pytest.raises(InputError, match=r"user:\*\*\*@127.0.0.1"):
-        open_study(
-            "postgresql+psycopg://user:secret@127.0.0.1:1/none",
-            "a",
-            {},
-            sampler="tpe",
-            pruner="none",
-            seed=0,
-        )
+@pytest.mark.parametrize(
+    ("storage", "shown"),
+    [
+        (
+            "postgresql+psycopg://user:secret@host:1/none",
+            "postgresql+psycopg://user:***@host:1/none",
+        ),
+        ("postgresql://user:sec/r@et@host/b", "postgresql://user:***@host/b"),
+        ("postgresql://a@/b?host=/tmp&PassWord=secret", "postgresql://a@/b?host=/tmp&PassWord=***"),
+        ("mysql://a/b?p%61sswd=secret&charset=utf8", "mysql://a/b?p%61sswd=***&charset=utf8"),
+        ("mssql:///?odbc_connect=UID=a;PWD=secret", "mssql:///?odbc_connect=***"),
+        ("postgresql://[::1]:5432/b", "postgresql://[::1]:5432/b"),
+        ("sqlite:///runs/a:b.db", "sqlite:///runs/a:b.db"),
+    ],
+)
+def test_what_is_secret_in_a_storage_is_not_shown(storage, shown):
+    assert redacted(storage) == shown
+
+
+def test_a_password_is_in_no_error(armside):
+    storage = "postgresql+psycopg://user:secret@127.0.0.1:1/none?sslpassword=secret"
+    status, out, err = armside(f"tune {QUICK} --storage {storage}")
+    assert (status, out) == (2, "")
+    assert "user:***@127.0.0.1:1" in err
+    assert "secret" not in err
+
+
+def test_a_password_is_in_no_result(armside, tmp_path, monkeypatch):
+    def local(storage, *args, **options):
+        return open_study("sqlite://", *args, **options)
+
+    monkeypatch.setattr(studies, "open_study", local)
+    storage = "postgresql://user:secret@host/b"
+    line = f"tune {QUICK} --trials 1 --storage {storage} --out"
+    printed = [armside(f"{line} a").out, armside(f"{line} b --json").out]
+    written = (tmp_path / "a" / "summary.json").read_text()
+    for text in (*printed, written):
+        assert "user:***@host" in text
+        assert "secret" not in text
 
 
 @pytest.fixture
