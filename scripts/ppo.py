@@ -15,6 +15,16 @@ from sim.tuning.vector_env import IlcTuningVectorEnv
 from .policy import Network
 
 HIDDEN = 64
+"""Units of each of two layers: the default of Stable-Baselines3."""
+BATCH = 160
+"""Samples of a gradient step: half of what 64 cells bring in. ESTIMATE, not searched for."""
+EPOCHS = 8
+"""Passes over what was brought in; Stable-Baselines3 has 10. ESTIMATE, not searched for."""
+RATE = 1e-3
+"""Learning rate at first, three times that of Stable-Baselines3, as it falls to 0 at the end.
+ESTIMATE, not searched for."""
+GAE_LAMBDA = 0.95
+"""Of the advantages: the default of Stable-Baselines3."""
 LOG_STD = -1.2
 """Of the actions tried at first: 0.3 in [-1, 1]."""
 
@@ -111,23 +121,42 @@ def learn(
     discount: float,
     done: Callable[[], None] = lambda: None,
 ) -> tuple[Network, list[dict[str, Any]]]:
-    """Learn for that many steps; returns the network of the mean action and the learning curve.
+    """Learn for that many steps.
 
-    start: the action that the policy begins with, in every situation.
+    Args:
+        env: its robots are the cells that learn; in SameStep mode.
+        steps: learning iterations of ILC over all cells; a multiple of those of one episode of
+            every cell, after each of which the network is updated.
+        start: the action that the policy begins with, in every situation: (3,) or (18,), in
+            [-1, 1].
+        seed: of the first cell, the others count up from it, and of PPO's own draws.
+        discount: of the reward of an iteration later.
+        done: called after each learning iteration of each cell; what it raises ends the learning.
+
+    Returns:
+        The network of the mean action, and the learning curve: after each batch in which episodes
+        ended, how many `steps` were done, the `mean_return` of these episodes (sum of rewards:
+        natural log of the tool's RMS before learning over that after) and the part of them that
+        `diverged`, 0 to 1.
+
+    Raises:
+        ValueError: steps is no such multiple.
     """
     import torch  # pyright: ignore[reportMissingImports]
 
     torch.set_num_threads(1)
     per_batch = env.rules.iterations
+    if steps % (per_batch * env.num_envs):
+        raise ValueError(f"steps must be a multiple of {per_batch * env.num_envs}, got {steps}")
     model = PPO(
         "MlpPolicy",
         Cells(env, seed),
         n_steps=per_batch,
-        batch_size=min(160, per_batch * env.num_envs),
-        n_epochs=8,
-        learning_rate=lambda left: 1e-3 * left,  # to 0 at the end
+        batch_size=min(BATCH, per_batch * env.num_envs),
+        n_epochs=EPOCHS,
+        learning_rate=lambda left: RATE * left,  # to 0 at the end
         gamma=discount,
-        gae_lambda=0.95,
+        gae_lambda=GAE_LAMBDA,
         ent_coef=0.0,
         policy_kwargs={"net_arch": [HIDDEN, HIDDEN], "log_std_init": LOG_STD},
         seed=seed,

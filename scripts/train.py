@@ -5,6 +5,7 @@ Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a s
 """
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -18,8 +19,9 @@ from sim.tuning.vector_env import IlcTuningVectorEnv
 
 from .console import Report
 from .errors import InputError, checking_input
+from .interrupts import noticing
 from .options import Common, options
-from .run_folder import RunFolder
+from .run_folder import RUNS, RunFolder, check_writable
 from .summary import dumps, summary
 from .tuned_design import load_design
 
@@ -41,7 +43,8 @@ class TrainCfg:
     robots: int = 64
     """Robot cells that learn at the same time."""
     steps: int = 12800
-    """Learning iterations of ILC over all cells."""
+    """Learning iterations of ILC over all cells; rounded up to whole episodes of every cell, 5
+    iterations each."""
     start: Path | None = None
     """summary.json of armside tune: begin with the design found there [default: the middle of the
     ranges]."""
@@ -62,15 +65,21 @@ def first_action(cfg: TrainCfg) -> np.ndarray:
     return action_of(load_design(cfg.start), motors)
 
 
+def whole_batches(steps: int, batch: int) -> int:
+    """The steps of as many whole batches as it takes: the network is updated after each."""
+    return -(-steps // batch) * batch
+
+
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
     """Learn to choose the design of every ILC iteration with PPO. Sealed test seeds are refused.
 
-    Writes policy.npz and summary.json. Raises InputError for a sealed seed, and where the extra
-    [learn] is not installed.
+    Writes policy.npz and summary.json, in which `steps` is how many were done. Raises InputError
+    for a sealed seed or a folder that cannot be had, and where the extra [learn] is not installed.
     """
     report = Report(common)
     with checking_input():
         refuse_sealed(range(common.seed, common.seed + cfg.robots))
+        check_writable(common.out or RUNS / "train")
         try:
             from . import ppo
         except ImportError as error:
@@ -84,17 +93,26 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
             reward=cfg.reward,
             autoreset_mode="SameStep",
         )
-    with report.progress("learning", total=cfg.steps) as step:
+    steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
+    with (
+        noticing(lambda: "") as stop,
+        closing(env),
+        report.progress("learning", total=steps) as step,
+    ):
+
+        def done() -> None:
+            step()
+            stop.check()
+
         network, curve = ppo.learn(
             env,
-            cfg.steps,
+            steps,
             start=first_action(cfg),
             seed=common.seed,
             discount=GAMMA,
-            done=step,
+            done=done,
         )
-    env.close()
-    outcome = summary("train", cfg, common, curve=curve)
+    outcome = summary("train", cfg, common, steps=steps, curve=curve)
     with RunFolder("train", seed=common.seed, out=common.out) as folder:
         network.save(folder / "policy.npz")
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")

@@ -1,6 +1,8 @@
 """The extra [learn]: the env under Stable-Baselines3, and the training script."""
 
 import json
+import threading
+from contextlib import closing
 
 import gymnasium
 import numpy as np
@@ -25,11 +27,13 @@ def test_the_env_checker_of_stable_baselines3_has_nothing_to_say():
 
 def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
     out = tmp_path / "a"
-    line = f"train --robots 4 --steps 40 --quiet --out {out}"
+    line = f"train --robots 4 --steps 41 --quiet --out {out}"
     assert cli.main(line.split()) == 0
     network = Network.load(out / "policy.npz")
-    curve = json.loads((out / "summary.json").read_text())["curve"]
-    assert curve[-1]["steps"] >= 40
+    summary = json.loads((out / "summary.json").read_text())
+    curve = summary["curve"]
+    assert summary["config"]["steps"] == 41
+    assert summary["steps"] == curve[-1]["steps"] == 60
     assert np.isfinite([row["mean_return"] for row in curve]).all()
     episode = run_episode(Rules(iterations=1), 0, network)
     assert np.isfinite(episode.rms_true).all()
@@ -47,6 +51,38 @@ def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
     action, _ = model.predict(observed, deterministic=True)
     assert _network(model)(observed) == pytest.approx(action, abs=1e-5)  # float32 inside
     env.close()
+
+
+def test_the_learning_rate_falls_to_zero_and_not_below():
+    from scripts import ppo
+    from sim.tuning.vector_env import IlcTuningVectorEnv
+
+    with closing(IlcTuningVectorEnv(2, autoreset_mode="SameStep")) as env:
+        rates = []
+
+        class Watched(ppo.PPO):
+            def train(self):
+                super().train()
+                rates.append(self.policy.optimizer.param_groups[0]["lr"])
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(ppo, "PPO", Watched)
+            ppo.learn(env, 20, start=np.zeros(3, np.float32), seed=0, discount=1.0)
+        assert rates == pytest.approx([ppo.RATE / 2, 0.0])
+        with pytest.raises(ValueError, match="steps must be a multiple of 10, got 11"):
+            ppo.learn(env, 11, start=np.zeros(3, np.float32), seed=0, discount=1.0)
+
+
+def test_training_ends_its_threads_when_it_fails(tmp_path, monkeypatch):
+    from scripts import ppo
+
+    def broken(*args, **options):
+        raise RuntimeError("no policy")
+
+    monkeypatch.setattr(ppo, "_network", broken)
+    known = set(threading.enumerate())
+    assert cli.main(f"train --robots 2 --steps 10 --out {tmp_path / 'a'}".split()) == 1
+    assert set(threading.enumerate()) == known
 
 
 def test_training_refuses_the_sealed_seeds(tmp_path, capsys):

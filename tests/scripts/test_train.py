@@ -1,12 +1,14 @@
 """What of learning works without the extra [learn]."""
 
 import importlib.util
+import os
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from scripts.policy import Network
+from scripts.train import whole_batches
 
 
 def _network(rng):
@@ -42,6 +44,13 @@ def test_a_file_that_is_no_policy_is_refused(tmp_path):
         Network.load(tmp_path / "other.npz")
 
 
+@pytest.mark.parametrize(
+    ("steps", "batch", "done"), [(1, 320, 320), (19200, 320, 19200), (12800, 35, 12810)]
+)
+def test_steps_are_rounded_up_to_whole_batches(steps, batch, done):
+    assert whole_batches(steps, batch) == done
+
+
 @pytest.mark.skipif(
     importlib.util.find_spec("stable_baselines3") is not None, reason="the extra is installed"
 )
@@ -49,6 +58,13 @@ def test_without_the_extra_training_says_what_to_install(armside):
     status, out, err = armside("train --steps 1")
     assert (status, out) == (2, "")
     assert "pip install 'armside[learn]'" in err
+
+
+def test_a_folder_that_cannot_be_made_is_found_before_learning(armside, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    status, _, err = armside("train --out a")
+    assert status == 2
+    assert "no folder can be made in" in err
 
 
 @pytest.mark.parametrize(
