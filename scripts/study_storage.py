@@ -26,7 +26,7 @@ CONNECT_TIMEOUT = 10
 LOCK_TIMEOUT = 60
 """[s], for other programs to let go of an SQLite file: processes that share a study write for
 milliseconds each, but in no order, and one that gives up has lost its trial."""
-SLOW = 3.0
+SLOW = 5.0
 """[s], after which a person is told what is waited for."""
 HAVE_TIMEOUT = ("psycopg", "psycopg2", "mysqldb", "pymysql")
 """Drivers that take it as `connect_timeout`."""

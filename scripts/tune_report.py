@@ -28,10 +28,11 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     """What a search has found, from its summary; path: the folder of its results."""
     config, bests = outcome["config"], outcome["bests"]
     shared = all(v.name in outcome["best"] for v in VARIABLES)
-    heads = [f"{v.name} [{v.unit}]" if v.unit else v.name for v in VARIABLES]
+    # The unit on a line of its own: so the widest table fits in 60 columns.
+    heads = [f"{v.name}\n[{v.unit}]" if v.unit else v.name for v in VARIABLES]
     report.table(
-        "Best so far: RMS of the tool after learning over that before",
-        ["trial", Sees(config["reward"]).says, "in truth", *(heads if shared else [])],
+        f"RMS of the tool after learning over that before, {Sees(config['reward']).says}",
+        ["trial", "as seen", "in truth", *(heads if shared else [])],
         [
             [b["trial"], b["ratio"], b[TRUE], *([b[v.name] for v in VARIABLES] if shared else [])]
             for b in bests
