@@ -428,15 +428,23 @@ def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options
     assert not [path for path in tmp_path.rglob("*") if path.name != "runs"]
 
 
-@pytest.mark.parametrize("options", ["--storage nonsense", "--out taken/a", "--study a"])
-def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch, options):
-    (tmp_path / "taken").mkdir(mode=0o555)
-    line = f"tune {QUICK} --trials 1 --storage sqlite:///a.db"
-    assert armside(f"{line} --study a").status == 0
-    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path / "taken")
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--storage nonsense", "is no SQLAlchemy URL"),
+        ("--out taken/a", "no folder can be made in"),
+        ("--study a", "robot differ"),
+    ],
+)
+def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch, options, message):
+    taken = tmp_path / "taken"
+    taken.mkdir()
+    assert armside(f"tune {QUICK} --trials 1 --study a").status == 0
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != taken)
     monkeypatch.setattr(tune, "Objective", None)
-    status, _, err = armside(f"{line} --robot irb1400 {options}")
+    status, _, err = armside(f"tune {QUICK} --trials 1 --robot irb1400 {options}")
     assert status == 2
+    assert message in err
     assert err.count("\n") == 1
 
 
