@@ -12,9 +12,8 @@ import numpy as np
 
 from sim.tuning.design import VARIABLES, Design, Motors, Scale
 
-from . import study_storage
 from .errors import InputError
-from .study_storage import connect, fail_silent, reaching
+from .study_storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
@@ -148,7 +147,7 @@ def ask_first(
     from optuna.trial import TrialState
 
     # The database counts whole seconds, and one more must have passed.
-    end = time.monotonic() + study_storage.SILENCE + 2.0
+    end = time.monotonic() + SILENCE + 2.0
     while TrialState.RUNNING in (known := _states(study, values)) and time.monotonic() < end:
         check()
         time.sleep(0.2)

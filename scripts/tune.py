@@ -44,7 +44,8 @@ class TuneCfg:
     speed: float | None = None
     """Programmed speed, 1 to 100 [mm/s] [default: drawn for each episode]."""
     payload: float | None = None
-    """Mass of the tool [kg] [default: drawn for each episode; the IRB1400 keeps its own]."""
+    """Mass of the large robot's tool [kg], the IRB1400 keeps its own [default: drawn for each
+    episode]."""
     episodes: int = 4
     """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
     iterations: int = 5

@@ -207,7 +207,7 @@ def test_other_samplers_propose_designs(armside, sampler):
 
 def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(monkeypatch):
     """Neither a trial that failed nor one whose process was killed counts."""
-    monkeypatch.setattr(study_storage, "SILENCE", -2)
+    monkeypatch.setattr(studies, "SILENCE", -2)
     state = optuna.trial.TrialState
     study = optuna.create_study()
     for known, asked in (
@@ -233,7 +233,8 @@ def test_the_design_of_the_thesis_is_asked_for_until_it_was_tried(monkeypatch):
 def test_the_thesis_design_is_tried_again_once_its_process_is_silent(tmp_path, monkeypatch):
     """A search that starts right after another was killed waits until that shows."""
     monkeypatch.setattr(study_storage, "HEARTBEAT", 1)
-    monkeypatch.setattr(study_storage, "SILENCE", 1)
+    for module in (study_storage, studies):
+        monkeypatch.setattr(module, "SILENCE", 1)
     url = f"sqlite:///{tmp_path}/a.db"
     study = open_study(url, "a", {}, sampler="tpe", pruner="none", seed=0)
     study.enqueue_trial({"gamma": 0.9})
@@ -433,7 +434,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(armside, tmp_path, options
     [
         ("--storage nonsense", "is no SQLAlchemy URL"),
         ("--out taken/a", "no folder can be made in"),
-        ("--study a", "robot differ"),
+        ("--study a", "motors differ"),
     ],
 )
 def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch, options, message):
@@ -442,7 +443,7 @@ def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch
     assert armside(f"tune {QUICK} --trials 1 --study a").status == 0
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != taken)
     monkeypatch.setattr(tune, "Objective", None)
-    status, _, err = armside(f"tune {QUICK} --trials 1 --robot irb1400 {options}")
+    status, _, err = armside(f"tune {QUICK} --trials 1 --motors each {options}")
     assert status == 2
     assert message in err
     assert err.count("\n") == 1
