@@ -271,18 +271,36 @@ def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeyp
     assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
 
 
+SLOW_RUNS = """
+import sys, time
+from scripts import cli
+from sim.tuning.rules import Rules
+
+def slow(*args, advance=Rules.advance):
+    time.sleep(0.3)
+    return advance(*args)
+
+Rules.advance = slow
+sys.exit(cli.main())
+"""
+
+
 def test_ctrl_c_twice_is_one_interruption(tmp_path):
-    line = "tune --pose p1 --speed 60 --payload 40"
-    command = [sys.executable, "-m", "scripts.cli", *line.split()]
+    """The second comes while the runs in flight are waited for."""
     process = subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", SLOW_RUNS, "tune", *QUICK.split()],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
-    process.stdout.readline()  # the first trial is done
-    process.send_signal(signal.SIGINT)
+    process.stdout.readline()  # the first trial is done, the second waits for its run
     time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.1)
     _, err = process.communicate(timeout=60)
-    # A shell calls both 130: the second may come when Python has already let go of signals.
+    # A shell calls both 130: Python lets go of signals before it ends.
     assert process.returncode in (130, -signal.SIGINT)
     assert err.startswith("armside: interrupted; finished trials kept in study")
     assert err.count("\n") == 1
