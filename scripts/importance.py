@@ -1,40 +1,43 @@
-"""Which parameters of a study matter, told only where the trials can tell.
+"""Which parameters of a study matter, and how far that can be told from noise.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
 
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 if TYPE_CHECKING:
     import optuna
 
-AT_LEAST = 50
-"""Complete trials: PED-ANOVA wants five in the best tenth. Of 40 random searches for the minimum
-of a parabola in one of three parameters it names that one first in 17 after 10 trials, 36 after 20
-and 40 after 50."""
-FOR_EACH = 5
-"""Complete trials per parameter: of eighteen it names the right one first in 31 after 30 trials,
-and in 40 after 50, but gives it a share of 0.61 then and of 0.79 after 100."""
+ENOUGH = 10
+"""Complete trials, of which the best tenth is one."""
 SHUFFLES = 19
-"""Shares add up to 1 even where nothing matters: the largest of three is 0.65 in the median after
-50 trials of noise. The trials' own order must tell more than so many at random: 1 in 20 of noise
-passes."""
+"""Random orders of the trials: one in twenty tells more by chance than the most telling of them."""
 
 
-def importance(study: "optuna.Study") -> dict[str, float]:
-    """Share of each parameter in being among the best tenth of the complete trials, by PED-ANOVA.
+class Importance(NamedTuple):
+    """Of one parameter."""
 
-    A design that diverged counts as the worst. Empty while too few trials are complete, and where
-    a random order of them would tell as much.
+    share: float
+    """In being among the best tenth of the trials; all shares add up to 1."""
+    by_chance: float
+    """The largest that it has where the trials' order is random, on the same scale: a share that is
+    not above it tells nothing."""
+
+
+def importance(study: "optuna.Study") -> dict[str, Importance]:
+    """Of each parameter by PED-ANOVA, the largest first.
+
+    Of the complete trials; a design that diverged counts as the worst. Empty while too few trials
+    are complete, or where all of them are alike.
     """
     from optuna.trial import TrialState
 
     trials = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
-    if not trials or len(trials) < max(AT_LEAST, FOR_EACH * len(trials[0].params)):
+    if len(trials) < ENOUGH:
         return {}
     values = np.array([trial.value for trial in trials], dtype=float)
     rng = np.random.default_rng(0)
@@ -42,19 +45,22 @@ def importance(study: "optuna.Study") -> dict[str, float]:
         warnings.simplefilter("error", UserWarning)  # says that the result says nothing
         try:
             found = _divergences(trials, values)
-            chance = [_divergences(trials, rng.permutation(values)) for _ in range(SHUFFLES)]
+            random = [_divergences(trials, rng.permutation(values)) for _ in range(SHUFFLES)]
         except (RuntimeError, ValueError, UserWarning):
             return {}
     total = sum(found.values())
-    if total <= max(sum(other.values()) for other in chance):
+    if not total > 0.0:
         return {}
-    return {name: value / total for name, value in found.items()}
+    return {
+        name: Importance(value / total, max(other[name] for other in random) / total)
+        for name, value in sorted(found.items(), key=lambda item: -item[1])
+    }
 
 
 def _divergences(
     trials: "Sequence[optuna.trial.FrozenTrial]", values: np.ndarray
 ) -> dict[str, float]:
-    """Of each parameter's best tenth from all, had the trials these values; the largest first."""
+    """Of each parameter's best tenth from all, had the trials these values."""
     import optuna
 
     study = optuna.create_study()
@@ -62,5 +68,4 @@ def _divergences(
         optuna.trial.create_trial(params=t.params, distributions=t.distributions, value=value)
         for t, value in zip(trials, values.tolist(), strict=True)
     )
-    found = optuna.importance.PedAnovaImportanceEvaluator().evaluate(study)
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+    return optuna.importance.PedAnovaImportanceEvaluator().evaluate(study)

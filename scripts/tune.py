@@ -88,7 +88,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
 
     The objective is the tool's RMS after learning as a part of that before, as --reward sees it,
     the geometric mean of all episodes; the same in truth stands beside it. Writes summary.json,
-    history.png and, where the trials can tell what matters, importance.png.
+    history.png and, from ten complete trials on, importance.png.
 
     Raises InputError for a job, a storage or a folder that cannot be had, RunFailed where no
     design was tried to the end or all of them diverged, and KeyboardInterrupt with what is kept.
@@ -224,5 +224,5 @@ def results(study: "optuna.Study") -> dict[str, Any]:
         },
         "bests": bests,
         "best": bests[-1] if bests else None,
-        "importance": importance(study),
+        "importance": {name: found._asdict() for name, found in importance(study).items()},
     }

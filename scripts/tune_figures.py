@@ -63,15 +63,24 @@ def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
     save(figure, file)
 
 
-def importance(file: Path, shares: Mapping[str, float]) -> None:
-    """Share of each parameter, largest on top."""
-    names = sorted(shares, key=lambda name: shares[name])
-    height = 1.2 + 0.28 * len(names)
+def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
+    """Share of each parameter, largest on top, and the most that random orders of trials give it.
+
+    found: `Importance` of each as a mapping, the largest first.
+    """
+    names = list(found)[::-1]
+    height = 1.4 + 0.28 * len(names)
     figure = new_figure(7.0, height)
     axes = figure.subplots()
-    figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.15 / height)
-    axes.barh(names, [shares[name] for name in names], color=COLORS[0])
-    axes.set_xlabel("importance (PED-ANOVA)")
+    figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.35 / height)
+    told = [found[name]["share"] > found[name]["by_chance"] for name in names]
+    colors = [COLORS[0] if one else REFERENCE for one in told]
+    axes.barh(names, [found[name]["share"] for name in names], color=colors)
+    chance = [found[name]["by_chance"] for name in names]
+    axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
+    axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
+    axes.set_xlabel("importance (PED-ANOVA); grey: not told from chance")
+    figure.legend(loc="upper right", frameon=False, fontsize=8)
     save(figure, file)
 
 

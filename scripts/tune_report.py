@@ -48,8 +48,8 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     if outcome["importance"]:
         report.table(
             "Importance of each parameter (PED-ANOVA)",
-            ["parameter", "share"],
-            [[name, share] for name, share in outcome["importance"].items()],
+            ["parameter", "share", "most by chance"],
+            [[name, i["share"], i["by_chance"]] for name, i in outcome["importance"].items()],
         )
     counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)
     where = f"study {config['study']!r} of {redacted(config['storage'])!r}"

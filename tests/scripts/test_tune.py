@@ -41,9 +41,7 @@ def _objective(**options):
     return Objective(rules(cfg), prepare(rules(cfg), range(cfg.episodes), _fixed(cfg)))
 
 
-def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path, monkeypatch):
-    shares = {"delta": 0.6, "gamma": 0.3, "cutoff": 0.1}
-    monkeypatch.setattr(tune, "importance", lambda study: shares)
+def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path):
     status, out, err = armside(f"tune {QUICK} --trials 10 --pruner none --sampler random --out a")
     assert (status, err) == (0, "")
     summary = json.loads((tmp_path / "a" / "summary.json").read_text())
@@ -53,7 +51,9 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     assert ratios == sorted(ratios, reverse=True)
     assert summary["best"] == summary["bests"][-1]
     assert summary["bests"][0]["delta"] == THESIS.delta[0]  # is tried first
-    assert summary["importance"] == shares
+    shares = summary["importance"]
+    assert set(shares) == {"gamma", "delta", "cutoff"}
+    assert sum(one["share"] for one in shares.values()) == pytest.approx(1.0)
     assert summary["best"]["ratio_true"] == pytest.approx(summary["best"]["ratio"], rel=0.1)
     assert "best so far, trial" in out
     assert "(PED-ANOVA)" in out
@@ -123,16 +123,18 @@ def _searched(rng, n_trials, n_parameters, objective):
 @pytest.mark.parametrize(("n_parameters", "n_trials"), [(3, 60), (18, 100)])
 def test_importances_name_what_matters(n_parameters, n_trials):
     rng = np.random.default_rng(0)
-    shares = importance(_searched(rng, n_trials, n_parameters, lambda x: (x[1] - 0.3) ** 2))
-    assert next(iter(shares)) == "x1"
-    assert sum(shares.values()) == pytest.approx(1.0)
+    found = importance(_searched(rng, n_trials, n_parameters, lambda x: (x[1] - 0.3) ** 2))
+    assert next(iter(found)) == "x1"
+    assert [name for name, one in found.items() if one.share > one.by_chance] == ["x1"]
+    assert sum(one.share for one in found.values()) == pytest.approx(1.0)
 
 
-def test_noise_has_no_importances_and_nor_have_few_trials():
+def test_noise_is_not_told_from_chance_and_few_trials_are_not_asked():
     rng = np.random.default_rng(1)
-    assert importance(_searched(rng, 60, 3, lambda x: rng.normal())) == {}
-    assert importance(_searched(rng, 49, 3, lambda x: (x[1] - 0.3) ** 2)) == {}
-    assert importance(_searched(rng, 89, 18, lambda x: (x[1] - 0.3) ** 2)) == {}
+    for _ in range(3):
+        found = importance(_searched(rng, 20, 3, lambda x: rng.normal()))
+        assert all(one.share <= one.by_chance for one in found.values())
+    assert importance(_searched(rng, 9, 3, lambda x: (x[1] - 0.3) ** 2)) == {}
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
@@ -366,12 +368,12 @@ def test_every_number_can_be_read_in_a_narrow_terminal(monkeypatch, capsys, moto
         "trials": {"complete": 55},
         "bests": [best],
         "best": best,
-        "importance": dict.fromkeys(values, 0.12345),
+        "importance": {key: {"share": 0.12345, "by_chance": 0.23456} for key in values},
     }
     tune_report.tables(console.Report(Common()), outcome, Path("c"))
     out = capsys.readouterr().out
     words = out.replace("│", " ").split()
-    assert {console.cell(value) for value in (*best.values(), 0.12345)} <= set(words)
+    assert {console.cell(value) for value in (*best.values(), 0.12345, 0.23456)} <= set(words)
     assert "…" not in out
 
 
