@@ -67,12 +67,12 @@ class Rules:
 
     @property
     def action_space(self) -> Box:
-        """See `sim.tuning.design`."""
+        """(3,) or (18,), in the table of `sim.tuning.env.IlcTuningEnv`."""
         return Box(-1.0, 1.0, (len(VARIABLES) * Motors(self.motors).count,), np.float32)
 
     @property
     def observation_space(self) -> Box:
-        """See `sim.tuning.observation`."""
+        """(50,), in the table of `sim.tuning.env.IlcTuningEnv`."""
         return Box(-1.0, 1.0, (observation.SIZE,), np.float32)
 
     def check_seed(self, seed: Any) -> int | None:

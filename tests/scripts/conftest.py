@@ -6,9 +6,11 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from scripts import cli
+from scripts.report import Section
 
 PROBE = ("probe_experiment:probe", "End as told to.")
 HERE = Path(__file__).parent
@@ -68,3 +70,19 @@ def armside_process(tmp_path):
         return Outcome(done.returncode, done.stdout or "", done.stderr or "")
 
     return run
+
+
+@pytest.fixture
+def assert_complete():
+    """Says of a section of a report that it is captioned, drawn into a folder, and whole."""
+
+    def check(section: Section, folder: Path) -> None:
+        assert len(section.caption) > 40
+        assert section.figures or section.grids
+        for file in section.figures:
+            assert (folder / file).read_bytes().startswith(b"\x89PNG")
+        assert all(np.isfinite(check.ours) for check in section.checks)
+        for grid in section.grids:
+            assert all(len(row) == len(grid.columns) for row in grid.rows)
+
+    return check
