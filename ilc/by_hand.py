@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from .laws.law import Law
-from .measures import inf_norm, two_norm
-from .plant import Array, as_record
+from .measures.norms import inf_norm, two_norm
+from .plant import as_record
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -5,19 +5,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from .discretise import zoh
+from armside.arrays import Array
+
 from .filters import ALL_PASS, End, RecordFilter, ZeroPhaseButterworth
-from .laws.first_order import FirstOrder
 from .laws.heuristic import Heuristic
-from .laws.law import Law
+from .laws.law import FirstOrder, Law
 from .laws.model_inverse import ModelInverse
 from .laws.norm_optimal import NormOptimal, QuadraticCriterion
 from .learning import Trial, learn
-from .measures import two_norm
-from .plant import Array
-from .system import System
-from .two_mass import PdController, TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun
-from .two_mass_friction import FrictionPlant
+from .measures.norms import two_norm
+from .models.discretise import zoh
+from .models.system import System
+from .models.two_mass import PdController, TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun
+from .models.two_mass_friction import FrictionPlant
 
 GAMMA, DELTA = 0.9, 5
 """Design variables of Figs 8.8 to 8.12."""

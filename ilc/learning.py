@@ -6,9 +6,11 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from armside.arrays import Array
+
 from .laws.law import Law
-from .measures import two_norm
-from .plant import Array, Plant, as_record
+from .measures.norms import two_norm
+from .plant import Plant, as_record
 
 Result = TypeVar("Result")
 

@@ -3,9 +3,9 @@
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 Result_co = TypeVar("Result_co", covariant=True)
 

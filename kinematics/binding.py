@@ -9,9 +9,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 _FALL_THROUGH = (AttributeError, TypeError, ValueError)
 

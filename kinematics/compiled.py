@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from . import native
+from armside.arrays import Array
+
+from . import cache as native
 from .binding import bind
 from .dh import Robot
-from .model import RobotModel
+from .equations.inertial_model import RobotModel
 
 if TYPE_CHECKING:
-    from .program import Program
-
-Array = NDArray[np.float64]
+    from .equations.program import Program
 
 
 class OfAngles(Protocol):
@@ -95,8 +95,8 @@ class CompiledRobot:
 
     def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
         def source() -> str:
-            from . import motion
             from .codegen import numba_module
+            from .equations import forward_kinematics as motion
 
             return numba_module(getattr(motion, name)(self.robot))
 
@@ -185,7 +185,7 @@ class CompiledModel:
 
     def _function(self, name: str, arguments: int, shape: tuple[int, ...] = ()) -> Any:
         def program() -> "Program":
-            from . import coriolis, dynamics
+            from .equations import coriolis, dynamics
 
             home = coriolis if name == "coriolis_matrix" else dynamics
             return getattr(home, name)(self.model)
@@ -195,7 +195,7 @@ class CompiledModel:
 
     def _rate(self, name: str, orders: int) -> Any:
         def program() -> "Program":
-            from . import process
+            from .equations import state_equations as process
 
             return getattr(process, name)(self.model)
 
@@ -206,7 +206,7 @@ class CompiledModel:
         """Columns are directional derivatives along the axes of x, one batch for all."""
 
         def program() -> "Program":
-            from . import process
+            from .equations import state_equations as process
 
             return process.rate_tangent(getattr(process, name)(self.model))
 
@@ -273,8 +273,8 @@ class CompiledSensor:
 
     def _function(self, name: str, shape: tuple[int, ...]) -> Any:
         def source() -> str:
-            from . import measurement
             from .codegen import numba_module
+            from .equations import imu_equations as measurement
 
             return numba_module(getattr(measurement, name)(self.robot, *self._place))
 

@@ -13,14 +13,14 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
 
 if TYPE_CHECKING:
     import sympy
 
     Scalar = float | sympy.Expr
-
-Array = NDArray[np.float64]
 
 
 class Joint(Enum):
@@ -46,7 +46,7 @@ class Convention(Enum):
 def checked(name: str, value: Any) -> "Scalar":
     """A finite number, a SymPy expression, or text of the grammar of Table 4.1."""
     if isinstance(value, str):
-        from .grammar import parse
+        from .expressions.grammar import parse
 
         return parse(value)
     if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
@@ -116,7 +116,7 @@ class Robot:
     ) -> None:
         links = tuple(links)
         if not links or not all(isinstance(link, Link) for link in links):
-            raise TypeError(f"links must be one or more kinematics.Link, got {links!r}")
+            raise TypeError(f"links must be one or more armside.kinematics.Link, got {links!r}")
         if not isinstance(convention, Convention):
             raise TypeError(
                 f"convention must be Convention.STANDARD or Convention.MODIFIED, got {convention!r}"

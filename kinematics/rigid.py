@@ -4,9 +4,9 @@ Frames read as a sum: p_a = T_a_b @ p_b. Every function takes leading batch axes
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 
 def transform(R: ArrayLike, d: ArrayLike) -> Array:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 SINGULAR = 1e-7
 """Sine of the angle below which a representation counts as singular."""

@@ -8,22 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
-from sim.cell import LARGE_CELL
-from sim.effects import Effect
-from sim.estimation.arm_learning import ArmLearningCfg, Commissioned, Measure, begin
-from sim.estimation.arm_springs import Springs
-from sim.estimation.nominal import NominalArm, NominalCfg, nominal_arm
-from sim.experiment import CircleTask, Experiment, Iteration, iterate, prepare
-from sim.instruments.imu import ImuCfg
-from sim.model import load_model
-from sim.motion.poses import LARGE_ROBOT_POSES
-from sim.motion.timing import PathLimits
-from sim.robot import LOG_PERIOD
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
+from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
+from armside.sim.cut.timing import PathLimits
+from armside.sim.estimation.arm_learning import ArmLearningCfg, Commissioned, Measure, begin
+from armside.sim.estimation.arm_springs import Springs
+from armside.sim.estimation.nominal import NominalArm, NominalCfg, nominal_arm
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.experiment import CircleTask, Experiment, Iteration, iterate, prepare
+from armside.sim.records.summary import plain
+from armside.sim.robot.effects import Effect
+from armside.sim.robot.model import load_model
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 
-from .errors import InputError
-from .summary import plain
+from .shell.errors import InputError
 
 _STREAM = 0xA2  # of the draw of beliefs, apart from those of individual and instruments
 

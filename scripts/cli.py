@@ -13,35 +13,83 @@ from importlib.metadata import version
 from cyclopts import App, CycloptsError, Parameter
 from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
 
-from .errors import InputError, RunFailed, one_line
-from .options import read_value
-from .registry import unknown
+from .shell.errors import InputError, RunFailed, one_line
+from .shell.options import read_value
+from .shell.registry import unknown
 
 COMMANDS = {
-    "laser": ("scripts.laser:laser", "Cut a shape with the virtual robot and learn to cut it."),
-    "imu": ("scripts.imu:imu", "Predict what an IMU on the moving tool measures."),
-    "identify": ("scripts.identify:identify", "Find the arm's springs from one cut and an IMU."),
-    "compare": ("scripts.compare:compare", "Motor side, estimate, tracker and oracle, compared."),
-    "replay": ("scripts.replay:replay", "Watch runs: viewer, browser, picture or film."),
-    "view": ("scripts.view:view", "Move a robot by sliders in MuJoCo's own viewer."),
-    "convert": ("scripts.convert:convert", "Write a run's signals as CSV, MATLAB, HDF5 or MCAP."),
-    "measure": ("scripts.measure:measure", "Measure recorded data, a run's or your own."),
-    "gallery": ("scripts.gallery:gallery", "Make the pictures of the docs again."),
-    "two-mass": ("scripts.two_mass:two_mass", "Regenerate chapter 8: a flexible joint learns."),
-    "design": ("scripts.design:design", "Propose gain, shift and cutoff for a model."),
-    "tune": ("scripts.tune:tune", "Search the design of the learning law with Optuna."),
-    "train": ("scripts.train:train", "Learn a policy that chooses designs (extra [learn])."),
-    "sweep": ("scripts.sweep:sweep", "Run the laser experiment over a grid of its options."),
+    "laser": (
+        "armside.scripts.commands.laser:laser",
+        "Cut a shape with the virtual robot and learn to cut it.",
+    ),
+    "imu": ("armside.scripts.commands.imu:imu", "Predict what an IMU on the moving tool measures."),
+    "identify": (
+        "armside.scripts.commands.identify:identify",
+        "Find the arm's springs from one cut and an IMU.",
+    ),
+    "compare": (
+        "armside.scripts.commands.compare:compare",
+        "Motor side, estimate, tracker and oracle, compared.",
+    ),
+    "replay": (
+        "armside.scripts.commands.replay:replay",
+        "Watch runs: viewer, browser, picture or film.",
+    ),
+    "view": (
+        "armside.scripts.commands.view:view",
+        "Move a robot by sliders in MuJoCo's own viewer.",
+    ),
+    "convert": (
+        "armside.scripts.commands.convert:convert",
+        "Write a run's signals as CSV, MATLAB, HDF5 or MCAP.",
+    ),
+    "measure": (
+        "armside.scripts.commands.measure:measure",
+        "Measure recorded data, a run's or your own.",
+    ),
+    "gallery": ("armside.scripts.commands.gallery:gallery", "Make the pictures of the docs again."),
+    "two-mass": (
+        "armside.scripts.commands.two_mass:two_mass",
+        "Regenerate chapter 8: a flexible joint learns.",
+    ),
+    "design": (
+        "armside.scripts.commands.design:design",
+        "Propose gain, shift and cutoff for a model.",
+    ),
+    "tune": (
+        "armside.scripts.commands.tune:tune",
+        "Search the design of the learning law with Optuna.",
+    ),
+    "train": (
+        "armside.scripts.commands.train:train",
+        "Learn a policy that chooses designs (extra [learn]).",
+    ),
+    "sweep": (
+        "armside.scripts.commands.sweep:sweep",
+        "Run the laser experiment over a grid of its options.",
+    ),
     "model": (
-        "scripts.model:model",
+        "armside.scripts.commands.model:model",
         "Describe a robot: D-H table, reach, singularities.",
     ),
-    "export": ("scripts.export:export", "Write a robot's equations as code, or the robot as URDF."),
-    "bench": ("scripts.bench:bench", "Time this machine, beside other libraries if installed."),
-    "calibrate": ("scripts.calibrate:calibrate", "Choose the large robot's unknown numbers again."),
-    "verify": ("scripts.verify:verify", "Check a claim over many seeds and write its table."),
+    "export": (
+        "armside.scripts.commands.export:export",
+        "Write a robot's equations as code, or the robot as URDF.",
+    ),
+    "bench": (
+        "armside.scripts.commands.bench:bench",
+        "Time this machine, beside other libraries if installed.",
+    ),
+    "calibrate": (
+        "armside.scripts.commands.calibrate:calibrate",
+        "Choose the large robot's unknown numbers again.",
+    ),
+    "verify": (
+        "armside.scripts.commands.verify:verify",
+        "Check a claim over many seeds and write its table.",
+    ),
     "reproduce": (
-        "scripts.reproduce:reproduce",
+        "armside.scripts.commands.reproduce:reproduce",
         "Make the figures of the thesis again, with verdicts.",
     ),
 }

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 from cyclopts import Parameter
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
-from sim.robot import LOG_PERIOD
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 
-from .options import options
+from .shell.options import options
 
 if TYPE_CHECKING:
-    from sim.estimation.arm_learning import ArmLearningCfg
+    from armside.sim.estimation.arm_learning import ArmLearningCfg
 
 Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
@@ -160,7 +160,7 @@ class LaserCfg:
 
     def _pass_band(self) -> float:
         """[Hz], of Q where the tool's path is learned from."""
-        from sim.estimation.arm_learning import pass_band
+        from armside.sim.estimation.arm_learning import pass_band
 
         circle = self.shape == "circle" and self.contour is None and self.radius > 0.0
         return pass_band(self.speed / (2.0 * np.pi * self.radius) if circle else 0.0)
@@ -168,7 +168,7 @@ class LaserCfg:
 
 def arm_learning(cfg: LaserCfg) -> "ArmLearningCfg":
     """How to learn on the arm side. Raises ValueError where options are out of range."""
-    from sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Measure, OnFault
+    from armside.sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Measure, OnFault
 
     for name in ("gamma", "delta", "cutoff"):
         if len(getattr(cfg, name)) > 1:

@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from ilc import measures
-from sim.cutting import Pass
-from sim.experiment import Experiment, Iteration
-from sim.kerf import kerf
-from sim.linkage import checked_loop_error
-from sim.motion.path import Circle
-from sim.path_record import path_measures
-from sim.recording import Array
+from armside.arrays import Array
+from armside.ilc.measures import norms as measures
+from armside.sim.cut.path import Circle
+from armside.sim.evaluation.kerf import kerf
+from armside.sim.evaluation.path_accuracy import path_measures
+from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.laser.plant import Pass
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.summary import dumps
+from armside.sim.robot.linkage import checked_loop_error
 
-from .console import Report
-from .run_folder import RunFolder
-from .summary import dumps
+from .shell.console import Report
 
 
 def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
@@ -110,10 +110,10 @@ def _true(run: Pass) -> tuple[Array, Array]:
 def write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
-    from sim.signals import Run, write_signals
+    from armside.sim.records.signals import Run, write_signals
 
-    from . import figures
-    from .replay_scene import write_run
+    from .figures import laser as figures
+    from .viewers.replay_scene import write_run
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     runs = [
@@ -146,7 +146,7 @@ def _draw_kerf(
     file: Path, experiment: Experiment, iterations: list[Iteration], measures: dict[str, Any]
 ) -> None:
     """The first cut and the last, as the tool truly made them."""
-    from . import kerf_figure
+    from .figures import kerf as kerf_figure
 
     beam, curve = measures["beam"], experiment.task.curve
     shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations

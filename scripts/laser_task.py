@@ -6,20 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.cell import CELLS
-from sim.individual import with_payload
-from sim.model import RobotModel, load_model
-from sim.motion.contour import ClosedCurve
-from sim.motion.path import Circle
-from sim.motion.poses import ToolPose, pose
-from sim.motion.shapes import hexagon, slot, square
-from sim.motion.timing import PathLimits
-from sim.task import CircleTask, ContourTask, CutTask, LeadIn
+from armside.sim.cell import CELLS, ToolPose, pose
+from armside.sim.cut.contour import ClosedCurve, hexagon, slot, square
+from armside.sim.cut.path import Circle
+from armside.sim.cut.task import CircleTask, ContourTask, CutTask, LeadIn
+from armside.sim.cut.timing import PathLimits
+from armside.sim.robot.individual import with_payload
+from armside.sim.robot.model import RobotModel, load_model
 
 from .laser_options import RADIUS, LaserCfg
 
 if TYPE_CHECKING:
-    from sim.estimation.nominal import NominalArm
+    from armside.sim.estimation.nominal import NominalArm
 
 MM = 1e-3
 SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}
@@ -99,7 +97,7 @@ def dimensions(cfg: LaserCfg) -> dict[str, float]:
 
 
 def _from_file(file: Path, corner: float | None) -> ClosedCurve:
-    from sim.motion.contour_file import read_contour
+    from armside.sim.cut.contour_file import read_contour
 
     try:
         return read_contour(file, None if corner is None else corner * MM)

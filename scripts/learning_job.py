@@ -4,16 +4,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ilc import measures
-from sim import experiment as experiments
-from sim.cell import CELLS
-from sim.effects import Effect
-from sim.experiment import Experiment, Iteration
-from sim.individual import draw, structure_hinges, with_payload
-from sim.model import RobotModel
-from sim.recording import Array
+from armside.arrays import Array
+from armside.ilc.measures import norms as measures
+from armside.sim.cell import CELLS
+from armside.sim.laser import experiment as experiments
+from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.robot.effects import Effect
+from armside.sim.robot.individual import draw, structure_hinges, with_payload
+from armside.sim.robot.model import RobotModel
 
-from .laser import LaserCfg, learning_law, task
+from .commands.laser import LaserCfg, learning_law, task
 from .laser_task import contour, robot
 
 RIPPLE_BAND = (5.0, 14.0)

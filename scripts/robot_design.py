@@ -1,16 +1,16 @@
-"""The design that a robot's own learning data ask for: thesis (9.11), (9.12), then `ilc.design`."""
+"""Design of the heuristic law from learning data of a robot. Thesis (9.11), (9.12)."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ilc.design import Proposal, propose
-from ilc.output_error import FirstOrder, fit_first_order
-from sim.experiment import Experiment, Iteration, iterate
-from sim.recording import Array
-from sim.robot import LOG_PERIOD
+from armside.arrays import Array
+from armside.ilc.analysis.proposal import Proposal, propose
+from armside.ilc.identification.first_order import FirstOrder, fit_first_order
+from armside.sim.laser.experiment import Experiment, Iteration, iterate
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 
-from .laser import LaserCfg, learning_law, prepare
+from .commands.laser import LaserCfg, learning_law, prepare
 from .laser_options import THESIS
 
 SPEEDS = (30.0, 40.0, 60.0)

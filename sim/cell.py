@@ -1,13 +1,68 @@
-"""Robot cells: which robot, its kinematics and limits, and where it works."""
+"""Operating points: those of the large robot in thesis chapter 9, and three for the IRB1400."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import assets
-import kinematics
+import numpy as np
 
-from .motion.poses import IRB1400_POSES, LARGE_ROBOT_POSES, ToolPose
+from armside import assets, kinematics
+from armside.arrays import Array
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """Where the tool is put: the centre of the contour and the tool's orientation."""
+
+    position: tuple[float, float, float]
+    """[m], TCP0 in base axes."""
+    quaternion: tuple[float, float, float, float]
+    """Unit, base to tool."""
+
+    @property
+    def tool_axis(self) -> Array:
+        """Direction in which the tool points: its z axis in base axes, shape (3,)."""
+        w, x, y, z = self.quaternion
+        return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def _normalised(*q: float) -> tuple[float, float, float, float]:
+    """(9.4) is printed with four decimals: its norm is 1.000004."""
+    w, x, y, z = np.array(q) / np.linalg.norm(q)
+    return float(w), float(x), float(y), float(z)
+
+
+TOOL_QUATERNION = _normalised(0.6322, 0.0353, 0.7732, 0.0353)
+"""Tool orientation in all experiments. Thesis (9.4)."""
+
+LARGE_ROBOT_POSES = {
+    "p1": ToolPose((1.3166, 0.0014, 1.5992), TOOL_QUATERNION),
+    "p2": ToolPose((1.8000, 0.1000, 1.5992), TOOL_QUATERNION),
+    "p3": ToolPose((2.2000, 0.2000, 1.5992), TOOL_QUATERNION),
+}
+"""TCP positions with respect to the robot base frame. Thesis (9.3)."""
+
+_TO_THE_RIGHT = _normalised(0.4126, 0.1962, 0.8848, -0.0915)  # 40 deg down, 25 deg to the right
+_TO_THE_LEFT = _normalised(0.4881, -0.1874, 0.8455, 0.1082)  # 30 deg down, 25 deg to the left
+
+IRB1400_POSES = {
+    "p1": ToolPose((0.5200, -0.1200, 1.1300), _TO_THE_RIGHT),
+    "p2": ToolPose((1.2500, 0.1000, 1.1000), _TO_THE_LEFT),
+    "p3": ToolPose((1.3000, 0.2500, 0.9500), _TO_THE_LEFT),
+}
+"""Near, far and stretched, within the reach of the IRB1400; the thesis has none. The tool is turned
+so that every motor moves: one that stays within its stiction cannot be improved."""
+
+
+def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
+    """The pose of that name.
+
+    Raises:
+        ValueError: unknown name; the message lists those that exist.
+    """
+    if name not in poses:
+        raise ValueError(f"Unknown pose {name!r}. Poses: {', '.join(poses)}")
+    return poses[name]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -36,7 +36,7 @@ def graphics():
     """Skips the test, or fails it under ARMSIDE_CI, where OpenGL does not draw."""
     import mujoco
 
-    from sim.offscreen import NoGraphicsError, Offscreen
+    from armside.sim.replay.offscreen import NoGraphicsError, Offscreen
 
     try:
         with Offscreen(mujoco.MjModel.from_xml_string("<mujoco/>"), 8, 8):

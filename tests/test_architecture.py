@@ -18,14 +18,19 @@ FOREIGN_AND_FORBIDDEN = {"ilc": {"mujoco"}, "kinematics": {"mujoco"}, "assets": 
 
 
 def imported_packages(file: Path) -> set[str]:
-    """Top-level names a module imports; relative imports stay inside and do not count."""
+    """Our packages and foreign top-level names that a module imports absolutely."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
-            names |= {alias.name.split(".")[0] for alias in node.names}
+            names |= {_first(alias.name) for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-            names.add(node.module.split(".")[0])
+            from_root = node.module == "armside"
+            names |= {a.name for a in node.names} if from_root else {_first(node.module)}
     return names
+
+
+def _first(module: str) -> str:
+    return module.removeprefix("armside.").split(".")[0]
 
 
 @pytest.mark.parametrize("package", sorted(OURS))

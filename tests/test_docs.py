@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import pytest
 
-from scripts import cli
+from armside.scripts import cli
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import cli
+from armside.scripts import cli
 
 EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
 

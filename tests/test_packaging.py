@@ -21,15 +21,17 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 OURS = ("assets", "ilc", "kinematics", "scripts", "sim")
+"""Folders at the root, linked from `src/armside`."""
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
 
 
 def packaged_files() -> set[str]:
     """Every file of our packages, as it is named inside a wheel."""
+    src = ROOT / "src" / "armside"
+    linked = [path for package in OURS for path in (src / package).rglob("*")]
     return {
-        path.relative_to(ROOT).as_posix()
-        for package in OURS
-        for path in (ROOT / package).rglob("*")
+        path.relative_to(src.parent).as_posix()
+        for path in [*src.iterdir(), *linked]
         if path.is_file() and "__pycache__" not in path.parts
     }
 
@@ -78,8 +80,8 @@ def test_the_wheel_holds_every_file_of_our_packages_and_nothing_else(wheel):
 
 def test_the_wheel_holds_type_markers_robots_and_licence(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert {f"{package}/py.typed" for package in OURS} <= names
-    assert any(name.startswith("assets/") and name.endswith(".xml") for name in names)
+    assert "armside/py.typed" in names
+    assert any(name.startswith("armside/assets/") and name.endswith(".xml") for name in names)
     assert any(name.endswith("/licenses/LICENSE") for name in names)
 
 
@@ -90,7 +92,8 @@ def test_the_installed_command_knows_its_version(installed, tmp_path):
 
 
 def test_what_is_imported_is_what_was_installed(installed, tmp_path):
-    code = f"import {', '.join(OURS)}; print({', '.join(f'{name}.__file__' for name in OURS)})"
+    files = ", ".join(f"{name}.__file__" for name in OURS)
+    code = f"from armside import {', '.join(OURS)}; print({files})"
     for file in run_outside([installed / "python", "-c", code], tmp_path).split():
         assert Path(file).is_relative_to(installed.parent)
 
@@ -104,12 +107,12 @@ def test_an_experiment_runs_outside_the_checkout(installed, tmp_path):
 
 
 def third_party_imports() -> dict[str, str]:
-    """Top-level module: a file of ours that imports it, outside `scripts/peers.py`."""
+    """Top-level module: a file of ours that imports it, outside `scripts/benchmarks/peers.py`."""
     found: dict[str, str] = {}
     for name in sorted(packaged_files()):
-        if not name.endswith(".py") or name == "scripts/peers.py":
+        if not name.endswith(".py") or name == "scripts/benchmarks/peers.py":
             continue
-        for node in ast.walk(ast.parse((ROOT / name).read_text())):
+        for node in ast.walk(ast.parse((ROOT / "src" / name).read_text())):
             modules = []
             if isinstance(node, ast.Import):
                 modules = [alias.name for alias in node.names]
@@ -117,7 +120,7 @@ def third_party_imports() -> dict[str, str]:
                 modules = [node.module]
             for module in modules:
                 found.setdefault(module.split(".")[0], name)
-    known = set(sys.stdlib_module_names) | set(OURS)
+    known = set(sys.stdlib_module_names) | {"armside"}
     return {module: file for module, file in found.items() if module not in known}
 
 

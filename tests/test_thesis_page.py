@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts import cli
+from armside.scripts import cli
 
 ROOT = Path(__file__).parent.parent
 COUNTS = {"K": 18, "E": 10, "L": 7, "S": 6, "X": 10, "F": 9}

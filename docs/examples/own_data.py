@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.measured import Cut, measure_table
-from sim.tables import read_table
+from armside.sim.evaluation.recorded import Cut, measure_table
+from armside.sim.records.tables import read_table
 
 time = np.arange(500) * 0.004
 turn = np.pi * time

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws.law import FirstOrderLaw
-from sim.cell import LARGE_CELL
-from sim.experiment import iterate, prepare
-from sim.model import load_model
-from sim.task import CircleTask
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws.law import FirstOrderLaw
+from armside.sim.cell import LARGE_CELL
+from armside.sim.cut.task import CircleTask
+from armside.sim.laser.experiment import iterate, prepare
+from armside.sim.robot.model import load_model
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-import kinematics
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
-from sim.cell import LARGE_CELL, Cell
-from sim.experiment import iterate, prepare
-from sim.model import load_model
-from sim.task import CircleTask
+from armside import kinematics
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
+from armside.sim.cell import LARGE_CELL, Cell
+from armside.sim.cut.task import CircleTask
+from armside.sim.laser.experiment import iterate, prepare
+from armside.sim.robot.model import load_model
 
 SHORTER = 0.1  # m
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..filters import RecordFilter
-from ..plant import Array
-from ..system import System
+from ..models.system import System
 
 
 def asymptotic_error(

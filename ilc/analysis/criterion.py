@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..filters import RecordFilter, ZeroPhaseButterworth
-from ..plant import Array
-from ..system import Complex, System, require_stable, unit_circle
+from ..models.system import Complex, System, require_stable, unit_circle
 
 LOWEST = 1e-4
 """Lowest frequency of a grid, as a part of the Nyquist frequency."""

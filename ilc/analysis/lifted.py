@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..laws.law import FirstOrderLaw
-from ..plant import Array
-from ..system_matrix import Model
+from ..models.system_matrix import Model
 
 
 def lifted_system(T_u: Model, n_samples: int, n_columns: int = 1) -> Array:

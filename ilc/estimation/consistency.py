@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plant import Array
+from armside.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

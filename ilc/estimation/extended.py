@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plant import Array
+from armside.arrays import Array
 
 Step = Callable[[int, Array], tuple[Array, Array]]
 """(i, x): the state one step after x at i, and its Jacobian (n, n)."""

@@ -11,9 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..plant import Array
-from .riccati import settled
-from .state_space import Process
+from armside.arrays import Array
+
+from .process import Process, settled
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..plant import Array
+from armside.arrays import Array
 
 _DIFFERENCE = 1e-4  # of a standard deviation of the prior
 _ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation

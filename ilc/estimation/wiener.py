@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plant import Array
-from ..system import Complex
+from armside.arrays import Array
+
+from ..models.system import Complex
 
 
 @dataclass(frozen=True, eq=False)

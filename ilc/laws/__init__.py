@@ -8,7 +8,6 @@ from .adaptive import Adaptive as Adaptive
 from .constrained import Constrained as Constrained
 from .disturbance_observer import DisturbanceObserver as DisturbanceObserver
 from .finite_difference import FiniteDifference as FiniteDifference
-from .first_order import FirstOrder as FirstOrder
 from .gains import DType as DType
 from .gains import MatrixGain as MatrixGain
 from .gains import PType as PType
@@ -17,6 +16,7 @@ from .heuristic import Heuristic as Heuristic
 from .high_order import HighOrder as HighOrder
 from .internal_model import internal_model as internal_model
 from .internal_model import periodic_pattern as periodic_pattern
+from .law import FirstOrder as FirstOrder
 from .law import FirstOrderLaw as FirstOrderLaw
 from .law import Law as Law
 from .model_free import MeasuredGradient as MeasuredGradient

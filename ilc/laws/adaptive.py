@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..filters import ALL_PASS, RecordFilter
-from ..plant import Array
 
 
 @dataclass(frozen=True, kw_only=True)

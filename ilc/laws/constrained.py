@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plant import Array
-from ..system_matrix import adjoint
+from armside.arrays import Array
+
+from ..models.system_matrix import adjoint
 from .norm_optimal import NormOptimal, Weight
 
 

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..filters import ALL_PASS, RecordFilter
-from ..plant import Array
-from ..system_matrix import Model
+from ..models.system_matrix import Model
 
 
 @dataclass(frozen=True, kw_only=True)

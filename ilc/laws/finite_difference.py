@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..plant import Array
+from armside.arrays import Array
+
 from .law import FirstOrderLaw
 from .model_free import Experiment
 

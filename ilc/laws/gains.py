@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..filters import End, check_shift, shift
-from ..plant import Array
-from ..system import Complex, unit_circle
+from ..models.system import Complex, unit_circle
 
 
 @dataclass(frozen=True, kw_only=True)

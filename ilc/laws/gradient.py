@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from ..plant import Array
-from ..system import Complex, require_stable
-from ..system_matrix import Model, SystemMatrix, adjoint, largest_gain
+from armside.arrays import Array
+
+from ..models.system import Complex, require_stable
+from ..models.system_matrix import Model, SystemMatrix, adjoint, largest_gain
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

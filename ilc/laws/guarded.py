@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..plant import Array
+from armside.arrays import Array
+
 from .law import FirstOrderLaw
 
 

@@ -4,16 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..filters import (
-    End,
-    PerColumn,
-    RecordFilter,
-    as_tuple,
-    check_columns,
-    check_shift,
-    shift,
-)
-from ..plant import Array
+from armside.arrays import Array
+
+from ..filters import End, PerColumn, RecordFilter, as_tuple, check_columns, check_shift, shift
 from .law import FirstOrderLaw
 
 

@@ -1,8 +1,11 @@
 """What a learning law is: (u_k, e_k) and a memory in, u_{k+1} and the memory out."""
 
+from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..plant import Array
+from armside.arrays import Array
+
+from ..filters import ALL_PASS, RecordFilter
 
 
 class Law(Protocol):
@@ -31,3 +34,18 @@ class FirstOrderLaw:
 
     def check(self, n_samples: int, n_columns: int) -> None:
         """Fits any record unless a law says otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstOrder(FirstOrderLaw):
+    """u_{k+1} = Q(u_k + L e_k). Thesis (7.2)."""
+
+    L: RecordFilter
+    Q: RecordFilter = ALL_PASS
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        self.L.check(n_samples, n_columns)
+        self.Q.check(n_samples, n_columns)
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        return self.Q(correction + self.L(error))

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..filters import ALL_PASS, RecordFilter
-from ..plant import Array
 from .law import FirstOrderLaw
 
 Experiment = Callable[[Array], Array]

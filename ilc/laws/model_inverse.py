@@ -6,10 +6,11 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..filters import RecordFilter
-from ..plant import Array
-from ..system import Complex, require_stable
-from ..system_matrix import Model, SystemMatrix, largest_gain
+from ..models.system import Complex, require_stable
+from ..models.system_matrix import Model, SystemMatrix, largest_gain
 
 
 class Beyond(Enum):

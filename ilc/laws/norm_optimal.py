@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..plant import Array
-from ..system import Complex, System, require_stable
-from ..system_matrix import Model, SystemMatrix
+from armside.arrays import Array
+
+from ..models.system import Complex, System, require_stable
+from ..models.system_matrix import Model, SystemMatrix
 from .law import FirstOrderLaw
 
 Weight = float | Array

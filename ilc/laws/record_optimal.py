@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..filters import RecordFilter
-from ..plant import Array
-from ..system import Complex
+from ..models.system import Complex
 from .law import FirstOrderLaw
 from .regularised_inverse import Response
 

@@ -14,8 +14,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..plant import Array
-from ..system import Complex
+from armside.arrays import Array
+
+from ..models.system import Complex
 from .law import FirstOrderLaw
 
 

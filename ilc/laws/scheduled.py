@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..plant import Array
+from armside.arrays import Array
+
 from .law import FirstOrderLaw
 
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..filters import RecordFilter
-from ..plant import Array
-from ..system import Complex
+from ..models.system import Complex
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

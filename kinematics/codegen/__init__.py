@@ -7,7 +7,7 @@ the order of its arguments. Matrices are row by row in C and matrices elsewhere.
 from collections.abc import Callable
 from enum import Enum
 
-from ..program import Program
+from ..equations.program import Program
 from . import c, fortran, latex, matlab, python
 from .naming import distinct
 from .python import numba_module as numba_module

@@ -1,6 +1,6 @@
 """C99: a header and a source, no allocation, `const double *` in and `double *` out."""
 
-from ..program import Program
+from ..equations.program import Program
 from .printing import Printer, header, step_lines, used_symbols
 
 

@@ -4,7 +4,7 @@ import textwrap
 
 import sympy as sp
 
-from ..program import Block, Program
+from ..equations.program import Block, Program
 from .printing import Printer, header, step_lines
 
 

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from ..program import Program
+from ..equations.program import Program
 from .printing import header
 
 

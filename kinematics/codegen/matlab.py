@@ -1,6 +1,6 @@
 """MATLAB and Octave: one function file, vectors are columns, matrices are matrices."""
 
-from ..program import Program
+from ..equations.program import Program
 from .printing import Printer, header, step_lines
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from ..program import Block, Program
+from ..equations.program import Block, Program
 
 _RESERVED = {
     *("lambda", "in", "is", "if", "for", "while", "def", "pass", "as", "or", "and", "not", "del"),

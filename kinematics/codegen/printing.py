@@ -5,8 +5,8 @@ import textwrap
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 
-from ..program import Block, Program
-from ..sympy_types import Expression
+from ..equations.program import Block, Program
+from ..expressions.exact import Expression
 
 
 class Printer(C99CodePrinter):

@@ -1,6 +1,6 @@
 """Python for numba: the module that this project itself runs."""
 
-from ..program import Block, Program
+from ..equations.program import Block, Program
 from .naming import distinct
 from .printing import Printer, header, step_lines
 

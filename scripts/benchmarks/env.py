@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from sim.tuning.design import THESIS, Motors, action_of
-from sim.tuning.vector_env import IlcTuningVectorEnv
+from armside.sim.tuning.design import THESIS, Motors, action_of
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ..parallel import cores
-from ..timing import Row, interleaved
+from ..jobs.workers import cores
+from .timing import Row, interleaved
 
 ROBOTS = 64
 

@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-import kinematics
-from sim.estimation.arm_estimator import estimator
-from sim.estimation.arm_identification import identify, prepared
-from sim.estimation.arm_learning import ArmLearningCfg
-from sim.estimation.extended_arm import ExtendedArm
-from sim.estimation.imu_health import mended
+from armside import kinematics
+from armside.sim.estimation.arm_estimator import estimator
+from armside.sim.estimation.arm_identification import identify, prepared
+from armside.sim.estimation.arm_learning import ArmLearningCfg
+from armside.sim.estimation.extended_arm import ExtendedArm
+from armside.sim.estimation.imu_health import mended
 
 from ..arm_side import Case
-from ..timing import Row, interleaved
+from .timing import Row, interleaved
 
 
 def estimation() -> Sequence[Row]:

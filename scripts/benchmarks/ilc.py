@@ -7,16 +7,16 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy import signal
 
-from ilc import Heuristic, ZeroPhaseButterworth, chapter8
-from ilc.analysis import largest_gamma
-from ilc.filters import butterworth
-from ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
-from ilc.system import System
-from ilc.system_matrix import SystemMatrix
-from ilc.two_mass import TwoMassLoop
+from armside.ilc import Heuristic, ZeroPhaseButterworth, chapter8
+from armside.ilc.analysis import largest_gamma
+from armside.ilc.filters import butterworth
+from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.two_mass import TwoMassLoop
 
-from .. import two_mass_figures
-from ..timing import Row, interleaved
+from ..figures import two_mass as two_mass_figures
+from .timing import Row, interleaved
 
 REPEATS = 5
 

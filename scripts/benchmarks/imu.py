@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from sim.robot import Job
+from armside.sim.robot.virtual_robot import Job
 
-from .. import imu as command
-from ..options import Common
-from ..timing import Row, interleaved
+from ..commands import imu as command
+from ..shell.options import Common
+from .timing import Row, interleaved
 
 
 def imu() -> Sequence[Row]:

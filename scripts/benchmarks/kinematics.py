@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
-from kinematics.compiled import compile_dynamics
-from kinematics.model import Body, RobotModel
+from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
+from armside.kinematics.compiled import compile_dynamics
+from armside.kinematics.equations.inertial_model import Body, RobotModel
 
-from ..peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
-from ..timing import Row, interleaved
+from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
+from .timing import Row, interleaved
 
 BATCH = 100_000
 PATH = 2000

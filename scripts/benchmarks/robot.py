@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from .. import laser
-from ..parallel import Workers
-from ..timing import Row, interleaved
+from ..commands import laser
+from ..jobs.workers import Workers
+from .timing import Row, interleaved
 
 N_EXPERIMENTS = 12
 

@@ -8,13 +8,13 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from .. import laser
-from ..parallel import cores
-from ..sweep import run_grid
-from ..sweep_engine import Local
-from ..sweep_grid import Grid
-from ..sweep_store import Store
-from ..timing import Row
+from ..commands import laser
+from ..commands.sweep import run_grid
+from ..jobs.dataset import Store
+from ..jobs.engine import Local
+from ..jobs.grid import Grid
+from ..jobs.workers import cores
+from .timing import Row
 
 N = 24
 

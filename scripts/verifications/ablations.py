@@ -3,9 +3,9 @@
 from collections.abc import Iterable
 from typing import get_args
 
-from ..laser import LaserCfg, run
+from ..commands.laser import LaserCfg, run
+from ..commands.verify import Table, Verdict
 from ..laser_options import EffectName
-from ..verify import Table, Verdict
 
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 POSES = ("p1", "p3")

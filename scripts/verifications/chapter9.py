@@ -4,18 +4,18 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
 
-from ..chapter9 import bands
-from ..chapter9.bands import POSES, SAMPLE_TIME
-from ..chapter9.sections import MOST_MOVED, SPEEDS, identify
-from ..chapter9.table import STUDIES, Study
+from ..commands.verify import Table, Verdict
+from ..jobs.store import Result
+from ..jobs.workers import Workers
 from ..learning_job import LearningJob
-from ..parallel import Workers
-from ..report import Check
-from ..store import Result
-from ..verify import Table, Verdict
+from ..thesis.chapter9 import bands
+from ..thesis.chapter9.bands import POSES, SAMPLE_TIME
+from ..thesis.chapter9.sections import MOST_MOVED, SPEEDS, identify
+from ..thesis.chapter9.table import STUDIES, Study
+from ..thesis.report import Check
 
 FRACTION = 0.8
 """Of the seeds, at which each band must hold: four of five."""

@@ -9,18 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.cutting import Pass
-from sim.estimation.arm_identification import prepared
-from sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Commissioned, measured_path
-from sim.estimation.arm_springs import SpringPrior
-from sim.estimation.imu_health import ImuError, mended
-from sim.estimation.kinematic_filter import kinematic_deviation
-from sim.instruments.imu import ImuCfg, TriadCfg
-from sim.recording import Array
+from armside.arrays import Array
+from armside.sim.estimation.arm_identification import prepared
+from armside.sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Commissioned, measured_path
+from armside.sim.estimation.arm_springs import SpringPrior
+from armside.sim.estimation.imu_health import ImuError, mended
+from armside.sim.estimation.kinematic_filter import kinematic_deviation
+from armside.sim.instruments.imu import ImuCfg, TriadCfg
+from armside.sim.laser.plant import Pass
 
 from ..arm_side import GEAR_EFFECTS, Case, rms
-from ..parallel import Workers
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
+from ..jobs.workers import Workers
 from .estimation import error, fk_path
 
 POSES = ("p1", "p2", "p3")

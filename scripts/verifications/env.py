@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from sim.tuning.vector_env import IlcTuningVectorEnv
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
 
 AT_ONCE = 50
 KINDS = (

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-import kinematics
-from sim.cutting import Pass
-from sim.estimation.arm_learning import ArmLearningCfg, Measure, measured_path
-from sim.estimation.tool_path import relative_to_start
-from sim.recording import Array
+from armside import kinematics
+from armside.arrays import Array
+from armside.sim.estimation.arm_learning import ArmLearningCfg, Measure, measured_path
+from armside.sim.estimation.tool_path import relative_to_start
+from armside.sim.laser.plant import Pass
 
 from ..arm_side import GEAR_EFFECTS, Case, rms
-from ..parallel import Workers
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
+from ..jobs.workers import Workers
 
 POSES = ("p1", "p2", "p3")
 FIVE, TEN = 5, 10

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..imu import BEST, ImuExperimentCfg, evaluated_again, prepare, run_one
-from ..verify import Table, Verdict
+from ..commands.imu import BEST, ImuExperimentCfg, evaluated_again, prepare, run_one
+from ..commands.verify import Table, Verdict
 
 BASE = ImuExperimentCfg(robot="large")
 MAPPED = replace(BASE, **BEST)

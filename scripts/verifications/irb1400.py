@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.rest import lines
+from armside.sim.imu.vibration import lines
 
-from ..imu import (
+from ..commands.imu import (
     AS_THE_THESIS,
     Done,
     ImuExperimentCfg,
@@ -17,8 +17,8 @@ from ..imu import (
     run_one,
     run_rest,
 )
-from ..imu_job import fast_over_slow, in_the_rectangle
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
+from ..thesis.imu_job import fast_over_slow, in_the_rectangle
 
 BASE = ImuExperimentCfg()
 THESIS = replace(BASE, **AS_THE_THESIS)

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ilc import measures
+from armside.ilc.measures import norms as measures
 
-from ..laser import LaserCfg, run
+from ..commands.laser import LaserCfg, run
+from ..commands.verify import Table, Verdict
 from ..laser_options import OF_ROBOT, THESIS
 from ..robot_design import CUTOFFS, FAST_ENOUGH, asked_for
-from ..verify import Table, Verdict
 
 ROBOT = "irb1400"
 POSES = ("p1", "p2", "p3")

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
-from kinematics.wrist_arm import link_transform
+from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
+from armside.kinematics.inverse.wrist_arm import link_transform
 
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
 
 CONFIGURATIONS = 1000
 """Per seed and robot."""

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ilc import measures
+from armside.ilc.measures import norms as measures
 
-from ..laser import LaserCfg, run
-from ..verify import Table, Verdict
+from ..commands.laser import LaserCfg, run
+from ..commands.verify import Table, Verdict
 
 POSES = ("p1", "p2", "p3")
 NORMALISED, OWN, OWN_WORST, ENOUGH = 0.10, 0.10, 0.30, 14

@@ -10,12 +10,12 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..errors import RunFailed
-from ..sweep import KNOWN, KNOWN_FAILED, run_grid
-from ..sweep_engine import Local
-from ..sweep_grid import Grid, parse
-from ..sweep_store import Store, keys_kept, read
-from ..verify import Table, Verdict
+from ..commands.sweep import KNOWN, KNOWN_FAILED, run_grid
+from ..commands.verify import Table, Verdict
+from ..jobs.dataset import Store, keys_kept, read
+from ..jobs.engine import Local
+from ..jobs.grid import Grid, parse
+from ..shell.errors import RunFailed
 
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")
@@ -120,7 +120,7 @@ def _descendants(pid: int) -> list[int]:
 
 
 def _start(folder: Path) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "scripts.cli", "sweep", *AXES, "--into", str(folder)]
+    command = [sys.executable, "-m", "armside.scripts.cli", "sweep", *AXES, "--into", str(folder)]
     # It says at its end that some configurations have failed, which they should.
     return subprocess.Popen(
         [*command, "--quiet"], cwd=Path(__file__).parents[2], stderr=subprocess.DEVNULL

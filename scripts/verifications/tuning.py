@@ -1,7 +1,6 @@
-"""The claims of `armside verify tuning` and `tuning-iterations`: designs and a policy on the sealed
-test seeds.
+"""Claims of `armside verify tuning` and `tuning-iterations`: designs and a policy on sealed seeds.
 
-`scripts/tuned/` holds what `armside tune` and `armside train` have written; docs/tuning.md has the
+`scripts/studies/tuned/` holds results of `armside tune` and `armside train`; docs/tuning.md has the
 commands.
 """
 
@@ -10,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.tuning.design import THESIS, VARIABLES, Design, Motors
-from sim.tuning.evaluation import Policy, always, evaluate
-from sim.tuning.rules import Rules
-from sim.tuning.task import TEST_SEEDS
+from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors
+from armside.sim.tuning.evaluation import Policy, always, evaluate
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.task import TEST_SEEDS
 
-from ..parallel import cores
-from ..policy import Network
-from ..tuned_design import load_design
-from ..verify import Table, Verdict
+from ..commands.verify import Table, Verdict
+from ..jobs.workers import cores
+from ..studies.policy import Network
+from ..studies.tuned_design import load_design
 
-TUNED = Path(__file__).parent.parent / "tuned"
+TUNED = Path(__file__).parents[1] / "studies" / "tuned"
 DATA_SEED = 1
 """Of the experiments that models are identified from."""
 NORMAL_95 = 1.96
@@ -153,9 +152,9 @@ def identified() -> Design:
 
     Values beyond the ranges of the env are brought to their ends.
     """
-    from ..chapter9.designs import design_for
-    from ..chapter9.sections import SPEEDS, identify
-    from ..chapter9.table import STUDIES
+    from ..thesis.chapter9.designs import design_for
+    from ..thesis.chapter9.sections import SPEEDS, identify
+    from ..thesis.chapter9.table import STUDIES
 
     jobs = {
         v: job for (p, v), job in STUDIES["identification"].jobs(DATA_SEED).items() if p == "p1"

@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
-from ilc.estimation.wiener import NonCausal
+from armside.arrays import Array
+from armside.ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
+from armside.ilc.estimation.wiener import NonCausal
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..recording import Array
 from .arm_filter import ArmFilter, Distrust, arm_filter
 from .arm_identification import Run, bent_by, prepared, residual
 from .arm_springs import Springs

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ilc.estimation.simulation import simulate
-from ilc.estimation.state_space import Process, first_order_hold, sampled_noise
+from armside.arrays import Array
+from armside.ilc.estimation.process import Process, first_order_hold, sampled_noise, simulate
 
 from ..instruments.imu import ImuCfg, TriadCfg
-from ..recording import Array
 from .curvature import Curvature
 from .frozen_arm import FrozenArm
 

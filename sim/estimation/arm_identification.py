@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ilc.estimation.consistency import Whiteness, whiteness
-from ilc.estimation.kalman import SettledFilter
-from ilc.estimation.prediction_error import Fit, Whitened, fit
-from ilc.filters import ZeroPhaseButterworth
+from armside.arrays import Array
+from armside.ilc.estimation.consistency import Whiteness, whiteness
+from armside.ilc.estimation.kalman import SettledFilter
+from armside.ilc.estimation.prediction_error import Fit, Whitened, fit
+from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..model import N_AXES
-from ..recording import Array
-from ..servo import interpolate
+from ..robot.model import N_AXES
+from ..robot.servo import interpolate
 from .arm_filter import ArmFilter, Distrust, arm_filter
 from .arm_springs import SpringPrior, Springs, springs_at
 from .curvature import Curvature, curvature

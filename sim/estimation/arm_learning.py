@@ -11,21 +11,21 @@ from enum import Enum
 
 import numpy as np
 
-from ilc import learning
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic, Law
-from ilc.laws.guarded import Guarded
-from ilc.laws.joint_space import JointSpace
-from ilc.laws.law import FirstOrderLaw
-from ilc.laws.record_optimal import RecordOptimal
-from ilc.laws.regularised_inverse import RegularisedInverse
+from armside.arrays import Array
+from armside.ilc import learning
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic, Law
+from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.joint_space import JointSpace
+from armside.ilc.laws.law import FirstOrderLaw
+from armside.ilc.laws.record_optimal import RecordOptimal
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
 
-from ..cutting import Pass
-from ..experiment import Experiment, Iteration, judged
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..model import RobotModel
-from ..recording import Array
-from ..robot import LOG_PERIOD
+from ..laser.experiment import Experiment, Iteration, judged
+from ..laser.plant import Pass
+from ..robot.model import RobotModel
+from ..robot.virtual_robot import LOG_PERIOD
 from .arm_estimator import UNIDENTIFIED, ArmEstimator, Estimate, estimator
 from .arm_filter import Distrust
 from .arm_identification import REST, Identified, identify, prepared

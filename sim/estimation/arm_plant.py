@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ilc.system import Complex
+from armside.arrays import Array
+from armside.ilc.models.system import Complex
 
-from ..model import AXES, RobotModel
-from ..recording import Array
+from ..robot.model import AXES, RobotModel
 from .frozen_arm import FrozenArm
 
 

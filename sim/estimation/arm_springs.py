@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import N_AXES
-from ..recording import Array
+from armside.arrays import Array
+
+from ..robot.model import N_AXES
 from .nominal import NominalArm
 
 COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ..recording import Array
+from armside.arrays import Array
+
 from .frozen_arm import FrozenArm
 from .nominal import NominalArm
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-import kinematics
-from ilc.estimation.extended import ExtendedResult, extended
-from ilc.estimation.state_space import exponential, sampled_noise
-from ilc.filters import ZeroPhaseButterworth
-from kinematics.robots import IMU_LINKS
+from armside import kinematics
+from armside.arrays import Array
+from armside.ilc.estimation.extended import ExtendedResult, extended
+from armside.ilc.estimation.process import exponential, sampled_noise
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.kinematics.robots import IMU_LINKS
 
 from ..instruments.imu import ImuSamples
-from ..recording import Array
 from .arm_estimator import ArmEstimator
 from .arm_filter import ArmFilter, arm_filter
 from .arm_identification import REST

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from ..recording import Array
+from armside.arrays import Array
+
 from .nominal import NominalArm
 from .observer import at_rest
 
@@ -59,7 +60,7 @@ class FrozenArm:
     def spring_matrix(self) -> Array:
         """S K S^T + G."""
         K = self.gradient.copy()
-        K[np.ix_(self.axes, self.axes)] += self.stiffness
+        K[self.axes[:, None], self.axes] += self.stiffness
         return K
 
     @property

@@ -10,8 +10,9 @@ from enum import Enum
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..recording import Array
 
 MOST_MISSING = 0.2
 """Share of samples that may be lost or clipped. ESTIMATE."""

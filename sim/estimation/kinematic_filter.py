@@ -10,11 +10,10 @@ cut the accelerometer alone cannot tell a micrometre.
 import numpy as np
 from numpy.typing import NDArray
 
-from ilc.estimation.kalman import Smoother
-from ilc.estimation.simulation import simulate
-from ilc.estimation.state_space import Process, first_order_hold, sampled_noise
+from armside.arrays import Array
+from armside.ilc.estimation.kalman import Smoother
+from armside.ilc.estimation.process import Process, first_order_hold, sampled_noise, simulate
 
-from ..recording import Array
 from .arm_estimator import ArmEstimator
 from .arm_identification import REST, Run
 

@@ -21,9 +21,10 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model import AXES, N_AXES, ModelError
-from ..recording import Array
-from ..variants import Flexibility, without
+from armside.arrays import Array
+
+from ..robot.flexibility import Flexibility, without
+from ..robot.model import AXES, N_AXES, ModelError
 
 PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
 """The couplings of two axes."""

@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from ilc.filters import ZeroPhaseButterworth
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
 
-from ..recording import Array
-from ..servo import interpolate, substeps
+from ..robot.servo import interpolate, substeps
 from .nominal import NominalArm
 
 ENCODER_FILTER = 60.0

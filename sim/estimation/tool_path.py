@@ -7,7 +7,7 @@ no cut depends on: what is learned is the shape. So paths count from rest.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..recording import Array
+from armside.arrays import Array
 
 REST_SAMPLES = 25
 """Over which the position at rest is averaged: 0.1 s of the motor log, before the arm moves."""

@@ -1,9 +1,9 @@
 """Motor encoder: the motor turns n times faster than the arm, and the encoder counts its turns."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 
 def resolution(counts: float, gear_ratio: ArrayLike) -> Array:

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ilc.filters import butterworth
-from ilc.recursion import recursion
-from kinematics.rotation import from_axis_angle
+from armside.arrays import Array
+from armside.ilc.filters import butterworth, recursion
+from armside.kinematics.rotation import from_axis_angle
 
 from . import noise
 from .sampling import rate_of
-
-Array = NDArray[np.float64]
 
 WARM_UP = 0.5
 """For which the unit is on before the record, so that its filters and noise are stationary [s]."""

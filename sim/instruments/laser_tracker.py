@@ -11,10 +11,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from armside.arrays import Array
+
 from . import noise
 from .sampling import rate_of, stride
-
-Array = NDArray[np.float64]
 
 ARCSEC = np.pi / 180.0 / 3600.0
 """[rad]."""

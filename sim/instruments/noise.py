@@ -2,9 +2,9 @@
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 
 def white(rng: np.random.Generator, shape: tuple[int, ...], std: ArrayLike) -> Array:

@@ -1,9 +1,6 @@
 """From a fine record to the samples of a slower instrument."""
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from armside.arrays import Array
 
 
 def stride(record_rate: float, rate: float) -> int:

@@ -5,11 +5,11 @@ motion starts. A limit that shaped a motion is named as (limit, axis, first time
 a motor, axis 0 the tool on its path.
 """
 
-from .joints import joint_reference as joint_reference
-from .joints import plan_cut as plan_cut
-from .path import Circle as Circle
-from .path import CuttingPath as CuttingPath
-from .path import Plane as Plane
-from .program import ToolMotion as ToolMotion
-from .program import cut as cut
-from .timing import PathLimits as PathLimits
+from ..cut.path import Circle as Circle
+from ..cut.path import CuttingPath as CuttingPath
+from ..cut.path import Plane as Plane
+from ..cut.reference import joint_reference as joint_reference
+from ..cut.reference import plan_cut as plan_cut
+from ..cut.timing import PathLimits as PathLimits
+from ..cut.tool_motion import ToolMotion as ToolMotion
+from ..cut.tool_motion import cut as cut

@@ -1,5 +1,5 @@
 """Design variables of the law, and their normalised form: the action of the env, in the table of
-`sim.tuning.env.IlcTuningEnv`.
+`armside.sim.tuning.env.IlcTuningEnv`.
 """
 
 from dataclasses import dataclass, field
@@ -8,12 +8,12 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
 
-from ..model import N_AXES
-from ..recording import Array
-from ..robot import LOG_PERIOD
+from ..robot.model import N_AXES
+from ..robot.virtual_robot import LOG_PERIOD
 
 
 class Scale(Enum):

@@ -46,7 +46,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     Reward: log(RMS before / RMS after) of the tool's circle as the configured sensor sees it,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
 
-    Info: see `sim.tuning.rules.Rules.info`. Tasks and what they are drawn from: `sim.tuning.task`.
+    Info: see `armside.sim.tuning.rules.Rules.info`. Tasks and their distributions:
+    `armside.sim.tuning.task`.
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
     """
 
@@ -95,10 +96,10 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         of the tool, [kg]) and `individual` (a seed).
 
         Returns:
-            observation (50,) float32, and info of `sim.tuning.rules`.
+            observation (50,) float32, and info of `armside.sim.tuning.rules`.
 
         Raises:
-            ValueError: options that do not exist, out of reach (`kinematics.UnreachableError`) or
+            ValueError: options that do not exist, out of reach (`UnreachableError`) or
                 more than the robot can carry; a seed that is sealed, or that has to be. The
                 env is then as if it had not been asked.
         """
@@ -146,7 +147,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """(320, 640, 3) uint8 of the episode so far; None without a render mode.
 
         Raises:
-            RuntimeError: before `reset`; `sim.offscreen.NoGraphicsError`, one of it, where
+            RuntimeError: before `reset`; `NoGraphicsError`, one of it, where
                 picture="mujoco" finds no OpenGL.
         """
         if self.render_mode is None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..recording import Array
+from armside.arrays import Array
+
 from .design import Design, Motors, action_of
 from .rules import Rules
 

@@ -1,5 +1,5 @@
 """What a robot cell knows after a run, as a vector: the observation of the env, in the table of
-`sim.tuning.env.IlcTuningEnv`. Nothing here knows where the tool was.
+`armside.sim.tuning.env.IlcTuningEnv`. Nothing here knows where the tool was.
 """
 
 from collections.abc import Iterable
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ilc.measures import two_norm
+from armside.arrays import Array
+from armside.ilc.measures.norms import two_norm
 
-from ..model import N_AXES
-from ..recording import Array
-from ..robot import LOG_PERIOD
+from ..robot.model import N_AXES
+from ..robot.virtual_robot import LOG_PERIOD
 from .situation import Situation
 
 

@@ -93,7 +93,7 @@ def magnification(history: Sequence[Situation], radius: float) -> float:
 def _robot(situation: Situation, xml: Path) -> np.ndarray:
     import mujoco
 
-    from ..offscreen import Offscreen, drawn_model, named_camera
+    from ..replay.offscreen import Offscreen, drawn_model, named_camera
 
     job = situation.experiment.job
     mj = drawn_model(job.model.mj, xml)

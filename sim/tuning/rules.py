@@ -13,7 +13,7 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
-from ..model import RobotModel, load_model
+from ..robot.model import RobotModel, load_model
 from . import observation, task
 from .checks import whole
 from .design import VARIABLES, Design, Motors, design_of
@@ -67,12 +67,12 @@ class Rules:
 
     @property
     def action_space(self) -> Box:
-        """(3,) or (18,), in the table of `sim.tuning.env.IlcTuningEnv`."""
+        """(3,) or (18,), in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
         return Box(-1.0, 1.0, (len(VARIABLES) * Motors(self.motors).count,), np.float32)
 
     @property
     def observation_space(self) -> Box:
-        """(50,), in the table of `sim.tuning.env.IlcTuningEnv`."""
+        """(50,), in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
         return Box(-1.0, 1.0, (observation.SIZE,), np.float32)
 
     def check_seed(self, seed: Any) -> int | None:
@@ -92,7 +92,7 @@ class Rules:
         return seed
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
-        """Draw a task. See `sim.tuning.task.draw`."""
+        """Draw a task. See `armside.sim.tuning.task.draw`."""
         return task.draw(self.robot, rng, options)
 
     def begin(self, drawn: Task) -> Situation:
@@ -123,7 +123,7 @@ class Rules:
         return situation.k >= self.iterations and not situation.diverged
 
     def observe(self, situation: Situation) -> np.ndarray:
-        """See `sim.tuning.observation`."""
+        """See `armside.sim.tuning.observation`."""
         return observation.observation(situation)
 
     def info(

@@ -9,16 +9,16 @@ from enum import Enum
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from kinematics import CompiledRobot
-from kinematics import compile as compile_robot
+from armside.kinematics import CompiledRobot
+from armside.kinematics import compile as compile_robot
 
-from ..arm_side import ArmSide, arm_side
 from ..cell import CELLS
-from ..cutting import Pass
-from ..experiment import Experiment
+from ..cut.tool_motion import ToolMotion
+from ..evaluation.tool_error import ArmSide, arm_side
 from ..instruments.imu import ImuCfg
-from ..model import RobotModel, load_model
-from ..motion.program import ToolMotion
+from ..laser.experiment import Experiment
+from ..laser.plant import Pass
+from ..robot.model import RobotModel, load_model
 
 if TYPE_CHECKING:
     from ..estimation.arm_learning import ArmLearningCfg, Commissioned

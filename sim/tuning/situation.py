@@ -5,18 +5,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ilc.measures import inf_norm, two_norm
+from armside.arrays import Array
+from armside.ilc.measures.norms import inf_norm, two_norm
 
-from ..arm_side import ArmSide, arm_side
-from ..cutting import Pass
-from ..experiment import Experiment
-from ..recording import Array
+from ..evaluation.tool_error import ArmSide, arm_side
+from ..laser.experiment import Experiment
+from ..laser.plant import Pass
 from .design import Design
 from .sensor import Reading, Sensor
 from .task import Task
 
 DIVERGED = 3.0
-"""Of its value at k = 0: a motor's 2-norm beyond it has diverged, as in `ilc.learning.learn`."""
+"""Of its value at k = 0: a motor's 2-norm beyond it has diverged, as in `ilc.learning`."""
 
 
 @dataclass(frozen=True, kw_only=True)

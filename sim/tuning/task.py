@@ -5,7 +5,7 @@
 | pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
 | speed | uniform in [20, 60] mm/s |
 | payload | mass of the tool, uniform in [20, 80] kg; the IRB1400 keeps its own |
-| individual | friction, stiffness, ripple and geometry of one robot: `sim.individual.draw` |
+| individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.individual` |
 
 The ranges are an ESTIMATE of what a cell meets in a year. The controller is told the payload, and
 knows nothing of the individual.
@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from .. import individual
-from ..cell import CELLS, Cell
-from ..experiment import CircleTask, Experiment, prepare
-from ..individual import structure_hinges, with_payload
+from ..cell import CELLS, Cell, ToolPose, pose
 from ..instruments.imu import ImuCfg
-from ..model import RobotModel
-from ..motion.poses import ToolPose, pose
+from ..laser.experiment import CircleTask, Experiment, prepare
+from ..robot import individual
+from ..robot.individual import structure_hinges, with_payload
+from ..robot.model import RobotModel
 from .checks import whole
 
 POSE_SPREAD = 0.050

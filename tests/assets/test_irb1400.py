@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-import assets
-import kinematics
-from sim.linkage import Linkage, checked_loop_error, loop_error
-from sim.model import AXES, load_model
-from sim.robot import VirtualRobot
-from sim.variants import Flexibility, variant
+from armside import assets, kinematics
+from armside.sim.robot.flexibility import Flexibility, variant
+from armside.sim.robot.linkage import Linkage, checked_loop_error, loop_error
+from armside.sim.robot.model import AXES, load_model
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 LOG_PERIOD = 0.004
 G = 9.82

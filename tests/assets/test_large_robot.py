@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-import assets
-import kinematics
-from sim.model import AXES, load_model
-from sim.motion.poses import LARGE_ROBOT_POSES
+from armside import assets, kinematics
+from armside.sim.cell import LARGE_ROBOT_POSES
+from armside.sim.robot.model import AXES, load_model
 
 # Both sides are products of a dozen rotations in double precision on lengths of a few metres.
 SAME = 1e-12

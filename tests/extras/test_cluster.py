@@ -29,10 +29,10 @@ os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DISABLE_IMPORT_WARNING": "1"
 NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20}
 from ray.cluster_utils import Cluster
 
-from scripts.sweep import run_grid
-from scripts.sweep_engine import Local, OnRay
-from scripts.sweep_grid import parse
-from scripts.sweep_store import Store, read
+from armside.scripts.commands.sweep import run_grid
+from armside.scripts.jobs.engine import Local, OnRay
+from armside.scripts.jobs.grid import parse
+from armside.scripts.jobs.dataset import Store, read
 
 def main():
     folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]
@@ -102,7 +102,7 @@ def test_a_node_that_is_removed_loses_no_result(run_alone, tmp_path):
 
 def test_a_cluster_that_does_not_answer_is_one_clear_error(run_alone):
     code = """
-    from scripts import cli
+    from armside.scripts import cli
     print(cli.main(["sweep", "gamma=0.9", "--engine", "ray", "--address", "127.0.0.1:1"]))
     """
     done = run_alone(code)

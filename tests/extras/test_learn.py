@@ -8,12 +8,12 @@ import gymnasium
 import numpy as np
 import pytest
 
-import sim  # noqa: F401 - registers the env
-from scripts import cli
-from scripts.policy import Network
-from sim.tuning.evaluation import run_episode
-from sim.tuning.rules import Rules
-from sim.tuning.task import TEST_SEEDS
+import armside.sim.tuning  # noqa: F401 - registers the env
+from armside.scripts import cli
+from armside.scripts.studies.policy import Network
+from armside.sim.tuning.evaluation import run_episode
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.task import TEST_SEEDS
 
 pytest.importorskip("stable_baselines3", reason="needs the extra [learn]", exc_type=ImportError)
 
@@ -42,8 +42,8 @@ def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
 def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
     from stable_baselines3 import PPO
 
-    from scripts.ppo import Cells, _network
-    from sim.tuning.vector_env import IlcTuningVectorEnv
+    from armside.scripts.studies.ppo import Cells, _network
+    from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
     env = IlcTuningVectorEnv(2, autoreset_mode="SameStep")
     model = PPO("MlpPolicy", Cells(env, 0), n_steps=5, batch_size=10, seed=0, device="cpu")
@@ -54,8 +54,8 @@ def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
 
 
 def test_the_learning_rate_falls_to_zero_and_not_below():
-    from scripts import ppo
-    from sim.tuning.vector_env import IlcTuningVectorEnv
+    from armside.scripts.studies import ppo
+    from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
     with closing(IlcTuningVectorEnv(2, autoreset_mode="SameStep")) as env:
         rates = []
@@ -74,7 +74,7 @@ def test_the_learning_rate_falls_to_zero_and_not_below():
 
 
 def test_training_ends_its_threads_when_it_fails(tmp_path, monkeypatch):
-    from scripts import ppo
+    from armside.scripts.studies import ppo
 
     def broken(*args, **options):
         raise RuntimeError("no policy")

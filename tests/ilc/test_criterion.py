@@ -8,8 +8,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
-from ilc.analysis import (
+from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc.analysis import (
     LiftedIteration,
     asymptotic_error,
     criterion,
@@ -19,13 +19,13 @@ from ilc.analysis import (
     largest_cutoff,
     largest_gamma,
 )
-from ilc.chapter8 import phase_error, rough_models
-from ilc.discretise import zoh
-from ilc.laws.gains import MatrixGain, PType
-from ilc.measures import two_norm
-from ilc.system import System
-from ilc.system_matrix import SystemMatrix
-from ilc.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
+from armside.ilc.chapter8 import phase_error, rough_models
+from armside.ilc.laws.gains import MatrixGain, PType
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.discretise import zoh
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
 
 LOOP = TwoMassLoop()
 T_MOTOR, T_ARM = LOOP.T_motor, LOOP.T_arm

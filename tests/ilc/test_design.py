@@ -8,15 +8,15 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ilc import Edge, Heuristic, learn
-from ilc.analysis import LiftedIteration
-from ilc.design import propose
-from ilc.linear_plant import LinearPlant
-from ilc.measures import two_norm
-from ilc.model_file import read_model
-from ilc.robustness import Design, contraction, contraction_map, monte_carlo
-from ilc.system import System
-from ilc.two_mass import PdController, TwoMassLoop
+from armside.ilc import Edge, Heuristic, learn
+from armside.ilc.analysis import LiftedIteration
+from armside.ilc.analysis.proposal import propose
+from armside.ilc.analysis.robustness import Design, contraction, contraction_map, monte_carlo
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.linear_plant import LinearPlant
+from armside.ilc.models.model_file import read_model
+from armside.ilc.models.system import System
+from armside.ilc.models.two_mass import PdController, TwoMassLoop
 
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal as reference_implementation
 
-from ilc.filters import AllPass, Edge, End, ZeroPhaseButterworth, butterworth, shift
+from armside.ilc.filters import AllPass, Edge, End, ZeroPhaseButterworth, butterworth, shift
 
 SAMPLE_TIME = 0.004
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from ilc import Heuristic, ZeroPhaseButterworth, learn
-from ilc.by_hand import ByHand
-from ilc.laws.gains import PType
-from ilc.laws.high_order import HighOrder
-from ilc.measures import two_norm
-from ilc.two_mass import ArmReading, TwoMassLoop, TwoMassPlant
-from ilc.two_mass_friction import FrictionPlant
+from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc.by_hand import ByHand
+from armside.ilc.laws.gains import PType
+from armside.ilc.laws.high_order import HighOrder
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.two_mass import ArmReading, TwoMassLoop, TwoMassPlant
+from armside.ilc.models.two_mass_friction import FrictionPlant
 
 LAW = Heuristic(Q=ZeroPhaseButterworth(17.0, 0.01), gamma=0.9, delta=5)
 

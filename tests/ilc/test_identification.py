@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from ilc.identification import Information, fit_arx, fit_percent, learning_data, select_arx
-from ilc.system import System
+from armside.ilc.identification.arx import (
+    Information,
+    fit_arx,
+    fit_percent,
+    learning_data,
+    select_arx,
+)
+from armside.ilc.models.system import System
 
 T_S = 0.004
 TRUE = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)

@@ -10,28 +10,27 @@ from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 from scipy.optimize import lsq_linear
 
-from ilc import AllPass, Edge, Heuristic, ZeroPhaseButterworth, learn
-from ilc.alternating import Alternating
-from ilc.analysis import LiftedIteration
-from ilc.laws.adaptive import Adaptive
-from ilc.laws.constrained import Constrained
-from ilc.laws.disturbance_observer import DisturbanceObserver
-from ilc.laws.finite_difference import FiniteDifference, b_splines
-from ilc.laws.first_order import FirstOrder
-from ilc.laws.gains import DType, MatrixGain, PType
-from ilc.laws.gradient import Gradient
-from ilc.laws.high_order import HighOrder
-from ilc.laws.internal_model import internal_model, periodic_pattern
-from ilc.laws.model_free import MeasuredGradient
-from ilc.laws.model_inverse import Beyond, ModelInverse
-from ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
-from ilc.laws.scheduled import Scheduled
-from ilc.laws.time_varying import Blend
-from ilc.linear_plant import LinearPlant, with_direct_term
-from ilc.measures import two_norm
-from ilc.system import System
-from ilc.system_matrix import SystemMatrix, adjoint, largest_gain
-from ilc.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
+from armside.ilc import AllPass, Edge, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc.analysis import LiftedIteration
+from armside.ilc.laws.adaptive import Adaptive
+from armside.ilc.laws.constrained import Constrained
+from armside.ilc.laws.disturbance_observer import DisturbanceObserver
+from armside.ilc.laws.finite_difference import FiniteDifference, b_splines
+from armside.ilc.laws.gains import DType, MatrixGain, PType
+from armside.ilc.laws.gradient import Gradient
+from armside.ilc.laws.high_order import HighOrder
+from armside.ilc.laws.internal_model import internal_model, periodic_pattern
+from armside.ilc.laws.law import FirstOrder
+from armside.ilc.laws.model_free import MeasuredGradient
+from armside.ilc.laws.model_inverse import Beyond, ModelInverse
+from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from armside.ilc.laws.scheduled import Scheduled
+from armside.ilc.laws.time_varying import Blend
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.linear_plant import Alternating, LinearPlant, with_direct_term
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix, adjoint, largest_gain
+from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
 
 T_S = 0.004
 T_MOTOR = TwoMassLoop().T_motor

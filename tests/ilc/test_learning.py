@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
 
 SAMPLE_TIME = 0.004
 

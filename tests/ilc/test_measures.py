@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ilc.measures import (
+from armside.ilc.measures.norms import (
     circle_maxdev,
     circle_rms,
     fit_circle,

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from ilc.identification import fit_arx
-from ilc.measures import circle_ripple
-from ilc.output_error import fit_first_order, fit_of
-from ilc.system import System
+from armside.ilc.identification.arx import fit_arx
+from armside.ilc.identification.first_order import fit_first_order, fit_of
+from armside.ilc.measures.norms import circle_ripple
+from armside.ilc.models.system import System
 
 STEP = 0.004
 THESIS = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1.0, -0.4884]), STEP)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ilc.path_measures import crossings, path_accuracy, path_repeatability
+from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 
 SQUARE = np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
 """Corners of an attained path around the origin, counter-clockwise."""

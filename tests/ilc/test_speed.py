@@ -4,12 +4,12 @@ import time
 
 import numpy as np
 
-from ilc import Heuristic, ZeroPhaseButterworth, chapter8
-from ilc.analysis import largest_gamma
-from ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
-from ilc.system import System
-from ilc.system_matrix import SystemMatrix
-from ilc.two_mass import TwoMassLoop
+from armside.ilc import Heuristic, ZeroPhaseButterworth, chapter8
+from armside.ilc.analysis import largest_gamma
+from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.two_mass import TwoMassLoop
 
 
 def seconds(run, repeat=3):

@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from ilc import AllPass, Heuristic, learn
-from ilc.alternating import Alternating
-from ilc.discretise import tustin, zoh
-from ilc.linear_plant import LinearPlant
-from ilc.system import System, as_system
-from ilc.system_matrix import SystemMatrix
+from armside.ilc import AllPass, Heuristic, learn
+from armside.ilc.models.discretise import tustin, zoh
+from armside.ilc.models.linear_plant import Alternating, LinearPlant
+from armside.ilc.models.system import System, as_system
+from armside.ilc.models.system_matrix import SystemMatrix
 
 T_S = 0.01
 SYSTEM = System([0, 0, 0.5, -0.2], [1, -0.7, 0.1], T_S)

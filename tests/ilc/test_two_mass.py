@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
-from ilc.discretise import tustin, zoh
-from ilc.measures import two_norm
-from ilc.two_mass import (
+from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.discretise import tustin, zoh
+from armside.ilc.models.two_mass import (
     ArmReading,
     Hold,
     PdController,

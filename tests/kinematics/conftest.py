@@ -5,14 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kinematics import Convention, Joint, Link, Robot
-from kinematics.model import Body, Motor, RobotModel
+from armside.kinematics import Convention, Joint, Link, Robot
+from armside.kinematics.equations.inertial_model import Body, Motor, RobotModel
 
 
 @pytest.fixture(scope="session")
 def interpreted() -> Callable[..., Callable[..., np.ndarray]]:
     """A program as a Python function: the text that numba would compile, run by Python."""
-    from kinematics.codegen import numba_module
+    from armside.kinematics.codegen import numba_module
 
     def build(program) -> Callable[..., np.ndarray]:
         text = numba_module(program).replace(

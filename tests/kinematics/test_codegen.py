@@ -10,23 +10,15 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from kinematics import (
-    IRB1400,
-    IRB1400_IMU,
-    LARGE_ROBOT,
-    Convention,
-    Joint,
-    Link,
-    Robot,
-    dynamics,
-    measurement,
-    motion,
-    symbolic,
-)
-from kinematics.codegen import Language, write
-from kinematics.program import Program
-from kinematics.symbols import moving
-from kinematics.translate import program_of
+from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, Convention, Joint, Link, Robot
+from armside.kinematics.codegen import Language, write
+from armside.kinematics.equations import dynamics
+from armside.kinematics.equations import forward_kinematics as motion
+from armside.kinematics.equations import imu_equations as measurement
+from armside.kinematics.equations.program import Program
+from armside.kinematics.equations.translate import program_of
+from armside.kinematics.expressions.symbols import moving
+from armside.kinematics.symbolic import procedures as symbolic
 
 RNG = np.random.default_rng(0)
 Evaluate = Callable[[Program, list[np.ndarray]], np.ndarray]

@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile, motion
+from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile
+from armside.kinematics.equations import forward_kinematics as motion
 
 ROOT = Path(__file__).parents[2]
 RNG = np.random.default_rng(0)
@@ -165,7 +166,7 @@ def test_compiled_code_is_the_interpreted_code(interpreted, random_robot, tmp_pa
 
 PROGRAM = """
 import sys, time
-from kinematics import LARGE_ROBOT, compile
+from armside.kinematics import LARGE_ROBOT, compile
 import numpy as np
 start = time.process_time()  # other work on the machine does not count
 functions = compile(LARGE_ROBOT, cache=sys.argv[1] or None)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
+from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
 
 
 def test_a_joint_type_that_is_none_is_refused_by_name():

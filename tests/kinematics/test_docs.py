@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from kinematics import IRB1400, Link, Robot, motion, symbolic
-from kinematics.symbols import symbol
+from armside.kinematics import IRB1400, Link, Robot
+from armside.kinematics.equations import forward_kinematics as motion
+from armside.kinematics.expressions.symbols import symbol
+from armside.kinematics.symbolic import procedures as symbolic
 
 PAGE = (Path(__file__).parents[2] / "docs" / "toolbox.md").read_text(encoding="utf-8")
 

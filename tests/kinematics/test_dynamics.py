@@ -7,12 +7,13 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, coriolis, dynamics
-from kinematics.compiled import compile_dynamics
-from kinematics.lagrange import symbolic_dynamics
-from kinematics.model import Body, Motor, RobotModel
-from kinematics.regressor import base_parameters, parameters, regressor
-from kinematics.wrist_arm import link_transform
+from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
+from armside.kinematics.compiled import compile_dynamics
+from armside.kinematics.equations import coriolis, dynamics
+from armside.kinematics.equations.inertial_model import Body, Motor, RobotModel
+from armside.kinematics.equations.regressor import base_parameters, parameters, regressor
+from armside.kinematics.inverse.wrist_arm import link_transform
+from armside.kinematics.symbolic.lagrange import symbolic_dynamics
 
 ROUNDING = 1e-10  # relative
 

@@ -7,9 +7,9 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinematics import Link
-from kinematics.grammar import GrammarError, parse
-from kinematics.symbols import differentiate, moving, symbol, t
+from armside.kinematics import Link
+from armside.kinematics.expressions.grammar import GrammarError, parse
+from armside.kinematics.expressions.symbols import differentiate, moving, symbol, t
 
 phi = symbol("phi")
 phi1, phi2 = symbol("phi", 1), symbol("phi", 2)

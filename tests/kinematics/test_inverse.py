@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from kinematics import (
+from armside.kinematics import (
     IRB1400,
     IRB1400_IMU,
     LARGE_ROBOT,

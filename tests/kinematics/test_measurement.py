@@ -5,22 +5,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from kinematics import (
-    IRB1400,
-    IRB1400_IMU,
-    Convention,
-    Joint,
-    Link,
-    Robot,
-    compile,
-    derivative,
-    motion,
-    process,
-)
-from kinematics.compiled import compile_dynamics
-from kinematics.measurement import measurement, measurement_jacobian
-from kinematics.model import Body, Motor, RobotModel
-from kinematics.program import Block, Program
+from armside.kinematics import IRB1400, IRB1400_IMU, Convention, Joint, Link, Robot, compile
+from armside.kinematics.compiled import compile_dynamics
+from armside.kinematics.equations import derivative
+from armside.kinematics.equations import forward_kinematics as motion
+from armside.kinematics.equations import state_equations as process
+from armside.kinematics.equations.imu_equations import measurement, measurement_jacobian
+from armside.kinematics.equations.inertial_model import Body, Motor, RobotModel
+from armside.kinematics.equations.program import Block, Program
 
 G = 9.82
 GRAVITY = np.array([0, 0, -G])
@@ -67,7 +59,7 @@ def test_mujoco_sensors_read_the_same(interpreted):
     spec = mujoco.MjSpec()
     spec.option.gravity = [0, 0, -G]
     body, place = spec.worldbody, np.eye(4)
-    from kinematics.wrist_arm import link_transform
+    from armside.kinematics.inverse.wrist_arm import link_transform
 
     for number, link in enumerate(IRB1400_IMU.links):
         if link.moves:
@@ -175,7 +167,7 @@ def test_stiff_springs_move_the_arm_as_rigid_joints_do(model, interpreted):
     ]
     model = RobotModel(model.robot, model.bodies, stiff, model.gravity)
     phi, rate, tau = RNG.uniform(-1, 1, (3, 2))
-    from kinematics.dynamics import forward_dynamics
+    from armside.kinematics.equations.dynamics import forward_dynamics
 
     rigid = interpreted(forward_dynamics(model))(phi, rate, tau)
     # The deflection at which arm and motor accelerate alike carries the arm's share of torque.

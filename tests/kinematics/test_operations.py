@@ -5,8 +5,10 @@ import time
 import numpy as np
 import sympy as sp
 
-from kinematics import IRB1400, Link, Robot, motion, symbolic
-from kinematics.symbols import moving, symbol, t
+from armside.kinematics import IRB1400, Link, Robot
+from armside.kinematics.equations import forward_kinematics as motion
+from armside.kinematics.expressions.symbols import moving, symbol, t
+from armside.kinematics.symbolic import procedures as symbolic
 
 
 def parametric(theta) -> Robot:

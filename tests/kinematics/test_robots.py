@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinematics import (
+from armside.kinematics import (
     IRB1400,
     IRB1400_IMU,
     IRB1400_LIMITS,

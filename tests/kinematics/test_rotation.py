@@ -7,7 +7,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from kinematics import rigid, rotation, rotation_symbolic
+from armside.kinematics import rigid, rotation
+from armside.kinematics.expressions import rotation_symbolic
 
 quaternion = (
     st.tuples(*[st.floats(-1, 1)] * 4)

@@ -3,9 +3,9 @@
 import pytest
 import sympy as sp
 
-from kinematics import IRB1400, IRB1400_IMU, Joint, Link, Robot
-from kinematics import symbolic as dh
-from kinematics.symbols import moving, symbol, t
+from armside.kinematics import IRB1400, IRB1400_IMU, Joint, Link, Robot
+from armside.kinematics.expressions.symbols import moving, symbol, t
+from armside.kinematics.symbolic import procedures as dh
 
 f1, f2, f3, f4 = (moving("phi", i) for i in range(1, 5))
 c1, s1, c2, s2 = sp.cos(f1), sp.sin(f1), sp.cos(f2), sp.sin(f2)

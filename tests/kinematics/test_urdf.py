@@ -4,8 +4,16 @@ import mujoco
 import numpy as np
 import pytest
 
-from kinematics import IRB1400, IRB1400_LIMITS, LARGE_ROBOT, Convention, Link, Robot, compile
-from kinematics.urdf import urdf
+from armside.kinematics import (
+    IRB1400,
+    IRB1400_LIMITS,
+    LARGE_ROBOT,
+    Convention,
+    Link,
+    Robot,
+    compile,
+)
+from armside.kinematics.codegen.urdf import urdf
 
 READER = (
     '<mujoco><compiler boundmass="1" boundinertia="1" fusestatic="false" '
@@ -31,7 +39,7 @@ def tool(model: mujoco.MjModel, q: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("convention", Convention)
 def test_random_robots_keep_their_pose(convention, random_robot, interpreted):
-    from kinematics import motion
+    from armside.kinematics.equations import forward_kinematics as motion
 
     rng = np.random.default_rng(3)
     for n in (1, 3, 6):

@@ -4,21 +4,21 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from kinematics import IRB1400, LARGE_ROBOT, Link, Robot, compile
-from kinematics.inverse_velocity import (
+from armside.kinematics import IRB1400, LARGE_ROBOT, Link, Robot, compile
+from armside.kinematics.inverse.velocity import (
     InconsistentMotionError,
     inverse_acceleration,
     inverse_velocity,
     joint_torques,
 )
-from kinematics.singularity import (
+from armside.kinematics.inverse.wrist_arm import UnsolvableGeometryError
+from armside.kinematics.symbolic.singularity import (
     conditions,
     decoupled_determinant,
     distance_to_singularity,
     lost_directions,
     manipulability,
 )
-from kinematics.wrist_arm import UnsolvableGeometryError
 
 RNG = np.random.default_rng(0)
 REGULAR = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])

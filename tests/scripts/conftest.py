@@ -9,15 +9,15 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from scripts import cli
-from scripts.report import Section
+from armside.scripts import cli
+from armside.scripts.thesis.report import Section
 
 PROBE = ("probe_experiment:probe", "End as told to.")
 HERE = Path(__file__).parent
 START = f"""
 import sys
 sys.path.insert(0, {str(HERE)!r})
-from scripts import cli
+from armside.scripts import cli
 cli.COMMANDS["probe"] = {PROBE!r}
 sys.exit(cli.main())
 """

@@ -6,11 +6,11 @@ import time
 from dataclasses import dataclass
 from enum import Enum
 
-from scripts.console import Report
-from scripts.errors import RunFailed, checking_input
-from scripts.options import Common, options
-from scripts.run_folder import RunFolder
-from scripts.summary import dumps, summary
+from armside.scripts.shell.console import Report
+from armside.scripts.shell.errors import RunFailed, checking_input
+from armside.scripts.shell.options import Common, options
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.summary import dumps, summary
 
 
 class End(Enum):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scripts.report import Check, Part, Section
+from armside.scripts.thesis.report import Check, Part, Section
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class ProbeJob:
 
 def part(jobs: list[ProbeJob], high: float = 1.0) -> Part:
     def draw(read, folder: Path) -> Section:
-        from scripts.figures import new_figure, save  # workers need no matplotlib
+        from armside.scripts.figures.laser import new_figure, save  # workers need no matplotlib
 
         value = float(np.sum([read(job)["value"][0] for job in jobs]))
         figure = new_figure(2.0, 1.0)

@@ -3,7 +3,7 @@
 import os
 import signal
 
-from scripts.sweep_engine import failed
+from armside.scripts.jobs.engine import failed
 
 
 def done(point):

@@ -5,10 +5,10 @@ import time
 
 import pytest
 
-from scripts.arm_side import GEAR_EFFECTS, Case, rms
-from scripts.cli import main
-from scripts.verifications.estimation import row, verdicts
-from sim.estimation.arm_learning import ArmLearningCfg
+from armside.scripts.arm_side import GEAR_EFFECTS, Case, rms
+from armside.scripts.cli import main
+from armside.scripts.verifications.estimation import row, verdicts
+from armside.sim.estimation.arm_learning import ArmLearningCfg
 
 ALLOWED = 3.0
 """Bounds in seconds are for an idle machine; a test allows three times as long."""

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from scripts import bench
-from scripts.timing import Row, interleaved
+from armside.scripts.benchmarks.timing import Row, interleaved
+from armside.scripts.commands import bench
 
 
 def test_every_function_is_called_in_turns():
@@ -22,7 +22,7 @@ def test_the_median_ignores_a_turn_that_was_disturbed(monkeypatch):
         nonlocal now
         now += next(turns)
 
-    monkeypatch.setattr("scripts.timing.time.perf_counter", lambda: now)
+    monkeypatch.setattr("armside.scripts.benchmarks.timing.time.perf_counter", lambda: now)
     assert interleaved([work], repeats=5) == [1.0]
 
 
@@ -34,7 +34,7 @@ def test_a_fast_function_is_called_many_times_a_turn(monkeypatch):
         now += 1e-6
         calls += 1
 
-    monkeypatch.setattr("scripts.timing.time.perf_counter", lambda: now)
+    monkeypatch.setattr("armside.scripts.benchmarks.timing.time.perf_counter", lambda: now)
     (seconds,) = interleaved([work], repeats=1, min_round=1e-3)
     assert seconds == pytest.approx(1e-6, rel=1e-6)
     assert calls > 1000

@@ -2,8 +2,8 @@
 
 import pytest
 
-from scripts.benchmarks import kinematics as bench_kinematics
-from scripts.timing import Row
+from armside.scripts.benchmarks import kinematics as bench_kinematics
+from armside.scripts.benchmarks.timing import Row
 
 # Our time as a part of Pinocchio's on idle cores; tests allow three times as much.
 LIMITS = {
@@ -37,10 +37,10 @@ def test_calls_and_batches_are_within_their_part_of_pinocchio():
 def test_peers_and_ours_compute_the_same():
     import numpy as np
 
-    from kinematics import LARGE_ROBOT, Body, RobotModel, compile, compile_dynamics
+    from armside.kinematics import LARGE_ROBOT, Body, RobotModel, compile, compile_dynamics
 
     pytest.importorskip("pinocchio", reason="pinocchio (pip install pin) is an optional peer")
-    from scripts.peers import pinocchio_dynamics, pinocchio_functions
+    from armside.scripts.benchmarks.peers import pinocchio_dynamics, pinocchio_functions
 
     phi, rate, rate_dot = np.random.default_rng(0).uniform(-1, 1, (3, 6))
     q = LARGE_ROBOT.joint_variables(phi)

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from scripts import chapter5
-from scripts.imu import (
+from armside.scripts.commands.imu import (
     AS_THE_THESIS,
     ImuExperimentCfg,
     evaluated_again,
     prepare,
     run_one,
 )
-from scripts.imu_job import ImuJob, RestJob
-from scripts.registry import load
-from scripts.reproduce import ENTRIES
-from scripts.store import Store
+from armside.scripts.commands.reproduce import ENTRIES
+from armside.scripts.jobs.store import Store
+from armside.scripts.shell.registry import load
+from armside.scripts.thesis import chapter5
+from armside.scripts.thesis.imu_job import ImuJob, RestJob
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "5"}
 KNOWN_TO_DIFFER = {"E07.3"}

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from scripts import two_mass_figures
-from scripts.registry import load
-from scripts.reproduce import ENTRIES
-from scripts.two_mass_figures import Table
+from armside.scripts.commands.reproduce import ENTRIES
+from armside.scripts.figures import two_mass as two_mass_figures
+from armside.scripts.figures.two_mass import Table
+from armside.scripts.shell.registry import load
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "8"}
 KNOWN_TO_DIFFER = {"S03.3", "S04.6", "S05.6", "S05.7"}

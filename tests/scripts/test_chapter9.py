@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ilc.system import System
-from scripts.chapter9.designs import CUTOFFS, design_for
-from scripts.chapter9.sections import bands, figures
-from scripts.chapter9.table import POSES, STUDIES, laser
-from scripts.learning_job import LearningJob
-from scripts.parallel import Workers
-from scripts.registry import load
-from scripts.reproduce import ENTRIES
-from scripts.verifications.chapter9 import found
+from armside.ilc.models.system import System
+from armside.scripts.commands.reproduce import ENTRIES
+from armside.scripts.jobs.workers import Workers
+from armside.scripts.learning_job import LearningJob
+from armside.scripts.shell.registry import load
+from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
+from armside.scripts.thesis.chapter9.sections import bands, figures
+from armside.scripts.thesis.chapter9.table import POSES, STUDIES, laser
+from armside.scripts.verifications.chapter9 import found
 
-CHAPTER = [entry for entry in ENTRIES if entry.part.startswith("scripts.chapter9.")]
+CHAPTER = [entry for entry in ENTRIES if entry.part.startswith("armside.scripts.thesis.chapter9.")]
 K = 6
 N = 380
 

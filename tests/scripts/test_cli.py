@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 import pytest
 
-from scripts import cli
+from armside.scripts import cli
 
 
 def test_help_lists_every_experiment_with_its_line(armside):
@@ -44,7 +44,7 @@ BOUND = 3 * 0.3
 
 def test_help_starts_quickly_because_it_imports_no_experiment():
     code = (
-        "import sys; from scripts import cli; cli.main(['--help'])\n"
+        "import sys; from armside.scripts import cli; cli.main(['--help'])\n"
         "print(*sys.modules, file=sys.stderr)"
     )
     start = time.perf_counter()

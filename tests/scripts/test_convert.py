@@ -8,8 +8,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from scripts import cli
-from sim.tables import read_table, units, write_table
+from armside.scripts import cli
+from armside.sim.records.tables import read_table, units, write_table
 
 
 @pytest.fixture(scope="module")

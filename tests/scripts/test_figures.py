@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from scripts import figures
+from armside.scripts.figures import laser as figures
 
 RADIUS = 5e-3
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)

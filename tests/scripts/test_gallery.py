@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from scripts import cli
-from scripts.gallery import PICTURES
+from armside.scripts import cli
+from armside.scripts.commands.gallery import PICTURES
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 ALIKE = 1.0

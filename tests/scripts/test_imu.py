@@ -10,23 +10,30 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.signal import welch
 
-import assets
-from scripts.benchmarks import imu as bench_imu
-from scripts.cli import main
-from scripts.imu import ImuExperimentCfg, causes, prepare, processing, run_one, run_rest
-from scripts.timing import interleaved
-from scripts.verifications import irb1400 as verify_irb1400
-from scripts.verifications.imu_large import imu_large
-from sim.cell import CELLS
-from sim.imu_experiment import evaluate, idle_peaks, under_way
-from sim.instruments.imu import ImuCfg, draw
-from sim.model import load_model
-from sim.processing.compare import find_offset
-from sim.recording import Recording, Truth
-from sim.rest import power_spectrum
-from sim.robot import VirtualRobot
-from sim.signals import read_signals
-from sim.variants import variant
+from armside import assets
+from armside.scripts.benchmarks import imu as bench_imu
+from armside.scripts.benchmarks.timing import interleaved
+from armside.scripts.cli import main
+from armside.scripts.commands.imu import (
+    ImuExperimentCfg,
+    causes,
+    prepare,
+    processing,
+    run_one,
+    run_rest,
+)
+from armside.scripts.verifications import irb1400 as verify_irb1400
+from armside.scripts.verifications.imu_large import imu_large
+from armside.sim.cell import CELLS
+from armside.sim.imu.compare import find_offset
+from armside.sim.imu.experiment import evaluate, idle_peaks, under_way
+from armside.sim.imu.vibration import power_spectrum
+from armside.sim.instruments.imu import ImuCfg, draw
+from armside.sim.records.signals import read_signals
+from armside.sim.robot.flexibility import variant
+from armside.sim.robot.model import load_model
+from armside.sim.robot.recording import Recording, Truth
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 FIGURES = {
     "motor-angles.png",

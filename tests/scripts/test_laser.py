@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-import assets
-from scripts.cli import main
-from scripts.verifications.laser import laser as claim
-from sim.signals import read_signals
+from armside import assets
+from armside.scripts.cli import main
+from armside.scripts.verifications.laser import laser as claim
+from armside.sim.records.signals import read_signals
 
 FILES = {"summary.json", "signals.parquet", "circles.png", "errors.png", "kerf.png", "replay.rrd"}
 
@@ -68,7 +68,7 @@ def test_summary_can_be_computed_again_from_the_signals(folder, summary):
 
 
 def test_two_processes_write_the_same_bits(folder, tmp_path):
-    command = [sys.executable, "-m", "scripts.cli", "laser", "--quiet", "--out", "again"]
+    command = [sys.executable, "-m", "armside.scripts.cli", "laser", "--quiet", "--out", "again"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=120)
     first, again = folder, tmp_path / "again"
     of = [json.loads((f / "summary.json").read_text())["iterations"] for f in (first, again)]

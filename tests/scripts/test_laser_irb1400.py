@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from ilc import measures
-from scripts.laser import LaserCfg, run
-from scripts.laser_options import OF_ROBOT, THESIS, learning_law
-from scripts.robot_design import asked_for
-from scripts.verifications.irb1400_laser import design as design_claim
-from scripts.verifications.irb1400_laser import laser as laser_claim
-from sim.robot import LOG_PERIOD
+from armside.ilc.measures import norms as measures
+from armside.scripts.commands.laser import LaserCfg, run
+from armside.scripts.laser_options import OF_ROBOT, THESIS, learning_law
+from armside.scripts.robot_design import asked_for
+from armside.scripts.verifications.irb1400_laser import design as design_claim
+from armside.scripts.verifications.irb1400_laser import laser as laser_claim
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 NORMS = ("motor_two", "motor_inf")
 

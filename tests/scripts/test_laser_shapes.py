@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scripts import kerf_figure
-from scripts.arm_side import stored_springs
-from scripts.cli import main
-from scripts.errors import InputError
-from scripts.laser import LaserCfg, prepare, run
-from scripts.laser_task import believed_arm, contour, task
-from sim.motion.path import Circle
+from armside.scripts.arm_side import stored_springs
+from armside.scripts.cli import main
+from armside.scripts.commands.laser import LaserCfg, prepare, run
+from armside.scripts.figures import kerf as kerf_figure
+from armside.scripts.laser_task import believed_arm, contour, task
+from armside.scripts.shell.errors import InputError
+from armside.sim.cut.path import Circle
 
 
 def laser(out, line):

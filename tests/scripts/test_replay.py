@@ -17,8 +17,9 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
-from scripts import cli, web_viewer
-from scripts.replay_scene import about, learning
+from armside.scripts import cli
+from armside.scripts.viewers import web_viewer
+from armside.scripts.viewers.replay_scene import about, learning
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +158,16 @@ def test_other_machines_do_not_reach_it(viewer):
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_ends_the_web_viewer_cleanly(run, ending):
-    command = [sys.executable, "-m", "scripts.cli", "replay", str(run), "--web", "--port", "0"]
+    command = [
+        sys.executable,
+        "-m",
+        "armside.scripts.cli",
+        "replay",
+        str(run),
+        "--web",
+        "--port",
+        "0",
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     line = process.stdout.readline()
     address = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
@@ -220,7 +230,7 @@ def looks_full(png):
 def test_chromium_shows_robot_and_plots_and_asks_nobody_else(viewer, require_program):
     require_program("chromium", "google-chrome")
     driver = require_program("chromedriver")
-    from scripts.browser import page
+    from armside.scripts.viewers.browser import page
 
     with page(f"{viewer.address}?renderer=webgl", driver=driver) as shown:
         png = shown.screenshot_when(looks_full, within=60)
@@ -242,7 +252,7 @@ def test_a_picture_shows_the_robot_and_its_path(run, tmp_path, graphics):
 
 
 def test_a_film_shows_every_run_in_real_time(run, tmp_path, graphics, monkeypatch):
-    from scripts import film
+    from armside.sim.replay import film
 
     monkeypatch.setattr(film, "RATE", 2.0)
     monkeypatch.setattr(film, "WIDTH", 160)
@@ -347,9 +357,9 @@ def test_an_experiment_without_motion_has_no_replay(tmp_path, capsys):
 
 def test_six_runs_are_written_within_a_second_and_are_small(tmp_path):
     """Bound of the issue times three, as the test machine is shared."""
-    from scripts.stored_run import read_run
-    from scripts.stored_scene import stored_scene
-    from sim.replay import write_scenes
+    from armside.scripts.viewers.stored_scene import stored_scene
+    from armside.sim.records.stored_run import read_run
+    from armside.sim.replay.scene import write_scenes
 
     assert cli.main(["laser", "--quiet", "--out", str(tmp_path / "six")]) == 0
     scene = stored_scene(read_run(tmp_path / "six"))

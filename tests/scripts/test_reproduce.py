@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scripts import reproduce
-from scripts.console import Report
-from scripts.errors import InputError
-from scripts.options import Common
-from scripts.registry import load
-from scripts.report import Check
-from scripts.reproduce import ENTRIES, Entry, select
-from scripts.store import Store, digest
+from armside.scripts.commands import reproduce
+from armside.scripts.commands.reproduce import ENTRIES, Entry, select
+from armside.scripts.jobs.store import Store, digest
+from armside.scripts.shell.console import Report
+from armside.scripts.shell.errors import InputError
+from armside.scripts.shell.options import Common
+from armside.scripts.shell.registry import load
+from armside.scripts.thesis.report import Check
 
 HERE = Path(__file__).parent
 PROBES = ("three", "one_killed", "one_raised", "slow", "large")
@@ -28,7 +28,8 @@ ENTRIES_OF_PROBES = tuple(Entry(name, (), "", f"probe_part:{name}") for name in 
 START = f"""
 import sys
 sys.path.insert(0, {str(HERE)!r})
-from scripts import cli, reproduce
+from armside.scripts import cli
+from armside.scripts.commands import reproduce
 reproduce.ENTRIES = tuple(
     reproduce.Entry(name, (), "", f"probe_part:{{name}}") for name in {PROBES!r}
 )
@@ -292,7 +293,7 @@ def test_a_result_is_found_by_configuration_and_code(tmp_path, monkeypatch):
     assert not store.holds(other)
     assert np.array_equal(store.load(job)["value"], np.arange(3.0))
     before = digest(job)
-    monkeypatch.setattr("scripts.store.code_fingerprint", lambda module: "other code")
+    monkeypatch.setattr("armside.scripts.jobs.store.code_fingerprint", lambda module: "other code")
     assert digest(job) != before
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from scripts.errors import InputError
-from scripts.run_folder import RunFolder, write_whole
+from armside.scripts.shell.errors import InputError
+from armside.sim.records.run_folder import RunFolder, write_whole
 
 
 def test_files_appear_together_when_the_block_ends(tmp_path):

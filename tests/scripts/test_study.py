@@ -17,12 +17,13 @@ import optuna
 import pytest
 from optuna.storages._heartbeat import get_heartbeat_thread
 
-from scripts import study as studies
-from scripts import study_storage, tune
-from scripts.errors import InputError
-from scripts.study import Tried, open_study, suggest
-from scripts.study_storage import redacted
-from sim.tuning.design import Motors
+from armside.scripts.commands import tune
+from armside.scripts.shell.errors import InputError
+from armside.scripts.studies import storage as study_storage
+from armside.scripts.studies import study as studies
+from armside.scripts.studies.storage import redacted
+from armside.scripts.studies.study import Tried, open_study, suggest
+from armside.sim.tuning.design import Motors
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
@@ -267,7 +268,7 @@ def postgres(require_program, tmp_path):
 
 
 def test_two_processes_share_one_study_in_postgresql(postgres, tmp_path):
-    command = [sys.executable, "-m", "scripts.cli", "tune", *QUICK.split(), "--quiet"]
+    command = [sys.executable, "-m", "armside.scripts.cli", "tune", *QUICK.split(), "--quiet"]
     command += ["--trials", "8", "--pruner", "none", "--study", "a", "--storage", postgres]
     running = [
         subprocess.Popen([*command, "--out", str(tmp_path / name)], cwd=Path.cwd())

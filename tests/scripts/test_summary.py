@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scripts.options import Common
-from scripts.summary import dumps, keep, summary
+from armside.scripts.shell.console import keep
+from armside.scripts.shell.options import Common
+from armside.sim.records.summary import dumps, summary
 
 
 class Shape(Enum):

@@ -15,14 +15,14 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-import assets
-from scripts.errors import InputError
-from scripts.laser import LaserCfg, run
-from scripts.sweep import run_grid
-from scripts.sweep_engine import Local, failed, simulate
-from scripts.sweep_grid import Grid, Point, parse
-from scripts.sweep_resolved import key_of
-from scripts.sweep_store import Store, block_of, keys_kept, read, schema
+from armside import assets
+from armside.scripts.commands.laser import LaserCfg, run
+from armside.scripts.commands.sweep import run_grid
+from armside.scripts.jobs.dataset import Store, block_of, keys_kept, read, schema
+from armside.scripts.jobs.engine import Local, failed, simulate
+from armside.scripts.jobs.grid import Grid, Point, parse
+from armside.scripts.jobs.resolved import key_of
+from armside.scripts.shell.errors import InputError
 
 PLACES = "position=1316.6/1.4/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.9", PLACES, "speed=60", "iterations=1", "seed=0:2")
@@ -257,7 +257,9 @@ def test_bad_input_is_one_line(armside, tmp_path, options, message):
 
 
 def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
-    monkeypatch.setattr("scripts.sweep.parse", lambda *_: pytest.fail("built a grid"))
+    monkeypatch.setattr(
+        "armside.scripts.commands.sweep.parse", lambda *_: pytest.fail("built a grid")
+    )
     status, _, err = armside("sweep gamma=1 --engine ray --address 127.0.0.1:1")
     assert (status, "Ray" in err) == (2, True)
 
@@ -392,7 +394,7 @@ def test_a_file_system_without_locks_is_one_clear_error(armside, tmp_path, monke
 
 def test_failed_configurations_end_in_status_1_with_the_first_error(armside, monkeypatch):
     unlucky = failing_with("no luck with 2", "no luck with 3")
-    monkeypatch.setattr("scripts.sweep.Local", lambda _: Serial(unlucky))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(unlucky))
     status, out, err = armside("sweep delta=1:4 --into there --json")
     assert (status, err.count("\n")) == (1, 1)
     assert "2 of 3 configurations failed, the first with no luck with 2" in err
@@ -401,7 +403,7 @@ def test_failed_configurations_end_in_status_1_with_the_first_error(armside, mon
     status, out, err = armside("sweep delta=1:4 --into there")
     assert (status, "no luck with 2" in err) == (1, True)
     assert "3 configurations: 1 known, 2 known (failed)" in out
-    monkeypatch.setattr("scripts.sweep.Local", lambda _: Serial(quick))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(quick))
     status, out, err = armside("sweep delta=1:4 --into there --retry-failed")
     assert (status, err) == (0, "")
     assert "2 done, 1 known" in out
@@ -423,7 +425,7 @@ def test_ctrl_c_says_what_is_kept(armside, tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return quick(point)
 
-    monkeypatch.setattr("scripts.sweep.Local", lambda _: Serial(stop_at_3))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(stop_at_3))
     status, _, err = armside("sweep delta=3 --into there")
     assert (status, err) == (130, "armside: interrupted, nothing was kept\n")
     status, _, err = armside("sweep delta=1:9 --into there")
@@ -461,12 +463,12 @@ def test_a_sweep_claims_no_more_than_it_works_on(tmp_path, monkeypatch):
 
 
 def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatch):
-    monkeypatch.setattr("scripts.sweep.POLL", 0.01)
+    monkeypatch.setattr("armside.scripts.commands.sweep.POLL", 0.01)
     grid = list(parse(("delta=1:4",), 0))
     store = Store(tmp_path / "there")
     theirs = store.claim(block_of(grid[0].key))
     n_theirs = sum(block_of(point.key) == theirs.name for point in grid)
-    monkeypatch.setattr("scripts.sweep.Local", lambda _: Serial(quick))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(quick))
     looks = []
 
     def sleep(_):
@@ -474,14 +476,14 @@ def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatc
         if len(looks) == 3:
             theirs.close()
 
-    monkeypatch.setattr("scripts.sweep.time.sleep", sleep)
+    monkeypatch.setattr("armside.scripts.commands.sweep.time.sleep", sleep)
     status, _, err = armside("sweep delta=1:4 --into there")
     said = f"armside: waiting for {n_theirs} configurations that another sweep has claimed\n"
     assert (status, err, len(looks)) == (0, said, 3)
 
 
 def _start(folder, **options):
-    command = [sys.executable, "-m", "scripts.cli", "sweep", *AXES, "--quiet"]
+    command = [sys.executable, "-m", "armside.scripts.cli", "sweep", *AXES, "--quiet"]
     return subprocess.Popen(
         [*command, "--into", str(folder)], cwd=ROOT, start_new_session=True, **options
     )

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 import sympy as sp
 
-import kinematics
-from kinematics import IRB1400
-from kinematics import symbolic as dh
-from scripts.peers import pinocchio_functions, toolbox_robot
-from sim.cell import CELLS
-from sim.model import load_model
+from armside import kinematics
+from armside.kinematics import IRB1400
+from armside.kinematics.symbolic import procedures as dh
+from armside.scripts.benchmarks.peers import pinocchio_functions, toolbox_robot
+from armside.sim.cell import CELLS
+from armside.sim.robot.model import load_model
 
 TOLERANCE = 1e-14
 """[m]; the thesis found differences in the magnitude of 1e-15."""

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from scripts.policy import Network
-from scripts.train import whole_batches
+from armside.scripts.commands.train import whole_batches
+from armside.scripts.studies.policy import Network
 
 
 def _network(rng):

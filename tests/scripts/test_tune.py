@@ -14,16 +14,20 @@ import numpy as np
 import optuna
 import pytest
 
-from scripts import console, tune, tune_figures, tune_objective, tune_report
-from scripts import study as studies
-from scripts.interrupts import Stop, noticing
-from scripts.options import Common
-from scripts.study import WORST, Tried, open_study
-from scripts.tune import TuneCfg, _fixed, _identity, rules, study_name
-from scripts.tune_objective import Objective, Ratio, prepare
-from sim.tuning.design import THESIS, Design, Motors
-from sim.tuning.rules import Rules
-from sim.tuning.sensor import Sees
+from armside.scripts.commands import tune
+from armside.scripts.commands.tune import TuneCfg, _fixed, _identity, rules, study_name
+from armside.scripts.figures import tuning as tune_figures
+from armside.scripts.shell import console
+from armside.scripts.shell.interrupts import Stop, noticing
+from armside.scripts.shell.options import Common
+from armside.scripts.studies import objective as tune_objective
+from armside.scripts.studies import report as tune_report
+from armside.scripts.studies import study as studies
+from armside.scripts.studies.objective import Objective, Ratio, prepare
+from armside.scripts.studies.study import WORST, Tried, open_study
+from armside.sim.tuning.design import THESIS, Design, Motors
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.sensor import Sees
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
@@ -161,8 +165,8 @@ def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeyp
 
 SLOW_RUNS = """
 import sys, time
-from scripts import cli
-from sim.tuning.rules import Rules
+from armside.scripts import cli
+from armside.sim.tuning.rules import Rules
 
 def slow(*args, advance=Rules.advance):
     time.sleep(0.3)

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
 
-from scripts.policy import Network
-from scripts.train import TrainCfg, first_action
-from scripts.tuned_design import load_design
-from scripts.verifications import env as verify_env
-from scripts.verifications.tuning import TUNED, iterations, searched, tuning
-from sim.tuning.design import VARIABLES, Design, Motors, action_of
-from sim.tuning.evaluation import always, evaluate
-from sim.tuning.rules import Rules
-from sim.tuning.task import TEST_SEEDS, draw
+from armside.scripts.commands.train import TrainCfg, first_action
+from armside.scripts.studies.policy import Network
+from armside.scripts.studies.tuned_design import load_design
+from armside.scripts.verifications import env as verify_env
+from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
+from armside.sim.tuning.design import VARIABLES, Design, Motors, action_of
+from armside.sim.tuning.evaluation import always, evaluate
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.task import TEST_SEEDS, draw
 
 
 def _config(name):

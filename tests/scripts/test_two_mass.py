@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from scripts import two_mass_figures
-from scripts.cli import main
-from scripts.two_mass import FIGURE_NAMES
+from armside.scripts.cli import main
+from armside.scripts.commands.two_mass import FIGURE_NAMES
+from armside.scripts.figures import two_mass as two_mass_figures
 
 QUICK = ("8.3", "8.6", "8.8", "8.12", "why-q")
 

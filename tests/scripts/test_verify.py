@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from scripts import verify
-from scripts.verify import Claim, Table, Verdict
+from armside.scripts.commands import verify
+from armside.scripts.commands.verify import Claim, Table, Verdict
 
 
 def claim(seeds):

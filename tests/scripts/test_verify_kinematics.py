@@ -1,6 +1,6 @@
 """The claim of `armside verify kinematics`, at one of its seeds."""
 
-from scripts.verifications.kinematics import kinematics
+from armside.scripts.verifications.kinematics import kinematics
 
 
 def test_all_statements_hold_at_one_seed():

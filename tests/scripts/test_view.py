@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from scripts import cli
-from scripts.view import ViewCfg, hold, posable
+from armside.scripts import cli
+from armside.scripts.commands.view import ViewCfg, hold, posable
 
 SECOND = 2000
 """Steps."""

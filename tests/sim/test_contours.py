@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from sim.arm_side import arm_side
-from sim.elastic import smoothed
-from sim.motion import Circle, cut
-from sim.motion.poses import LARGE_ROBOT_POSES
-from sim.motion.shapes import hexagon, slot, square
-from sim.path_record import path_measures
-from sim.task import SPIRAL_START, CircleTask, ContourTask, LeadIn
+from armside.sim.cell import LARGE_ROBOT_POSES
+from armside.sim.cut.contour import hexagon, slot, square
+from armside.sim.cut.task import SPIRAL_START, CircleTask, ContourTask, LeadIn
+from armside.sim.evaluation.path_accuracy import path_measures
+from armside.sim.evaluation.tool_error import arm_side
+from armside.sim.motion import Circle, cut
+from armside.sim.robot.statics import smoothed
 
 POSE = LARGE_ROBOT_POSES["p1"]
 SHAPES = {"square": square(0.02, 0.003), "slot": slot(0.03, 0.01), "hexagon": hexagon(0.02, 0.003)}

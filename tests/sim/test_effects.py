@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-import assets
-from sim.effects import Effect, available, load_friction, with_effects
-from sim.model import load_model
-from sim.robot import VirtualRobot
-from sim.statics import spring_stiffness
+from armside import assets
+from armside.sim.robot.effects import Effect, available, load_friction, with_effects
+from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import spring_stiffness
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 POSE = np.deg2rad([3.5, 7.8, 12.4, 18.2, -9.2, -11.6])
 

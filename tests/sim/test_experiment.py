@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from ilc.filters import ZeroPhaseButterworth
-from ilc.laws import Heuristic
-from sim.arm_side import arm_side
-from sim.cell import LARGE_CELL
-from sim.experiment import CircleTask, iterate, prepare
-from sim.model import load_model
-from sim.motion.poses import LARGE_ROBOT_POSES
-from sim.robot import LOG_PERIOD
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
+from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
+from armside.sim.evaluation.tool_error import arm_side
+from armside.sim.laser.experiment import CircleTask, iterate, prepare
+from armside.sim.robot.model import load_model
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 
 @pytest.fixture(scope="module")

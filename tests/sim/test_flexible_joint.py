@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mujoco import rollout
 
-from ilc.two_mass import TwoMassJoint
+from armside.ilc.models.two_mass import TwoMassJoint
 
 JOINT = TwoMassJoint()
 STEP = 1e-4

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import assets
-from sim.friction import friction_torque
-from sim.model import load_model
+from armside import assets
+from armside.sim.robot.drives import friction_torque
+from armside.sim.robot.model import load_model
 
 
 @pytest.fixture(scope="module")

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import assets
-from sim.cell import LARGE_CELL
-from sim.effects import Effect, with_effects
-from sim.experiment import CircleTask, prepare
-from sim.individual import (
+from armside import assets
+from armside.sim.cell import LARGE_CELL
+from armside.sim.laser.experiment import CircleTask, prepare
+from armside.sim.robot.effects import Effect, with_effects
+from armside.sim.robot.individual import (
     Individual,
     Spread,
     draw,
@@ -17,9 +17,9 @@ from sim.individual import (
     with_individual,
     with_payload,
 )
-from sim.model import load_model
-from sim.robot import VirtualRobot
-from sim.statics import Statics
+from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 GRAVITY = 9.82  # [m/s^2], of the model
 

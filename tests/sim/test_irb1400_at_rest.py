@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-import assets
-from sim.instruments.imu import ImuCfg, draw
-from sim.model import load_model
-from sim.robot import LOG_PERIOD, VirtualRobot, run_jobs
-from sim.variants import variant
+from armside import assets
+from armside.sim.instruments.imu import ImuCfg, draw
+from armside.sim.robot.flexibility import variant
+from armside.sim.robot.model import load_model
+from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot, run_jobs
 
 OFF, ON = 6.0, 12.0  # [s]
 SETTLED = 0.5  # [s], after the motors are switched on

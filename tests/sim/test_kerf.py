@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim.kerf import kerf
-from sim.motion.path import Circle
-from sim.motion.shapes import hexagon, slot, square
+from armside.sim.cut.contour import hexagon, slot, square
+from armside.sim.cut.path import Circle
+from armside.sim.evaluation.kerf import kerf
 
 BEAM = 2e-4
 SCALLOP = BEAM / 2 / 3000

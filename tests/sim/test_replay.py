@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from assets import LARGE_ROBOT_XML
-from kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
-from sim.motion import Circle, CuttingPath, Plane, plan_cut
-from sim.motion.poses import TOOL_QUATERNION, pose
-from sim.recording import Recording, Truth
-from sim.signals import Run
+from armside.assets import LARGE_ROBOT_XML
+from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
+from armside.sim.cell import TOOL_QUATERNION, pose
+from armside.sim.motion import Circle, CuttingPath, Plane, plan_cut
+from armside.sim.records.signals import Run
+from armside.sim.robot.recording import Recording, Truth
 
 RADIUS = 0.005
 MJ = mujoco.MjModel.from_xml_path(str(LARGE_ROBOT_XML))
@@ -84,7 +84,7 @@ def a_run(k, motion, phi, excess):
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory, motion_and_phi, runs):
-    from sim.replay import write_replay
+    from armside.sim.replay.scene import write_replay
 
     path = tmp_path_factory.mktemp("replay") / "replay.rrd"
     write_replay(path, MJ, runs, motion_and_phi[0], LARGE_ROBOT)
@@ -166,7 +166,7 @@ def test_it_is_small_and_carries_a_blueprint(file):
 
 
 def test_every_kind_of_visible_geom_is_drawn_once():
-    from sim.geoms import shapes
+    from armside.sim.replay.geoms import shapes
 
     drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
     assert {name.removeprefix("robot/") for name in drawn} == {
@@ -187,7 +187,7 @@ def test_every_kind_of_visible_geom_is_drawn_once():
 
 
 def test_geoms_are_turned_and_coloured_as_in_the_model():
-    from sim.geoms import shapes
+    from armside.sim.replay.geoms import shapes
 
     drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
     box, sphere = drawn["robot/thing/box"], drawn["robot/thing/sphere"]
@@ -198,7 +198,7 @@ def test_geoms_are_turned_and_coloured_as_in_the_model():
 
 
 def test_a_mesh_is_drawn_where_the_physics_has_it():
-    from sim.geoms import shapes
+    from armside.sim.replay.geoms import shapes
 
     mj = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
     data = mujoco.MjData(mj)
@@ -212,7 +212,7 @@ def test_a_mesh_is_drawn_where_the_physics_has_it():
 
 
 def test_a_model_of_another_robot_is_refused(tmp_path, motion_and_phi, runs):
-    from sim.replay import write_replay
+    from armside.sim.replay.scene import write_replay
 
     other = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
     with pytest.raises(ValueError, match="18 joint positions, the model has 7"):
@@ -223,7 +223,7 @@ def test_a_model_of_another_robot_is_refused(tmp_path, motion_and_phi, runs):
 def test_motors_that_follow_exactly_show_no_deviation_though_the_tool_does(
     tmp_path, motion_and_phi, runs
 ):
-    from sim.replay import write_replay
+    from armside.sim.replay.scene import write_replay
 
     motion, phi = motion_and_phi
     run = replace(runs[0], recording=replace(runs[0].recording, motor_angle=phi))

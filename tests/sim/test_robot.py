@@ -6,16 +6,15 @@ import mujoco
 import numpy as np
 import pytest
 
-import assets
-from sim.cell import LARGE_CELL
-from sim.cutting import plan
-from sim.effects import available, with_effects
-from sim.experiment import CircleTask
-from sim.individual import with_friction
-from sim.model import ModelError, load_model
-from sim.motion.poses import LARGE_ROBOT_POSES
-from sim.phenomena import learned
-from sim.robot import VirtualRobot, run_jobs
+from armside import assets
+from armside.sim.calibration.targets import learned
+from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
+from armside.sim.laser.experiment import CircleTask
+from armside.sim.laser.plant import plan
+from armside.sim.robot.effects import available, with_effects
+from armside.sim.robot.individual import with_friction
+from armside.sim.robot.model import ModelError, load_model
+from armside.sim.robot.virtual_robot import VirtualRobot, run_jobs
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.servo import correction_path, interpolate, substeps
+from armside.sim.robot.servo import correction_path, interpolate, substeps
 
 PERIOD, RATIO = 0.004, 8
 STEP = PERIOD / RATIO

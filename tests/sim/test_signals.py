@@ -7,10 +7,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from sim.gear_error import GearError
-from sim.instruments import TrackerSamples
-from sim.recording import Recording, Truth
-from sim.signals import Run, read_signals, write_signals
+from armside.sim.instruments import TrackerSamples
+from armside.sim.records.signals import Run, read_signals, write_signals
+from armside.sim.robot.gear_error import GearError
+from armside.sim.robot.recording import Recording, Truth
 
 CONFIG = {"pose": "p1", "speed": 0.04}
 

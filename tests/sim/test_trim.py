@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
-import assets
-from scripts.calibrate import START, mutate
-from sim.effects import available
-from sim.model import load_model
-from sim.phenomena import Finding, learning_findings
-from sim.trim import apply, numbers, rewrite
+from armside import assets
+from armside.scripts.commands.calibrate import START, mutate
+from armside.sim.calibration.parameters import apply, numbers, rewrite
+from armside.sim.calibration.targets import Finding, learning_findings
+from armside.sim.robot.effects import available
+from armside.sim.robot.model import load_model
 
 
 def _same(a, b):

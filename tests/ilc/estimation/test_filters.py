@@ -4,12 +4,17 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from ilc.estimation.consistency import bounds, normalised_squared, whiteness
-from ilc.estimation.extended import extended
-from ilc.estimation.kalman import SettledFilter, Smoother
-from ilc.estimation.riccati import settled
-from ilc.estimation.state_space import Process, exponential, first_order_hold, sampled_noise
-from ilc.estimation.wiener import NonCausal
+from armside.ilc.estimation.consistency import bounds, normalised_squared, whiteness
+from armside.ilc.estimation.extended import extended
+from armside.ilc.estimation.kalman import SettledFilter, Smoother
+from armside.ilc.estimation.process import (
+    Process,
+    exponential,
+    first_order_hold,
+    sampled_noise,
+    settled,
+)
+from armside.ilc.estimation.wiener import NonCausal
 
 STEP = 0.01
 A = np.array([[0.0, 1.0], [-((2 * np.pi * 3) ** 2), -2.0]])

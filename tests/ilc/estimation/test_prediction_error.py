@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ilc.estimation.kalman import SettledFilter
-from ilc.estimation.prediction_error import Whitened, fit
-from ilc.estimation.state_space import Process, sampled_noise
+from armside.ilc.estimation.kalman import SettledFilter
+from armside.ilc.estimation.prediction_error import Whitened, fit
+from armside.ilc.estimation.process import Process, sampled_noise
 
 STEP, N = 0.01, 1500
 

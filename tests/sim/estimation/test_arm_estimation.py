@@ -5,25 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import kinematics
-from assets import IRB1400_XML, LARGE_ROBOT_XML
-from ilc.estimation.consistency import normalised_squared
-from ilc.filters import butterworth
-from ilc.recursion import recursion
-from kinematics.robots import IMU_LINKS
-from scripts.arm_side import GEAR_EFFECTS, Case
-from scripts.verifications.estimation import error, fk_path
-from sim.estimation.arm_estimator import Estimate
-from sim.estimation.arm_filter import arm_filter
-from sim.estimation.arm_identification import bent_by, prepared
-from sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
-from sim.estimation.extended_arm import ExtendedArm
-from sim.estimation.frozen_arm import frozen
-from sim.estimation.imu_health import Fault, ImuError, mended
-from sim.estimation.nominal import NominalCfg, nominal_arm
-from sim.estimation.observer import dragged, observe
-from sim.estimation.tool_path import relative_to_start
-from sim.model import ModelError, load_model
+from armside import kinematics
+from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
+from armside.ilc.estimation.consistency import normalised_squared
+from armside.ilc.filters import butterworth, recursion
+from armside.kinematics.robots import IMU_LINKS
+from armside.scripts.arm_side import GEAR_EFFECTS, Case
+from armside.scripts.verifications.estimation import error, fk_path
+from armside.sim.estimation.arm_estimator import Estimate
+from armside.sim.estimation.arm_filter import arm_filter
+from armside.sim.estimation.arm_identification import bent_by, prepared
+from armside.sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
+from armside.sim.estimation.extended_arm import ExtendedArm
+from armside.sim.estimation.frozen_arm import frozen
+from armside.sim.estimation.imu_health import Fault, ImuError, mended
+from armside.sim.estimation.nominal import NominalCfg, nominal_arm
+from armside.sim.estimation.observer import dragged, observe
+from armside.sim.estimation.tool_path import relative_to_start
+from armside.sim.robot.model import ModelError, load_model
 
 CASE = Case(pose="p2", without=GEAR_EFFECTS)
 
@@ -68,8 +67,7 @@ def test_frozen_arm_is_the_rollout_linearised():
     t = np.arange(2000) * arm.mj.opt.timestep
     phi = phi0 + 1e-4 * np.sin(2 * np.pi * 3.0 * t)[:, None] ** 3
     motion = dragged(arm, phi, np.gradient(phi, t[1], axis=0))
-    from ilc.estimation.simulation import simulate
-    from ilc.estimation.state_space import first_order_hold
+    from armside.ilc.estimation.process import first_order_hold, simulate
 
     A, B = frozen(arm, phi0).dynamics()
     inputs = np.hstack((phi - phi0, np.gradient(phi, t[1], axis=0)))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.instruments.encoder import quantise, resolution
+from armside.sim.instruments.encoder import quantise, resolution
 
 
 def test_one_count_of_the_thesis_is_a_milliradian_and_a_half_of_the_motor():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from sim.instruments.imu import ACCELEROMETER, GYROSCOPE, Imu, ImuCfg, Triad, TriadCfg, draw
+from armside.sim.instruments.imu import ACCELEROMETER, GYROSCOPE, Imu, ImuCfg, Triad, TriadCfg, draw
 
 STEP = 5e-4
 PERFECT = TriadCfg(

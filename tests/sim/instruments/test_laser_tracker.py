@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.instruments.laser_tracker import LaserTrackerCfg, best_fit, set_up
+from armside.sim.instruments.laser_tracker import LaserTrackerCfg, best_fit, set_up
 
 NOISE_ONLY = LaserTrackerCfg(
     range_scale_error=0.0, angle_bias=0.0, range_resolution=0.0, angle_resolution=0.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from sim.instruments import noise
+from armside.sim.instruments import noise
 
 STEP = 5e-4
 

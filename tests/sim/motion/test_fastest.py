@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.motion.bounds import Bounds
-from sim.motion.fastest import averaged, fastest
+from armside.sim.moves.bounds import Bounds
+from armside.sim.moves.fastest import averaged, fastest
 
 PLACES = 201
 JERK_TIME = 0.05

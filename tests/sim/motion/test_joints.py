@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import kinematics
-from kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS, UnreachableError
-from kinematics.rotation import from_quaternion
-from sim.motion import Circle, CuttingPath, Plane, joint_reference, plan_cut
-from sim.motion.poses import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
+from armside import kinematics
+from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS, UnreachableError
+from armside.kinematics.rotation import from_quaternion
+from armside.sim.cell import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
+from armside.sim.motion import Circle, CuttingPath, Plane, joint_reference, plan_cut
 
 # Solutions found independently when the robot was chosen, rounded to 0.1 deg.
 PUBLISHED = {

@@ -6,12 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-import kinematics
-from assets import IRB1400_XML
-from kinematics import IRB1400, IRB1400_LIMITS, LARGE_ROBOT, LARGE_ROBOT_LIMITS
-from kinematics.rigid import transform
-from kinematics.rotation import from_quaternion, slerp
-from sim.motion.instructions import (
+from armside import kinematics
+from armside.assets import IRB1400_XML
+from armside.kinematics import IRB1400, IRB1400_LIMITS, LARGE_ROBOT, LARGE_ROBOT_LIMITS
+from armside.kinematics.rigid import transform
+from armside.kinematics.rotation import from_quaternion, slerp
+from armside.sim.moves.curves import move_curve, zone_share
+from armside.sim.moves.instructions import (
     Dynamics,
     MoveC,
     MoveJ,
@@ -22,9 +23,8 @@ from sim.motion.instructions import (
     Target,
     Wait,
 )
-from sim.motion.moves import move_curve, zone_share
-from sim.motion.planner import plan_program
-from sim.motion.program_file import read_program
+from armside.sim.moves.planner import plan_program
+from armside.sim.moves.program_file import read_program
 
 PROGRAMS = sorted((IRB1400_XML.parent / "programs").glob("*.toml"))
 ROBOTS = {"irb1400": (IRB1400, IRB1400_LIMITS), "large": (LARGE_ROBOT, LARGE_ROBOT_LIMITS)}

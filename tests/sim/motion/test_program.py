@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.motion import Circle, CuttingPath, PathLimits, Plane, cut
-from sim.motion.poses import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
+from armside.sim.cell import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
+from armside.sim.motion import Circle, CuttingPath, PathLimits, Plane, cut
 
 RADIUS = 0.005
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from assets import IRB1400_XML
-from sim.motion.instructions import MoveC, MoveJ, MoveL, ProgramError, Wait
-from sim.motion.program_file import parse_program, read_program
+from armside.assets import IRB1400_XML
+from armside.sim.moves.instructions import MoveC, MoveJ, MoveL, ProgramError, Wait
+from armside.sim.moves.program_file import parse_program, read_program
 
 GOOD = """
 start = [0, 0, 0, 0, -30, 0]

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.motion import Circle, CuttingPath, Plane, cut
-from sim.motion.deviation import fit, signed_distance
-from sim.motion.poses import TOOL_QUATERNION
-from sim.motion.shapes import ArcsAndLines, hexagon, regular_polygon, slot, square
+from armside.sim.cell import TOOL_QUATERNION
+from armside.sim.cut.contour import ArcsAndLines, hexagon, regular_polygon, slot, square
+from armside.sim.cut.deviation import fit, signed_distance
+from armside.sim.motion import Circle, CuttingPath, Plane, cut
 
 SHAPES = {
     "circle": Circle(0.005),

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.motion.timing import PathLimits, rest_to_rest
+from armside.sim.cut.timing import PathLimits, rest_to_rest
 
 
 @settings(deadline=None, max_examples=50)

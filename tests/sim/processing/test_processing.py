@@ -10,13 +10,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-import kinematics
-from ilc import ZeroPhaseButterworth
-from kinematics import IRB1400_IMU
-from kinematics.rotation import from_axis_angle
-from sim.instruments.encoder import quantise
-from sim.instruments.imu import ImuCfg, draw
-from sim.processing import (
+from armside import kinematics
+from armside.ilc import ZeroPhaseButterworth
+from armside.kinematics import IRB1400_IMU
+from armside.kinematics.rotation import from_axis_angle
+from armside.sim.imu import (
     Compensation,
     Order,
     ProcessingCfg,
@@ -26,7 +24,7 @@ from sim.processing import (
     moving_rms,
     predict,
 )
-from sim.processing.compensation import (
+from armside.sim.imu.compensation import (
     GRAVITY,
     Calibration,
     Prior,
@@ -35,7 +33,9 @@ from sim.processing.compensation import (
     to_base,
     to_imu,
 )
-from sim.processing.differences import difference_quotients, resample
+from armside.sim.imu.differences import difference_quotients, resample
+from armside.sim.instruments.encoder import quantise
+from armside.sim.instruments.imu import ImuCfg, draw
 
 STEP, LOG, SECONDS = 5e-4, 0.004, 10.0
 SILENT_TRIADS = {

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.tuning.design import THESIS, VARIABLES, Design, Motors, action_of, design_of
-from sim.tuning.env import IlcTuningEnv
-from sim.tuning.rules import Rules
+from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors, action_of, design_of
+from armside.sim.tuning.env import IlcTuningEnv
+from armside.sim.tuning.rules import Rules
 
 ROUNDING = 1e-6
 """Relative, of a float32 action."""

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-import sim
-from sim.tuning.design import THESIS, Motors, action_of
-from sim.tuning.evaluation import always, run_episode
-from sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
-from sim.tuning.rules import WORST_REWARD, Rules
-from sim.tuning.task import OPTIONS, TEST_SEEDS
+from armside.sim import tuning
+from armside.sim.tuning.design import THESIS, Motors, action_of
+from armside.sim.tuning.evaluation import always, run_episode
+from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
+from armside.sim.tuning.rules import WORST_REWARD, Rules
+from armside.sim.tuning.task import OPTIONS, TEST_SEEDS
 
 ID = "armside/IlcTuning-v0"
 ACTION = action_of(THESIS, Motors.SHARED)
@@ -27,10 +27,11 @@ BOLD = np.array([1.0, -1.0, 1.0], np.float32)
 
 
 def test_importing_sim_registers_the_env_and_imports_no_physics():
-    code = f"import sim, gymnasium, sys; gymnasium.spec({ID!r}); print('mujoco' in sys.modules)"
+    code = f"import armside.sim.tuning, gymnasium, sys; gymnasium.spec({ID!r})"
+    code += "; print('mujoco' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
-    assert sim.__doc__
+    assert tuning.__doc__
 
 
 def test_the_env_checker_of_gymnasium_has_nothing_to_say():
@@ -173,7 +174,7 @@ def test_seeds_of_numpy_are_seeds(env, quick):
 
 
 TRAJECTORY = f"""
-import hashlib, sys, gymnasium, numpy as np, sim
+import hashlib, sys, gymnasium, numpy as np, armside.sim.tuning
 env = gymnasium.make({ID!r}, iterations=2)
 bits = hashlib.sha256()
 observed, info = env.reset(seed=7)
@@ -234,7 +235,7 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
     ],
 )
 def test_options_of_the_env_that_do_not_exist_are_refused(options, message):
-    from sim.tuning.env import IlcTuningEnv
+    from armside.sim.tuning.env import IlcTuningEnv
 
     with pytest.raises(ValueError, match=message):
         IlcTuningEnv(**options)
@@ -296,4 +297,4 @@ def test_the_page_names_everything_that_make_takes():
     page = (Path(__file__).parents[3] / "docs" / "tuning.md").read_text(encoding="utf-8")
     table = page.split("`gymnasium.make` takes, all by name:")[1].split("\n\n")[1]
     named = re.findall(r"`(\w+)`", " ".join(row.split("|")[1] for row in table.splitlines()))
-    assert set(named) == set(inspect.signature(sim.tuning.env.IlcTuningEnv).parameters)
+    assert set(named) == set(inspect.signature(tuning.env.IlcTuningEnv).parameters)

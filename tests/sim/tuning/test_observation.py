@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from sim.tuning.env import IlcTuningEnv
-from sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms, normalised
-from sim.tuning.rules import Rules
+from armside.sim.tuning.env import IlcTuningEnv
+from armside.sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms, normalised
+from armside.sim.tuning.rules import Rules
 
 
 def test_the_table_of_the_env_says_what_the_entries_are():

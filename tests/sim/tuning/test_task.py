@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from sim.cell import CELLS
-from sim.experiment import CircleTask
-from sim.individual import with_payload
-from sim.model import load_model
-from sim.motion.poses import LARGE_ROBOT_POSES
-from sim.tuning import task
-from sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
+from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
+from armside.sim.laser.experiment import CircleTask
+from armside.sim.robot.individual import with_payload
+from armside.sim.robot.model import load_model
+from armside.sim.tuning import task
+from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 
 
 def _drawn(robot="large", n=200, **options):
@@ -40,7 +39,7 @@ def test_what_is_given_is_taken_and_the_rest_stays_as_drawn():
 
 @pytest.mark.parametrize("robot", ["large", "irb1400"])
 def test_every_draw_is_within_reach(robot):
-    from sim.cutting import plan
+    from armside.sim.laser.plant import plan
 
     cell = CELLS[robot]
     nominal = load_model(cell.xml)

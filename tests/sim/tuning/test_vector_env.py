@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from gymnasium.vector import SyncVectorEnv
 
-import sim  # noqa: F401 - registers the env
-from sim.motion.poses import ToolPose
-from sim.tuning.vector_env import IlcTuningVectorEnv
+import armside.sim.tuning  # noqa: F401 - registers the env
+from armside.sim.cell import ToolPose
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 ID = "armside/IlcTuning-v0"
 

@@ -1,0 +1,155 @@
+"""ARX identification of T_u from learning data: fit, order selection and confidence.
+
+y(t) + a_1 y(t-1) + ... = b_0 u(t-n_k) + b_1 u(t-n_k-1) + ... + noise. Thesis (9.11), (9.12).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from ..models.system import System
+from ..plant import as_record
+
+
+class Information(Enum):
+    """What an additional coefficient must earn."""
+
+    AIC = "aic"
+    BIC = "bic"
+    """Costs log(samples) a coefficient: finds the true order from enough data."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ArxFit:
+    """An ARX model and how well it is known."""
+
+    system: System
+    na: int
+    nb: int
+    nk: int
+    coefficients: Array
+    """(a_1 .. a_na, b_0 .. b_(nb-1))."""
+    covariance: Array
+    """Of the coefficients."""
+    noise_variance: float
+    """Of the equation error."""
+    n_samples: int
+
+    @property
+    def standard_errors(self) -> Array:
+        return np.sqrt(np.diag(self.covariance))
+
+    def confidence(self, sigmas: float = 1.96) -> Array:
+        """(coefficients, 2): interval of each; 1.96 standard errors hold 95 %."""
+        width = sigmas * self.standard_errors
+        return np.column_stack((self.coefficients - width, self.coefficients + width))
+
+    def response_deviation(self, omega: ArrayLike) -> Array:
+        """Standard deviation of |T_u(e^{j omega})| to first order, at omega [rad/sample]."""
+        z = np.exp(-1j * np.asarray(omega, dtype=np.float64))
+        T, A = self.system.response(omega), np.polyval(self.system.a[::-1], z)
+        by_a = [-T * z**i / A for i in range(1, self.na + 1)]
+        by_b = [z ** (self.nk + i) / A for i in range(self.nb)]
+        slopes = np.stack(by_a + by_b, axis=-1)
+        slopes = (slopes * np.conj(T)[..., None]).real / np.abs(T)[..., None]  # of the magnitude
+        return np.sqrt(np.einsum("...i,ij,...j->...", slopes, self.covariance, slopes))
+
+    def score(self, criterion: Information) -> float:
+        """Smaller is better."""
+        price = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
+        return self.n_samples * np.log(self.noise_variance) + price * (self.na + self.nb)
+
+
+def fit_arx(
+    u: ArrayLike,
+    y: ArrayLike,
+    sample_time: float,
+    *,
+    na: int,
+    nb: int,
+    nk: int,
+    skip: int | None = None,
+) -> ArxFit:
+    """Least-squares fit; u, y: shape (N, m), m experiments from rest, all used together.
+
+    skip: samples left out at the start of each experiment (all orders compared must share it).
+
+    Raises:
+        ValueError: for orders that are negative or too large, or data that do not excite.
+    """
+    u, y = as_record(u, "u"), as_record(y, "y")
+    if u.shape != y.shape:
+        raise ValueError(f"u and y must have one shape, got {u.shape} and {y.shape}")
+    if na < 0 or nb < 1 or nk < 0:
+        raise ValueError(f"orders must be na >= 0, nb >= 1, nk >= 0, got {na}, {nb}, {nk}")
+    first = max(na, nk + nb - 1) if skip is None else skip
+    if first < max(na, nk + nb - 1) or (len(y) - first) * y.shape[1] <= na + nb + 1:
+        raise ValueError(
+            f"orders {na}, {nb} and delay {nk} need more than {len(y)} samples of {y.shape[1]} "
+            f"experiments from sample {first}"
+        )
+    rows = len(y)
+    columns = [-y[first - i : rows - i] for i in range(1, na + 1)]
+    columns += [u[first - nk - i : rows - nk - i] for i in range(nb)]
+    regressor = np.stack([column.ravel() for column in columns], axis=1)
+    target = y[first:].ravel()
+    solution, _, rank, _ = np.linalg.lstsq(regressor, target)
+    coefficients: Array = solution.astype(np.float64)
+    if rank < regressor.shape[1]:
+        raise ValueError(f"the data do not excite {na + nb} coefficients, only {rank}")
+    residual = target - regressor @ coefficients
+    variance = float(residual @ residual) / (len(target) - na - nb)
+    return ArxFit(
+        system=System(
+            np.concatenate((np.zeros(nk), coefficients[na:])),
+            np.concatenate(([1.0], coefficients[:na])),
+            sample_time,
+        ),
+        na=na,
+        nb=nb,
+        nk=nk,
+        coefficients=coefficients,
+        covariance=variance * np.linalg.inv(regressor.T @ regressor).astype(np.float64),
+        noise_variance=max(variance, np.finfo(float).tiny),
+        n_samples=len(target),
+    )
+
+
+def select_arx(
+    u: ArrayLike,
+    y: ArrayLike,
+    sample_time: float,
+    *,
+    na: Iterable[int] = range(4),
+    nb: Iterable[int] = range(1, 4),
+    nk: Iterable[int] = range(10),
+    criterion: Information = Information.BIC,
+) -> list[ArxFit]:
+    """All fits of the given orders, best first; all see the same samples."""
+    orders = [(i, j, k) for i in na for j in nb for k in nk]
+    skip = max(max(i, k + j - 1) for i, j, k in orders)
+    fits = [fit_arx(u, y, sample_time, na=i, nb=j, nk=k, skip=skip) for i, j, k in orders]
+    return sorted(fits, key=lambda fit: fit.score(criterion))
+
+
+def fit_percent(system: System, u: ArrayLike, y: ArrayLike) -> Array:
+    """100 (1 - ||y - y_sim|| / ||y - mean||), each experiment: simulation, not prediction.
+
+    For validation on data that were not fitted, such as another position of the robot.
+    """
+    u, y = as_record(u, "u"), as_record(y, "y")
+    error = y - system.simulate(u)
+    return 100.0 * (
+        1.0 - np.linalg.norm(error, axis=0) / np.linalg.norm(y - y.mean(axis=0), axis=0)
+    )
+
+
+def learning_data(corrections: list[Array], outputs: list[Array], first: list[Array]) -> tuple:
+    """(u, y) = (sum of u_k, sum of y_k - y_0) over experiments of one length. Thesis (9.11)."""
+    total_u = np.sum(corrections, axis=0)
+    return total_u, np.sum(outputs, axis=0) - np.sum(first, axis=0)

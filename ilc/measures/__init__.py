@@ -1,0 +1,1 @@
+"""Error measures: norms, circles, ISO 9283."""

@@ -1,0 +1,108 @@
+"""The linear system of chapter 7 as a plant: reference, correction, load and measurement noise."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import count, cycle
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..plant import Plant, as_record
+from .system import System, require_stable
+from .system_matrix import Model
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinearPlant:
+    """z_k = T_r r + T_u (u_k + C e_k) + T_w w_k, y_k = z_k + T_v v_k. Thesis (7.1), Fig 7.1.
+
+    `run` returns y_k, shape (N, n). e_k = r - y_k reaches the input in the same iteration
+    through C, the direct term of (7.4), which is feedback beside the learning.
+    """
+
+    T_u: Model
+    reference: Array
+    """r, shape (N, n)."""
+    T_r: Model | None = None
+    """None: T_u, the correction is added to the reference."""
+    T_w: Model | None = None
+    """Load to output; None: the load adds to the output."""
+    T_v: Model | None = None
+    """Noise to output; None: the noise adds to the output."""
+    loads: Sequence[Array] = ()
+    """w_k, shape (N, n), in turn: one repeats, two alternate between even and odd iterations."""
+    noise: float = 0.0
+    """Standard deviation of v."""
+    rng: np.random.Generator | None = None
+    """Source of v; needed if there is noise."""
+    C: System | None = None
+    """Direct term: acts on each column's own error. Needs one system as T_u."""
+    _loop: System | None = field(init=False, repr=False)
+    _iteration: count = field(init=False, repr=False, default_factory=count)
+
+    def __post_init__(self) -> None:
+        require_stable(self.T_u, "T_u")
+        reference = as_record(self.reference, "reference")
+        object.__setattr__(self, "reference", reference)
+        object.__setattr__(self, "loads", tuple(as_record(w, "loads") for w in self.loads))
+        for load in self.loads:
+            if load.shape != reference.shape:
+                raise ValueError(f"loads must have shape {reference.shape}, got {load.shape}")
+        if self.noise < 0.0 or (self.noise > 0.0 and self.rng is None):
+            raise ValueError(
+                f"noise must be >= 0 and needs an rng if it is not 0, got {self.noise}"
+            )
+        loop = None
+        if self.C is not None:
+            if not isinstance(self.T_u, System):
+                raise ValueError("a direct term C needs a T_u with one input and one output")
+            loop = (self.T_u * self.C).feedback("the loop of T_u and the direct term C")
+        object.__setattr__(self, "_loop", loop)
+
+    def run(self, correction: Array, /) -> Array:
+        k = next(self._iteration)
+        output = (self.T_r or self.T_u).simulate(self.reference) + self.T_u.simulate(correction)
+        if self.loads:
+            output = output + _through(self.T_w, self.loads[k % len(self.loads)])
+        if self.noise > 0.0 and self.rng is not None:
+            output = output + _through(self.T_v, self.rng.normal(0.0, self.noise, output.shape))
+        if self._loop is not None:  # y = free + T_u C (r - y)
+            output = output + self._loop.simulate(self.reference - output)
+        return output
+
+
+def _through(system: Model | None, signal: Array) -> Array:
+    return signal if system is None else system.simulate(signal)
+
+
+def with_direct_term(T_u: System, C: System) -> System:
+    """T_u / (1 + T_u C): what the learning sees once C acts beside it. Thesis (7.4)."""
+    loop = T_u * C
+    sensitivity_a = np.convolve(T_u.a, C.a)
+    length = max(len(loop.b), len(sensitivity_a))
+    a = np.pad(loop.b, (0, length - len(loop.b)))
+    a = a + np.pad(sensitivity_a, (0, length - len(sensitivity_a)))
+    return require_stable(
+        System(np.convolve(T_u.b, C.a), a, T_u.sample_time),
+        "the loop of T_u and the direct term C",
+    )
+
+
+Result = TypeVar("Result")
+
+
+class Alternating(Generic[Result]):
+    """Runs the first plant at k = 0, the second at k = 1, ..., then the first again.
+
+    Such as a robot that carries a part out and comes back empty (thesis 7.6).
+    """
+
+    def __init__(self, plants: Sequence[Plant[Result]]) -> None:
+        if not plants:
+            raise ValueError("plants must hold at least one plant")
+        self._turn = cycle(plants)
+
+    def run(self, correction: Array, /) -> Result:
+        return next(self._turn).run(correction)

@@ -1,0 +1,180 @@
+"""Linear, time-invariant, discrete systems in the backward shift: y = b(q^-1) / a(q^-1) u.
+
+This form says the delay (leading zeros of b) and filters records directly. Systems of the
+`control` package are taken by `as_system`.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from ..filters import recursion
+
+Complex = NDArray[np.complex128]
+
+
+def unit_circle(omega: ArrayLike) -> Complex:
+    """z = e^{j omega} for omega [rad/sample]."""
+    return np.exp(1j * np.asarray(omega, dtype=np.float64)).astype(np.complex128)
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """y(t) = b0 u(t) + b1 u(t-1) + ... - a1 y(t-1) - ...; causal by construction."""
+
+    b: Array
+    """Numerator in powers of q^-1; leading zeros are the delay."""
+    a: Array
+    """Denominator in powers of q^-1, a[0] = 1 after construction."""
+    sample_time: float
+    """[s]."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
+            raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
+        b, a = (np.atleast_1d(np.array(p, dtype=np.float64)) for p in (self.b, self.a))
+        for name, p in (("b", b), ("a", a)):
+            if p.ndim != 1 or p.size == 0 or not np.isfinite(p).all():
+                raise ValueError(f"{name} must be finite coefficients of shape (m,), got {p}")
+        if a[0] == 0.0:
+            raise ValueError(
+                "the model is not causal: the denominator in powers of q^-1 must start with a "
+                f"coefficient that is not 0, got {a}"
+            )
+        for name, p in (("b", b / a[0]), ("a", a / a[0])):
+            p.setflags(write=False)
+            object.__setattr__(self, name, p)
+
+    @classmethod
+    def from_z(cls, num: ArrayLike, den: ArrayLike, sample_time: float) -> "System":
+        """From polynomials in descending powers of z (or q).
+
+        Raises:
+            ValueError: if the numerator has the higher degree: such a model is not causal.
+        """
+        b = np.trim_zeros(np.atleast_1d(np.array(num, dtype=np.float64)), "f")
+        a = np.trim_zeros(np.atleast_1d(np.array(den, dtype=np.float64)), "f")
+        if len(b) > len(a):
+            raise ValueError(
+                f"the model is not causal: numerator degree {len(b) - 1} in q exceeds "
+                f"denominator degree {len(a) - 1}"
+            )
+        return cls(np.concatenate((np.zeros(len(a) - len(b)), b)), a, sample_time)
+
+    @property
+    def poles(self) -> Complex:
+        """Poles in the z plane that are not at the origin."""
+        return np.roots(self.a).astype(np.complex128)
+
+    @property
+    def is_stable(self) -> bool:
+        """All poles inside the unit circle."""
+        return bool((np.abs(self.poles) < 1.0).all())
+
+    @property
+    def static_gain(self) -> float:
+        return float(self.b.sum() / self.a.sum())
+
+    @property
+    def delay(self) -> int:
+        """Samples before an input shows: the relative degree."""
+        return int(np.flatnonzero(self.b)[0]) if self.b.any() else 0
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """Frequency response at omega [rad/sample]."""
+        q_inverse = 1.0 / unit_circle(omega)
+        ratio = np.polyval(self.b[::-1], q_inverse) / np.polyval(self.a[::-1], q_inverse)
+        return ratio.astype(np.complex128)
+
+    def simulate(self, signal: Array) -> Array:
+        """Output for the input (N, n), each column on its own, from zero state."""
+        return recursion(self.b, self.a, np.asarray(signal, dtype=np.float64))
+
+    def impulse(self, n_samples: int) -> Array:
+        """Impulse response, shape (n_samples,): the first column of the lifted matrix."""
+        return self.simulate(np.eye(n_samples, 1))[:, 0]
+
+    def __mul__(self, other: Union["System", float]) -> "System":
+        if isinstance(other, System):
+            _same_sample_time(self, other)
+            return System(
+                np.convolve(self.b, other.b), np.convolve(self.a, other.a), self.sample_time
+            )
+        return System(self.b * other, self.a, self.sample_time)
+
+    __rmul__ = __mul__
+
+    def feedback(self, name: str = "the closed loop") -> "System":
+        """The closed loop G / (1 + G), called `name` in messages. Thesis (8.15).
+
+        Raises:
+            ValueError: if the closed loop is unstable or has no solution.
+        """
+        degree = max(len(self.a), len(self.b))
+        a = _padded(self.a, degree) + _padded(self.b, degree)
+        if a[0] == 0.0:
+            raise ValueError(f"{name} has no solution: 1 + G is 0 at infinite frequency")
+        loop = System(self.b, a, self.sample_time)
+        return require_stable(loop, name)
+
+
+class HasPoles(Protocol):
+    """Anything whose stability can be judged."""
+
+    @property
+    def poles(self) -> Complex: ...
+    @property
+    def is_stable(self) -> bool: ...
+
+
+Stable = TypeVar("Stable", bound=HasPoles)
+
+
+def require_stable(system: Stable, name: str) -> Stable:
+    """The system itself, or a ValueError that names it and its largest pole."""
+    if not system.is_stable:
+        largest = np.abs(system.poles).max()
+        raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")
+    return system
+
+
+def as_system(model: Any, sample_time: float | None = None) -> System:
+    """A `System` as it is; a SISO, discrete system of `control`; or a pair (num, den) in z.
+
+    Raises:
+        ValueError: for a model in continuous time, with several inputs, or not causal.
+    """
+    if isinstance(model, System):
+        return model
+    if isinstance(model, tuple):
+        if sample_time is None or len(model) != 2:
+            raise ValueError("a model as a tuple must be (num, den), with its sample_time")
+        return System.from_z(model[0], model[1], sample_time)
+    if hasattr(model, "A"):
+        import control  # a state-space model has been built with it already
+
+        model = control.ss2tf(model)
+    if not hasattr(model, "num"):
+        raise ValueError(f"model must be a System, (num, den) or of control, got {type(model)}")
+    if (model.ninputs, model.noutputs) != (1, 1):
+        raise ValueError(
+            f"model must have one input and one output, got {model.ninputs} and {model.noutputs}"
+        )
+    if model.dt in (None, 0, True):
+        raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
+    return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))
+
+
+def _same_sample_time(one: System, other: System) -> None:
+    if not np.isclose(one.sample_time, other.sample_time, rtol=1e-12):
+        raise ValueError(
+            f"systems must share a sample time, got {one.sample_time} and {other.sample_time} s"
+        )
+
+
+def _padded(polynomial: Array, length: int) -> Array:
+    return np.pad(polynomial, (0, length - len(polynomial)))

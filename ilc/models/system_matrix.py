@@ -1,0 +1,84 @@
+"""Several inputs and outputs: a matrix of systems, such as the servos of all motors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from .system import Complex, System
+
+
+@dataclass(frozen=True, eq=False)
+class SystemMatrix:
+    """y_i = sum_j T_ij u_j; square, all entries with one sample time."""
+
+    entries: tuple[tuple[System, ...], ...]
+
+    def __post_init__(self) -> None:
+        n = len(self.entries)
+        if n == 0 or any(len(row) != n for row in self.entries):
+            raise ValueError(
+                f"entries must be a square matrix, got rows of {[len(r) for r in self.entries]}"
+            )
+        times = {system.sample_time for row in self.entries for system in row}
+        if max(times) - min(times) > 1e-12 * max(times):
+            raise ValueError(f"entries must share a sample time, got {sorted(times)} s")
+
+    @classmethod
+    def diagonal(cls, systems: Sequence[System]) -> "SystemMatrix":
+        """Motors that do not disturb each other."""
+        zero = System(np.zeros(1), np.ones(1), systems[0].sample_time)
+        n = len(systems)
+        return cls(tuple(tuple(systems[i] if i == j else zero for j in range(n)) for i in range(n)))
+
+    @property
+    def sample_time(self) -> float:
+        return self.entries[0][0].sample_time
+
+    @property
+    def is_stable(self) -> bool:
+        return all(system.is_stable for row in self.entries for system in row)
+
+    @property
+    def poles(self) -> Complex:
+        return np.concatenate([system.poles for row in self.entries for system in row])
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """Shape (M, n, n) at omega (M,) [rad/sample]."""
+        rows = [np.stack([s.response(omega) for s in row], axis=-1) for row in self.entries]
+        return np.stack(rows, axis=-2)
+
+    def simulate(self, signal: Array) -> Array:
+        """Outputs (N, n) for inputs (N, n), from zero state."""
+        output = np.zeros_like(signal)
+        for i, row in enumerate(self.entries):
+            for j, system in enumerate(row):
+                if system.b.any():
+                    output[:, [i]] += system.simulate(signal[:, [j]])
+        return output
+
+    @property
+    def transposed(self) -> "SystemMatrix":
+        return SystemMatrix(tuple(zip(*self.entries, strict=True)))
+
+
+Model = System | SystemMatrix
+"""T_u: one system, used for each column on its own, or a matrix of them."""
+
+
+def adjoint(model: Model, signal: Array) -> Array:
+    """T^T e on the finite record, exactly: filter the time-reversed record, reverse again."""
+    back = model.transposed if isinstance(model, SystemMatrix) else model
+    return back.simulate(np.asarray(signal)[::-1])[::-1]
+
+
+def largest_gain(model: Model) -> float:
+    """max over frequency of |T_u|, the largest singular value for a matrix."""
+    low, even = np.geomspace(1e-4, 1.0, 2000), np.linspace(0.0, 1.0, 2001)
+    response = model.response(np.pi * np.concatenate((low, even)))
+    if response.ndim == 1:
+        return float(np.abs(response).max())
+    return float(np.linalg.norm(response, ord=2, axis=(1, 2)).max())

@@ -1,0 +1,234 @@
+"""The flexible two-mass joint of chapter 8: model, controller and closed loops.
+
+Motor angle q_m is measured and controlled; arm angle q_a is what matters. A stands for the arm
+(behind the gear ratio r_g), m for the motor. Everything is linear here; Coulomb friction and
+noise are in two_mass_friction.py.
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .discretise import state_space_to_system, tustin, zero_order_hold, zoh
+from .system import System, require_stable
+
+
+class Hold(Enum):
+    """How a continuous controller is made discrete."""
+
+    TUSTIN = "tustin"
+    ZOH = "zoh"
+
+
+class ArmReading(Enum):
+    """How the arm angle of a discrete simulation is computed."""
+
+    THESIS = "thesis"
+    """q_a = G_a(q) q_m, each transfer function held on its own: half a sample late."""
+    STATE = "state"
+    """From the state of the whole joint, as a physics engine would."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoMassJoint:
+    """Two inertias with a spring and damper between them, behind a gear. Thesis (8.1), (8.2).
+
+    Defaults: Table 8.1, a laboratory-scale arm identified by Gunnarsson et al. (2007) and tuned
+    there to oscillate visibly.
+    """
+
+    rg: float = 0.2
+    """Gear ratio, arm angle per motor angle."""
+    Jm: float = 0.0021
+    """Motor inertia [kg m^2]."""
+    Ja: float = 0.0991
+    """Arm inertia [kg m^2]."""
+    k: float = 5.0
+    """Spring [N m/rad], arm side."""
+    d: float = 0.25
+    """Damper [N m s/rad], arm side."""
+    fm: float = 0.0713
+    """Viscous motor friction [N m s/rad]."""
+    kt: float = 0.122
+    """Torque constant [N m/V]."""
+
+    def __post_init__(self) -> None:
+        for name in ("rg", "Jm", "Ja", "k", "kt"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+        for name in ("d", "fm"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+
+    @property
+    def state_space(self) -> tuple[Array, Array]:
+        """(A, B) for x = (q_a, q_a', q_m, q_m') and the motor voltage. Thesis (8.3)."""
+        rg, Jm, Ja, k, d = self.rg, self.Jm, self.Ja, self.k, self.d
+        A = np.array(
+            [
+                [0.0, 1.0, 0.0, 0.0],
+                [-k / Ja, -d / Ja, rg * k / Ja, rg * d / Ja],
+                [0.0, 0.0, 0.0, 1.0],
+                [rg * k / Jm, rg * d / Jm, -(rg**2) * k / Jm, -(self.fm + rg**2 * d) / Jm],
+            ]
+        )
+        return A, np.array([[0.0], [0.0], [0.0], [self.kt / Jm]])
+
+    @property
+    def motor_transfer(self) -> tuple[Array, Array]:
+        """(num, den) of G_m(s), voltage to q_m, descending powers of s. Thesis (8.6)."""
+        rg2, Jm, Ja, k, d, fm = self.rg**2, self.Jm, self.Ja, self.k, self.d, self.fm
+        num = self.kt * np.array([Ja, d, k])
+        den = [
+            Jm * Ja,
+            d * Jm + fm * Ja + rg2 * d * Ja,
+            fm * d + k * Jm + rg2 * k * Ja,
+            fm * k,
+            0.0,
+        ]
+        return num, np.array(den)
+
+    @property
+    def arm_transfer(self) -> tuple[Array, Array]:
+        """(num, den) of G_a(s), q_m to q_a, descending powers of s. Thesis (8.7)."""
+        return self.rg * np.array([self.d, self.k]), np.array([self.Ja, self.d, self.k])
+
+    def motor(self, sample_time: float) -> System:
+        """G_m(q), voltage to q_m."""
+        A, B = zero_order_hold(*self.state_space, sample_time)
+        return state_space_to_system(A, B, np.array([[0.0, 0.0, 1.0, 0.0]]), sample_time)
+
+    def arm(self, sample_time: float) -> System:
+        """G_a(q), q_m to q_a, q_m held over each sample."""
+        return zoh(*self.arm_transfer, sample_time)
+
+    def arm_from_voltage(self, sample_time: float) -> System:
+        """Voltage to q_a through the whole state; compare `ArmReading`."""
+        A, B = zero_order_hold(*self.state_space, sample_time)
+        return state_space_to_system(A, B, np.array([[1.0, 0.0, 0.0, 0.0]]), sample_time)
+
+    def arm_to_motor_reference(self, sample_time: float) -> System:
+        """F_r(q) = q^-1 / G_a(q). Thesis (8.9); the delay makes it proper."""
+        G_a = self.arm(sample_time)
+        inverse = System(G_a.a, G_a.b[1:], sample_time)  # G_a has one sample of delay, as q^-1
+        return require_stable(inverse, "the motor reference filter F_r")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PdController:
+    """F(s) = K_p + K_d s / (1 + T_f s). Thesis (8.10); defaults (8.11)."""
+
+    Kp: float = 6.0
+    Kd: float = 0.274
+    Tf: float = 0.075
+    hold: Hold = Hold.TUSTIN
+
+    def discrete(self, sample_time: float) -> System:
+        """F(q). The thesis does not say how; Tustin and zoh lead to the same conclusions."""
+        num, den = [self.Kd + self.Kp * self.Tf, self.Kp], [self.Tf, 1.0]
+        return (tustin if self.hold is Hold.TUSTIN else zoh)(num, den, sample_time)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoMassLoop:
+    """The joint under feedback, with the correction added to the motor reference. Fig 8.2."""
+
+    joint: TwoMassJoint = field(default_factory=TwoMassJoint)
+    controller: PdController = field(default_factory=PdController)
+    reference_model: TwoMassJoint | None = None
+    """The joint that F_r believes in; None: the true one."""
+    arm_reading: ArmReading = ArmReading.THESIS
+    sample_time: float = 0.01
+    """[s]. Thesis Table 8.1."""
+
+    @property
+    def F(self) -> System:
+        return self.controller.discrete(self.sample_time)
+
+    @property
+    def T_motor(self) -> System:
+        """T_{u,m}, correction to q_m. Thesis (8.15). ValueError if the loop is unstable."""
+        return (self.joint.motor(self.sample_time) * self.F).feedback()
+
+    @property
+    def T_arm(self) -> System:
+        """T_{u,a}, correction to q_a. Thesis (8.16)."""
+        if self.arm_reading is ArmReading.THESIS:
+            return self.joint.arm(self.sample_time) * self.T_motor
+        # Both outputs of the joint have the same denominator a: the loop's is a a_F + b_m b_F.
+        forward = self.joint.arm_from_voltage(self.sample_time) * self.F
+        return System(forward.b, self.T_motor.a, self.sample_time)
+
+    @property
+    def F_r(self) -> System:
+        """Arm reference to motor reference. Thesis (8.8), (8.9)."""
+        model = self.reference_model or self.joint
+        return model.arm_to_motor_reference(self.sample_time)
+
+    def with_stiffness_error(self, factor: float = 2.0) -> "TwoMassLoop":
+        """The same loop with F_r built for a joint of factor times the stiffness. Fig 8.11."""
+        return replace(self, reference_model=replace(self.joint, k=factor * self.joint.k))
+
+
+def step_reference(
+    n_samples: int = 800, sample_time: float = 0.01, start: float = 1.0, box: int = 40
+) -> Array:
+    """r_a, shape (N, 1): a unit step through two moving averages of `box` samples. Fig 8.4.
+
+    The move takes 2 * box samples at constant acceleration, then deceleration. The thesis states
+    neither start nor length: these are Simulink's default step time and what fits Fig 8.4.
+
+    Raises:
+        ValueError: if the move does not end within the record.
+    """
+    first = round(start / sample_time)
+    if first < 0 or first + 2 * box > n_samples:
+        raise ValueError(
+            f"the move from sample {first} to {first + 2 * box} must lie within the record of "
+            f"{n_samples} samples"
+        )
+    step = (np.arange(n_samples) >= first).astype(np.float64)
+    average = np.full(box, 1.0 / box)
+    return np.convolve(np.convolve(step, average), average)[:n_samples, None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoMassRun:
+    """One repetition: both sides of the joint, each of shape (N, 1)."""
+
+    motor: Array
+    """q_m, measured."""
+    arm: Array
+    """q_a."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TwoMassPlant:
+    """The linear joint that repeats one arm reference; `run` returns a `TwoMassRun`."""
+
+    loop: TwoMassLoop = field(default_factory=TwoMassLoop)
+    arm_reference: Array = field(default_factory=step_reference)
+    """r_a, shape (N, 1)."""
+    motor_reference: Array = field(init=False)
+    """r_m = F_r r_a, shape (N, 1)."""
+    _T_motor: System = field(init=False, repr=False)
+    _to_arm: System = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        loop = self.loop
+        from_motor = loop.arm_reading is ArmReading.THESIS
+        object.__setattr__(self, "motor_reference", loop.F_r.simulate(self.arm_reference))
+        object.__setattr__(self, "_T_motor", loop.T_motor)
+        # G_a after q_m keeps more digits than T_{u,a}, whose seven poles lie close together.
+        to_arm = loop.joint.arm(loop.sample_time) if from_motor else loop.T_arm
+        object.__setattr__(self, "_to_arm", to_arm)
+
+    def run(self, correction: Array, /) -> TwoMassRun:
+        """q_m = T_{u,m} (r_m + u), q_a = T_{u,a} (r_m + u), from rest."""
+        asked = self.motor_reference + correction
+        motor = self._T_motor.simulate(asked)
+        from_motor = self.loop.arm_reading is ArmReading.THESIS
+        return TwoMassRun(motor=motor, arm=self._to_arm.simulate(motor if from_motor else asked))

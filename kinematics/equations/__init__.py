@@ -1,0 +1,1 @@
+"""Equations of a robot as straight-line programs: kinematics, dynamics, derivatives."""

@@ -1,0 +1,86 @@
+"""Derivatives of straight-line programs, step by step, so that nothing expands.
+
+The chain rule is applied to each named intermediate: the derivative of a program is a program of
+a few times its length, whatever the size of the expressions it stands for.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import sympy as sp
+
+from ..expressions.exact import Expression
+from .program import Block, Program, Tape
+
+
+def _step_derivative(
+    tape: Tape, expression: Expression, known: Mapping[Expression, Expression]
+) -> Expression:
+    """The directional derivative of one expression, given those of its symbols."""
+    parts = [
+        _partial(expression, symbol) * known[symbol]
+        for symbol in sorted(expression.free_symbols, key=str)
+        if known.get(symbol, 0) != 0
+    ]
+    return tape(sp.Add(*parts))
+
+
+def _partial(expression: Expression, symbol: sp.Basic) -> Expression:
+    """The derivative where it exists: a sign has none at its jump and 0 elsewhere."""
+    derivative = expression.diff(symbol)
+    return derivative.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
+
+
+def _direction(
+    tape: Tape, program: Program, seeds: Mapping[Expression, Expression]
+) -> list[tuple[Expression, ...]]:
+    """Directional derivatives of each output block, intermediates named on the tape."""
+    known = dict(seeds)
+    for symbol, expression in program.steps:
+        known[symbol] = _step_derivative(tape, expression, known)
+    return [
+        tuple(_step_derivative(tape, e, known) for e in block.elements) for block in program.outputs
+    ]
+
+
+def tangent(program: Program, seeds: Mapping[str, str]) -> Program:
+    """Jacobian-vector product: outputs differentiated along given rates of some inputs.
+
+    Args:
+        seeds: input name: name of the new input with its rates. Inputs not named are constant.
+    """
+    tape = Tape(program)
+    rates: dict[Expression, Expression] = {}
+    new_inputs = []
+    for block in program.inputs:
+        if block.name in seeds:
+            symbols = tuple(sp.Symbol(f"{e}_rate", real=True) for e in block.elements)
+            rates.update(zip(block.elements, symbols, strict=True))
+            new_inputs.append(Block(seeds[block.name], block.shape, symbols))
+    elements = _direction(tape, program, rates)
+    outputs = [
+        Block(f"{block.name}_rate", block.shape, values)
+        for block, values in zip(program.outputs, elements, strict=True)
+    ]
+    return tape.program(
+        f"{program.name}_rate", [*program.inputs, *new_inputs], outputs, program.notes
+    )
+
+
+def jacobian(program: Program, with_respect_to: Sequence[str]) -> Program:
+    """The matrix of partial derivatives of all outputs (in a row) to all named inputs.
+
+    Output block `H`, shape (number of output elements, number of input elements).
+    """
+    tape = Tape(program)
+    variables = [e for b in program.inputs if b.name in with_respect_to for e in b.elements]
+    if missing := set(with_respect_to) - {b.name for b in program.inputs}:
+        names = ", ".join(b.name for b in program.inputs)
+        raise ValueError(f"unknown inputs {sorted(missing)}; inputs: {names}")
+    columns = []
+    for variable in variables:
+        blocks = _direction(tape, program, {variable: sp.S.One})
+        columns.append([e for block in blocks for e in block])
+    rows = len(columns[0])
+    elements = tuple(column[row] for row in range(rows) for column in columns)
+    out = Block("H", (rows, len(columns)), elements)
+    return tape.program(f"{program.name}_jacobian", program.inputs, [out], program.notes)

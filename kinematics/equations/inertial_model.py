@@ -1,0 +1,126 @@
+"""What a robot weighs: bodies on its links, motors on its joints, gravity. Data only."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..dh import Robot, checked
+
+if TYPE_CHECKING:
+    from ..dh import Scalar
+
+_SLACK = 1e-9  # relative: how far rounding may take an inertia below the triangle inequality
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """A rigid body on a link, in the axes of that link's Denavit-Hartenberg frame.
+
+    Parameters are numbers or SymPy symbols; numbers are checked to belong to a real body.
+    """
+
+    mass: "Scalar"
+    """[kg]"""
+    com: tuple["Scalar", "Scalar", "Scalar"] = (0, 0, 0)
+    """Centre of mass from the frame's origin [m]."""
+    inertia: tuple["Scalar", "Scalar", "Scalar", "Scalar", "Scalar", "Scalar"] = (0, 0, 0, 0, 0, 0)
+    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2]."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mass", checked("mass", self.mass))
+        for name, size in (("com", 3), ("inertia", 6)):
+            values = tuple(checked(name, value) for value in getattr(self, name))
+            if len(values) != size:
+                raise ValueError(f"{name} must have {size} values, got {len(values)}")
+            object.__setattr__(self, name, values)
+        if isinstance(self.mass, int | float) and self.mass < 0:
+            raise ValueError(f"mass must be >= 0 kg, got {self.mass}")
+        if all(isinstance(value, int | float) for value in self.inertia):
+            _check_inertia(self.inertia)
+
+
+def _check_inertia(inertia: tuple[Any, ...]) -> None:
+    """Principal moments are not negative and none exceeds the sum of the other two."""
+    xx, yy, zz, xy, xz, yz = map(float, inertia)
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    slack = _SLACK * max(float(np.abs(moments).max()), 1e-12)
+    if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
+        raise ValueError(
+            f"inertia {inertia} is that of no body: principal moments {moments.tolist()} must be "
+            ">= 0 and obey the triangle inequality"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor:
+    """One drive, every quantity on the arm side of its gear (motor side times n or n^2)."""
+
+    inertia: "Scalar" = 0
+    """n^2 J_m [kg m^2]; acts on the motor angle phi_i, so it goes around the coupling."""
+    viscous: "Scalar" = 0
+    """[N m s/rad]"""
+    coulomb: "Scalar" = 0
+    """[N m]"""
+    stiffness: "Scalar | None" = None
+    """Gear spring k [N m/rad]; None where the joint is rigid."""
+    damping: "Scalar" = 0
+    """Gear damper d [N m s/rad]."""
+
+    def __post_init__(self) -> None:
+        for name in ("inertia", "viscous", "coulomb", "stiffness", "damping"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            value = checked(name, value)
+            if isinstance(value, int | float) and value < 0:
+                raise ValueError(f"{name} must be >= 0, got {value}")
+            object.__setattr__(self, name, value)
+
+
+NO_BODY = Body(mass=0)
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A robot with its masses and drives. Torques and accelerations are those of the motors."""
+
+    robot: Robot
+    bodies: tuple[Body, ...]
+    """One for each link, fixed links included."""
+    motors: tuple[Motor, ...] = ()
+    """One for each joint; massless and without friction by default."""
+    gravity: tuple["Scalar", "Scalar", "Scalar"] = (0, 0, -9.82)
+    """[m/s^2] in base axes."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bodies", tuple(self.bodies))
+        motors = tuple(self.motors) or (Motor(),) * self.robot.n_joints
+        object.__setattr__(self, "motors", motors)
+        gravity = tuple(checked("gravity", value) for value in self.gravity)
+        object.__setattr__(self, "gravity", gravity)
+        for name, expected in (("bodies", len(self.robot.links)), ("motors", self.robot.n_joints)):
+            if len(getattr(self, name)) != expected:
+                raise ValueError(
+                    f"{self.robot.name} needs {expected} {name}, got {len(getattr(self, name))}"
+                )
+        if len(gravity) != 3:
+            raise ValueError(f"gravity must have 3 components, got {len(gravity)}")
+
+    @property
+    def key(self) -> str:
+        """Text that two models share exactly when all their numbers are equal."""
+        return repr((self.robot.key, self.bodies, self.motors, self.gravity))
+
+    @property
+    def free_symbols(self) -> frozenset[Any]:
+        """Symbols among all parameters, the robot's included."""
+        found: set[Any] = set(self.robot.free_symbols)
+        values: list[Any] = [*self.gravity]
+        for body in self.bodies:
+            values += [body.mass, *body.com, *body.inertia]
+        for motor in self.motors:
+            values += [motor.inertia, motor.viscous, motor.coulomb, motor.stiffness, motor.damping]
+        for value in values:
+            found |= getattr(value, "free_symbols", set())
+        return frozenset(found)

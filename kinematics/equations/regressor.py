@@ -1,0 +1,106 @@
+"""Dynamics linear in the inertial parameters, and which of those matter. Thesis (2.17).
+
+Theta has ten numbers for each moving group of bodies: mass, first moment (3), inertia about the
+body frame's origin (xx, xy, xz, yy, yz, zz). Columns of Y are torques of unit parameters.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from .. import cache as native
+from .inertial_model import RobotModel
+
+RANK = 1e-9
+"""Singular values below this part of the greatest count as zero."""
+
+
+def parameters(model: RobotModel) -> Array:
+    """Theta of a model of numbers, shape (10 n,)."""
+    from .recursion import tree
+
+    segments = tree(model.robot, model.bodies).segments
+    return np.array([float(e) for segment in segments for e in segment.inertia.elements])
+
+
+def regressor(
+    model: RobotModel,
+    phi: ArrayLike,
+    phi_dot: ArrayLike,
+    phi_ddot: ArrayLike,
+    *,
+    cache: Path | str | None = None,
+) -> Array:
+    """Y with Y Theta = D phi'' + C phi' + g, rotor inertia and friction apart. Thesis (2.17).
+
+    Args:
+        phi, phi_dot, phi_ddot: shape (n,) or (N, n).
+
+    Returns:
+        shape (n, 10 n) or (N, n, 10 n).
+    """
+    motion = [np.asarray(a, dtype=np.float64) for a in (phi, phi_dot, phi_ddot)]
+    n = model.robot.n_joints
+    shapes = {a.shape for a in motion}
+    if len(shapes) > 1 or motion[0].ndim not in (1, 2) or motion[0].shape[-1] != n:
+        raise ValueError(f"phi, phi_dot, phi_ddot must all be ({n},) or (N, {n}), got {shapes}")
+    rows = [np.repeat(np.atleast_2d(a), 10 * n, axis=0) for a in motion]
+    units = np.tile(np.eye(10 * n), (len(rows[0]) // (10 * n), 1))
+    torques = np.empty((len(units), n))
+    _module(model, None if cache is None else Path(cache)).many(*rows, units, torques)
+    Y = torques.reshape(-1, 10 * n, n).swapaxes(1, 2)
+    return Y[0] if motion[0].ndim == 1 else Y
+
+
+def _module(model: RobotModel, cache: Path | None):
+    def source() -> str:
+        from ..codegen import numba_module
+        from .dynamics import parametric_torque
+
+        return numba_module(parametric_torque(model))
+
+    key = repr((model.robot.key, model.gravity))
+    return native.load("parametric_torque", key, source, cache)
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """The combinations of Theta that motion can show."""
+
+    independent: tuple[int, ...]
+    """Indices of columns of Y that span all of it."""
+    combination: Array
+    """Matrix K, shape (r, 10 n): base parameters = K Theta, and Y[:, independent] K = Y."""
+
+    def values(self, theta: ArrayLike) -> Array:
+        """Base parameters of a Theta, shape (r,)."""
+        return self.combination @ np.asarray(theta, dtype=np.float64)
+
+
+def base_parameters(
+    model: RobotModel, rng: np.random.Generator, samples: int = 60
+) -> BaseParameters:
+    """Base parameters by the numeric rank of Y over random motions.
+
+    Columns are taken in order, each that is no combination of those before it.
+    """
+    n = model.robot.n_joints
+    motion = rng.uniform(-np.pi, np.pi, (3, samples, n))
+    Y = regressor(model, *motion).reshape(-1, 10 * n)
+    scale = np.linalg.norm(Y, axis=0)
+    threshold = RANK * scale.max()
+    independent: list[int] = []
+    basis = np.empty((len(Y), 0))
+    for column in range(10 * n):
+        rest = Y[:, column] - basis @ (basis.T @ Y[:, column])
+        rest -= basis @ (basis.T @ rest)
+        if (length := np.linalg.norm(rest)) > threshold:
+            basis = np.column_stack([basis, rest / length])
+            independent.append(column)
+    K = np.asarray(np.linalg.lstsq(Y[:, independent], Y, rcond=None)[0], dtype=np.float64)
+    K[np.abs(K) < 1e-10] = 0.0
+    return BaseParameters(tuple(independent), K)

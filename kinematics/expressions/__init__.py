@@ -1,0 +1,1 @@
+"""Symbolic expressions: exact constants, a grammar for parameters, names, rotations."""

@@ -1,0 +1,72 @@
+"""Symbols with an index, functions of time, and their derivatives.
+
+`symbol("phi", 1)` is phi_1 and `moving("phi", 1)` is phi_1(t). The two are different variables, as
+are phi(t) and phi_1(t): nothing here works by the text of a name.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from .exact import Expression
+
+t = sp.Symbol("t", real=True)
+"""Time [s]."""
+
+
+def symbol(name: str, index: int | None = None) -> sp.Symbol:
+    """A constant, such as phi or phi_1."""
+    return sp.Symbol(_label(name, index), real=True)
+
+
+def moving(name: str, index: int | None = None) -> Any:
+    """A function of time, such as phi(t) or phi_1(t)."""
+    return sp.Function(_label(name, index), real=True)(t)
+
+
+def _label(name: str, index: int | None) -> str:
+    return name if index is None else f"{name}_{index}"
+
+
+def functions_of_time(expressions: Iterable[Expression]) -> tuple[Any, ...]:
+    """Every function of t in some expressions, in the order of their names."""
+    found = set().union(*(e.atoms(AppliedUndef) for e in map(sp.sympify, expressions)))
+    return tuple(sorted((f for f in found if f.args == (t,)), key=_natural))
+
+
+def _natural(expression: Any) -> tuple[str, int]:
+    name = expression.func.__name__ if isinstance(expression, AppliedUndef) else str(expression)
+    head, _, tail = name.rpartition("_")
+    return (head, int(tail)) if tail.isdigit() else (name, -1)
+
+
+def differentiate(expression: Any, variable: Any) -> Any:
+    """Partial derivative with respect to a symbol or a function of time such as q_1(t).
+
+    d q_1(t)/dt, q(t) and q_2(t) are other variables and count as constants. Thesis (4.6), (4.7).
+    """
+    held = sp.Dummy("held", real=True)
+    expression = sp.sympify(expression)
+    derivatives = {d: sp.Dummy() for d in expression.atoms(sp.Derivative)}
+    plain = expression.xreplace(derivatives).xreplace({variable: held})
+    result = plain.diff(held).xreplace({held: variable})
+    return result.xreplace({dummy: d for d, dummy in derivatives.items()})
+
+
+def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
+    """Names that code can use: q_1(t) -> q_1, its derivatives -> q_1d, q_1dd. Thesis 4.2.2.
+
+    Apply with `expression.xreplace(...)`; derivatives come first so that none is left half named.
+    """
+    names: dict[Any, sp.Symbol] = {}
+    expressions = list(expressions)
+    for expression in expressions:
+        for derivative in expression.atoms(sp.Derivative):
+            order = derivative.derivative_count
+            function = derivative.expr.func.__name__
+            names[derivative] = sp.Symbol(function + "d" * int(order), real=True)
+    for function in functions_of_time(expressions):
+        names[function] = sp.Symbol(function.func.__name__, real=True)
+    return names

@@ -1,0 +1,202 @@
+"""Inverse kinematics in closed form: every branch of an elbow arm with a spherical wrist.
+
+Thesis (2.7)-(2.10). Solutions are motor angles phi, so a coupling is solved for as well. Branches
+are numbered 4 shoulder + 2 elbow + wrist, each 0 or 1: the shoulder facing the target or turned
+away, the elbow bent one way or the other, the wrist turned or flipped.
+"""
+
+from dataclasses import dataclass
+from enum import IntFlag
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from .. import cache as native
+from ..dh import Robot
+from ..limits import Limits
+from .wrist_arm import WristArm, wrist_arm
+
+_ORTHOGONAL = 1e-6  # how far R^T R may be from the identity before T counts as no rigid motion
+
+
+class Singularity(IntFlag):
+    """Why a solution is one member of a family; the free angle keeps its reference value."""
+
+    NONE = 0
+    SHOULDER = 1
+    """The wrist centre is on axis 1: theta1 is free."""
+    ELBOW = 2
+    """The arm is stretched or folded: two elbow branches coincide."""
+    WRIST = 4
+    """Axes 4 and 6 align: only a combination of theta4 and theta6 is determined."""
+
+
+class UnreachableError(ValueError):
+    """A target outside the reach of the wrist centre."""
+
+    def __init__(self, robot: Robot, index: int, distance: float) -> None:
+        self.index = index
+        """Which target of the batch."""
+        self.distance = distance
+        """How far outside the wrist centre would have to be [m]."""
+        super().__init__(
+            f"target {index} is out of reach of {robot.name}: its wrist centre lies "
+            f"{distance * 1e3:.3f} mm outside the workspace"
+        )
+
+
+@dataclass(frozen=True)
+class Branches:
+    """All solutions of a batch of targets; a single target has no leading axis."""
+
+    phi: Array
+    """(..., 8, 6) motor angles [rad], NaN where a branch does not exist."""
+    exists: NDArray[np.bool_]
+    """(..., 8)"""
+    singular: NDArray[np.int8]
+    """(..., 8): `Singularity` flags."""
+
+
+def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = None) -> Branches:
+    """Every branch for each target.
+
+    Args:
+        T: shape (4, 4) or (N, 4, 4), T_base_tool.
+        reference: shape (6,), phi near which angles are unwrapped and free angles are chosen;
+            zero by default.
+
+    Raises:
+        UnreachableError: a target has no solution; says by how much.
+        UnsolvableGeometryError: the robot is of another kind.
+    """
+    arm = wrist_arm(robot)
+    W, single = _targets(arm, T)
+    start = _configuration(reference)
+    phi = np.empty((len(W), 8, 6))
+    flags = np.empty((len(W), 8), dtype=np.int8)
+    outside = np.empty(len(W))
+    theta_start = arm.M @ start + arm.constant
+    _kernel().solve_all(
+        W, arm.geometry, arm.M_inverse, arm.constant, theta_start, phi, flags, outside
+    )
+    exists = flags >= 0
+    _raise_unreachable(robot, outside)
+    phi[~exists] = np.nan
+    singular = np.maximum(flags, 0)
+    if single:
+        return Branches(phi[0], exists[0], singular[0])
+    return Branches(phi, exists, singular)
+
+
+def inverse_nearest(
+    robot: Robot, T: ArrayLike, previous: ArrayLike | None = None, limits: Limits | None = None
+) -> Array:
+    """The solution nearest to a previous configuration (zero by default), within limits if given.
+
+    With limits, whole turns are added where they bring an angle into its range.
+
+    Args:
+        T: shape (4, 4).
+
+    Returns:
+        phi, shape (6,) [rad].
+
+    Raises:
+        ValueError: no branch is within the limits.
+    """
+    start = _configuration(previous)
+    found = inverse_branches(robot, T, start)
+    if found.phi.ndim != 2:
+        raise ValueError(f"T must have shape (4, 4), got {np.shape(T)}; see inverse_path")
+    candidates = found.phi[found.exists]
+    if limits is not None:
+        candidates = _turned(robot, candidates)
+        candidates = candidates[limits.contain(candidates)]
+        if not len(candidates):
+            raise ValueError(
+                f"the target is in reach of {robot.name}, but all {found.exists.sum()} branches "
+                "are outside the joint limits"
+            )
+    return candidates[np.argmin(((candidates - start) ** 2).sum(axis=-1))]
+
+
+def inverse_path(
+    robot: Robot, T: ArrayLike, start: ArrayLike | None = None, limits: Limits | None = None
+) -> Array:
+    """One branch through a sequence of targets, each solution the nearest to the one before.
+
+    Args:
+        T: shape (N, 4, 4), T_base_tool along the path.
+        start: shape (6,), the first solution is the nearest to it (to zero by default).
+        limits: the first solution is chosen within them; leaving them later is an error.
+
+    Returns:
+        phi, shape (N, 6) [rad], without jumps of whole turns.
+    """
+    arm = wrist_arm(robot)
+    W, single = _targets(arm, T)
+    if single:
+        raise ValueError(f"T must have shape (N, 4, 4), got {np.shape(T)}; see inverse_nearest")
+    path = np.empty((len(W), 6))
+    if not len(W):
+        return path
+    T = np.asarray(T, dtype=np.float64)
+    path[0] = inverse_nearest(robot, T[0], start, limits)
+    outside, flag = np.zeros(len(W)), np.zeros(len(W), dtype=np.int8)
+    _kernel().follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
+    _raise_unreachable(robot, outside)
+    if limits is not None and not (inside := limits.contain(path)).all():
+        k = int(np.argmin(inside))
+        raise ValueError(
+            f"target {k} of {len(path)} leaves the joint limits of {robot.name} at "
+            f"phi = {np.degrees(path[k]).round(2).tolist()} deg"
+        )
+    return path
+
+
+@cache
+def _kernel() -> Any:
+    from pathlib import Path
+
+    return native.load("inverse", "", Path(__file__).with_name("kernel.py").read_text)
+
+
+def _turned(robot: Robot, phi: Array) -> Array:
+    """Each solution with every combination of -1, 0, 1 whole turns of the joints, (..., 6)."""
+    turns = 2 * np.pi * np.stack(np.meshgrid(*[[-1, 0, 1]] * 6), axis=-1).reshape(-1, 6)
+    return (phi[:, None] + np.linalg.solve(robot.coupling, turns.T).T).reshape(-1, 6)
+
+
+def _configuration(phi: ArrayLike | None) -> Array:
+    start = np.zeros(6) if phi is None else np.asarray(phi, dtype=np.float64)
+    if start.shape != (6,) or not np.isfinite(start).all():
+        raise ValueError(f"a configuration must be 6 finite motor angles, got {phi}")
+    return start
+
+
+def _targets(arm: WristArm, T: ArrayLike) -> tuple[Array, bool]:
+    """Checked targets as transforms from the arm's base to just after Rot_z(theta6)."""
+    T = np.asarray(T, dtype=np.float64)
+    if T.ndim not in (2, 3) or T.shape[-2:] != (4, 4):
+        raise ValueError(f"T must have shape (4, 4) or (N, 4, 4), got {T.shape}")
+    if not np.isfinite(T).all():
+        raise ValueError("T must be finite; it contains NaN or infinity")
+    R = T[..., :3, :3]
+    if not (
+        np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=_ORTHOGONAL)
+        and (np.linalg.det(R) > 0).all()
+        and (T[..., 3, :] == [0, 0, 0, 1]).all()
+    ):
+        raise ValueError("T must be rigid motions: a rotation, a position and a row 0 0 0 1")
+    W = np.ascontiguousarray(arm.head_inverse @ T @ arm.tail_inverse)
+    return (W[None], True) if W.ndim == 2 else (W, False)
+
+
+def _raise_unreachable(robot: Robot, outside: Array) -> None:
+    if outside.any():
+        index = int(np.flatnonzero(outside)[0])
+        raise UnreachableError(robot, index, float(outside[index]))

@@ -1,0 +1,161 @@
+"""Is this robot an elbow arm with a spherical wrist, and which one? The numbers of its geometry.
+
+A standard Denavit-Hartenberg table is asked; a modified one is the same chain cut elsewhere, so
+it is re-cut first.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import atan2, cos, hypot, sin
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .. import rigid
+from ..dh import Convention, Joint, Link, Robot
+
+_TINY = 1e-12  # [m] or [-]: a table's zero, or the cosine of a table's pi/2
+_FALLBACK = "use armside.kinematics.inverse_numeric, which needs a start configuration"
+
+
+class UnsolvableGeometryError(ValueError):
+    """The robot is not of a kind that the closed form covers."""
+
+
+@dataclass(frozen=True)
+class WristArm:
+    """What the closed form needs: constant ends, plane geometry, and the constant part of theta."""
+
+    head_inverse: Array
+    """(4, 4): inverse of the links before the first joint."""
+    tail_inverse: Array
+    """(4, 4): inverse of everything after Rot_z(theta6)."""
+    geometry: Array
+    """The vector g of the compiled kernel."""
+    M: Array
+    M_inverse: Array
+    constant: Array
+    """theta = M phi + constant, whole D-H angles."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Least and greatest distance of the wrist centre from axis 2 [m], in the arm's plane."""
+        a2, L = self.geometry[4], self.geometry[5]
+        return abs(a2 - L), a2 + L
+
+
+def link_transform(link: Link, variable: float = 0.0) -> Array:
+    """A of a link of numbers, standard convention. Thesis (3.29)."""
+    theta = float(link.theta) + (variable if link.joint is Joint.REVOLUTE else 0.0)
+    d = float(link.d) + (variable if link.joint is Joint.PRISMATIC else 0.0)
+    a, alpha = float(link.a), float(link.alpha)
+    c, s, ca, sa = cos(theta), sin(theta), cos(alpha), sin(alpha)
+    return np.array(
+        [
+            [c, -s * ca, s * sa, a * c],
+            [s, c * ca, -c * sa, a * s],
+            [0.0, sa, ca, d],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def standard_links(robot: Robot) -> tuple[Link, ...]:
+    """The same chain as standard links; a modified table gains one constant link in front."""
+    if robot.convention is Convention.STANDARD:
+        return robot.links
+    first = Link(a=robot.links[0].a, alpha=robot.links[0].alpha, joint=Joint.FIXED)
+    nexts = (*robot.links[1:], Link())
+    return (
+        first,
+        *(
+            replace(link, a=after.a, alpha=after.alpha)
+            for link, after in zip(robot.links, nexts, strict=True)
+        ),
+    )
+
+
+@lru_cache(maxsize=64)
+def wrist_arm(robot: Robot) -> WristArm:
+    """The geometry of a solvable robot.
+
+    Raises:
+        UnsolvableGeometryError: says which parameter stands in the way, and the numeric fallback.
+    """
+    _require(not robot.free_symbols, robot, "has symbolic parameters")
+    links = standard_links(robot)
+    moving = [i for i, link in enumerate(links) if link.moves]
+    _require(len(moving) == 6, robot, f"has {len(moving)} joints, not 6")
+    first, last = moving[0], moving[-1]
+    _require(last - first == 5, robot, "has constant links between its joints")
+    six = links[first : last + 1]
+    for number, link in enumerate(six, 1):
+        _require(link.joint is Joint.REVOLUTE, robot, f"joint {number} is not revolute")
+    _check_wrist(robot, six)
+    _check_arm(robot, six)
+    head = _product(links[:first])
+    tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ _product(links[last + 1 :])
+    M = robot.coupling.copy()
+    return WristArm(
+        rigid.inverse(head),
+        rigid.inverse(tail),
+        _geometry(six),
+        M,
+        np.asarray(np.linalg.inv(M), dtype=np.float64),
+        robot.offset + [float(link.theta) for link in six],
+    )
+
+
+def _product(links: tuple[Link, ...]) -> Array:
+    T = np.eye(4)
+    for link in links:
+        T = T @ link_transform(link)
+    return T
+
+
+def _require(condition: bool, robot: Robot, complaint: str) -> None:
+    if not condition:
+        raise UnsolvableGeometryError(
+            f"no closed-form inverse for {robot.name}: {complaint}; {_FALLBACK}"
+        )
+
+
+def _check_wrist(robot: Robot, six: tuple[Link, ...]) -> None:
+    """Axes 4, 5, 6 meet in one point, at right angles."""
+    for name, value in (("a4", six[3].a), ("a5", six[4].a), ("d5", six[4].d)):
+        _require(
+            abs(float(value)) < _TINY, robot, f"the wrist is not spherical: {name} = {value} m"
+        )
+    for name, link in (("alpha4", six[3]), ("alpha5", six[4])):
+        _require(
+            abs(cos(float(link.alpha))) < _TINY,
+            robot,
+            f"the wrist axes are not at right angles: {name} = {link.alpha} rad",
+        )
+
+
+def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
+    """Axis 2 is parallel to axis 3 and not to axis 1; both arm lengths are there."""
+    alpha1, alpha2 = float(six[0].alpha), float(six[1].alpha)
+    _require(abs(sin(alpha2)) < _TINY, robot, f"axes 2 and 3 are not parallel: alpha2 = {alpha2}")
+    _require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
+    g = _geometry(six)
+    _require(g[4] > _TINY and g[5] > _TINY, robot, "upper arm or forearm has no positive length")
+
+
+def _geometry(six: tuple[Link, ...]) -> Array:
+    d1, a1, alpha1 = float(six[0].d), float(six[0].a), float(six[0].alpha)
+    a2, d2 = float(six[1].a), float(six[1].d)
+    a3, d3, alpha3 = float(six[2].a), float(six[2].d), float(six[2].alpha)
+    d4 = float(six[3].d)
+    sigma = 1.0 if cos(float(six[1].alpha)) > 0 else -1.0
+    forearm = (a3, -sigma * sin(alpha3) * d4)
+    offset = d2 + sigma * (d3 + cos(alpha3) * d4)
+    return np.array(
+        [
+            d1, a1, sin(alpha1), cos(alpha1), a2, hypot(*forearm), atan2(forearm[1], forearm[0]),
+            offset, sigma, sin(float(six[3].alpha)), sin(float(six[4].alpha)), sin(alpha3),
+            cos(alpha3),
+        ]
+    )  # fmt: skip

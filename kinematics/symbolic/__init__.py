@@ -1,0 +1,1 @@
+"""Symbolic Denavit-Hartenberg procedures, Lagrangian dynamics, singular configurations."""

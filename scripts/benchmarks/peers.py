@@ -1,0 +1,99 @@
+"""The same robot in other libraries, to be timed beside ours. None of them is a dependency."""
+
+# pyright: reportMissingImports=false
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from armside.kinematics import Joint, Robot
+from armside.kinematics.equations.inertial_model import RobotModel
+from armside.kinematics.inverse.wrist_arm import link_transform, standard_links
+
+
+def pinocchio_model(robot: Robot) -> tuple[Any, int]:
+    """A Pinocchio model of a D-H robot, and its tool frame. It moves by joint variables, not phi.
+
+    Raises:
+        ImportError: Pinocchio (`pip install pin`) is not installed.
+    """
+    import pinocchio as pin
+
+    model = pin.Model()
+    parent, placement = 0, pin.SE3.Identity()
+    for number, link in enumerate(standard_links(robot)):
+        if link.moves:
+            kind = pin.JointModelRZ() if link.joint is Joint.REVOLUTE else pin.JointModelPZ()
+            parent = model.addJoint(parent, kind, placement, f"joint_{number}")
+            placement = pin.SE3.Identity()
+        placement = placement * pin.SE3(link_transform(link))
+    tool = pin.Frame("tool0", parent, 0, placement, pin.FrameType.OP_FRAME)
+    return model, model.addFrame(tool)
+
+
+def pinocchio_dynamics(model: RobotModel) -> SimpleNamespace:
+    """mass_matrix(q) and inverse_dynamics(q, v, a) of a model without motors, standard convention.
+
+    The mass matrix is handed over as Pinocchio makes it: its upper triangle is filled.
+    """
+    import pinocchio as pin
+
+    pinocchio, _ = pinocchio_model(model.robot)
+    joint, placement = 0, pin.SE3.Identity()
+    for link, body in zip(model.robot.links, model.bodies, strict=True):
+        if link.moves:
+            joint, placement = joint + 1, pin.SE3.Identity()
+        placement = placement * pin.SE3(link_transform(link))
+        xx, yy, zz, xy, xz, yz = body.inertia
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=float)
+        inertia = pin.Inertia(body.mass, np.array(body.com, dtype=float), tensor)
+        pinocchio.appendBodyToJoint(joint, inertia, placement)
+    pinocchio.gravity.linear = np.array(model.gravity, dtype=float)
+    data = pinocchio.createData()
+    crba, rnea = pin.crba, pin.rnea
+    return SimpleNamespace(
+        mass_matrix=lambda q: crba(pinocchio, data, q),
+        inverse_dynamics=lambda q, v, a: rnea(pinocchio, data, q, v, a),
+    )
+
+
+def pinocchio_functions(robot: Robot) -> SimpleNamespace:
+    """pose(q), jacobian(q), acceleration(q, v, a): the quickest ways we know to a NumPy array."""
+    model, tool = pinocchio_model(robot)
+    import pinocchio as pin
+
+    data = model.createData()
+    placement, axes = data.oMf[tool], pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    place, differentiate = pin.framesForwardKinematics, pin.computeFrameJacobian
+    move, accelerate = pin.forwardKinematics, pin.getFrameClassicalAcceleration
+
+    def pose(q: np.ndarray) -> np.ndarray:
+        place(model, data, q)
+        return placement.np
+
+    def jacobian(q: np.ndarray) -> np.ndarray:
+        return differentiate(model, data, q, tool, axes)
+
+    def acceleration(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        move(model, data, q, v, a)
+        return accelerate(model, data, tool, axes).vector
+
+    return SimpleNamespace(pose=pose, jacobian=jacobian, acceleration=acceleration)
+
+
+def toolbox_robot(robot: Robot) -> Any:
+    """A D-H robot of the Robotics Toolbox for Python; its configuration is the joint variables.
+
+    Raises:
+        ImportError: it (`pip install roboticstoolbox-python`) is not installed.
+    """
+    import roboticstoolbox as rtb
+
+    links = [
+        rtb.RevoluteDH(
+            d=float(link.d), a=float(link.a), alpha=float(link.alpha), offset=float(link.theta)
+        )
+        for link in robot.links
+    ]
+    return rtb.DHRobot(links)

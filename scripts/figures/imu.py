@@ -1,0 +1,176 @@
+"""The figures of thesis chapter 5 as PNG files, from arrays alone."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from armside.arrays import Array
+
+from .laser import COLORS, INK, REFERENCE, new_figure, save
+
+AXES = "xyz"
+SHADE = "#EFEFEF"
+
+
+def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> None:
+    """Accelerations at rest, the motors off and then on. Thesis Fig. 5.2.
+
+    time: (K,) [s]. acceleration: (K, 3) [m/s^2].
+    """
+    with _stack(file, "Acceleration at rest: motors off, then on", "Time [s]") as panels:
+        for axes, name, values in zip(panels, AXES, acceleration.T, strict=True):
+            axes.plot(time, values, color=COLORS[0], lw=0.5)
+            axes.axvline(motors_on_at, color=INK, lw=0.8, ls="--")
+            axes.set_ylabel(f"a$_{name}$ [m/s²]")
+
+
+def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
+    """Power spectra of the accelerometer at rest, (F, 3) [(m/s^2)^2/Hz]. Thesis 5.1.1."""
+    with _stack(file, "Acceleration at rest: power spectrum", "Frequency [Hz]") as panels:
+        for i, axes in enumerate(panels):
+            axes.semilogy(frequency[1:], off[1:, i], color=REFERENCE, lw=1.0, label="motors off")
+            axes.semilogy(frequency[1:], on[1:, i], color=COLORS[0], lw=1.0, label="motors on")
+            axes.set_ylabel(f"{AXES[i]} [(m/s²)²/Hz]")
+        panels[0].legend(frameon=False, fontsize=8, ncols=2)
+
+
+def motor_angles(file: Path, time: Array, angle: Array) -> None:
+    """Logged motor angles (N, 6) [rad], arm side. Thesis Figs. 5.4 and 5.5."""
+    figure = new_figure(9.0, 6.4)
+    figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
+    grid = figure.subplots(3, 2, sharex=True, sharey=True)
+    figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
+    for i, axes in enumerate(grid.flat):
+        axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
+        axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
+    for axes in grid[:, 0]:
+        axes.set_ylabel("angle [rad]", fontsize=8)
+    for axes in grid[-1]:
+        axes.set_xlabel("Time [s]")
+    save(figure, file)
+
+
+def path(file: Path, position: Array) -> None:
+    """Way of the IMU (N, 3) [m], base axes. Thesis Fig. 5.6."""
+    figure = new_figure(6.4, 5.6)
+    axes = figure.add_subplot(projection="3d")
+    axes.plot(*position.T, color=COLORS[0], lw=1.0)
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Performed motion of the IMU")
+    axes.set_box_aspect(np.maximum(np.ptp(position, axis=0), 0.05))
+    axes.view_init(elev=25, azim=-60)
+    axes.locator_params(nbins=4)
+    figure.savefig(file, metadata={"Software": None})
+
+
+def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
+    """TCP0 as it was and by D-H from the motor angles, and the difference. Thesis Fig. 5.7.
+
+    tool, predicted: (N, 3) [m]. All axes have the same scale.
+    """
+    figure = new_figure(9.0, 6.4)
+    figure.suptitle("Position of TCP0, base axes", x=0.02, ha="left")
+    grid = figure.subplots(3, 2, sharex=True)
+    half = 0.55 * max(float(np.ptp(predicted, axis=0).max()), 1e-3)
+    furthest = 1.1e3 * max(float(np.abs(tool - predicted).max()), 1e-6)
+    figure.subplots_adjust(left=0.09, right=0.98, bottom=0.09, top=0.9, hspace=0.2, wspace=0.25)
+    for i, (left, right) in enumerate(grid):
+        left.plot(time, tool[:, i], color=COLORS[1], lw=1.8, label="tool")
+        left.plot(time, predicted[:, i], color=COLORS[0], lw=0.9, label="D-H of motor angles")
+        left.set_ylabel(f"{AXES[i]} [m]")
+        middle = 0.5 * float(predicted[:, i].min() + predicted[:, i].max())
+        left.set_ylim(middle - half, middle + half)
+        right.set_ylim(-furthest, furthest)
+        right.plot(time, 1e3 * (tool - predicted)[:, i], color=INK, lw=0.8)
+        right.set_ylabel("difference [mm]", fontsize=8)
+    grid[0, 0].legend(frameon=False, fontsize=8)
+    for axes in grid[-1]:
+        axes.set_xlabel("Time [s]")
+    save(figure, file)
+
+
+def measured_and_predicted(
+    file: Path, time: Array, measured: Array, predicted: Array, title: str, symbol: str, unit: str
+) -> None:
+    """A vector of the IMU in base axes, (K, 3) each. Thesis Figs. 5.8 and 5.9."""
+    with _stack(file, title, "Time [s]") as panels:
+        for i, axes in enumerate(panels):
+            axes.plot(time, measured[:, i], color=COLORS[1], lw=1.4, label="measured")
+            axes.plot(time, predicted[:, i], color=COLORS[0], lw=0.8, label="predicted")
+            axes.set_ylabel(f"{symbol}$_{AXES[i]}$ [{unit}]")
+        panels[0].legend(frameon=False, fontsize=8, ncols=2)
+
+
+def acceleration_error(
+    file: Path,
+    time: Array,
+    curves: Mapping[str, Array],
+    window: float,
+    shaded: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+) -> None:
+    """Moving RMS of the acceleration error. Thesis Fig. 5.10.
+
+    curves: label: (K, 3) [m/s^2]. shaded: label: a part of the motion, from and to [s].
+    """
+    title = f"Acceleration error: RMS over {window:g} s"
+    with _stack(file, title, "Time [s]") as panels:
+        top = 1.08 * max(float(values.max()) for values in curves.values())
+        for i, axes in enumerate(panels):
+            for part in shaded.values():
+                axes.axvspan(*part, color=SHADE, lw=0)
+            for (label, values), color in zip(curves.items(), COLORS, strict=False):
+                axes.plot(time, values[:, i], color=color, lw=1.2, label=label)
+            axes.set_ylabel(f"a$_{AXES[i]}$ [m/s²]")
+            axes.set_ylim(0.0, top)
+        for label, part in shaded.items():
+            middle = float(np.mean(part))
+            panels[0].text(middle, 0.93 * top, label, ha="center", va="top", fontsize=8, color=INK)
+        if len(curves) > 1:
+            panels[-1].legend(frameon=False, fontsize=8, ncols=2)
+
+
+def clocks(
+    file: Path, time: Array, measured: Array, predicted: Array, offset: float, errors: Array
+) -> None:
+    """The movement that synchronises the clocks, and how well others are found. Thesis 5.3.1.
+
+    time: (K,) [s], of the robot. measured, predicted: (K,) [rad/s]. offset: of the IMU's clock [s].
+    errors: of the offsets found for other IMUs (n,) [s].
+    """
+    figure = new_figure(10.0, 3.4)
+    figure.suptitle("Synchronisation of the clocks", x=0.02, ha="left")
+    whole, near, found = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
+    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.15, top=0.8, wspace=0.32)
+    steepest = int(np.abs(np.diff(predicted)).argmax())
+    for axes in (whole, near):
+        axes.plot(time, predicted, color=INK, lw=2.0, label="predicted from motor angles")
+        axes.plot(time - offset, measured, color=COLORS[1], lw=1.0, label="IMU, its own clock")
+        axes.plot(time, measured, color=COLORS[0], lw=1.2, ls="--", label="IMU, offset found")
+        axes.set_xlabel("Time [s]")
+    whole.set_ylabel("ω$_z$ [rad/s]")
+    whole.set_title("The movement", loc="left", fontsize=9)
+    shown = slice(max(steepest - 4, 0), steepest + 5)
+    near.set_xlim(time[shown][0], time[shown][-1])
+    near.set_ylim(predicted[shown].min(), predicted[shown].max())
+    near.set_title(f"Its steepest part, {1e3 * abs(offset):.1f} ms apart", loc="left", fontsize=9)
+    near.legend(frameon=False, fontsize=8)
+    found.plot(1e3 * errors, np.arange(len(errors)), "o", color=COLORS[0], ms=4)
+    found.axvline(0.0, color=INK, lw=0.8)
+    found.set(xlim=(-1.0, 1.0), xlabel="error [ms]", yticks=[])
+    found.set_title(f"Offset found, {len(errors)} others", loc="left", fontsize=9)
+    save(figure, file)
+
+
+@contextmanager
+def _stack(file: Path, title: str, x_label: str) -> Iterator[Sequence[Axes]]:
+    """Three panels above each other with one axis of x, saved when the block ends well."""
+    figure = new_figure(8.0, 5.6)
+    figure.suptitle(title, x=0.02, ha="left")
+    panels: Sequence[Axes] = figure.subplots(3, 1, sharex=True)
+    figure.subplots_adjust(left=0.11, right=0.98, bottom=0.1, top=0.91, hspace=0.15)
+    panels[-1].set_xlabel(x_label)
+    yield panels
+    save(figure, file)

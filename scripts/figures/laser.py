@@ -1,0 +1,180 @@
+"""The figures of a run as PNG files, from arrays alone: same arrays, same bytes.
+
+Colours are those of Okabe and Ito, which stay apart in colour-blind eyes; markers differ too.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
+
+from armside.arrays import Array
+
+COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+MARKERS = ("o", "s", "^", "D", "v", "P")
+INK = "#333333"
+REFERENCE = "#9A9A9A"
+SHOWN_DEVIATION = 0.6
+"""How far the worst deviation reaches in `circles.png`, as a part of the shape's half-width."""
+MOST_PANELS = 12
+
+
+def circles(
+    file: Path,
+    reference: Array,
+    measured: Sequence[Array],
+    *,
+    rms: Sequence[float],
+    maxdev: Sequence[float],
+    title: str = "Tool path at every iteration",
+    iterations: Sequence[int] | None = None,
+) -> None:
+    """Reference and measured path, a panel per iteration, deviations magnified. Thesis Fig 9.10.
+
+    reference: (M, 2) closed path [m] in the plane of the shape, moved to the origin.
+    measured: for each iteration k, (M_k, 2) [m], registered to the reference.
+    rms, maxdev: for each iteration [m], written above its panel.
+    iterations: k of each measured path; 0, 1, 2 ... if None.
+    All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
+    Points that are not finite (a lost beam, a run that diverged) leave a gap.
+    """
+    measured = [np.where(np.isfinite(p).all(axis=1, keepdims=True), p, np.nan) for p in measured]
+    foot = [_nearest(path, reference) for path in measured]
+    half_width = 0.5 * float(np.ptp(reference, axis=0).max())
+    worst = _largest([np.hypot(*(p - f).T) for p, f in zip(measured, foot, strict=True)])
+    factor = _magnification(SHOWN_DEVIATION * half_width / max(worst, 1e-12))
+
+    magnified = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
+    closed = np.vstack([reference, reference[:1]]) * 1e3
+    reach = 1.06 * _largest([closed, *magnified])
+    scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
+
+    names = range(len(measured)) if iterations is None else iterations
+    shown = _panels(len(measured))
+    figure, panels = _panel_grid(len(shown))
+    figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
+    for axes, k in zip(panels, shown, strict=True):
+        axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
+        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"measured, {scale}")
+        axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
+        numbers = f"RMS {rms[k] * 1e6:.0f} µm, max {maxdev[k] * 1e6:.0f} µm"
+        axes.set_title(f"k = {names[k]}    {numbers}", fontsize=9)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
+    save(figure, file)
+
+
+def errors(
+    file: Path,
+    motor: Array,
+    arm_rms: Sequence[float],
+    arm_maxdev: Sequence[float],
+    *,
+    motor_label: str = "motor error, 2-norm, normalised",
+) -> None:
+    """Errors by iteration: six motors on the left, the tool on the right. Thesis Figs 9.9, 9.11.
+
+    motor: (K, 6) normalised motor errors. arm_rms, arm_maxdev: (K,) [m].
+    """
+    figure = new_figure(9.6, 4.0)
+    left, right = figure.subplots(1, 2)
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.91, wspace=0.24)
+    iterations = np.arange(len(motor))
+    for i, (color, marker) in enumerate(zip(COLORS, MARKERS, strict=True)):
+        label = f"motor {i + 1}"
+        left.plot(iterations, motor[:, i], marker=marker, color=color, ms=5, lw=1.3, label=label)
+    left.set_yscale("log")
+    left.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+    left.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    left.yaxis.set_minor_formatter(StrMethodFormatter("{x:g}"))
+    left.set_title("Motor side: what the robot sees", loc="left")
+    left.set_ylabel(motor_label)
+    left.legend(ncols=2, frameon=False, fontsize=8)
+    for values, label, style in ((arm_maxdev, "maximum", "s-"), (arm_rms, "RMS", "o-")):
+        color = COLORS[1] if label == "maximum" else COLORS[0]
+        right.plot(iterations, np.asarray(values) * 1e6, style, color=color, lw=1.3, label=label)
+    right.set_ylim(bottom=0.0)
+    right.set_title("Arm side: what the tool does", loc="left")
+    right.set_ylabel("tool deviation [µm]")
+    right.legend(frameon=False, fontsize=8)
+    for axes in (left, right):
+        axes.set_xlabel("iteration k")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
+        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+    save(figure, file)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of width and height [inch], apart from any global state of matplotlib."""
+    figure = Figure(figsize=(width, height), dpi=120)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
+    """Square panels, placed by hand [inch]: a layout engine would draw everything twice."""
+    side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.7
+    n_columns = min(3, n_panels)
+    n_rows = -(-n_panels // n_columns)
+    width = left + n_columns * side + (n_columns - 1) * gap + right
+    height = bottom + n_rows * side + (n_rows - 1) * gap + top
+    figure = new_figure(width, height)
+    grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
+    figure.subplots_adjust(
+        left=left / width,
+        right=1 - right / width,
+        bottom=bottom / height,
+        top=1 - top / height,
+        wspace=gap / side,
+        hspace=gap / side,
+    )
+    for axes in grid.flat[n_panels:]:
+        axes.set_visible(False)
+    for axes in grid[:, 0]:
+        axes.set_ylabel("y [mm]")
+    for axes in grid[-1, :]:
+        axes.set_xlabel("x [mm]")
+    return figure, list(grid.flat[:n_panels])
+
+
+def save(figure: Figure, file: Path) -> None:
+    """Give all axes the common look and write a PNG without anything that changes by itself."""
+    for axes in figure.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(which="both", colors=INK, labelsize=8)
+    figure.savefig(file, metadata={"Software": None})
+
+
+def _panels(n_iterations: int) -> list[int]:
+    """The iterations that get a panel: all, or some evenly spread with the first and the last."""
+    n_shown = min(n_iterations, MOST_PANELS)
+    return sorted({round(k) for k in np.linspace(0, n_iterations - 1, n_shown)})
+
+
+def _largest(arrays: Sequence[Array]) -> float:
+    """The largest magnitude among all finite values; 0 if there are none."""
+    values = np.abs(np.concatenate([array.ravel() for array in arrays]))
+    return float(values.max(where=np.isfinite(values), initial=0.0))
+
+
+def _magnification(at_most: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above `at_most`; at least 1."""
+    decade = 10.0 ** np.floor(np.log10(max(at_most, 1.0)))
+    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= max(at_most, 1.0))
+
+
+def _nearest(points: Array, path: Array) -> Array:
+    """For each of (N, 2) points the nearest point on the closed polyline `path` (M, 2)."""
+    start, step = path, np.roll(path, -1, axis=0) - path
+    length2 = np.maximum((step**2).sum(1), np.finfo(float).tiny)
+    along = ((points[:, None] - start) * step).sum(2) / length2
+    foot = start + np.clip(along, 0.0, 1.0)[..., None] * step
+    best = ((points[:, None] - foot) ** 2).sum(2).argmin(1)
+    return foot[np.arange(len(points)), best]

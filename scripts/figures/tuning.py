@@ -1,0 +1,95 @@
+"""Figures of `armside tune`: how the search went, and what mattered."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+
+from ..studies.study import WORST, Tried
+from .laser import COLORS, REFERENCE, new_figure, save
+
+HEIGHT = 4.2
+"""[inch], of the history."""
+COLUMNS = 3
+"""Of its legend."""
+LEVELS = (1.0, 2.0, 3.0, 5.0, 7.0)
+"""Numbers on the axis of a ratio, times powers of ten."""
+
+
+def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
+    """Each design's ratio, and the best so far as the sensor sees it and in truth.
+
+    tried: at least one that was tried to the end and did not diverge.
+    sees: whose eyes the ratio is seen with, such as "as the tracker sees it".
+    """
+    number = np.array([t.number for t in tried])
+    seen = np.array([t.seen for t in tried])
+    true = np.array([t.true for t in tried], dtype=float)
+    whole = np.array([t.whole for t in tried])
+    diverged = seen >= WORST
+    figure = new_figure(8.0, HEIGHT)
+    axes = figure.subplots()
+    axes.axhline(1.0, color="#DDDDDD", lw=1.0)
+    for chosen, marker, label in (
+        (whole & ~diverged, "o", "design"),
+        (~whole, "x", "given up, at its last iteration"),
+    ):
+        if chosen.any():
+            axes.plot(number[chosen], seen[chosen], marker, ms=4, color=REFERENCE, label=label)
+    if diverged.any():
+        edge = np.full(diverged.sum(), 0.98)
+        above = {"transform": axes.get_xaxis_transform(), "label": "diverged, beyond the axis"}
+        axes.plot(number[diverged], edge, "^", ms=5, color=COLORS[1], **above)
+    holder = _holders(np.where(whole, seen, np.inf))
+    best = np.where(holder < 0, np.nan, seen[holder])
+    axes.step(number, best, where="post", color=COLORS[0], label=f"best so far, {sees}")
+    best = np.where(holder < 0, np.nan, true[holder])
+    axes.step(number, best, "--", where="post", color=COLORS[2], label="the same design in truth")
+    axes.set_yscale("log")
+    axes.margins(y=0.1)
+    axes.yaxis.set_major_locator(LogLocator(subs=LEVELS))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("trial")
+    axes.set_ylabel("RMS of the tool, after learning / before")
+    legend = axes.legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=COLUMNS, frameon=False, fontsize=8
+    )
+    rows = -(-len(legend.get_texts()) // COLUMNS)
+    top = 1.0 - (0.2 + 0.2 * rows) / HEIGHT
+    figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=top)
+    save(figure, file)
+
+
+def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
+    """Share of each parameter, largest on top, and the most that random orders of trials give it.
+
+    found: `Importance` of each as a mapping, the largest first.
+    """
+    names = list(found)[::-1]
+    height = 1.4 + 0.28 * len(names)
+    figure = new_figure(7.0, height)
+    axes = figure.subplots()
+    figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.35 / height)
+    told = [found[name]["share"] > found[name]["by_chance"] for name in names]
+    colors = [COLORS[0] if one else REFERENCE for one in told]
+    axes.barh(names, [found[name]["share"] for name in names], color=colors)
+    chance = [found[name]["by_chance"] for name in names]
+    axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
+    axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
+    axes.set_xlabel("importance (PED-ANOVA); grey: not told from chance")
+    figure.legend(loc="upper right", frameon=False, fontsize=8)
+    save(figure, file)
+
+
+def _holders(values: np.ndarray) -> np.ndarray:
+    """Index of the smallest value up to each; -1 before there is a finite one below WORST."""
+    holder, best = -1, WORST
+    holders = []
+    for i, value in enumerate(values):
+        if value < best:
+            holder, best = i, value
+        holders.append(holder)
+    return np.array(holders)

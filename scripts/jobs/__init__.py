@@ -1,0 +1,1 @@
+"""Jobs on many processes: queue, store of results, grids of configurations."""

@@ -1,0 +1,126 @@
+"""What a configuration of `armside laser` comes to: its row in a dataset, and its key.
+
+Options that come to the same run have the same key, whichever way they were written; a file with
+another content is another configuration, wherever it is.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from armside.sim.cell import CELLS, ToolPose
+from armside.sim.records.summary import plain
+from armside.sim.robot.model import load_model
+
+from ..laser_options import LaserCfg, arm_learning
+from ..laser_task import MM, dimensions, tool_pose
+from ..shell.errors import InputError
+
+FILES = ("contour", "model", "identification")
+"""Options that name a file or a folder of files."""
+Content = Callable[[str, Path], str]
+"""Hash of what the file of an option holds."""
+
+
+def content_of(name: str, path: Path) -> str:
+    """Hash of what the file of an option holds, and of what a model includes.
+
+    Raises:
+        InputError: the model cannot be read.
+        OSError: a file is missing or cannot be read.
+    """
+    if name == "identification":
+        return _digest(path / "summary.json")
+    if name == "contour":  # its suffix tells how it is read
+        return path.suffix.lower() + _digest(path)
+    try:
+        parts = mujoco.mju_getXMLDependencies(str(path))
+    except mujoco.FatalError as error:
+        raise InputError(f"{path} is not a usable MJCF model: {error}") from error
+    whole = [_digest(path), *sorted(_digest(Path(part)) for part in parts)]
+    return hashlib.sha256("".join(whole).encode()).hexdigest()
+
+
+def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
+    """Each option with the value that its run has, in the units of the options.
+
+    None where it has no part in the run (the radius of a square), where a file says it (the corners
+    of a contour), or for a payload of a model without a tool of its own.
+
+    Raises:
+        ValueError: options that do not go together, or an unknown pose.
+        OSError: a file cannot be read.
+    """
+    run = {field.name: getattr(cfg, field.name) for field in fields(cfg)}
+    for name in ("gamma", "delta", "cutoff"):
+        if len(set(run[name])) == 1:
+            run[name] = run[name][:1]
+    run["law"] = "heuristic" if cfg.measure == "motor" else arm_learning(cfg).law.value
+    if cfg.measure == "motor":
+        run |= dict.fromkeys(("stiffness_error", "identification", "on_imu_fault"))
+    run |= dict.fromkeys(("radius", "size", "width", "corner")) | dimensions(cfg)
+    if cfg.contour is not None:
+        run["shape"] = None
+    run |= _place(cfg)
+    if cfg.payload is None:
+        known = content("model", cfg.model) if cfg.model else ""
+        run["payload"] = _tool_mass(cfg.model or CELLS[cfg.robot].xml, known)
+    return plain(run)
+
+
+def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
+    """What a run depends on, but for its seed: the options it comes to, and the content of files.
+
+    Raises:
+        ValueError: options that do not go together, an unknown pose, or a model that is none.
+        OSError: a file cannot be read.
+    """
+    what = resolved(cfg, content)
+    if what["identification"]:  # it is known by how its place was written
+        what["identified_at"] = plain((cfg.pose, cfg.position, cfg.quaternion))
+    return what | {name: content(name, getattr(cfg, name)) for name in FILES if what[name]}
+
+
+def key_of(options: Mapping[str, Any], seed: int, content: Content = content_of) -> str:
+    """Sixteen hexadecimal digits of the whole configuration. One that cannot be run has a key too.
+
+    options: those of `armside laser` that are not left out.
+    """
+    try:
+        what = identity(LaserCfg(**options), content)
+    except (ValueError, OSError):
+        what = {"refused": plain(options)}
+    text = json.dumps(what | {"experiment": "laser", "seed": seed}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _place(cfg: LaserCfg) -> dict[str, Any]:
+    """Position [mm] and orientation of the tool, and the pose that has both."""
+    ours = _rounded(tool_pose(cfg))
+    poses = CELLS[cfg.robot].poses
+    name = next((name for name, pose in poses.items() if _rounded(pose) == ours), None)
+    return {"pose": name, "position": ours[0], "quaternion": ours[1]}
+
+
+def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Position [mm] and quaternion, without the noise of a change of units."""
+    position = tuple(round(x / MM, 9) for x in pose.position)
+    return position, tuple(round(q, 12) for q in pose.quaternion)
+
+
+@cache
+def _tool_mass(source: Path, content: str) -> float | None:
+    """[kg], as a robot's file has it. content: of that file, where it may change."""
+    mj = load_model(source).mj
+    tool = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
+    return float(mj.body_mass[tool]) if tool >= 0 else None
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()

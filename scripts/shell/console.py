@@ -1,0 +1,100 @@
+"""What a command prints: progress on stderr, tables or JSON on stdout, as the options ask."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+from rich.text import Text
+
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.summary import dumps
+
+from .options import Common
+
+PIPE_WIDTH = 240
+"""Columns of a table that is not written to a terminal: wide enough never to cut a number."""
+
+
+def cell(value: Any) -> str:
+    """A number with four significant digits; anything else as it is."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+class Report:
+    """Prints what `--quiet` and `--json` leave to be printed."""
+
+    def __init__(self, common: Common) -> None:
+        self.common = common
+
+    @contextmanager
+    def progress(self, task: str, total: int) -> Iterator[Callable[[], None]]:
+        """A progress bar while the block runs; call what it yields after each of `total` steps."""
+        shown = sys.stderr.isatty() and not self.common.quiet
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+        console = Console(file=sys.stderr)
+        with Progress(
+            *columns, TimeElapsedColumn(), console=console, disable=not shown, transient=True
+        ) as bar:
+            task_id = bar.add_task(task, total=total)
+            yield lambda: bar.advance(task_id)
+
+    @contextmanager
+    def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
+        """As `progress`, for steps of unequal weight; shows the time that is left."""
+        shown = sys.stderr.isatty() and not self.common.quiet
+        columns = (TextColumn("{task.description} {task.percentage:3.0f} %"), BarColumn())
+        console = Console(file=sys.stderr)
+        with Progress(
+            *columns,
+            TimeRemainingColumn(elapsed_when_finished=True),
+            console=console,
+            disable=not shown,
+            transient=True,
+            speed_estimate_period=120.0,
+        ) as bar:
+            task_id = bar.add_task(task, total=total)
+            yield lambda weight: bar.advance(task_id, weight)
+
+    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        """A table on stdout: text columns to the left, numbers to the right."""
+        table = Table(title=Text(title), title_justify="left", title_style="bold")
+        for index, name in enumerate(columns):
+            numeric = all(not isinstance(row[index], str) for row in rows)
+            table.add_column(Text(name), justify="right" if numeric else "left")
+        for row in rows:
+            table.add_row(*(Text(cell(value)) for value in row))
+        self._print(table)
+
+    def line(self, text: str) -> None:
+        """One line on stdout."""
+        self._print(Text(text))
+
+    def summary(self, summary: Any) -> None:
+        """The summary as JSON on stdout, when `--json` asks for it."""
+        if self.common.json:
+            sys.stdout.write(dumps(summary))
+
+    def _print(self, renderable: Any) -> None:
+        if self.common.quiet or self.common.json:
+            return
+        width = None if sys.stdout.isatty() else PIPE_WIDTH
+        Console(width=width, soft_wrap=isinstance(renderable, Text)).print(renderable)
+
+
+def keep(summary: dict[str, Any], common: Common) -> None:
+    """Write a summary into the folder `--out`, for commands that write no other files."""
+    if common.out is not None:
+        name = summary["config"]["experiment"]
+        with RunFolder(name, seed=common.seed, out=common.out) as folder:
+            (folder / "summary.json").write_text(dumps(summary), encoding="utf-8")

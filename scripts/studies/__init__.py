@@ -1,0 +1,1 @@
+"""Searched designs, their storage, and learned policies."""

@@ -1,0 +1,54 @@
+"""A learned policy as plain arrays: a small network, run with NumPy alone."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from armside.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Network:
+    """x -> W_n tanh(... tanh(W_1 x + b_1) ...) + b_n, clipped to [-1, 1]."""
+
+    weights: tuple[Array, ...]
+    """Each (outputs, inputs)."""
+    biases: tuple[Array, ...]
+    """Each (outputs,)."""
+
+    def __post_init__(self) -> None:
+        if not self.weights or len(self.weights) != len(self.biases):
+            raise ValueError(
+                f"a network needs as many weights as biases, got {len(self.weights)} and "
+                f"{len(self.biases)}"
+            )
+
+    def __call__(self, observed: np.ndarray) -> np.ndarray:
+        """The action, float32, for an observation (50,) or one in each row."""
+        x = np.asarray(observed, dtype=np.float64)
+        for W, b in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            x = np.tanh(x @ W.T + b)
+        return np.clip(x @ self.weights[-1].T + self.biases[-1], -1.0, 1.0).astype(np.float32)
+
+    def save(self, file: Path) -> None:
+        """Write as .npz."""
+        layers = zip(self.weights, self.biases, strict=True)
+        arrays = {
+            name: array
+            for i, (W, b) in enumerate(layers)
+            for name, array in ((f"W{i}", W), (f"b{i}", b))
+        }
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+
+    @classmethod
+    def load(cls, file: Path) -> "Network":
+        """Read what `save` has written. Raises ValueError for another kind of file."""
+        with np.load(file) as arrays:
+            n = len(arrays.files) // 2
+            if sorted(arrays.files) != sorted(f"{s}{i}" for s in "Wb" for i in range(n)):
+                raise ValueError(f"{file} is not a policy: it holds {', '.join(arrays.files)}")
+            return cls(
+                weights=tuple(arrays[f"W{i}"] for i in range(n)),
+                biases=tuple(arrays[f"b{i}"] for i in range(n)),
+            )

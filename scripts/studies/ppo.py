@@ -1,0 +1,178 @@
+"""PPO of Stable-Baselines3 on the batched tuning env. Imported only where that is installed."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports]
+from stable_baselines3.common.callbacks import (  # pyright: ignore[reportMissingImports]
+    BaseCallback,
+)
+from stable_baselines3.common.vec_env import VecEnv  # pyright: ignore[reportMissingImports]
+
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
+
+from .policy import Network
+
+HIDDEN = 64
+"""Units of each of two layers: the default of Stable-Baselines3."""
+BATCH = 160
+"""Samples of a gradient step: half of what 64 cells bring in. ESTIMATE, not searched for."""
+EPOCHS = 8
+"""Passes over what was brought in; Stable-Baselines3 has 10. ESTIMATE, not searched for."""
+RATE = 1e-3
+"""Learning rate at first, three times that of Stable-Baselines3, as it falls to 0 at the end.
+ESTIMATE, not searched for."""
+GAE_LAMBDA = 0.95
+"""Of the advantages: the default of Stable-Baselines3."""
+LOG_STD = -1.2
+"""Of the actions tried at first: 0.3 in [-1, 1]."""
+
+
+class Cells(VecEnv):
+    """Our vector env, in SameStep mode, as Stable-Baselines3 wants it."""
+
+    def __init__(self, env: IlcTuningVectorEnv, seed: int) -> None:
+        self._env = env  # which the next line asks for its render mode
+        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
+        self._first_seed: int | None = seed
+
+    def reset(self) -> np.ndarray:
+        observed, _ = self._env.reset(seed=self._first_seed)
+        self._first_seed = None
+        return observed
+
+    def step_async(self, actions: np.ndarray) -> None:
+        self._actions = np.asarray(actions, dtype=np.float32)
+
+    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
+        observed, reward, terminated, truncated, infos = self._env.step(self._actions)
+        done = terminated | truncated
+        each: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for i in np.flatnonzero(done):
+            # The budget is part of the task, and the observation tells k: the end of an episode is
+            # its end, so nothing says `TimeLimit.truncated`, which would add a value beyond it.
+            each[i] = {
+                "terminal_observation": infos["final_obs"][i],
+                "diverged": bool(terminated[i]),
+            }
+        return observed, reward.astype(np.float32), done, each
+
+    def close(self) -> None:
+        self._env.close()
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        return [getattr(self._env, attr_name)] * len(self._indices(indices))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        raise NotImplementedError("the rules of the cells are fixed")
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
+        raise NotImplementedError("the cells have no methods of their own")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        return [False] * len(self._indices(indices))
+
+    def _indices(self, indices: Any) -> Sequence[int]:
+        return range(self.num_envs) if indices is None else np.atleast_1d(indices).tolist()
+
+
+class _Curve(BaseCallback):
+    """Mean return of the episodes that ended in each batch."""
+
+    def __init__(self, done: Callable[[], None]) -> None:
+        super().__init__()
+        self._done = done
+        self.rows: list[dict[str, Any]] = []
+        self._returns: list[float] = []
+        self._diverged: list[bool] = []
+
+    def _on_training_start(self) -> None:
+        self._sum = np.zeros(self.training_env.num_envs)
+
+    def _on_step(self) -> bool:
+        self._sum += self.locals["rewards"]
+        for i in np.flatnonzero(self.locals["dones"]):
+            self._returns.append(float(self._sum[i]))
+            self._diverged.append(self.locals["infos"][i]["diverged"])
+            self._sum[i] = 0.0
+        for _ in range(len(self._sum)):
+            self._done()
+        return True
+
+    def _on_rollout_end(self) -> None:
+        if self._returns:
+            self.rows.append(
+                {
+                    "steps": self.num_timesteps,
+                    "mean_return": float(np.mean(self._returns)),
+                    "diverged": float(np.mean(self._diverged)),
+                }
+            )
+            self._returns, self._diverged = [], []
+
+
+def learn(
+    env: IlcTuningVectorEnv,
+    steps: int,
+    *,
+    start: np.ndarray,
+    seed: int,
+    discount: float,
+    done: Callable[[], None] = lambda: None,
+) -> tuple[Network, list[dict[str, Any]]]:
+    """Learn for that many steps.
+
+    Args:
+        env: its robots are the cells that learn; in SameStep mode.
+        steps: learning iterations of ILC over all cells; a multiple of those of one episode of
+            every cell, after each of which the network is updated.
+        start: the action that the policy begins with, in every situation: (3,) or (18,), in
+            [-1, 1].
+        seed: of the first cell, the others count up from it, and of PPO's own draws.
+        discount: of the reward of an iteration later.
+        done: called after each learning iteration of each cell; what it raises ends the learning.
+
+    Returns:
+        The network of the mean action, and the learning curve: after each batch in which episodes
+        ended, how many `steps` were done, the `mean_return` of these episodes (sum of rewards:
+        natural log of the tool's RMS before learning over that after) and the part of them that
+        `diverged`, 0 to 1.
+
+    Raises:
+        ValueError: steps is no such multiple.
+    """
+    import torch  # pyright: ignore[reportMissingImports]
+
+    torch.set_num_threads(1)
+    per_batch = env.rules.iterations
+    if steps % (per_batch * env.num_envs):
+        raise ValueError(f"steps must be a multiple of {per_batch * env.num_envs}, got {steps}")
+    model = PPO(
+        "MlpPolicy",
+        Cells(env, seed),
+        n_steps=per_batch,
+        batch_size=min(BATCH, per_batch * env.num_envs),
+        n_epochs=EPOCHS,
+        learning_rate=lambda left: RATE * left,  # to 0 at the end
+        gamma=discount,
+        gae_lambda=GAE_LAMBDA,
+        ent_coef=0.0,
+        policy_kwargs={"net_arch": [HIDDEN, HIDDEN], "log_std_init": LOG_STD},
+        seed=seed,
+        device="cpu",
+    )
+    # The last layer's weights are small at first: its bias is the action.
+    model.policy.action_net.bias.data.copy_(torch.from_numpy(start))
+    curve = _Curve(done)
+    model.learn(steps, callback=curve)
+    return _network(model), curve.rows
+
+
+def _network(model: PPO) -> Network:
+    layers = [layer for layer in model.policy.mlp_extractor.policy_net if hasattr(layer, "weight")]
+    layers.append(model.policy.action_net)
+    return Network(
+        weights=tuple(layer.weight.detach().numpy().astype(np.float64) for layer in layers),
+        biases=tuple(layer.bias.detach().numpy().astype(np.float64) for layer in layers),
+    )

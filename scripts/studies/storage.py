@@ -1,0 +1,225 @@
+"""The database of Optuna's studies: what is wrong with it is said in one line, what is secret in
+its URL is not said at all, and trials whose process was killed are tried again.
+
+Optuna is imported here only where it is used: it takes half a second.
+"""
+
+import random
+import re
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Timer
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+from ..shell.errors import InputError, RunFailed, one_line
+
+if TYPE_CHECKING:
+    import optuna
+
+CONNECT_TIMEOUT = 10
+"""[s], for a storage server to answer."""
+LOCK_TIMEOUT = 60
+"""[s], for other programs to let go of an SQLite file: processes that share a study write for
+milliseconds each, but in no order, and one that gives up has lost its trial."""
+SLOW = 5.0
+"""[s], after which a person is told what is waited for."""
+HAVE_TIMEOUT = ("psycopg", "psycopg2", "mysqldb", "pymysql")
+"""Drivers that take it as `connect_timeout`."""
+SHOWN = ("host", "port", "dbname", "service", "sslmode", "charset", "mode", "uri", "timeout")
+"""What may be shown of a URL's query: each driver has names of its own for what is secret."""
+TABLES = {"studies": "study_id", "trials": "trial_id"}
+"""Tables of Optuna with names that another program may have given too, and a column of each."""
+HEARTBEAT = 2
+"""[s], between signs of life of a running trial."""
+SILENCE = 8
+"""[s] without one, four of them, after which other processes take a trial for dead. Being wrong
+costs one trial: `Objective` bears that its own was taken away."""
+RETRIES = 2
+"""Of a trial that died: its design may be what kills."""
+ATTEMPTS = 5
+"""At making the tables of a new database, which others may be making too."""
+
+
+@contextmanager
+def reaching(storage: str) -> Iterator[None]:
+    """Open a storage: what its URL, its driver or its server can cause becomes InputError.
+
+    Says on stderr what is waited for where that takes long, as with a file that is locked.
+    """
+    patience = Timer(SLOW, _say_waiting, [storage])
+    patience.daemon = True
+    patience.start()
+    try:
+        yield
+    except InputError:
+        raise
+    except ImportError as error:
+        raise InputError(_missing(storage, error)) from error
+    except _failures() as error:
+        raise InputError(
+            f"storage {redacted(storage)!r} does not answer: {_reason(error)}"
+        ) from error
+    finally:
+        patience.cancel()
+
+
+@contextmanager
+def using(storage: str) -> Iterator[None]:
+    """Work with an open storage: one that is lost on the way becomes RunFailed."""
+    from optuna.exceptions import StorageInternalError
+    from sqlalchemy.exc import SQLAlchemyError
+
+    try:
+        yield
+    except (SQLAlchemyError, StorageInternalError) as error:
+        raise RunFailed(
+            f"storage {redacted(storage)!r} failed: {_reason(error)}; it keeps finished trials"
+        ) from error
+
+
+def connect(storage: str) -> "optuna.storages.RDBStorage":
+    """The database, with its tables. Processes that make them at the same moment try again.
+
+    storage: URL as SQLAlchemy writes them; the folder of an SQLite file is made. Raises InputError
+    for what is none, and for a database of another program; use it in a block of `reaching`.
+    """
+    from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
+
+    options = _options(storage)
+    _refuse_foreign(storage, options)
+    for attempt in range(1, ATTEMPTS + 1):
+        try:
+            return _open(storage, options)
+        except (IntegrityError, OperationalError, ProgrammingError) as error:
+            others = not isinstance(error, OperationalError) or "already exists" in str(error)
+            if attempt == ATTEMPTS or not others:
+                raise
+            time.sleep(random.uniform(0.5, 1.5))
+    raise AssertionError("unreachable")
+
+
+def redacted(storage: str) -> str:
+    """The URL with *** for its password, and for all of its query that may be one."""
+
+    def value(found: re.Match[str]) -> str:
+        name = found["name"]
+        return found[0] if unquote(name).lower() in SHOWN else f"{found['mark']}{name}=***"
+
+    storage = re.sub(r"(://[^:/@]*):.*@", r"\1:***@", storage)
+    return re.sub(r"(?P<mark>[?&])(?P<name>[^=&]*)=[^&]*", value, storage)
+
+
+def fail_silent(study: "optuna.Study") -> None:
+    """Give up on running trials without a sign of life: each is tried again, at most RETRIES
+    times."""
+    import optuna
+
+    with _experiments_allowed():
+        optuna.storages.fail_stale_trials(study)
+
+
+def _options(storage: str) -> dict[str, Any]:
+    """Keyword arguments of Optuna's storage for this kind of database."""
+    from sqlalchemy.engine import make_url
+    from sqlalchemy.exc import ArgumentError
+
+    try:
+        url = make_url(storage)
+        driver = url.get_dialect().driver
+    except (ArgumentError, ValueError) as error:
+        raise InputError(
+            f"storage {redacted(storage)!r} is no SQLAlchemy URL, such as sqlite:///runs/x.sqlite3"
+        ) from error
+    if url.get_backend_name() != "sqlite":
+        limit = {"connect_timeout": CONNECT_TIMEOUT} if driver in HAVE_TIMEOUT else {}
+        return {"engine_kwargs": {"connect_args": limit, "pool_pre_ping": True}} | _watched()
+    options: dict[str, Any] = {"engine_kwargs": {"connect_args": {"timeout": LOCK_TIMEOUT}}}
+    if url.database in (None, "", ":memory:"):  # belongs to a single thread
+        return options
+    Path(url.database).parent.mkdir(parents=True, exist_ok=True)
+    return options | _watched()
+
+
+def _watched() -> dict[str, Any]:
+    """Running trials give signs of life; one that stops to is failed, and tried again."""
+    from optuna.storages import RetryHeartbeatStaleTrialCallback
+
+    with _experiments_allowed():
+        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+    return {
+        "heartbeat_interval": HEARTBEAT,
+        "grace_period": SILENCE,
+        "heartbeat_stale_trial_callback": again,
+    }
+
+
+def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
+    """Raise InputError for tables of another program: Optuna would add its own beside them."""
+    import sqlalchemy
+
+    engine = sqlalchemy.create_engine(storage, **options["engine_kwargs"])
+    try:
+        known = sqlalchemy.inspect(engine)
+        for table in set(TABLES) & set(known.get_table_names()):
+            if TABLES[table] not in [column["name"] for column in known.get_columns(table)]:
+                raise InputError(
+                    f"storage {redacted(storage)!r} belongs to another program: its table "
+                    f"{table!r} is none of Optuna's"
+                )
+    finally:
+        engine.dispose()
+
+
+def _open(storage: str, options: dict[str, Any]) -> "optuna.storages.RDBStorage":
+    import optuna
+
+    # Optuna fills a template in: braces in a path or a password are none.
+    literal = storage.replace("{", "{{").replace("}", "}}")
+    with _experiments_allowed():
+        return optuna.storages.RDBStorage(literal, **options)
+
+
+@contextmanager
+def _experiments_allowed() -> Iterator[None]:
+    """Optuna calls its heartbeats experimental, in a warning at each use."""
+    from optuna.exceptions import ExperimentalWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ExperimentalWarning)
+        yield
+
+
+def _say_waiting(storage: str) -> None:
+    print(f"armside: waiting for storage {redacted(storage)!r}", file=sys.stderr)
+
+
+def _failures() -> tuple[type[Exception], ...]:
+    """What a storage fails with that is not what it is asked to be."""
+    from optuna.exceptions import OptunaError
+    from sqlalchemy.exc import SQLAlchemyError
+
+    # RuntimeError: tables of another version of Optuna.
+    return SQLAlchemyError, OptunaError, OSError, ValueError, RuntimeError
+
+
+def _missing(storage: str, error: ImportError) -> str:
+    """Which driver to install. Optuna wraps the error that names it."""
+    cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
+    advice = ""
+    if storage.startswith("postgresql"):
+        advice = "; pip install 'armside[postgres]' brings that of postgresql+psycopg://"
+    missing = f"the database driver {cause.name}, which is not installed"
+    return f"storage {redacted(storage)!r} needs {missing}{advice}"
+
+
+def _reason(error: BaseException) -> str:
+    """The driver's own words, without those of SQLAlchemy and Optuna around them."""
+    while error.__cause__ is not None:
+        error = error.__cause__
+    cause = getattr(error, "orig", None) or error
+    return one_line(cause).split(" Is the server running")[0]

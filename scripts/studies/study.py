@@ -1,0 +1,248 @@
+"""Optuna studies of `armside tune`: opened or resumed, and what they know so far.
+
+Optuna is imported here only where it is used: it takes half a second.
+"""
+
+import logging
+import time
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from armside.sim.tuning.design import VARIABLES, Design, Motors, Scale
+
+from ..shell.errors import InputError
+from .storage import SILENCE, connect, fail_silent, reaching
+
+if TYPE_CHECKING:
+    import optuna
+
+Sampler = Literal["tpe", "random", "cmaes"]
+Pruner = Literal["percentile", "none"]
+
+WORST = 1e3
+"""Objective of a design that diverges: no finite one is that bad."""
+TRUE = "ratio_true"
+"""User attribute of a trial: the objective, had the tool been seen as it was."""
+PATIENCE = 3
+"""The first iteration, counted from 1, after which a design may be given up: what learns slowly is
+behind at first, and what learns fast may lose again what it had gained."""
+WRITTEN = 2.0
+"""[s], in which the process that has made a study writes what it tunes."""
+COMPARED = 10
+"""Complete designs, before which none is given up. ESTIMATE: as many as TPE draws at random."""
+KEPT = 75.0
+"""[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
+
+
+class Tried(NamedTuple):
+    """What became of one design."""
+
+    number: int
+    seen: float
+    """The objective after the last iteration, WORST if it diverged."""
+    true: float | None
+    """The same in truth; None where it is not known."""
+    whole: bool
+    """Tried to the end, not given up."""
+
+
+def open_study(
+    storage: str,
+    name: str,
+    config: Mapping[str, Any],
+    *,
+    sampler: Sampler,
+    pruner: Pruner,
+    seed: int,
+) -> "optuna.Study":
+    """The study of that name, new or as other processes have left it.
+
+    Args:
+        storage: see `study_storage.connect`.
+        config: what is tuned; a study of another configuration is refused.
+
+    Raises:
+        InputError: the storage does not answer, is no URL or another program's, its driver is not
+            installed, or the study tunes something else.
+    """
+    import optuna
+
+    optuna.logging.set_verbosity(logging.ERROR)
+    how: dict[str, Any] = {"sampler": _sampler(sampler, seed), "pruner": _pruner(pruner)}
+    with reaching(storage):
+        database = connect(storage)
+        try:  # of processes that start together, one makes the study
+            study = optuna.create_study(
+                storage=database, study_name=name, direction="minimize", **how
+            )
+            study.set_user_attr("config", dict(config))
+        except optuna.exceptions.DuplicatedStudyError:
+            study = optuna.load_study(storage=database, study_name=name, **how)
+        known = _config(study, config)
+    if known != dict(config):
+        changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
+        raise InputError(
+            f"study {name!r} tunes something else: {', '.join(changed)} differ; "
+            "give another --study"
+        )
+    return study
+
+
+def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
+    """What a study tunes. The process that has made it may be about to write it; if that was
+    killed in between, it is this."""
+    end = time.monotonic() + WRITTEN
+    while (known := study.user_attrs.get("config")) is None and time.monotonic() < end:
+        time.sleep(0.1)
+    if known is None:
+        study.set_user_attr("config", dict(config))
+        known = study.user_attrs["config"]
+    return known
+
+
+def suggest(trial: "optuna.Trial", motors: Motors) -> Design:
+    """Ask the study for a design."""
+    values: dict[str, tuple[Any, ...]] = {}
+    for variable in VARIABLES:
+        names = [variable.name] if motors is Motors.SHARED else parameter_names(variable.name)
+        if variable.scale is Scale.WHOLE:
+            low, high = int(variable.low), int(variable.high)
+            values[variable.name] = tuple(trial.suggest_int(name, low, high) for name in names)
+        else:
+            log = variable.scale is Scale.LOGARITHMIC
+            values[variable.name] = tuple(
+                trial.suggest_float(name, variable.low, variable.high, log=log) for name in names
+            )
+    return Design(**values)
+
+
+def parameter_names(variable: str) -> list[str]:
+    """Names of the parameters of six motors."""
+    return [f"{variable}_{i}" for i in range(1, 7)]
+
+
+def parameters(design: Design, motors: Motors) -> dict[str, float]:
+    """A design as the parameters of a study."""
+    if motors is Motors.SHARED:
+        return {v.name: getattr(design, v.name)[0] for v in VARIABLES}
+    return {
+        name: value
+        for variable, values in design.arrays().items()
+        for name, value in zip(parameter_names(variable), values.tolist(), strict=True)
+    }
+
+
+def ask_first(
+    study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
+) -> None:
+    """Try a design next, unless it was tried, is waiting, or another process is trying it now.
+
+    One whose trial failed, or whose process was killed, is asked for again. Whether a process was
+    killed shows when it has been silent for long enough, which is waited for.
+
+    check: called while waiting; what it raises ends that.
+    """
+    from optuna.trial import TrialState
+
+    # The database counts whole seconds, and one more must have passed.
+    end = time.monotonic() + SILENCE + 2.0
+    while TrialState.RUNNING in (known := _states(study, values)) and time.monotonic() < end:
+        check()
+        time.sleep(0.2)
+    if not known - {TrialState.FAIL}:
+        study.enqueue_trial(values)
+
+
+def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":
+    """Of all trials of a design, after those of killed processes have failed."""
+    fail_silent(study)
+    return {
+        trial.state
+        for trial in study.get_trials(deepcopy=False)
+        if trial.system_attrs.get("fixed_params", trial.params) == values
+    }
+
+
+def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
+    """Trials that ran to their end or were pruned, in the order of their numbers."""
+    from optuna.trial import TrialState
+
+    return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
+
+
+def outcomes(study: "optuna.Study") -> list[Tried]:
+    """Of all finished trials."""
+    from optuna.trial import TrialState
+
+    return [
+        Tried(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
+        for t in finished(study)
+    ]
+
+
+def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
+    """Each complete trial that was better than all before it, and did not diverge."""
+    from optuna.trial import TrialState
+
+    found: list[optuna.trial.FrozenTrial] = []
+    best = WORST
+    for trial in study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
+        if value(trial) < best:
+            best = value(trial)
+            found.append(trial)
+    return found
+
+
+def value(trial: "optuna.trial.FrozenTrial") -> float:
+    """The objective of a finished trial, or what it last reported when it was given up."""
+    assert trial.value is not None
+    return trial.value
+
+
+def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
+    """Trial n draws from stream n of the seed: processes that share a study never repeat each
+    other, and a study that was stopped between trials goes on as if it had not been. A trial that
+    was cut short keeps its number, so that those after it draw other designs."""
+    import optuna
+
+    class PerTrial(optuna.samplers.BaseSampler):
+        def before_trial(self, study: Any, trial: Any) -> None:
+            entropy = np.random.SeedSequence([seed, trial.number])
+            self._of_trial = _new_sampler(name, int(entropy.generate_state(1)[0]))
+            self._of_trial.before_trial(study, trial)
+
+        def infer_relative_search_space(self, study: Any, trial: Any) -> dict[str, Any]:
+            return self._of_trial.infer_relative_search_space(study, trial)
+
+        def sample_relative(self, study: Any, trial: Any, search_space: Any) -> dict[str, Any]:
+            return self._of_trial.sample_relative(study, trial, search_space)
+
+        def sample_independent(
+            self, study: Any, trial: Any, param_name: str, param_distribution: Any
+        ) -> Any:
+            return self._of_trial.sample_independent(study, trial, param_name, param_distribution)
+
+        def after_trial(self, study: Any, trial: Any, state: Any, values: Any) -> None:
+            self._of_trial.after_trial(study, trial, state, values)
+
+    return PerTrial()
+
+
+def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
+    import optuna
+
+    if name == "none":
+        return optuna.pruners.NopPruner()
+    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=COMPARED, n_warmup_steps=PATIENCE)
+
+
+def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
+    import optuna
+
+    if name == "random":
+        return optuna.samplers.RandomSampler(seed=seed)
+    if name == "cmaes":
+        return optuna.samplers.CmaEsSampler(seed=seed)
+    return optuna.samplers.TPESampler(seed=seed, constant_liar=True)

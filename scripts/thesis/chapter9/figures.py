@@ -1,0 +1,280 @@
+"""The figures of chapter 9 from arrays alone, in the look of all our figures."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
+
+Curves = Mapping[str, ArrayLike]
+"""Label: values over x."""
+
+LINE_STYLES = ("-", "--", ":", "-.")
+MOTORS = tuple(f"motor {i}" for i in range(1, 7))
+
+
+def panels(
+    file: Path,
+    title: str,
+    content: Mapping[str, Curves],
+    x: ArrayLike | None = None,
+    *,
+    xlabel: str = "iteration k",
+    ylabel: str = "",
+    log: bool = False,
+    columns: int = 3,
+    ordered: bool = False,
+    wide: bool = False,
+) -> None:
+    """Curves in panels that share their scales and one legend.
+
+    content: panel title: curves. x: of all curves; 0, 1, 2 ... if None. ordered: the curves differ
+    by an amount, shown by a sequence of colours; otherwise by kind, shown by colour and marker.
+    """
+    n = len(content)
+    columns = min(columns, n)
+    rows = -(-n // columns)
+    width = 6.2 if n == 1 else 4.4 if wide else 3.1
+    figure, grid = _grid(rows, columns, width, 2.5 if rows > 1 else 3.2, share_y=True)
+    _title(figure, title)
+    for axes, (name, curves) in zip(grid, content.items(), strict=False):
+        _draw(axes, curves, x, ordered)
+        axes.set_title(name, loc="left", fontsize=9)
+        _scale(axes, log, x)
+    if not log:
+        top = max(
+            float(np.nanmax(values)) for curves in content.values() for values in curves.values()
+        )
+        grid[0].set_ylim(0.0, 1.06 * top)
+    for axes in grid[:n][-columns:]:
+        axes.set_xlabel(xlabel)
+    for axes in grid[::columns]:
+        axes.set_ylabel(ylabel, fontsize=9)
+    for axes in grid[n:]:
+        axes.set_visible(False)
+    _legend(figure, grid[0])
+    save(figure, file)
+
+
+def by_motor(
+    file: Path,
+    title: str,
+    curves: Mapping[str, Array],
+    x: ArrayLike | None = None,
+    *,
+    xlabel: str = "iteration k",
+    ylabel: str = "error (9.5), ∞-norm",
+    log: bool = True,
+    ordered: bool = False,
+) -> None:
+    """A panel for each motor; curves: label: (K, 6) over x."""
+    content = {
+        f"Motor {i + 1}": {name: values[:, i] for name, values in curves.items()} for i in range(6)
+    }
+    panels(file, title, content, x, xlabel=xlabel, ylabel=ylabel, log=log, ordered=ordered)
+
+
+def by_position(file: Path, positions: Sequence[str], errors: Array) -> None:
+    """Normalised errors (P, 6) without learning, motors side by side. Thesis Fig. 9.5."""
+    figure = new_figure(8.0, 3.6)
+    axes = figure.subplots()
+    figure.subplots_adjust(left=0.08, right=0.86, bottom=0.12, top=0.88)
+    figure.suptitle("Largest motor error without learning", x=0.02, ha="left")
+    places = np.arange(len(positions))
+    for i in range(6):
+        axes.bar(places + 0.13 * (i - 2.5), errors[:, i], 0.12, color=COLORS[i], label=MOTORS[i])
+    axes.set_xticks(places, positions)
+    axes.set_ylabel("error (9.5), ∞-norm")
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    save(figure, file)
+
+
+def criterion(
+    file: Path,
+    frequency: Array,
+    learning: Mapping[str, Mapping[str, Array]],
+    bounds: Mapping[str, Array],
+) -> None:
+    """|1 - L T_u| for several shifts and 1/|Q| for several cutoffs, by model. Thesis Fig. 9.8.
+
+    frequency: (M,) [Hz]. learning: model: shift: (M,). bounds: cutoff: (M,).
+    """
+    figure, grid = _grid(1, len(learning), 4.9, 3.6)
+    _title(figure, "Convergence criterion: each coloured curve must stay below 1/|Q|")
+    for axes, (name, curves) in zip(grid, learning.items(), strict=True):
+        for color, (label, values) in zip(_sequence(len(curves)), curves.items(), strict=True):
+            axes.semilogx(frequency, values, color=color, lw=1.4, label=label)
+        for style, (label, values) in zip(LINE_STYLES, bounds.items(), strict=False):
+            shown = np.where(values < 3.0, values, np.nan)
+            axes.semilogx(frequency, shown, color=INK, ls=style, lw=1.2, label=label)
+        axes.set(ylim=(0.0, 2.0), xlim=(frequency[0], frequency[-1]), xlabel="frequency [Hz]")
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.set_title(name, loc="left", fontsize=9)
+        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+    grid[0].set_ylabel(r"$|1 - L\,T_u|$")
+    _legend(figure, grid[0])
+    save(figure, file)
+
+
+def simulated(file: Path, time: Array, cases: Mapping[str, tuple[Array, Array]]) -> None:
+    """Measured response to the correction and its simulation by a model; (N,) [mrad] each."""
+    figure, grid = _grid(-(-len(cases) // 2), 2, 4.6, 2.4)
+    _title(figure, "Response of the motor to the correction, and the identified model")
+    for axes, (name, (measured, model)) in zip(grid, cases.items(), strict=False):
+        axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, $y_5 - y_0$")
+        axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, $T_u u_5$")
+        axes.set_title(name, loc="left", fontsize=9)
+    for axes in grid[-2:]:
+        axes.set_xlabel("time [s]")
+    for axes in grid[::2]:
+        axes.set_ylabel("[mrad]")
+    _legend(figure, grid[0])
+    save(figure, file)
+
+
+def distributions(
+    file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, tuple[float, float]]
+) -> None:
+    """Histograms of samples, a panel each; a band that should hold them is shaded."""
+    figure, grid = _grid(-(-len(content) // 3), min(3, len(content)), 3.3, 2.6)
+    _title(figure, title)
+    for axes, (name, values) in zip(grid, content.items(), strict=False):
+        low, high = bands.get(name, (np.nan, np.nan))
+        axes.hist(values, bins=20, color=COLORS[0])
+        left, right = axes.get_xlim()
+        if np.isfinite(low) or np.isfinite(high):
+            start = low if np.isfinite(low) else left
+            stop = high if np.isfinite(high) else right
+            axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
+            axes.set_xlim(min(left, start), max(right, stop))
+        axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
+        axes.set_title(name, loc="left", fontsize=8)
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    for axes in grid[len(content) :]:
+        axes.set_visible(False)
+    grid[0].set_ylabel("robots")
+    _legend(figure, grid[0])
+    save(figure, file)
+
+
+def fields(
+    file: Path,
+    title: str,
+    content: Mapping[str, tuple[Array, NDArray[np.bool_]]],
+    rows: Sequence[str],
+    columns: Sequence[str],
+    *,
+    row_label: str,
+    column_label: str,
+) -> None:
+    """A panel for each phenomenon: its value at every (row, column), coloured where it holds.
+
+    content: name: (values, holds), each of shape (rows, columns).
+    """
+    n = len(content)
+    height = 0.36 * len(rows) + 0.75
+    figure, grid = _grid(-(-n // 3), min(3, n), 0.52 * len(columns) + 0.8, height)
+    _title(figure, title)
+    for axes, (name, (values, holds)) in zip(grid, content.items(), strict=False):
+        for i in range(len(rows)):
+            for j in range(len(columns)):
+                color = "#BFE3D6" if holds[i, j] else "#F6D3C2"
+                axes.add_patch(_cell(j, i, color))
+                axes.text(
+                    j,
+                    i,
+                    f"{values[i, j]:.2f}",
+                    ha="center",
+                    va="center",
+                    fontsize=7,
+                    color=INK if holds[i, j] else "#8A2E00",
+                )
+        axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
+        axes.set_xticks(range(len(columns)), columns)
+        axes.set_yticks(range(len(rows)), rows)
+        axes.set_title(name, loc="left", fontsize=8)
+    for axes in grid[n:]:
+        axes.set_visible(False)
+    for axes in grid[:n][-min(3, n) :]:
+        axes.set_xlabel(column_label, fontsize=8)
+    for axes in grid[::3]:
+        axes.set_ylabel(row_label, fontsize=8)
+    figure.text(0.5, 0.02, "green: as in the thesis; orange: not", ha="center", fontsize=8)
+    save(figure, file)
+
+
+def _cell(column: int, row: int, color: str) -> Rectangle:
+    return Rectangle((column - 0.5, row - 0.5), 1.0, 1.0, facecolor=color, edgecolor="white")
+
+
+def _title(figure: Figure, text: str) -> None:
+    figure.suptitle(text, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    """One legend below all panels, as many columns as fit."""
+    handles, labels = axes.get_legend_handles_labels()
+    widest = 0.55 + 0.075 * max(map(len, labels))  # [inch] at this size of letters
+    columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
+    figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8)
+
+
+def _grid(
+    rows: int, columns: int, width: float, height: float, *, share_y: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """Panels of width x height [inch], with room for a title above and a legend below."""
+    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.95, 0.62, 0.45, 0.62
+    total_width = left + right + columns * width + (columns - 1) * gap_x
+    total_height = bottom + top + rows * height + (rows - 1) * gap_y
+    figure = new_figure(total_width, total_height)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=share_y)
+    figure.subplots_adjust(
+        left=left / total_width,
+        right=1.0 - right / total_width,
+        bottom=bottom / total_height,
+        top=1.0 - top / total_height,
+        wspace=gap_x / width,
+        hspace=gap_y / height,
+    )
+    return figure, list(grid.flat)
+
+
+def _draw(axes: Axes, curves: Curves, x: ArrayLike | None, ordered: bool) -> None:
+    colors = _sequence(len(curves)) if ordered else COLORS
+    for i, (name, values) in enumerate(curves.items()):
+        at = np.arange(np.size(values)) if x is None else np.asarray(x)
+        axes.plot(
+            at,
+            np.asarray(values),
+            color=colors[i % len(colors)],
+            marker=MARKERS[i % len(MARKERS)],
+            ls=LINE_STYLES[i // len(COLORS) % len(LINE_STYLES)] if not ordered else "-",
+            ms=4,
+            lw=1.3,
+            label=name,
+        )
+
+
+def _scale(axes: Axes, log: bool, x: ArrayLike | None) -> None:
+    if log:
+        axes.set_yscale("log")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    if x is None:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+
+
+def _sequence(n: int) -> list[str]:
+    """n colours from dark to light that grow evenly for every eye."""
+    ramp = colormaps["viridis"]
+    return [to_hex(ramp(value)) for value in np.linspace(0.0, 0.88, n)]

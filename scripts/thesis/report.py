@@ -1,0 +1,158 @@
+"""A report as data: sections with a figure, a caption and checks whose verdicts are computed."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.sim.records.run_folder import check_destination, write_whole
+from armside.sim.records.summary import dumps, plain
+
+from ..jobs.store import Job, Result
+from ..shell.errors import InputError
+
+MARKER = "report.json"
+KIND = "armside report"
+RESULTS, SECTIONS, FIGURES = "results", "sections", "figures"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One number of ours beside the thesis's, and the band it should lie in, ends included."""
+
+    id: str
+    statement: str
+    """What is measured, so that a reader knows what the number means."""
+    thesis: str
+    """What the thesis has; words where it gives no number."""
+    ours: float
+    low: float | None = None
+    high: float | None = None
+    reason: str = ""
+    """Why it fails, where that is known; shown only if it does."""
+
+    def __post_init__(self) -> None:
+        if self.low is None and self.high is None:
+            raise ValueError(f"check {self.id} needs a band: low, high or both")
+
+    @property
+    def holds(self) -> bool:
+        """Inside the band. A value that is not finite never is."""
+        low = -np.inf if self.low is None else self.low
+        high = np.inf if self.high is None else self.high
+        return bool(np.isfinite(self.ours) and low <= self.ours <= high)
+
+    @property
+    def band(self) -> str:
+        """The band in words."""
+        if self.low is None:
+            return f"≤ {self.high:g}"
+        if self.high is None:
+            return f"≥ {self.low:g}"
+        return f"{self.low:g} to {self.high:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """A table of a section."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """The counterpart of one figure or number of the thesis."""
+
+    id: str
+    title: str
+    caption: str
+    """In our words, one or more sentences."""
+    figures: Sequence[str] = ()
+    """Names of files in the folder of figures."""
+    checks: Sequence[Check] = ()
+    grids: Sequence[Grid] = ()
+    made_with: Mapping[str, str] = field(default_factory=dict)
+    """Versions, seed and command."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """How a section is made: what must be run, and what is then drawn and compared."""
+
+    jobs: Sequence[Job]
+    draw: Callable[[Callable[[Job], Result], Path], Section]
+    """Called with a reader of results and the folder for figures."""
+    follow_up: Callable[[Callable[[Job], Result]], Sequence[Job]] | None = None
+    """Further jobs that depend on the results of the first."""
+
+
+class ReportFolder:
+    """A folder that a report grows in: results, figures, sections and the two pages.
+
+    It is ours if it holds the marker file. A finished section stays until it is made again.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Raises InputError unless the folder is new, empty, or an earlier report of ours."""
+        self.path = path
+        if not (path.is_dir() and _is_report(path)):
+            check_destination(path)
+
+    @property
+    def results(self) -> Path:
+        return self.path / RESULTS
+
+    @property
+    def figures(self) -> Path:
+        return self.path / FIGURES
+
+    def begin(self, config: Any) -> None:
+        """Make the folder and its marker: from here on an interrupted report can be resumed."""
+        self.figures.mkdir(parents=True, exist_ok=True)
+        (self.path / SECTIONS).mkdir(exist_ok=True)
+        write_whole(self.path / MARKER, dumps({"kind": KIND, "status": "begun", "config": config}))
+
+    def keep(self, section: Section) -> None:
+        """Keep a section, in place of one of the same id."""
+        write_whole(self.path / SECTIONS / f"{section.id}.json", dumps(asdict(section)))
+
+    def sections(self, order: Sequence[str]) -> list[Section]:
+        """All sections that are kept, in this order of ids."""
+        files = [self.path / SECTIONS / f"{name}.json" for name in order]
+        return [_section(file) for file in files if file.is_file()]
+
+
+def _is_report(path: Path) -> bool:
+    marker = path / MARKER
+    try:
+        if not marker.is_file():
+            return False
+        found = json.loads(marker.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} cannot be read as a report: {MARKER}: {error}") from error
+    if not isinstance(found, dict) or found.get("kind") != KIND:
+        raise InputError(f"{path} holds a {MARKER} that is not of ours; give another folder")
+    return True
+
+
+def _section(file: Path) -> Section:
+    try:
+        raw = json.loads(file.read_text(encoding="utf-8"))
+        checks = [
+            Check(**(entry | {"ours": np.nan if entry["ours"] is None else entry["ours"]}))
+            for entry in raw.pop("checks")
+        ]
+        grids = [Grid(**entry) for entry in raw.pop("grids")]
+        return Section(**raw, checks=checks, grids=grids)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{file} is not a section of a report: {error}") from error
+
+
+def as_rows(checks: Sequence[Check]) -> list[dict[str, Any]]:
+    """Checks with their verdicts, as JSON."""
+    return [plain(check) | {"holds": check.holds} for check in checks]

@@ -1,0 +1,1 @@
+"""Viewers of runs: Rerun in the browser and on the desktop."""

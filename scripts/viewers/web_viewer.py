@@ -1,0 +1,188 @@
+"""Rerun's web viewer on this machine only, and cut off from all others.
+
+The viewer is a page with a program (WebAssembly) that ships inside Rerun. As shipped it also asks
+for fonts, looks for new releases and reports its use. Here it is served with a content security
+policy that lets it talk to this server and to nothing else, unless that is wished for.
+"""
+
+import os
+import re
+import subprocess
+import tempfile
+import time
+import urllib.request
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from urllib.parse import quote, urlsplit
+
+from ..shell.errors import InputError, RunFailed
+
+LOOPBACK = "127.0.0.1"
+PAGES = ("/", "/re_viewer.js", "/re_viewer_bg.wasm", "/favicon.ico")
+KEPT_HEADERS = ("Content-Type", "Content-Encoding", "rerun-final-length")
+POLICY = (
+    "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval'; "
+    "style-src 'unsafe-inline'; img-src 'self' data: blob:; worker-src 'self' blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'"
+)
+START = 30.0
+"""Longest wait for Rerun to start [s]."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """What is answered for one address."""
+
+    content: bytes
+    headers: Mapping[str, str]
+
+
+def rerun_program() -> str:
+    """The viewer that ships in the wheel of rerun-sdk."""
+    import rerun_cli
+
+    program = Path(rerun_cli.__file__).parent / "rerun"
+    if not program.is_file():
+        raise RunFailed(f"rerun-sdk was installed without its viewer: no {program.name} in it")
+    return str(program)
+
+
+@contextmanager
+def private_environment(telemetry: bool) -> Iterator[dict[str, str]]:
+    """Environment for Rerun: statistics off, whatever it would make of a first start.
+
+    With `telemetry` the user's own settings count.
+    """
+    if telemetry:
+        yield dict(os.environ)
+        return
+    with tempfile.TemporaryDirectory(prefix="armside-rerun-") as folder:
+        home = Path(folder)
+        (home / "rerun").mkdir()
+        data = home / "data"
+        settings = home / "rerun" / "analytics.json"
+        settings.write_text(
+            '{"analytics_enabled": false, "analytics_id": "", "metadata": {}, '
+            f'"config_file_path": "{settings}", "data_dir_path": "{data}"}}'
+        )
+        yield os.environ | {"XDG_CONFIG_HOME": str(home), "XDG_DATA_HOME": str(data)}
+
+
+def viewer_pages(replay: Path) -> dict[str, Page]:
+    """The web viewer's files, from a Rerun that runs as long as it takes to read them."""
+    command = [rerun_program(), str(replay), "--serve-web", "--bind", LOOPBACK]
+    command += ["--port", "auto", "--web-viewer-port", "0"]
+    with private_environment(telemetry=False) as env, tempfile.TemporaryFile("w+") as said:
+        process = subprocess.Popen(command, env=env, stdout=said, stderr=said)
+        try:
+            address = _address(process, said)
+            return {path: _read(address + path) for path in PAGES}
+        finally:
+            process.terminate()
+            process.wait()
+
+
+def _address(process: subprocess.Popen[bytes], said) -> str:
+    """Where the viewer is served, as Rerun says."""
+    until = time.monotonic() + START
+    while time.monotonic() < until and process.poll() is None:
+        said.seek(0)
+        if found := re.search(r"web-viewer at (http://[\d.]+:\d+)", said.read()):
+            return found[1]
+        time.sleep(0.05)
+    said.seek(0)
+    last = (said.read().strip().splitlines() or ["it said nothing"])[-1]
+    raise RunFailed(f"Rerun did not serve its viewer: {last}")
+
+
+def _read(address: str) -> Page:
+    with urllib.request.urlopen(address, timeout=START) as answer:
+        headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
+        return Page(answer.read(), headers)
+
+
+class WebViewer:
+    """The viewer with one replay in it, served until closed.
+
+    port: to listen on; 0 takes any free one.
+    telemetry: let the page talk to others.
+
+    Raises:
+        InputError: the port is in use, or not ours to take.
+    """
+
+    def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
+        pages: dict[str, Page] = {}
+        try:
+            self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(pages, telemetry))
+        except OSError as error:
+            raise InputError(
+                f"port {port} is in use or not allowed ({error.strerror}); "
+                f"choose another with --port, or 0 for any free one"
+            ) from error
+        try:
+            pages.update(viewer_pages(replay))
+            pages["/replay.rrd"] = Page(
+                replay.read_bytes(), {"Content-Type": "application/octet-stream"}
+            )
+        except BaseException:
+            self._server.server_close()
+            raise
+
+    @property
+    def address(self) -> str:
+        """What to open in a browser."""
+        return f"http://{LOOPBACK}:{self._server.server_port}/"
+
+    def serve(self) -> None:
+        """Answer until interrupted, or closed by another thread."""
+        try:
+            self._server.serve_forever(poll_interval=0.1)
+        finally:
+            self._server.server_close()
+
+    def close(self) -> None:
+        """End `serve`."""
+        self._server.shutdown()
+
+
+def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            asked = urlsplit(self.path)
+            host = f"{LOOPBACK}:{self.server.server_port}"  # type: ignore[attr-defined]
+            if self.headers["Host"] not in (host, host.replace(LOOPBACK, "localhost")):
+                self.send_error(403)  # another site's name that points here
+            elif asked.path == "/" and "url=" not in asked.query:
+                self.send_response(302)
+                self.send_header("Location", _query(f"http://{self.headers['Host']}", asked.query))
+                self.send_header("Content-Length", "0")
+                self.end_headers()
+            elif page := pages.get(asked.path):
+                self._answer(page)
+            else:
+                self.send_error(404)
+
+        def _answer(self, page: Page) -> None:
+            self.send_response(200)
+            for name, value in page.headers.items():
+                self.send_header(name, value)
+            self.send_header("Content-Length", str(len(page.content)))
+            if not telemetry:
+                self.send_header("Content-Security-Policy", POLICY)
+            self.end_headers()
+            self.wfile.write(page.content)
+
+        def log_message(self, format: str, *args: object) -> None:
+            """Say nothing."""
+
+    return Handler
+
+
+def _query(origin: str, given: str) -> str:
+    """The viewer's own address for our replay; `given` keeps e.g. renderer=webgl."""
+    also = f"&{given}" if given else ""
+    return f"/?url={quote(origin + '/replay.rrd', safe='')}&persist=0{also}"

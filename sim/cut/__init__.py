@@ -1,0 +1,1 @@
+"""Cutting motions: contours, paths, their timing, the joint reference that follows them."""

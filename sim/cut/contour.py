@@ -1,0 +1,192 @@
+"""What a closed contour in a plane is."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+
+class ClosedCurve(Protocol):
+    """A closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
+
+    @property
+    def length(self) -> float:
+        """Once around [m]."""
+        ...
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest radius of curvature [m]."""
+        ...
+
+    def point(self, s: ArrayLike) -> Array:
+        """Shape (..., 2) [m]."""
+        ...
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector along increasing s, shape (..., 2)."""
+        ...
+
+    def nearest(self, p: Array) -> Array:
+        """Arc length of the point of the curve that is nearest to each of p (N, 2)."""
+        ...
+
+
+CLOSURE = 1e-9
+"""How far the end of a chain may lie from its start, relative to its length."""
+
+
+@dataclass(frozen=True)
+class ArcsAndLines:
+    """A smooth closed chain of arcs and lines."""
+
+    start: tuple[float, float]
+    """[m]."""
+    elements: tuple[tuple[float, float], ...]
+    """Length [m] and curvature [1/m] of each; curvature 0 is a line, above 0 turns left."""
+
+    def __post_init__(self) -> None:
+        if not self.elements or not all(length > 0.0 for length, _ in self.elements):
+            raise ValueError("every element of a contour must be longer than 0 m")
+        gap = np.linalg.norm(self._corners[-1] - self._corners[0])
+        turn = sum(length * curvature for length, curvature in self.elements)
+        if gap > CLOSURE * self.length or abs(turn - 2.0 * np.pi) > 1e-9:
+            raise ValueError(
+                f"the contour does not close: its end is {gap:g} m from its start and it turns by "
+                f"{np.degrees(turn):g} deg"
+            )
+
+    @property
+    def length(self) -> float:
+        """Once around [m]."""
+        return float(self._ends[-1])
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest radius of curvature [m]."""
+        return 1.0 / max(abs(curvature) for _, curvature in self.elements)
+
+    def point(self, s: ArrayLike) -> Array:
+        """Shape (..., 2) [m]."""
+        element, along = self._locate(s)
+        chord = _chord(along, self._curvature[element], self._heading[element])
+        return self._corners[element] + chord
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector along increasing s, shape (..., 2)."""
+        element, along = self._locate(s)
+        angle = self._heading[element] + self._curvature[element] * along
+        return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    def nearest(self, p: Array) -> Array:
+        """Arc length of the point of the contour that is nearest to each of p (N, 2)."""
+        best, s = np.full(len(p), np.inf), np.zeros(len(p))
+        for i, (length, curvature) in enumerate(self.elements):
+            along = self._foot(p, i, length, curvature)
+            at = self._corners[i] + _chord(along, curvature, self._heading[i])
+            distance = np.linalg.norm(p - at, axis=1)
+            closer = distance < best
+            best[closer], s[closer] = distance[closer], self._ends[i] + along[closer]
+        return s
+
+    def _foot(self, p: Array, i: int, length: float, curvature: float) -> Array:
+        """Arc length from the start of element i to its point nearest to each of p."""
+        heading = self._heading[i]
+        tangent = np.array([np.cos(heading), np.sin(heading)])
+        normal = np.array([-tangent[1], tangent[0]])
+        offset = p - self._corners[i]
+        if curvature == 0.0:
+            return np.clip(offset @ tangent, 0.0, length)
+        # Seen from the centre of the arc, angle 0 is where it starts.
+        to_centre = offset @ normal - 1.0 / curvature
+        angle = np.arctan2(offset @ tangent * np.sign(curvature), -to_centre * np.sign(curvature))
+        along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
+        # Beyond its end another element is as near: the start of this one is the end of the last.
+        return np.minimum(along, length)
+
+    def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
+        """The element at each arc length, and how far along it."""
+        wrapped = np.mod(np.asarray(s, dtype=np.float64), self.length)
+        element = np.searchsorted(self._ends, wrapped, side="right") - 1
+        element = np.clip(element, 0, len(self.elements) - 1)
+        return element, wrapped - self._ends[element]
+
+    @cached_property
+    def _ends(self) -> Array:
+        """(E + 1,): arc length at the start of each element, and at the end of the last."""
+        return np.concatenate([[0.0], np.cumsum([length for length, _ in self.elements])])
+
+    @cached_property
+    def _curvature(self) -> Array:
+        return np.array([curvature for _, curvature in self.elements])
+
+    @cached_property
+    def _heading(self) -> Array:
+        """(E,): direction in which each element starts [rad]."""
+        turns = [length * curvature for length, curvature in self.elements]
+        return np.pi / 2 + np.concatenate([[0.0], np.cumsum(turns)[:-1]])
+
+    @cached_property
+    def _corners(self) -> Array:
+        """(E + 1, 2): where each element starts, and the last one ends."""
+        steps = [
+            _chord(np.array(length), curvature, heading)
+            for (length, curvature), heading in zip(self.elements, self._heading, strict=True)
+        ]
+        return np.concatenate([[self.start], np.array(self.start) + np.cumsum(steps, axis=0)])
+
+
+def _chord(along: Array, curvature: Array | float, heading: Array | float) -> Array:
+    """From the start of an element to a point on it, (..., 2); a line is an arc of curvature 0."""
+    half = 0.5 * along * curvature
+    length = along * np.sinc(half / np.pi)
+    return length[..., np.newaxis] * np.stack([np.cos(heading + half), np.sin(heading + half)], -1)
+
+
+def square(side: float, corner_radius: float) -> ArcsAndLines:
+    """A square; it starts in the middle of its right side."""
+    return regular_polygon(4, side, corner_radius)
+
+
+def hexagon(across_flats: float, corner_radius: float) -> ArcsAndLines:
+    """A regular hexagon with two sides along y, that far apart."""
+    return regular_polygon(6, across_flats, corner_radius)
+
+
+def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAndLines:
+    """n sides, each half of `across_flats` from the centre [m]; starts in the middle of a side.
+
+    Raises:
+        ValueError: the corner radius does not fit: 0 < radius <= half of across_flats.
+    """
+    if n < 3:
+        raise ValueError(f"a polygon has 3 sides or more, got {n}")
+    _positive("size", across_flats)
+    if not 0.0 < corner_radius <= across_flats / 2:
+        raise ValueError(
+            f"corner radius must be above 0 and at most {across_flats / 2:g} m, got {corner_radius}"
+        )
+    half = (across_flats / 2 - corner_radius) * np.tan(np.pi / n)
+    arc = (2.0 * np.pi / n * corner_radius, 1.0 / corner_radius)
+    elements = [(half, 0.0), arc, *([(2.0 * half, 0.0), arc] * (n - 1)), (half, 0.0)]
+    return ArcsAndLines((across_flats / 2, 0.0), tuple(e for e in elements if e[0] > 0.0))
+
+
+def slot(length: float, width: float) -> ArcsAndLines:
+    """Two half circles joined by lines along x; it starts at the tip."""
+    _positive("width", width)
+    if not length > width:
+        raise ValueError(f"a slot must be longer than wide, got {length} and {width} m")
+    radius = width / 2
+    quarter, line = (np.pi / 2 * radius, 1.0 / radius), (length - width, 0.0)
+    half = (np.pi * radius, 1.0 / radius)
+    return ArcsAndLines((length / 2, 0.0), (quarter, line, half, line, quarter))
+
+
+def _positive(name: str, value: float) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} must be > 0 m, got {value}")

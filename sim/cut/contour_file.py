@@ -1,0 +1,226 @@
+"""Closed contours of your own: corner points in TOML, or a drawing (DXF).
+
+TOML, in millimetres around the centre of the cut; corners are rounded:
+
+    corner = 1.5
+    points = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]
+
+DXF: the one closed polyline or circle of the drawing, in its units (millimetres if it has none).
+Arcs of a polyline must join smoothly; one of lines alone is rounded like the points above.
+"""
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from .contour import ArcsAndLines, ClosedCurve
+from .path import Circle
+
+Element = tuple[float, float]
+"""Length [m], curvature [1/m]."""
+
+MM = 1e-3
+CORNER = 1.5
+"""Radius of corners where a file does not say [mm]."""
+SMOOTH = 1e-4
+"""Largest kink between elements that counts as none [rad]."""
+SHORTEST = 1e-9
+"""Elements shorter than this vanish [m]."""
+
+
+def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
+    """The contour of a file.
+
+    Args:
+        corner: radius of its corners [m]; None takes the file's own, or 1.5 mm.
+
+    Raises:
+        ValueError: what the file lacks, or where it cannot be cut.
+        OSError: the file cannot be read.
+        ImportError: a drawing without the package ezdxf.
+    """
+    match file.suffix.lower():
+        case ".toml":
+            return _from_toml(file, corner)
+        case ".dxf":
+            return _from_dxf(file, corner)
+    raise ValueError(f"{file.name}: a contour is a .toml or a .dxf file")
+
+
+def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
+    """A polygon with rounded corners.
+
+    Args:
+        points: (K, 2) [m], in either order; the last is joined to the first.
+        corner: radius [m].
+
+    Raises:
+        ValueError: fewer than three points, points that coincide, or a side too short for its
+            corners (which).
+    """
+    p = np.asarray(points, dtype=np.float64)
+    if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3 or not np.isfinite(p).all():
+        raise ValueError(f"points must be three or more pairs of numbers, got shape {p.shape}")
+    if not corner > 0.0:
+        raise ValueError(f"corner must be > 0 m, got {corner:g}")
+    if _area(p) < 0.0:
+        p = p[::-1]
+    side = np.roll(p, -1, axis=0) - p
+    length = np.linalg.norm(side, axis=1)
+    if length.min() < SHORTEST:
+        raise ValueError(f"two points in a row are the same: {_said(p[length.argmin()])} mm")
+    heading = np.arctan2(side[:, 1], side[:, 0])
+    turn = _wrapped(heading - np.roll(heading, 1))  # at the start of each side
+    if np.abs(turn).max() > np.pi - 1e-6:
+        raise ValueError(
+            f"the contour turns back on itself at {_said(p[np.abs(turn).argmax()])} mm"
+        )
+    cut = corner * np.tan(np.abs(turn) / 2.0)  # of both sides, for the arc at their corner
+    straight = length - cut - np.roll(cut, -1)
+    if straight.min() < 0.0:
+        worst = int(straight.argmin())
+        raise ValueError(
+            f"the side from {_said(p[worst])} mm is {length[worst] / MM:.4g} mm long, too short "
+            f"for corners of {corner / MM:g} mm"
+        )
+    elements: list[Element] = []
+    for i in range(len(p)):
+        elements.append((float(straight[i]), 0.0))
+        bend = float(turn[(i + 1) % len(p)])
+        elements.append((corner * abs(bend), float(np.copysign(1.0 / corner, bend))))
+    first = p[0] + cut[0] * side[0] / length[0]
+    return _chain(first, float(heading[0]), elements)
+
+
+def _from_toml(file: Path, corner: float | None) -> ClosedCurve:
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{file.name}: {error}") from error
+    for name in data:
+        if name not in ("points", "corner"):
+            raise ValueError(f"{file.name}: {name} is not known here. Known: corner, points")
+    if "points" not in data:
+        raise ValueError(f"{file.name}: points are missing")
+    own = data.get("corner", CORNER)
+    if isinstance(own, bool) or not isinstance(own, (int, float)):
+        raise ValueError(f"{file.name}: corner must be a number [mm], got {own!r}")
+    try:
+        points = MM * np.array(data["points"], dtype=np.float64)
+        return rounded(points, MM * own if corner is None else corner)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{file.name}: {error}") from error
+
+
+def _from_dxf(file: Path, corner: float | None) -> ClosedCurve:
+    try:
+        import ezdxf
+        from ezdxf import units
+    except ImportError as error:
+        raise ImportError("drawings need the package ezdxf: pip install 'armside[dxf]'") from error
+    try:
+        drawing = ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
+    except ezdxf.DXFError as error:  # pyright: ignore[reportPrivateImportUsage]
+        raise ValueError(f"{file.name} is no drawing: {error}") from error
+    scale = MM
+    if drawing.units:
+        scale = units.conversion_factor(drawing.units, units.M)  # pyright: ignore[reportArgumentType]
+    space = drawing.modelspace()
+    lines: list[Any] = list(space.query("LWPOLYLINE"))
+    shapes: list[Any] = [*(line for line in lines if line.closed), *space.query("CIRCLE")]
+    if len(shapes) != 1:
+        raise ValueError(
+            f"{file.name} has {len(shapes)} closed polylines and circles; a contour is exactly one"
+        )
+    try:
+        if shapes[0].dxftype() == "CIRCLE":
+            return Circle(scale * shapes[0].dxf.radius)
+        vertices = np.array(shapes[0].get_points("xyb"), dtype=np.float64)
+        points, bulge = scale * vertices[:, :2], vertices[:, 2]
+        points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
+        if not bulge.any():
+            return rounded(points, MM * CORNER if corner is None else corner)
+        return _as_drawn(points, bulge)
+    except ValueError as error:
+        raise ValueError(f"{file.name}: {error}") from error
+
+
+def _as_drawn(points: Array, bulge: Array) -> ArcsAndLines:
+    """A polyline with arcs; a bulge is the tangent of a quarter of its arc's angle."""
+    turned = 4.0 * np.arctan(bulge)
+    side = np.roll(points, -1, axis=0) - points
+    chord = np.linalg.norm(side, axis=1)
+    heading = np.arctan2(side[:, 1], side[:, 0]) - turned / 2.0
+    kink = _wrapped(np.roll(heading, -1) - heading - turned)
+    if np.sum(turned) + np.sum(kink) < 0.0:
+        return _as_drawn(points[::-1], -np.roll(bulge[::-1], -1))
+    if (worst := np.abs(kink).max()) > SMOOTH:
+        corner = points[(np.abs(kink).argmax() + 1) % len(points)]
+        raise ValueError(
+            f"there is a corner of {np.degrees(worst):.4g} deg at {_said(corner)} mm; a polyline "
+            f"with arcs must be smooth"
+        )
+    elements: list[Element] = []
+    for length, angle in zip(chord, turned, strict=True):
+        if abs(angle) < 1e-12:
+            elements.append((float(length), 0.0))
+        else:
+            radius = length / (2.0 * np.sin(abs(angle) / 2.0))
+            elements.append((float(radius * abs(angle)), float(np.copysign(1.0 / radius, angle))))
+    return _chain(points[0], float(heading[0]), elements)
+
+
+def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAndLines:
+    """The chain begun anew where it heads along +y on its right side, as contours start."""
+    ways = [e for e in elements if e[0] > SHORTEST]
+    place = np.array(first)
+    best = (-np.inf, 0, 0.0, place)
+    for i, (length, curvature) in enumerate(ways):
+        along = _where_north(heading, length, curvature)
+        if along is not None:
+            there = place + _step(along, curvature, heading)
+            if there[0] > best[0] + SHORTEST:
+                best = (float(there[0]), i, along, there)
+        place = place + _step(length, curvature, heading)
+        heading += length * curvature
+    _, i, along, start = best
+    length, curvature = ways[i]
+    begun = [(length - along, curvature), *ways[i + 1 :], *ways[:i], (along, curvature)]
+    begun = [e for e in begun if e[0] > SHORTEST]
+    return ArcsAndLines((float(start[0]), float(start[1])), tuple(begun))
+
+
+def _where_north(heading: float, length: float, curvature: float) -> float | None:
+    """How far along an element it heads along +y; None if nowhere. On a line: its middle."""
+    off = float(_wrapped(np.array(np.pi / 2.0 - heading)))
+    if curvature == 0.0:
+        return length / 2.0 if abs(off) < 1e-9 else None
+    along = np.mod(off * np.sign(curvature), 2.0 * np.pi) / abs(curvature)
+    return float(along) if along <= length else None
+
+
+def _step(along: float, curvature: float, heading: float) -> Array:
+    """From the start of an element to a point on it."""
+    half = 0.5 * along * curvature
+    chord = along * np.sinc(half / np.pi)
+    return chord * np.array([np.cos(heading + half), np.sin(heading + half)])
+
+
+def _area(p: Array) -> float:
+    x, y = p.T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def _wrapped(angle: Array) -> Array:
+    """Into (-pi, pi]."""
+    return np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
+
+
+def _said(point: Array) -> str:
+    return f"({point[0] / MM:g}, {point[1] / MM:g})"

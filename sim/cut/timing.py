@@ -1,0 +1,109 @@
+"""Jerk-limited timing along a path, from rest to rest, by ruckig; sampled from its seven phases."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import ruckig
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathLimits:
+    """What the motion planner allows the tool on its path."""
+
+    acceleration: float = 1.3
+    """[m/s^2], along the path and across it. A 5 mm circle is then capped at sqrt(1.3 * 0.005) = 81
+    mm/s, the saturation of thesis Fig. 9.6; fitted (calibration of the large robot)."""
+    jerk: float = 4.0 * 0.040 / 0.120**2
+    """[m/s^3]. A ramp to v that stays below the acceleration limit lasts 2 sqrt(v / jerk): this
+    value gives the calibrated ramp of 120 ms to 40 mm/s, with a peak of 0.67 m/s^2."""
+
+    def __post_init__(self) -> None:
+        for name in ("acceleration", "jerk"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"path {name} must be > 0, got {value}")
+
+    def cornering_speed(self, radius: float) -> float:
+        """Fastest speed around a radius of curvature [m/s]: v^2 / radius <= acceleration."""
+        return float(np.sqrt(self.acceleration * radius))
+
+    def ramp_length(self, speed: float) -> float:
+        """Way [m] from rest to `speed`: half of speed times the ramp's time, by symmetry."""
+        peak = min(self.acceleration, float(np.sqrt(self.jerk * speed)))
+        return 0.5 * speed * (speed / peak + peak / self.jerk)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """s(t) in phases of constant jerk, from rest at t = 0 to rest at t = duration."""
+
+    start: Array
+    """(P,) [s], start of each phase."""
+    state: Array
+    """(P, 4): s, v, a [m, m/s, m/s^2] at the start of each phase, and its jerk [m/s^3]."""
+    duration: float
+    """[s]."""
+
+    def at(self, time: ArrayLike) -> tuple[Array, Array, Array]:
+        """Arc length, speed and acceleration at `time`; at rest before 0 and after the end."""
+        t = np.clip(np.asarray(time, dtype=np.float64), 0.0, self.duration)
+        phase = np.searchsorted(self.start, t, side="right") - 1
+        s, v, a, j = self.state[phase].T
+        h = t - self.start[phase]
+        moving = (t > 0.0) & (t < self.duration)
+        return (
+            s + h * (v + h * (a / 2 + h * j / 6)),
+            np.where(moving, v + h * (a + h * j / 2), 0.0),
+            np.where(moving, a + h * j, 0.0),
+        )
+
+    @property
+    def top_speed(self) -> float:
+        """[m/s]."""
+        return float(np.max(self.state[:, 1]))
+
+    @property
+    def cruise(self) -> tuple[float, float]:
+        """Start and end [s] of the longest phase at constant speed."""
+        _, speed, acceleration, jerk = self.state.T
+        constant = (np.abs(acceleration) < 1e-9) & (jerk == 0.0) & (speed > 0.0)
+        if not np.any(constant):
+            return (self.duration / 2, self.duration / 2)
+        length = np.where(constant, np.diff(self.start, append=self.duration), 0.0)
+        longest = int(np.argmax(length))
+        return float(self.start[longest]), float(self.start[longest] + length[longest])
+
+
+def rest_to_rest(length: float, speed: float, limits: PathLimits) -> Timing:
+    """The fastest timing over `length` [m] that respects `speed` [m/s] and the limits."""
+    for name, value in (("path length", length), ("speed", speed)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be > 0, got {value}")
+    wanted = ruckig.InputParameter(1)
+    wanted.target_position = [length]
+    wanted.max_velocity = [speed]
+    wanted.max_acceleration = [limits.acceleration]
+    wanted.max_jerk = [limits.jerk]
+    trajectory = ruckig.Trajectory(1)
+    result = ruckig.Ruckig(1).calculate(wanted, trajectory)
+    if result not in (ruckig.Result.Finished, ruckig.Result.Working):
+        raise RuntimeError(f"no timing over {length} m at {speed} m/s: {result}")
+    return from_profile(trajectory.profiles[0][0], trajectory.duration)
+
+
+def from_profile(profile: ruckig.Profile, duration: float) -> Timing:
+    """The phases of a ruckig profile; empty ones are left out."""
+    phase_time = np.asarray(profile.t)
+    start = np.concatenate([[0.0], np.cumsum(phase_time)[:-1]])
+    state = np.stack(
+        [
+            np.asarray(row)[: len(phase_time)]
+            for row in (profile.p, profile.v, profile.a, profile.j)
+        ],
+        axis=1,
+    )
+    used = phase_time > 0.0
+    return Timing(start[used], state[used], float(duration))

@@ -1,0 +1,150 @@
+"""The motion of the tool during one run, sampled at the log rate: what the robot is asked to do."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from .path import CuttingPath, Plane
+from .timing import PathLimits, Timing, rest_to_rest
+
+LimitHit = tuple[str, int, float]
+"""(limit, axis, first time [s]); axis 0 is the tool on its path."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToolMotion:
+    """A tool path in time, with rest at both ends. Row i of the arrays belongs to time[i]."""
+
+    time: Array
+    """(N,) [s], from 0."""
+    position: Array
+    """(N, 3) [m], base axes."""
+    quaternion: Array
+    """(N, 4), base to tool."""
+    arc_length: Array
+    """(N,) [m]."""
+    on_contour: NDArray[np.bool_]
+    """(N,), the contour at constant speed: one full turn, without leads."""
+    contour_time: tuple[float, float]
+    """Exact start and end of the contour [s], between samples."""
+    programmed_speed: float
+    """[m/s]."""
+    reached_speed: float
+    """[m/s], on the contour."""
+    limits_hit: tuple[LimitHit, ...]
+    path: CuttingPath
+    """The path run; its leads may be longer than those asked for, to hold the speed on the
+    contour."""
+    timing: Timing
+    rest_before: float
+    """[s]."""
+
+    def __post_init__(self) -> None:
+        for name in ("time", "position", "quaternion", "arc_length", "on_contour"):
+            value = getattr(self, name)
+            if len(value) != len(self.time):
+                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
+            value.setflags(write=False)
+
+    @property
+    def plane(self) -> Plane:
+        """The plane the contour lies in."""
+        return self.path.plane
+
+    def position_at(self, time: ArrayLike) -> Array:
+        """Programmed tool position at any times [s], shape (..., 3) [m]."""
+        s, _, _ = self.timing.at(np.asarray(time, dtype=np.float64) - self.rest_before)
+        return self.path.position(s)
+
+    def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]:
+        """Which of the times [s] belong to the contour, e.g. those of the laser tracker."""
+        first, last = self.contour_time
+        t = np.asarray(time, dtype=np.float64)
+        return (t >= first) & (t < last)
+
+
+def cut(
+    path: CuttingPath,
+    quaternion: ArrayLike,
+    speed: float,
+    *,
+    limits: PathLimits | None = None,
+    rest_before: float = 0.28,
+    rest_after: float = 0.35,
+    step: float = 0.004,
+) -> ToolMotion:
+    """Run along `path` at `speed` [m/s], at rest before and after, with a constant tool
+    orientation.
+
+    The speed is lowered to what the sharpest bend allows; leads that are too short to ramp up or
+    down are lengthened, so that the whole contour is cut at constant speed. The default rests are
+    those of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
+
+    Raises:
+        ValueError: speed, step or rest out of range, or a quaternion of zero length.
+    """
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise ValueError(f"speed must be > 0 m/s, got {speed}")
+    if not (step > 0.0 and rest_before >= 0.0 and rest_after >= 0.0):
+        raise ValueError(
+            f"step must be > 0 and rests >= 0 s, got {step}, {rest_before}, {rest_after}"
+        )
+    limits = limits or PathLimits()
+    reached = min(float(speed), limits.cornering_speed(path.smallest_radius))
+    path = _with_room_to_ramp(path, limits.ramp_length(reached))
+    timing = rest_to_rest(path.length, reached, limits)
+    contour_time = _contour_time(path, timing, rest_before)
+
+    n_samples = int(np.ceil((rest_before + timing.duration + rest_after) / step - 1e-9)) + 1
+    time: Array = np.arange(n_samples, dtype=np.float64) * step
+    s, _, _ = timing.at(time - rest_before)
+    return ToolMotion(
+        time=time,
+        position=path.position(s),
+        quaternion=np.tile(_unit_quaternion(quaternion), (n_samples, 1)),
+        arc_length=s,
+        on_contour=(time >= contour_time[0]) & (time < contour_time[1]),
+        contour_time=contour_time,
+        programmed_speed=float(speed),
+        reached_speed=reached,
+        limits_hit=_limits_hit(timing, limits, speed, reached, rest_before),
+        path=path,
+        timing=timing,
+        rest_before=rest_before,
+    )
+
+
+def _with_room_to_ramp(path: CuttingPath, ramp: float) -> CuttingPath:
+    return replace(path, lead_in=max(path.lead_in, ramp), lead_out=max(path.lead_out, ramp))
+
+
+def _contour_time(path: CuttingPath, timing: Timing, rest_before: float) -> tuple[float, float]:
+    """When the contour starts and ends; both lie in the phase of constant speed."""
+    cruise, _ = timing.cruise
+    s_cruise, speed, _ = timing.at(cruise)
+    first = float(rest_before + cruise + (path.contour_start - s_cruise) / speed)
+    return first, first + path.curve.length / float(speed)
+
+
+def _limits_hit(
+    timing: Timing, limits: PathLimits, programmed: float, reached: float, rest_before: float
+) -> tuple[LimitHit, ...]:
+    """Acceleration across the path (the speed was lowered) and along it (the ramp was longer)."""
+    hits: list[LimitHit] = []
+    if reached < programmed:
+        hits.append(("centripetal_acceleration", 0, rest_before + timing.cruise[0]))
+    _, _, acceleration, _ = timing.state.T
+    at_limit = np.flatnonzero(np.abs(acceleration) >= limits.acceleration * (1.0 - 1e-9))
+    if len(at_limit):
+        hits.append(("path_acceleration", 0, rest_before + float(timing.start[at_limit[0]])))
+    return tuple(hits)
+
+
+def _unit_quaternion(quaternion: ArrayLike) -> Array:
+    q = np.asarray(quaternion, dtype=np.float64)
+    if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
+        raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
+    return q / np.linalg.norm(q)

@@ -1,0 +1,1 @@
+"""Evaluation of runs: tool error, path accuracy, kerf."""

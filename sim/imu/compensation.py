@@ -1,0 +1,117 @@
+"""Gravity and offsets of an IMU taken off, the thesis's way and a better one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from armside.arrays import Array
+
+from ..instruments.imu import from_vector
+
+GRAVITY = np.array([0.0, 0.0, 9.82])
+"""What an accelerometer at rest reads, base axes [m/s^2]. Thesis (5.2)."""
+
+
+def to_base(R_base_imu: Array, vector: Array) -> Array:
+    """Vectors (K, 3) of the IMU frame in base axes. Thesis (5.3)."""
+    return np.einsum("kij,kj->ki", R_base_imu, vector)
+
+
+def to_imu(R_base_imu: Array, vector: Array) -> Array:
+    """Vectors (K, 3) of base axes in the IMU frame."""
+    return np.einsum("kji,kj->ki", R_base_imu, vector)
+
+
+def mean_removed(vector: Array, rest: NDArray[np.bool_]) -> Array:
+    """Less the mean over the samples at rest: all that thesis 5.1.1 does about offsets."""
+    if not rest.any():
+        raise ValueError("offsets need samples at rest, there are none")
+    return vector - vector[rest].mean(axis=0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias."""
+
+    R_site_imu: Array
+    """(3, 3)."""
+    accelerometer_bias: Array
+    """(3,) [m/s^2]."""
+    gyroscope_bias: Array
+    """(3,) [rad/s]."""
+
+    def corrected(self, acceleration: Array, angular_velocity: Array) -> tuple[Array, Array]:
+        """Readings (K, 3) as an ideal IMU at the site would give them."""
+        return (
+            (acceleration - self.accelerometer_bias) @ self.R_site_imu.T,
+            (angular_velocity - self.gyroscope_bias) @ self.R_site_imu.T,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prior:
+    """Standard deviations of what is known before the fit, and of the readings.
+
+    Where a motion does not tell a tilt from a bias, the fit splits the difference by these.
+    """
+
+    mounting: float = np.deg2rad(1.0)
+    """[rad], about each axis."""
+    accelerometer_bias: float = 0.02
+    """[m/s^2]."""
+    gyroscope_bias: float = np.deg2rad(1.0)
+    """[rad/s]."""
+    acceleration: float = 0.1
+    """[m/s^2], of one reading about its prediction: vibration more than noise."""
+    angular_velocity: float = 0.02
+    """[rad/s], of one reading about its prediction."""
+
+
+def calibrate(
+    acceleration: Array,
+    angular_velocity: Array,
+    ideal_force: Array,
+    ideal_rate: Array,
+    prior: Prior | None = None,
+) -> Calibration:
+    """Mounting error and biases that explain readings (K, 3) best, given the ideal ones.
+
+    The ideal specific force R_base_imu^T (a + g) uses the actual orientation of every sample, so
+    gravity itself tells a turned housing from a bias as soon as the tool turns. Maximum a
+    posteriori by Gauss-Newton: reading = R^T ideal + b, R <- R exp(delta), where
+
+        d(R^T f) = (R^T f) x delta
+    """
+    prior = prior or Prior()
+    R, biases = np.eye(3), np.zeros(6)
+    scale = (prior.acceleration, prior.angular_velocity)
+    sigma = np.repeat([prior.mounting, prior.accelerometer_bias, prior.gyroscope_bias], 3)
+    for _ in range(4):
+        information, score = np.diag(sigma**-2), -np.concatenate([_vector(R), biases]) / sigma**2
+        for sensor, (reading, ideal) in enumerate(
+            ((acceleration, ideal_force), (angular_velocity, ideal_rate))
+        ):
+            turned = ideal @ R
+            bias = slice(3 * sensor, 3 * sensor + 3)
+            residual = (reading - turned - biases[bias]) / scale[sensor]
+            J = np.zeros((len(reading), 3, 9))
+            J[:, :, :3] = cross_matrices(turned) / scale[sensor]
+            J[:, :, 3 + 3 * sensor : 6 + 3 * sensor] = np.eye(3) / scale[sensor]
+            information = information + np.einsum("kia,kib->ab", J, J)
+            score = score + np.einsum("kia,ki->a", J, residual)
+        step = np.linalg.solve(information, score)
+        R, biases = R @ from_vector(step[:3]), biases + step[3:]
+    return Calibration(R_site_imu=R, accelerometer_bias=biases[:3], gyroscope_bias=biases[3:])
+
+
+def cross_matrices(v: Array) -> Array:
+    """(K, 3, 3): v x as matrices."""
+    x, y, z = v.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(-1, 3, 3)
+
+
+def _vector(R: Array) -> Array:
+    """Rotation vector of a small rotation, to third order [rad]."""
+    return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

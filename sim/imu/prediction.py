@@ -1,0 +1,60 @@
+"""What an IMU on the robot should read, from motor angles alone. Thesis (5.10), (5.11)."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+from armside.ilc.filters import RecordFilter
+
+from .differences import Scheme, difference_quotients
+
+
+class Order(Enum):
+    """Where the low-pass stands; the map from joint rates to the sensor is not linear."""
+
+    FILTER_THEN_MAP = "filter-then-map"
+    """Joint rates are filtered. Thesis 5.1.2."""
+    MAP_THEN_FILTER = "map-then-filter"
+    """The prediction is filtered as the measurement is: both sides suffer alike."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """Motion of the IMU in base axes."""
+
+    R_base_imu: Array
+    """(K, 3, 3)."""
+    angular_velocity: Array
+    """(K, 3) [rad/s]."""
+    acceleration: Array
+    """(K, 3) [m/s^2], without gravity."""
+
+
+def predict(
+    robot: kinematics.Robot,
+    phi: Array,
+    period: float,
+    low_pass: RecordFilter,
+    *,
+    order: Order = Order.FILTER_THEN_MAP,
+    scheme: Scheme = Scheme.FORWARD,
+) -> Prediction:
+    """Motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
+
+    Args:
+        phi: (K, n) [rad], motor angles on the arm side, every `period` [s].
+    """
+    compiled = kinematics.compile(robot)
+    phi = np.ascontiguousarray(phi)
+    rate, acceleration = difference_quotients(phi, period, scheme)
+    if order is Order.FILTER_THEN_MAP:
+        rate, acceleration = low_pass(rate), low_pass(acceleration)
+    omega = np.einsum("kij,kj->ki", compiled.jacobian(phi)[:, 3:], rate)
+    a = compiled.acceleration(phi, rate, acceleration)[:, :3]
+    if order is Order.MAP_THEN_FILTER:
+        omega, a = low_pass(omega), low_pass(a)
+    R = compiled.pose(phi)[:, :3, :3]
+    return Prediction(R_base_imu=R, angular_velocity=omega, acceleration=a)

@@ -1,0 +1,95 @@
+"""`replay.rrd` of an IMU experiment: the robot, its tool path, measured and predicted motion."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from armside.arrays import Array
+
+from ..records.atomic import atomic
+from ..records.signals import Run
+from ..replay.blueprint import LEGEND, panels
+from ..replay.geoms import shapes
+from ..replay.scene import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
+from .experiment import Evaluation, ImuRun
+
+COLOURS = {"measured": ORANGE, "predicted": BLUE}
+PANELS = (
+    ("acceleration", "Acceleration of the IMU, base axes [m/s^2]"),
+    ("angular_velocity", "Angular velocity of the IMU, base axes [rad/s]"),
+)
+AXES = "xyz"
+
+
+def write_imu_replay(
+    path: Path, mj: mujoco.MjModel, runs: Sequence[tuple[ImuRun, Evaluation]]
+) -> None:
+    """Write the runs one after the other on the timeline `time`, whole or not at all."""
+    stream = rr.RecordingStream("armside", send_properties=False)
+    with atomic(path) as partial:
+        stream.save(partial, default_blueprint=_blueprint())
+        _send_static(stream, mj)
+        start = 0.0
+        for k, (run, evaluation) in enumerate(runs):
+            send_bodies(stream, mj, Run(k=k, recording=run.recording), start)
+            _send_path(stream, evaluation, start)
+            _send_series(stream, evaluation, start)
+            start += float(run.recording.time[-1]) + FRAME_PERIOD
+        stream.flush()
+        stream.disconnect()
+
+
+def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:
+    stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    for entity, shape in shapes(mj):
+        stream.log(entity, shape, static=True)
+    for kind, _ in PANELS:
+        for axis in AXES:
+            for name, colour in COLOURS.items():
+                lines = rr.SeriesLines(names=f"{name} {axis}", colors=colour)
+                stream.log(f"{kind}_{axis}/{name}", lines, static=True)
+    lines = rr.SeriesLines(names=list(AXES))
+    stream.log("acceleration_error_rms", lines, static=True)
+
+
+def _send_path(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
+    """The way of the tool, all of it, from the start of its run."""
+    columns = rr.LineStrips3D.columns(strips=[evaluation.tool[::5]], colors=[GREY])
+    index = rr.TimeColumn("time", duration=np.array([start]))
+    stream.send_columns("robot/path", [index], columns)
+
+
+def _send_series(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
+    comparison = evaluation.comparison
+    index = rr.TimeColumn("time", duration=start + comparison.time)
+    for kind, _ in PANELS:
+        for name in COLOURS:
+            values: Array = getattr(comparison, f"{kind}_{name}")
+            for i, axis in enumerate(AXES):
+                columns = rr.Scalars.columns(scalars=values[:, i])
+                stream.send_columns(f"{kind}_{axis}/{name}", [index], columns)
+    n, width = evaluation.window_rms.shape
+    columns = rr.Scalars.columns(scalars=evaluation.window_rms.ravel())
+    stream.send_columns("acceleration_error_rms", [index], columns.partition(np.full(n, width)))
+
+
+def _blueprint() -> rrb.Blueprint:
+    def view(entity: str, title: str) -> rrb.TimeSeriesView:
+        return rrb.TimeSeriesView(origin=entity, name=title, plot_legend=LEGEND)
+
+    of_axes = [
+        rrb.Vertical(*(view(f"{kind}_{axis}", f"{title}, {axis}") for axis in AXES), name=title)
+        for kind, title in PANELS
+    ]
+    error = view("acceleration_error_rms", "Acceleration error, moving RMS [m/s^2]")
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Spatial3DView(origin="/", contents="robot/**", name="Robot"),
+            rrb.Tabs(*of_axes, error),
+        ),
+        *panels(),
+    )

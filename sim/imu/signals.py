@@ -1,0 +1,63 @@
+"""`imu.parquet`: what the IMU sent, and what was made of it, sample by sample.
+
+The IMU has its own clock: `imu_time` is what it sent, `time` the robot time that the
+synchronisation found. Units stand in the metadata of each column.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ..records.atomic import atomic
+from .experiment import Evaluation, ImuRun
+
+XYZ = "xyz"
+
+
+def write_imu_signals(
+    path: Path, runs: Sequence[tuple[ImuRun, Evaluation]], *, config: Mapping[str, Any]
+) -> None:
+    """Write the IMU samples of runs k = 0, 1, ... that lie within their robot's log."""
+    tables = [_table(k, run, evaluation) for k, (run, evaluation) in enumerate(runs)]
+    table = pa.concat_tables(tables)
+    text = json.dumps(dict(config), sort_keys=True)
+    table = table.replace_schema_metadata({"armside.config": text})
+    with atomic(path) as partial:
+        pq.write_table(table, partial, compression="zstd")
+
+
+def _table(k: int, run: ImuRun, evaluation: Evaluation) -> pa.Table:
+    samples, comparison = run.samples, evaluation.comparison
+    robot_time = samples.time + comparison.clock_offset
+    inside = np.isin(robot_time, comparison.time)
+    one = {
+        "k": (np.full(len(comparison.time), k, dtype=np.int32), "1"),
+        "time": (comparison.time, "s"),
+        "imu_time": (samples.time[inside], "s"),
+    }
+    three = {
+        "imu_acceleration": (samples.acceleration[inside], "m/s^2"),
+        "imu_angular_velocity": (samples.angular_velocity[inside], "rad/s"),
+        "imu_acceleration_clipped": (samples.acceleration_clipped[inside], "1"),
+        "imu_angular_velocity_clipped": (samples.angular_velocity_clipped[inside], "1"),
+        "acceleration_measured": (comparison.acceleration_measured, "m/s^2"),
+        "acceleration_predicted": (comparison.acceleration_predicted, "m/s^2"),
+        "angular_velocity_measured": (comparison.angular_velocity_measured, "rad/s"),
+        "angular_velocity_predicted": (comparison.angular_velocity_predicted, "rad/s"),
+        "acceleration_error_rms": (evaluation.window_rms, "m/s^2"),
+    }
+    columns: dict[str, tuple[NDArray[Any], str]] = dict(one)
+    for name, (values, unit) in three.items():
+        columns |= {f"{name}_{axis}": (values[:, i], unit) for i, axis in enumerate(XYZ)}
+    arrays = [pa.array(np.ascontiguousarray(values)) for values, _ in columns.values()]
+    fields = [
+        pa.field(name, array.type, metadata={"unit": unit})
+        for array, (name, (_, unit)) in zip(arrays, columns.items(), strict=True)
+    ]
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))

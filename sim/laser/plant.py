@@ -1,0 +1,101 @@
+"""Cutting with a virtual robot: from a tool motion to its reference, and what the tool then did."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from ..cell import Cell
+from ..cut.contour import ArcsAndLines
+from ..cut.path import CuttingPath
+from ..cut.reference import joint_reference, plan_cut
+from ..cut.timing import PathLimits
+from ..cut.tool_motion import ToolMotion
+from ..instruments.imu import Imu, ImuSamples
+from ..instruments.laser_tracker import LaserTracker, TrackerSamples
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from ..robot.statics import anticipated_shift, smoothed
+from ..robot.virtual_robot import LOG_PERIOD, Job
+
+
+def plan(
+    cell: Cell,
+    model: RobotModel,
+    path: CuttingPath,
+    quaternion: ArrayLike,
+    speed: float,
+    path_limits: PathLimits | None = None,
+) -> tuple[ToolMotion, Array]:
+    """A cut at `speed` [m/s] and its reference r, shape (N, 6) [rad], as the controller makes it.
+
+    Inverse kinematics of the programmed path; then again of the path shifted against the elastic
+    deflection that the controller anticipates.
+
+    Raises:
+        ValueError: the motion leaves the joint limits (where) or the reach (by how much).
+    """
+    motion, phi = plan_cut(
+        path,
+        quaternion,
+        speed,
+        cell.robot,
+        cell.limits,
+        path_limits=path_limits,
+        step=LOG_PERIOD,
+    )
+    shift = anticipated_shift(model, phi, LOG_PERIOD)
+    if isinstance(path.curve, ArcsAndLines):
+        shift = smoothed(shift)
+    return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pass:
+    """One pass over the contour: what was recorded, and what the tracker saw."""
+
+    recording: Recording
+    tracker: TrackerSamples
+    imu: ImuSamples | None = None
+    """What an IMU at the tool sent, if there is one."""
+
+
+@dataclass(frozen=True)
+class MountedImu:
+    """A unit at the tool, with noise of its own."""
+
+    unit: Imu
+    rng: np.random.Generator
+
+    def read(self, recording: Recording) -> ImuSamples:
+        """What it sent during a run."""
+        truth = recording.truth
+        return self.unit.measure(
+            truth.time, truth.imu_acceleration, truth.imu_angular_velocity, self.rng
+        )
+
+
+@dataclass(frozen=True)
+class CuttingPlant:
+    """A loaded job under a laser tracker, as the plant of a learning loop; an IMU if wanted."""
+
+    job: Job
+    tracker: LaserTracker
+    rng: np.random.Generator
+    """Source of torque and tracker noise."""
+    imu: MountedImu | None = None
+
+    def run(self, correction: Array, /) -> Pass:
+        """Cut once with a correction."""
+        recording = self.job.run(correction, self.rng)
+        truth = recording.truth
+        samples = self.tracker.measure(
+            truth.time, truth.tool_position, truth.tool_quaternion, self.rng
+        )
+        return Pass(
+            recording=recording,
+            tracker=samples,
+            imu=None if self.imu is None else self.imu.read(recording),
+        )

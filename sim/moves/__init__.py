@@ -1,0 +1,1 @@
+"""Motion programs of joint and path moves, and their planner."""

@@ -1,0 +1,63 @@
+"""What joints and path allow at each place of a curve of motor angles phi(w)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.kinematics import CompiledRobot, Limits
+
+from .curves import Curve
+from .instructions import Dynamics, Speed
+
+CORNER_SHARE = 0.8
+"""Of an acceleration limit that following a bend may use; the rest is left for changing speed."""
+TINY = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """Limits at K places, evenly from w = 0 to 1. Six motors, then the tool where it has a path.
+
+    They hold while w' <= speed and bend w'^2 + along |w''| <= 1 in every column.
+    """
+
+    speed: Array
+    """(K,) [1/s]."""
+    along: Array
+    """(K, 7) [s^2]: first derivatives by w over the limit of acceleration."""
+    bend: Array
+    """(K, 7) [s^2]: second derivatives by w over the same."""
+
+
+def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Array, Array]:
+    """First and second derivative of the tool's position by w, (K, 3) [m]."""
+    phi, d1, d2 = (np.ascontiguousarray(curve.at(w, k)) for k in range(3))
+    first = np.einsum("kij,kj->ki", robot.jacobian(phi)[:, :3], d1)
+    return first, robot.acceleration(phi, d1, d2)[:, :3]
+
+
+def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
+    """(6,) [rad/s^2]: a move at a share of full speed is slower in its ramps, too."""
+    full = np.array(dynamics.joint_acceleration)
+    return full * speed.share**2 if speed.share else full
+
+
+def curve_bounds(
+    curve: Curve, speed: Speed, robot: CompiledRobot, limits: Limits, dynamics: Dynamics, n: int
+) -> Bounds:
+    """Limits at n places of a curve."""
+    w = np.linspace(0.0, 1.0, n)
+    d1, d2 = np.abs(curve.at(w, 1)), np.abs(curve.at(w, 2))
+    x1, x2 = (np.linalg.norm(x, axis=1) for x in tool_derivatives(curve, w, robot))
+    of_joints = joint_acceleration(speed, dynamics)
+    of_path = float(curve.on_path) / dynamics.path_acceleration
+    bend = np.column_stack([d2 / of_joints, of_path * x2])
+    full = (np.array(limits.speed) / np.maximum(d1, TINY)).min(axis=1)
+    wanted = speed.share * full.min() if speed.share else (speed.path or 0.0) / np.maximum(x1, TINY)
+    bent = np.sqrt(CORNER_SHARE / np.maximum(bend.max(axis=1), TINY))
+    return Bounds(
+        speed=np.minimum(np.minimum(full, wanted), bent),
+        along=np.column_stack([d1 / of_joints, of_path * x1]),
+        bend=bend,
+    )

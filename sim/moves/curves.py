@@ -1,0 +1,205 @@
+"""The geometry of moves as curves of motor angles phi(w), w from 0 to 1."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BPoly, CubicSpline, PPoly
+
+from armside.arrays import Array
+from armside.kinematics import (
+    CompiledRobot,
+    Limits,
+    UnreachableError,
+    inverse_nearest,
+    inverse_path,
+)
+from armside.kinematics.rigid import transform
+from armside.kinematics.rotation import from_quaternion, slerp, to_quaternion
+
+from .instructions import MoveC, MoveJ, MoveL, Target
+
+NODE_DISTANCE = 0.002
+"""Between solutions of the inverse kinematics along a path [m]; a cubic spline joins them."""
+NODE_ANGLE = np.deg2rad(0.5)
+"""And between orientations [rad]."""
+LARGEST_SHARE = 0.49
+"""Of a move that a zone may take at either end."""
+SAMPLES = 201
+"""Of a curve wherever its extremes are looked for."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A part of a polynomial curve of motor angles."""
+
+    polynomial: PPoly | BPoly
+    """phi(u), u from 0 to 1."""
+    first: float = 0.0
+    last: float = 1.0
+    on_path: bool = False
+    """The tool follows a line or circle: limits of the path apply."""
+
+    def at(self, w: ArrayLike, derivative: int = 0) -> Array:
+        """phi or a derivative by w, shape (..., 6)."""
+        span = self.last - self.first
+        u = self.first + span * np.asarray(w, dtype=np.float64)
+        return span**derivative * self.polynomial(u, derivative)
+
+
+def move_curve(
+    move: MoveJ | MoveL | MoveC, start: Array, robot: CompiledRobot, limits: Limits
+) -> Curve:
+    """The curve of a move from motor angles `start`, zones not yet cut off.
+
+    Raises ValueError where it cannot be followed, and says where.
+    """
+    if isinstance(move, MoveJ):
+        return _straight(start, _motors(move.to, start, robot, limits))
+    T = robot.pose(start)
+    path = _line(T, move) if isinstance(move, MoveL) else _arc(T, move)
+    return _followed(path, start, T, move.to, robot)
+
+
+def _straight(start: Array, end: Array) -> Curve:
+    return Curve(PPoly(np.stack([end - start, start])[:, np.newaxis], [0.0, 1.0]))
+
+
+def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> Array:
+    """Motor angles of a MoveJ's target."""
+    if to.motors is not None:
+        return np.array(to.motors)
+    T_start = robot.pose(start)
+    T = transform(_end_rotation(T_start, to), np.array(to.position))
+    try:
+        return inverse_nearest(robot.robot, T, start if to.near is None else to.near, limits)
+    except UnreachableError as error:
+        raise ValueError(_unreachable("at its target", error, robot)) from error
+
+
+def _unreachable(where: str, error: UnreachableError, robot: CompiledRobot) -> str:
+    return (
+        f"{where} the wrist centre would lie {1e3 * error.distance:.1f} mm outside the workspace "
+        f"of {robot.robot.name}"
+    )
+
+
+def _end_rotation(T_start: Array, to: Target) -> Array:
+    return T_start[:3, :3] if to.quaternion is None else from_quaternion(to.quaternion)
+
+
+@dataclass(frozen=True)
+class _Path:
+    length: float
+    point: Callable[[Array], Array]
+    """(N,) shares of the way -> (N, 3) [m]."""
+
+
+def _line(T: Array, move: MoveL) -> _Path:
+    start, end = T[:3, 3], np.array(move.to.position)
+    return _Path(
+        float(np.linalg.norm(end - start)), lambda u: start + u[:, np.newaxis] * (end - start)
+    )
+
+
+def _arc(T: Array, move: MoveC) -> _Path:
+    """The circle through three points, from the first over the second to the third."""
+    start, via, end = T[:3, 3], np.array(move.via), np.array(move.to.position)
+    normal = np.cross(via - start, end - via)
+    area = np.linalg.norm(normal)
+    sides = np.linalg.norm(via - start) * np.linalg.norm(end - via)
+    if area < 1e-6 * max(sides, 1e-9):
+        raise ValueError("the start, via and end points lie on one line: no circle through them")
+    n = normal / area
+    a, b = via - start, end - start
+    c = np.cross((a @ a) * b - (b @ b) * a, np.cross(a, b))
+    c = c / (2.0 * np.sum(np.cross(a, b) ** 2))  # the centre, seen from the start
+    x = -c / np.linalg.norm(c)
+    y, radius = np.cross(n, x), float(np.linalg.norm(c))
+    to_end = b - c
+    angle = float(np.arctan2(to_end @ y, to_end @ x) % (2.0 * np.pi))
+
+    def point(u: Array) -> Array:
+        turn = (u * angle)[:, np.newaxis]
+        return start + c + radius * (np.cos(turn) * x + np.sin(turn) * y)
+
+    return _Path(radius * angle, point)
+
+
+def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
+    """Motor angles along a path, the orientation turned evenly with the way."""
+    q_start = to_quaternion(T[:3, :3])
+    q_end = to_quaternion(_end_rotation(T, to))
+    turn = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
+    if path.length < 1e-6 and turn < 1e-6:
+        raise ValueError("the move ends where it starts")
+    n = 1 + int(np.ceil(max(path.length / NODE_DISTANCE, turn / NODE_ANGLE, 50)))
+    u = np.linspace(0.0, 1.0, n)
+    poses = transform(from_quaternion(slerp(q_start, q_end, u)), path.point(u))
+    try:
+        phi = inverse_path(robot.robot, poses, start)
+    except UnreachableError as error:
+        where = f"{100 * u[error.index]:.0f} % of the way"
+        raise ValueError(_unreachable(where, error, robot)) from error
+    return Curve(CubicSpline(u, phi), on_path=True)
+
+
+def check_limits(curve: Curve, limits: Limits) -> None:
+    """Raise ValueError where a curve leaves a joint's range: which, how far, where on the way."""
+    w = np.linspace(0.0, 1.0, SAMPLES)
+    phi = curve.at(w)
+    ranges = [
+        (f"motor {i + 1}", np.eye(6)[i], low, high)
+        for i, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True))
+    ]
+    for bound in limits.coupled:
+        c = np.array(bound.coefficients)
+        ranges.append((_combination(c), c, bound.lower, bound.upper))
+    for name, c, low, high in ranges:
+        value = phi @ c
+        outside = (value < low - 1e-9) | (value > high + 1e-9)
+        if outside.any():
+            worst = int(np.argmax(np.maximum(low - value, value - high)))
+            raise ValueError(
+                f"{name} leaves its range of {np.degrees(low):g} to {np.degrees(high):g} deg "
+                f"{100 * w[np.argmax(outside)]:.0f} % of the way and reaches "
+                f"{np.degrees(value[worst]):.1f} deg"
+            )
+
+
+def _combination(c: Array) -> str:
+    """ "motor 3 - motor 2"."""
+    order = sorted(np.flatnonzero(c), key=lambda i: -c[i])
+    text = " ".join(f"{'+' if c[i] > 0 else '-'} motor {i + 1}" for i in order)
+    return text.removeprefix("+ ")
+
+
+def blend(before: Curve, after: Curve) -> Curve:
+    """A corner rounded: from the end of one cut-off curve to the start of the next.
+
+    A quintic whose ends match angle, first and second derivative. Its parameter runs so that the
+    corner's legs count double, as on a parabola: speed and acceleration are continuous where the
+    timing neither speeds up nor slows down.
+    """
+    leg_in = 2.0 * (1.0 - before.last) / (before.last - before.first)
+    leg_out = 2.0 * after.first / (after.last - after.first)
+    ends = [
+        [curve.at(w, d) * leg**d for d in range(3)]
+        for curve, w, leg in ((before, 1.0, leg_in), (after, 0.0, leg_out))
+    ]
+    polynomial = BPoly.from_derivatives([0.0, 1.0], ends)
+    return Curve(polynomial, on_path=before.on_path and after.on_path)
+
+
+def zone_share(curve: Curve, zone: float, robot: CompiledRobot, *, at_end: bool) -> float:
+    """Share of an uncut curve within `zone` [m] of one end; below half of it."""
+    w = np.linspace(0.0, 1.0, SAMPLES)
+    w_of = 1.0 - w if at_end else w
+    p = robot.pose(np.ascontiguousarray(curve.at(w_of)))[:, :3, 3]
+    distance = np.linalg.norm(p - p[0], axis=1)
+    beyond = np.flatnonzero(distance >= zone)
+    if not len(beyond):
+        return LARGEST_SHARE
+    i = int(beyond[0])
+    return min(float(np.interp(zone, distance[i - 1 : i + 1], w[i - 1 : i + 1])), LARGEST_SHARE)

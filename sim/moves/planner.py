@@ -1,0 +1,295 @@
+"""A program of moves as motor angles in time, with a report of what each move reached."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from armside.arrays import Array
+from armside.kinematics import CompiledRobot, Limits, Robot
+from armside.kinematics import compile as compile_robot
+
+from ..cut.timing import Timing
+from .bounds import curve_bounds
+from .chain_timing import PieceLimits, piece_limits, time_chain
+from .curves import Curve, blend, check_limits, move_curve, zone_share
+from .fastest import fastest
+from .instructions import Instruction, Program, ProgramError, Speed, Wait
+
+N_PARTS = 8
+"""Of a move that is limited somewhere."""
+PLACES = 201
+"""On a move between two stops at which its limits are looked at."""
+SLACK = 1e-3
+"""A speed within this share of the programmed one counts as reached."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveReport:
+    """What became of one move."""
+
+    instruction: int
+    """Index in the program."""
+    start: float
+    """[s]."""
+    end: float
+    """[s]."""
+    programmed: Speed
+    reached: float
+    """Highest tool speed [m/s], or the highest share of the joints' where that was programmed."""
+    limited_by: str
+    """What kept the move below its speed, throughout or on a part of it; empty if nothing did."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointMotion:
+    """Motor angles of a program at the log rate. Row i belongs to time[i]."""
+
+    time: Array
+    """(N,) [s], from 0."""
+    phi: Array
+    """(N, 6) [rad], arm side."""
+    instruction: NDArray[np.int64]
+    """(N,), index of the instruction under way; that of the last one after the end."""
+    reports: tuple[MoveReport, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("time", "phi", "instruction"):
+            value = getattr(self, name)
+            if len(value) != len(self.time):
+                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
+            value.setflags(write=False)
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A curve with its time: a move's, or half of the corner to the next."""
+
+    instruction: int
+    curve: Curve
+    limits: PieceLimits
+    corner: bool
+
+
+def plan_program(
+    program: Program,
+    robot: Robot,
+    limits: Limits,
+    *,
+    rest_before: float = 0.5,
+    rest_after: float = 0.5,
+    step: float = 0.004,
+) -> JointMotion:
+    """Plan a program: geometry, corners, then the fastest timing the limits allow.
+
+    Raises:
+        ProgramError: a target out of reach (by how much), a joint limit on the way (which one,
+            where), no circle through three points; the message names the place in the program.
+    """
+    compiled = compile_robot(robot)
+    curves = _curves(program, compiled, limits)
+    clock = rest_before
+    spans: list[tuple[float, float, int, Curve | None, Timing | None]] = []
+    reports: list[MoveReport] = []
+    for chain in _chains(program.instructions):
+        instruction = program.instructions[chain[0]]
+        if isinstance(instruction, Wait):
+            spans.append((clock, clock + instruction.seconds, chain[0], None, None))
+            clock += instruction.seconds
+            continue
+        pieces, timings = _fastest(program, chain, curves, compiled, limits)
+        begun = clock
+        for piece, timing in zip(pieces, timings, strict=True):
+            spans.append((clock, clock + timing.duration, piece.instruction, piece.curve, timing))
+            clock += timing.duration
+        reports += _reports(program, pieces, timings, begun)
+    return _sampled(program, spans, clock + rest_after, step, tuple(reports))
+
+
+def _curves(program: Program, robot: CompiledRobot, limits: Limits) -> dict[int, Curve]:
+    """The uncut curve of each move."""
+    phi, curves = np.array(program.start), {}
+    for index, instruction in enumerate(program.instructions):
+        if isinstance(instruction, Wait):
+            continue
+        try:
+            curve = move_curve(instruction, phi, robot, limits)
+            check_limits(curve, limits)
+        except ValueError as error:
+            raise ProgramError(f"{program.place(index)}: {error}") from error
+        curves[index] = curve
+        phi = curve.at(1.0)
+    return curves
+
+
+def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
+    """Indices of moves that run into each other; a wait is a chain of its own."""
+    chains: list[list[int]] = []
+    running = False
+    for index, instruction in enumerate(instructions):
+        is_move = not isinstance(instruction, Wait)
+        if running and is_move:
+            chains[-1].append(index)
+        else:
+            chains.append([index])
+        running = is_move and instruction.zone > 0.0
+    return chains
+
+
+def _fastest(
+    program: Program,
+    chain: Sequence[int],
+    curves: dict[int, Curve],
+    robot: CompiledRobot,
+    limits: Limits,
+) -> tuple[list[_Piece], list[Timing]]:
+    """Limits that hold on whole moves, on parts of those that are limited, or, between two stops,
+    at each place: what is fastest.
+
+    A move then is slow only where a joint needs it, near a singularity. Each change of speed has to
+    fit between parts, so that a chain of moves gains less than a move by itself.
+    """
+    whole = _pieces(program, chain, curves, robot, limits)
+    limited = any(piece.limits.limited_by for piece in whole)
+    options = [whole]
+    if limited:
+        options.append(_in_parts(program, whole, robot, limits))
+    timed = [
+        (
+            pieces,
+            time_chain(
+                [p.curve for p in pieces], [p.limits for p in pieces], program.dynamics.jerk_time
+            ),
+        )
+        for pieces in options
+    ]
+    if limited and len(whole) == 1:
+        speed = program.instructions[chain[0]].speed  # type: ignore[union-attr]
+        bounds = curve_bounds(whole[0].curve, speed, robot, limits, program.dynamics, PLACES)
+        timed.append((whole, [fastest(bounds, program.dynamics.jerk_time)]))
+    return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
+
+
+def _in_parts(
+    program: Program, pieces: Sequence[_Piece], robot: CompiledRobot, limits: Limits
+) -> list[_Piece]:
+    """Each limited move in equal parts with limits of their own."""
+    parts = []
+    for piece in pieces:
+        if piece.corner or not piece.limits.limited_by:
+            parts.append(piece)
+            continue
+        speed = program.instructions[piece.instruction].speed  # type: ignore[union-attr]
+        ends = np.linspace(piece.curve.first, piece.curve.last, N_PARTS + 1)
+        for first, last in pairwise(ends):
+            curve = replace(piece.curve, first=float(first), last=float(last))
+            of_part = piece_limits(curve, speed, robot, limits, program.dynamics)
+            parts.append(_Piece(piece.instruction, curve, of_part, corner=False))
+    return parts
+
+
+def _pieces(
+    program: Program,
+    chain: Sequence[int],
+    curves: dict[int, Curve],
+    robot: CompiledRobot,
+    limits: Limits,
+) -> list[_Piece]:
+    """Cut-off moves and the corners between them, each with its limits."""
+    cut = [curves[index] for index in chain]
+    for j in range(len(chain) - 1):
+        zone = program.instructions[chain[j]].zone  # type: ignore[union-attr]
+        taken = zone_share(curves[chain[j]], zone, robot, at_end=True)
+        given = zone_share(curves[chain[j + 1]], zone, robot, at_end=False)
+        cut[j], cut[j + 1] = replace(cut[j], last=1.0 - taken), replace(cut[j + 1], first=given)
+    pieces = []
+    for j, index in enumerate(chain):
+        speed = program.instructions[index].speed  # type: ignore[union-attr]
+        of_piece = piece_limits(cut[j], speed, robot, limits, program.dynamics)
+        pieces.append(_Piece(index, cut[j], of_piece, corner=False))
+        if j + 1 < len(chain):
+            corner = blend(cut[j], cut[j + 1])
+            try:
+                check_limits(corner, limits)
+            except ValueError as error:
+                raise ProgramError(f"{program.place(index)}, at its zone: {error}") from error
+            slower = _slower(speed, program.instructions[chain[j + 1]].speed)  # type: ignore[union-attr]
+            of_corner = piece_limits(corner, slower, robot, limits, program.dynamics)
+            pieces.append(_Piece(index, corner, of_corner, corner=True))
+    return pieces
+
+
+def _slower(a: Speed, b: Speed) -> Speed:
+    """The speed through a corner: the slower of two of a kind, else the one along the path."""
+    if a.path and b.path:
+        return a if a.path <= b.path else b
+    if a.share and b.share:
+        return a if a.share <= b.share else b
+    return a if a.path else b
+
+
+def _reports(
+    program: Program, pieces: Sequence[_Piece], timings: Sequence[Timing], begun: float
+) -> list[MoveReport]:
+    """One for each move: from its first part to its last."""
+    ends = begun + np.cumsum([t.duration for t in timings])
+    starts = np.concatenate([[begun], ends[:-1]])
+    reports = []
+    for index in dict.fromkeys(piece.instruction for piece in pieces):
+        parts = [
+            j for j, piece in enumerate(pieces) if piece.instruction == index and not piece.corner
+        ]
+        programmed = program.instructions[index].speed  # type: ignore[union-attr]
+        reached = [_reached(pieces[j].limits, timings[j], programmed) for j in parts]
+        wanted = programmed.share or programmed.path or 0.0
+        slow = [j for j, top in zip(parts, reached, strict=True) if top < wanted * (1.0 - SLACK)]
+        reports.append(
+            MoveReport(
+                instruction=index,
+                start=float(starts[parts[0]]),
+                end=float(ends[parts[-1]]),
+                programmed=programmed,
+                reached=max(reached),
+                limited_by=_reason([pieces[j].limits for j in slow], len(slow) == len(parts)),
+            )
+        )
+    return reports
+
+
+def _reached(limits: PieceLimits, timing: Timing, programmed: Speed) -> float:
+    """Highest speed on a piece, in the kind of the programmed one."""
+    _, ending, _ = timing.at(timing.duration * (1.0 - 1e-12))
+    top = max(timing.top_speed, float(ending))
+    return top / limits.full_speed if programmed.share else top * limits.tool_way
+
+
+def _reason(slow: Sequence[PieceLimits], throughout: bool) -> str:
+    """The limit of the slowest part that has one; without any, there was no room to speed up."""
+    limited = [piece for piece in slow if piece.limited_by]
+    if limited:
+        return min(limited, key=lambda piece: piece.speed * piece.tool_way).limited_by
+    return "length of the move" if throughout else ""
+
+
+def _sampled(
+    program: Program,
+    spans: Sequence[tuple[float, float, int, Curve | None, Timing | None]],
+    end: float,
+    step: float,
+    reports: tuple[MoveReport, ...],
+) -> JointMotion:
+    """Motor angles on the grid of the log; between spans the robot rests."""
+    time: Array = np.arange(int(np.ceil(end / step - 1e-9)) + 1, dtype=np.float64) * step
+    phi = np.tile(np.array(program.start), (len(time), 1))
+    instruction = np.zeros(len(time), dtype=np.int64)
+    for first, last, index, curve, timing in spans:
+        later = time >= first
+        instruction[later] = index
+        if curve is None or timing is None:
+            continue
+        inside = later & (time <= last)
+        phi[inside] = curve.at(np.clip(timing.at(time[inside] - first)[0], 0.0, 1.0))
+        phi[time > last] = curve.at(1.0)
+    return JointMotion(time=time, phi=phi, instruction=instruction, reports=reports)

@@ -1,0 +1,1 @@
+"""Runs on disk: signals, tables, summaries, and the folders that hold them."""

@@ -1,0 +1,253 @@
+"""`signals.parquet`: every signal of an experiment in one table, and back into the same arrays.
+
+One row per iteration k and instant. Columns of the log are filled at the log rate, those of the
+tracker and of the truth at theirs, null elsewhere; a lost beam is NaN with `tracker_valid` false.
+Units stand in the metadata of each column, the configuration in that of the table.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from armside.arrays import Array
+
+from ..instruments.laser_tracker import TrackerSamples
+from ..instruments.sampling import rate_of, stride
+from ..robot.gear_error import EXACT
+from ..robot.recording import Recording, Truth
+from .atomic import atomic
+
+AXES = tuple("123456")
+XYZ = tuple("xyz")
+WXYZ = tuple("wxyz")
+
+LOG = {
+    "reference": ("rad", AXES),
+    "correction": ("rad", AXES),
+    "motor_angle": ("rad", AXES),
+    "motor_torque": ("N m", AXES),
+}
+TRUTH = {
+    "motor_angle": ("rad", AXES),
+    "flex_angle": ("rad", AXES),
+    "motor_torque": ("N m", AXES),
+    "tool_position": ("m", XYZ),
+    "tool_quaternion": ("1", WXYZ),
+    "imu_acceleration": ("m/s^2", XYZ),
+    "imu_angular_velocity": ("rad/s", XYZ),
+}
+FORMAT = 1
+"""Of the file; raised when an older one can no longer be read as if it were new."""
+SHORTEST_INTERVAL = 1e-9
+"""Two samples closer than this [s] were meant to be one: their clocks were computed differently."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """Iteration k of an experiment."""
+
+    k: int
+    recording: Recording
+    tracker: TrackerSamples | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Signals:
+    """What a file of signals holds."""
+
+    runs: tuple[Run, ...]
+    """The truth is at the rate it was written with, 1000 Hz unless told otherwise."""
+    config: dict[str, Any]
+    seed: int | None
+    version: str
+
+
+def write_signals(
+    path: Path,
+    runs: Sequence[Run],
+    *,
+    config: Mapping[str, Any],
+    seed: int | None,
+    truth_rate: float = 1000.0,
+) -> None:
+    """Write the runs to one file, whole or not at all. The same data gives the same bytes.
+
+    Raises:
+        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, or
+            two clocks that nearly agree.
+    """
+    ks = [run.k for run in runs]
+    if not ks or len(set(ks)) != len(ks):
+        raise ValueError(f"signals need one or more runs with different k, got k = {ks}")
+    tables = [_table(run, truth_rate) for run in runs]
+    metadata = {
+        "config": json.dumps(dict(config), sort_keys=True),
+        "format": json.dumps(FORMAT),
+        "limits_hit": json.dumps({str(run.k): run.recording.limits_hit for run in runs}),
+        "rates": json.dumps(_rates(runs[0], truth_rate)),
+        "seed": json.dumps(seed),
+        "version": version("armside"),
+    }
+    table = pa.concat_tables(tables)
+    table = table.replace_schema_metadata(
+        {f"armside.{key}": text for key, text in metadata.items()}
+    )
+    with atomic(path) as partial:
+        pq.write_table(
+            table,
+            partial,
+            compression="zstd",
+            use_dictionary=False,  # measured floats hardly repeat
+            use_byte_stream_split=_float_columns(table.schema),  # pyright: ignore[reportArgumentType]
+        )
+
+
+def read_signals(path: Path) -> Signals:
+    """The runs of a file, bit for bit as written.
+
+    Raises:
+        ValueError: the file holds something else, or signals of another format.
+    """
+    return signals_of(pq.read_table(path), source=str(path))
+
+
+def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
+    """The runs of a table with the columns and the metadata of `write_signals`.
+
+    Raises:
+        ValueError: the table holds something else, or signals of another format.
+    """
+    metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
+    if "armside.config" not in metadata:
+        raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
+    if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
+        raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
+    limits_hit = json.loads(metadata["armside.limits_hit"])
+    runs = []
+    for k in table["k"].unique().to_pylist():
+        hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit[str(k)])
+        runs.append(_run(k, table.filter(pc.field("k") == k), hits))
+    return Signals(
+        runs=tuple(runs),
+        config=json.loads(metadata["armside.config"]),
+        seed=json.loads(metadata["armside.seed"]),
+        version=metadata["armside.version"],
+    )
+
+
+def _columns(prefix: str, unit: str, suffixes: Sequence[str]) -> list[pa.Field]:
+    return [pa.field(f"{prefix}_{s}", pa.float64(), metadata={"unit": unit}) for s in suffixes]
+
+
+def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
+    return TRUTH | {"qpos": ("rad or m", tuple(str(i) for i in range(n_qpos)))}
+
+
+def _table(run: Run, truth_rate: float) -> pa.Table:
+    """One run as a table: the union of the instants of its streams."""
+    recording, tracker = run.recording, run.tracker
+    truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
+    clocks = [recording.time, truth.time] + ([tracker.time] if tracker else [])
+    time = np.unique(np.concatenate(clocks))
+    if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
+        raise ValueError("sample times of log, truth and tracker must come from one grid of time")
+
+    names = [
+        pa.field("k", pa.int32(), metadata={"unit": "1"}),
+        pa.field("time", pa.float64(), metadata={"unit": "s"}),
+    ]
+    values = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
+    for attribute, (unit, suffixes) in LOG.items():
+        names += _columns(attribute, unit, suffixes)
+        values += _spread(time, recording.time, getattr(recording, attribute))
+    names += _columns("tracker", "m", XYZ)
+    names.append(pa.field("tracker_valid", pa.bool_(), metadata={"unit": "1"}))
+    values += _tracker_values(time, tracker)
+    for attribute, (unit, suffixes) in _truth_blocks(truth.qpos.shape[1]).items():
+        names += _columns(f"true_{attribute}", unit, suffixes)
+        values += _spread(time, truth.time, getattr(truth, attribute))
+    return pa.Table.from_arrays(values, schema=pa.schema(names))
+
+
+def _tracker_values(time: Array, tracker: TrackerSamples | None) -> list[pa.Array]:
+    if tracker is None:
+        return [pa.nulls(len(time), pa.float64())] * 3 + [pa.nulls(len(time), pa.bool_())]
+    valid = tracker.valid[:, np.newaxis]
+    return _spread(time, tracker.time, tracker.position) + _spread(time, tracker.time, valid)
+
+
+def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:
+    """The columns of `values` at their rows of the common time, null in between."""
+    row = np.searchsorted(time, own_time)
+    null = np.ones(len(time), dtype=bool)
+    null[row] = False
+    columns = np.zeros((values.shape[1], len(time)), dtype=values.dtype)
+    columns[:, row] = values.T
+    return [pa.array(column, mask=null) for column in columns]
+
+
+def _rates(run: Run, truth_rate: float) -> dict[str, float]:
+    """[Hz], of each stream."""
+    rates = {"log": rate_of(run.recording.time), "truth": truth_rate}
+    if run.tracker:
+        rates["tracker"] = rate_of(run.tracker.time)
+    return {name: round(rate, 6) for name, rate in rates.items()}
+
+
+def _float_columns(schema: pa.Schema) -> list[str]:
+    return [field.name for field in schema if field.type == pa.float64()]
+
+
+def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> Run:
+    log = table.filter(pc.field("reference_1").is_valid())
+    true = table.filter(pc.field("true_tool_position_x").is_valid())
+    n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
+    truth = {
+        attribute: _stack(true, f"true_{attribute}", suffixes)
+        for attribute, (_, suffixes) in _truth_blocks(n_qpos).items()
+    }
+    signals = {
+        attribute: _stack(log, attribute, suffixes) for attribute, (_, suffixes) in LOG.items()
+    }
+    recording = Recording(
+        time=_numbers(log, "time"),
+        # The file has what the gears' error made of it: to these angles it is added already.
+        truth=Truth(
+            time=_numbers(true, "time"),
+            gear_angle=truth.pop("motor_angle"),
+            spring_angle=truth.pop("flex_angle"),
+            gear_error=EXACT,
+            **truth,
+        ),
+        limits_hit=limits_hit,
+        **signals,
+    )
+    return Run(k=k, recording=recording, tracker=_tracker(table))
+
+
+def _tracker(table: pa.Table) -> TrackerSamples | None:
+    samples = table.filter(pc.field("tracker_valid").is_valid())
+    if samples.num_rows == 0:
+        return None
+    return TrackerSamples(
+        time=_numbers(samples, "time"),
+        position=_stack(samples, "tracker", XYZ),
+        valid=samples["tracker_valid"].to_numpy(),
+    )
+
+
+def _numbers(table: pa.Table, name: str) -> Array:
+    return np.array(table[name].to_numpy(), dtype=np.float64)
+
+
+def _stack(table: pa.Table, prefix: str, suffixes: Sequence[str]) -> Array:
+    return np.stack([_numbers(table, f"{prefix}_{s}") for s in suffixes], axis=1)

@@ -1,0 +1,1 @@
+"""Replay of runs: scenes for Rerun, pictures and films."""

@@ -1,0 +1,140 @@
+"""How a replay is arranged: the first look shows that the motors learn and the tool need not."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun.blueprint as rrb
+
+from armside.arrays import Array
+
+LEGEND = rrb.PlotLegend(corner=rrb.Corner2D.RightTop)
+NO_LEGEND = rrb.PlotLegend(visible=False)
+MORE = (
+    ("correction", "Correction u [mrad]"),
+    ("motor_torque", "Torque [N m]"),
+    ("imu/acceleration", "IMU, ideal [m/s²]"),
+    ("imu/angular_velocity", "Gyro, ideal [rad/s]"),
+    ("tracker", "Tracker [mm]"),
+)
+"""Series that stand behind the first look, each in a tab."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """What the views of one experiment need to know."""
+
+    name: str
+    """Prefix of its entities; empty for the only one."""
+    factor: float
+    """Magnification of the deviations."""
+    target: Array
+    """(3,) [m], where the tool works."""
+    height: float
+    """[m], of the robot's upper end above the floor it stands on."""
+    worst: float
+    """Largest value of the learning curves [%]."""
+
+    def entity(self, path: str) -> str:
+        """The path below this experiment's prefix."""
+        return f"{self.name}/{path}" if self.name else path
+
+
+def blueprint(layouts: Sequence[Layout]) -> rrb.Blueprint:
+    """One experiment in three columns, several side by side."""
+    if len(layouts) == 1:
+        views = _alone(layouts[0])
+    else:
+        views = rrb.Horizontal(*(_column(layout) for layout in layouts))
+    return rrb.Blueprint(views, *panels())
+
+
+def panels() -> list[rrb.BlueprintPart]:
+    """The viewer's own panels out of the way; the runs play again and again."""
+    return [
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TimePanel(timeline="time", state="collapsed", play_state="playing", loop_mode="all"),
+    ]
+
+
+def _alone(layout: Layout) -> rrb.Container:
+    behind = [_series(layout, entity, title) for entity, title in MORE]
+    return rrb.Horizontal(
+        rrb.Vertical(_robot(layout), _about(layout), row_shares=[3, 2]),
+        rrb.Vertical(
+            rrb.Tabs(_paths(layout), _plane(layout)), _learning(layout), row_shares=[3, 2]
+        ),
+        rrb.Vertical(
+            _series(layout, "motor_error", "Motor error, arm side of the gear [mrad]", LEGEND),
+            _series(layout, "arm_error", "Deviation across the path [µm]", LEGEND),
+            rrb.Tabs(*behind, _spectrum(layout)),
+        ),
+        column_shares=[5, 6, 6],
+    )
+
+
+def _column(layout: Layout) -> rrb.Container:
+    return rrb.Vertical(
+        rrb.Tabs(_paths(layout), _plane(layout), _robot(layout), _about(layout), name=layout.name),
+        _learning(layout),
+        rrb.Tabs(
+            _series(layout, "arm_error", f"{layout.name}: deviation across the path [µm]"),
+            _series(layout, "motor_error", f"{layout.name}: motor error [mrad]"),
+            *(_series(layout, entity, title) for entity, title in MORE),
+            _spectrum(layout),
+        ),
+        row_shares=[5, 3, 3],
+        name=layout.name,
+    )
+
+
+def _titled(layout: Layout, title: str) -> str:
+    return f"{layout.name}: {title}" if layout.name else title
+
+
+def _robot(layout: Layout) -> rrb.View:
+    """From the side and a little above, all of the robot in sight."""
+    reach = layout.height + float(np.hypot(*layout.target[:2]))
+    middle = np.array([*(0.5 * layout.target[:2]), 0.5 * layout.height])
+    position = middle + reach * np.array([0.35, -1.05, 0.35])
+    eye = rrb.EyeControls3D(position=position, look_target=middle)
+    return rrb.Spatial3DView(
+        origin=layout.entity("robot"), name=_titled(layout, "Robot"), eye_controls=eye
+    )
+
+
+def _paths(layout: Layout) -> rrb.View:
+    title = f"Tool path by iteration, deviation ×{layout.factor:g}"
+    return rrb.Spatial2DView(origin=layout.entity("paths"), name=_titled(layout, title))
+
+
+def _plane(layout: Layout) -> rrb.View:
+    title = f"This iteration ×{layout.factor:g} [mm, y up]"
+    return rrb.Spatial2DView(origin=layout.entity("plane"), name=title)
+
+
+def _learning(layout: Layout) -> rrb.View:
+    title = "Error, % of the first run's; orange: tool, others: motors"
+    return rrb.TimeSeriesView(
+        origin=layout.entity("learning"),
+        name=_titled(layout, title),
+        plot_legend=NO_LEGEND if layout.name else LEGEND,
+        axis_y=rrb.ScalarAxis(range=(0.0, 1.1 * layout.worst)),
+    )
+
+
+def _series(
+    layout: Layout, entity: str, title: str, legend: rrb.PlotLegend = NO_LEGEND
+) -> rrb.View:
+    return rrb.TimeSeriesView(origin=layout.entity(entity), name=title, plot_legend=legend)
+
+
+def _spectrum(layout: Layout) -> rrb.View:
+    return rrb.BarChartView(
+        origin=layout.entity("spectrum"), name="Spectrum [µm over Hz]", plot_legend=LEGEND
+    )
+
+
+def _about(layout: Layout) -> rrb.View:
+    return rrb.TextDocumentView(origin=layout.entity("about"), name="Design and measures")

@@ -1,0 +1,94 @@
+"""Paths of the tool as a replay draws them: across the programmed path, magnified."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside import kinematics
+from armside.arrays import Array
+
+from ..cut.path import Plane
+from ..records.signals import Run
+from ..robot.recording import Recording
+
+MAGNIFICATIONS = (50.0, 20.0, 10.0, 5.0, 2.0)
+LARGEST_SHOWN = 0.75
+"""How far a magnified deviation may reach, as a part of the contour's half size."""
+
+
+class Programmed(Protocol):
+    """What the tool was asked to do."""
+
+    @property
+    def plane(self) -> Plane: ...
+    def position_at(self, time: ArrayLike) -> Array: ...
+    def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]: ...
+
+
+class Contour:
+    """Programmed, motor-side and true tool path of one run in the plane, at the log's instants."""
+
+    def __init__(self, run: Run, motion: Programmed, robot: kinematics.CompiledRobot) -> None:
+        recording, plane = run.recording, motion.plane
+        self.time = recording.time
+        self.programmed = plane.from_base(motion.position_at(self.time))[:, :2]
+        self.cutting = motion.is_on_contour(self.time)
+        self.normal = _normals(self.programmed)
+        motor = robot.pose(recording.motor_angle)[:, :3, 3]
+        self.motor = self._deviation(plane.from_base(motor)[:, :2])
+        self.tool = self._deviation(plane.from_base(_at_log(recording))[:, :2])
+
+    def _deviation(self, p: Array) -> Array:
+        """(N,) [m], across the path, outwards on a counter-clockwise contour.
+
+        The mean offset while cutting (static deflection) is taken off first: what is left is shape.
+        """
+        offset = p - self.programmed
+        offset = offset - offset[self.cutting].mean(axis=0)
+        return np.einsum("ij,ij->i", offset, self.normal)
+
+    def magnified(self, deviation: Array, factor: float) -> Array:
+        """(N, 2) [mm], y upwards in Rerun's picture axes, which point down."""
+        p = self.programmed + factor * deviation[:, np.newaxis] * self.normal
+        return 1e3 * p * [1.0, -1.0]
+
+    @property
+    def half_size(self) -> float:
+        """[m], half the larger side of the programmed path."""
+        return float(np.ptp(self.programmed, axis=0).max()) / 2
+
+    def spectrum(self, deviation: Array) -> tuple[Array, Array]:
+        """Amplitudes [m] of what lies across the path while cutting, at frequencies [Hz]."""
+        cut = deviation[self.cutting]
+        window = np.hanning(len(cut))
+        amplitude: Array = 2.0 * np.abs(np.fft.rfft(cut * window)) / window.sum()
+        step = float(self.time[1] - self.time[0])
+        frequency: Array = np.asarray(np.fft.rfftfreq(len(cut), step), dtype=np.float64)
+        return frequency, amplitude
+
+
+def fitting_magnification(contours: Sequence[Contour]) -> float:
+    """The largest of 50, 20, 10, 5, 2, 1 that leaves the contour's shape to be seen."""
+    largest = max(np.abs(c.tool[c.cutting]).max() for c in contours)
+    room = LARGEST_SHOWN * contours[0].half_size
+    return next((m for m in MAGNIFICATIONS if m * largest <= room), 1.0)
+
+
+def _normals(p: Array) -> Array:
+    """Unit normals to the right of a path (N, 2); at rest that of the nearest moving sample."""
+    step = np.gradient(p, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    moving = np.flatnonzero(length > 1e-9)
+    if not len(moving):
+        return np.tile([1.0, 0.0], (len(p), 1))
+    nearest = moving[np.clip(np.searchsorted(moving, np.arange(len(p))), 0, len(moving) - 1)]
+    tangent = step[nearest] / length[nearest, np.newaxis]
+    return np.column_stack([tangent[:, 1], -tangent[:, 0]])
+
+
+def _at_log(recording: Recording) -> Array:
+    """True tool position at the log's instants, (N, 3)."""
+    row = np.searchsorted(recording.truth.time, recording.time - 1e-9)
+    return recording.truth.tool_position[row]

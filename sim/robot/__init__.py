@@ -1,0 +1,1 @@
+"""The virtual robot: model, drives, elasticity, servo, and its recorded runs."""

@@ -1,0 +1,154 @@
+"""Robot individuals: the same design with slightly other parameters, or another payload."""
+
+import copy
+from dataclasses import dataclass, field, fields, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from .model import AXES, N_AXES, RobotModel
+
+# dcmotor keeps the phase of its cogging here, and Coulomb and static LuGre friction (checked by a
+# test against the MJCF).
+_COGGING_PHASE, _COULOMB, _STATIC = 2, 3, 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """How much robots of one design differ: standard deviations, all of them ESTIMATES."""
+
+    friction: float = 0.10
+    """Of log(factor), each axis: run-in, grease and temperature."""
+    gear_stiffness: float = 0.10
+    """Of log(factor), each axis."""
+    structure_stiffness: float = 0.10
+    """Of log(factor), each hinge of the structure."""
+    position: float = 0.5e-3
+    """[m], of each joint's place on the link before it, each direction."""
+    orientation: float = 0.5e-3
+    """[rad], of each joint's axis and zero, about each direction."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise ValueError(f"spread of {item.name} must be >= 0, got {value}")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Individual:
+    """One robot of a design: what is its own. The defaults are the design itself."""
+
+    friction: Array = field(default_factory=lambda: np.ones(N_AXES))
+    """(6,) factor on Coulomb and static friction."""
+    gear_stiffness: Array = field(default_factory=lambda: np.ones(N_AXES))
+    """(6,) factor."""
+    structure_stiffness: ArrayLike = 1.0
+    """(n,) factor on each hinge of the structure, or one for all."""
+    ripple_phase: Array = field(default_factory=lambda: np.zeros(N_AXES))
+    """(6,) [rad], added to the phase of each motor's torque ripple and gear error."""
+    position: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
+    """(6, 3) [m], of each joint's body in its parent, beside the design."""
+    orientation: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
+    """(6, 3) [rad], rotation vector of each joint's body, beside the design."""
+
+
+def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) -> Individual:
+    """An individual: factors log-normal, geometry normal, phases uniform over a turn.
+
+    n_structure: hinges of the structure, `structure_hinges(model)` of them.
+    """
+    return Individual(
+        friction=np.exp(spread.friction * rng.standard_normal(N_AXES)),
+        gear_stiffness=np.exp(spread.gear_stiffness * rng.standard_normal(N_AXES)),
+        structure_stiffness=np.exp(spread.structure_stiffness * rng.standard_normal(n_structure)),
+        ripple_phase=rng.uniform(0.0, 2.0 * np.pi, N_AXES),
+        position=spread.position * rng.standard_normal((N_AXES, 3)),
+        orientation=spread.orientation * rng.standard_normal((N_AXES, 3)),
+    )
+
+
+def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
+    """That individual of the design `model`; effects of gears and drives are switched on before.
+
+    Damping of a spring follows its stiffness with the square root, so that its damping ratio stays.
+    """
+    model = with_friction(model, individual.friction)
+    mj = model.mj
+    gears = [mj.joint(f"flex_{i}").id for i in AXES] if len(model.flex) else []
+    _stiffen(mj, gears, individual.gear_stiffness)
+    _stiffen(mj, structure_hinges(model), individual.structure_stiffness)
+    for i in AXES:  # the stiff part of a gear with lost motion is a tendon over its joint
+        tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
+        if tendon >= 0:
+            mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
+    axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+    mj.actuator_biasprm[axes, _COGGING_PHASE] += individual.ripple_phase
+    for i in AXES:
+        body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
+        mj.body_pos[body] += individual.position[i - 1]
+        mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
+    mujoco.mj_setConst(mj, mujoco.MjData(mj))
+    if model.gear_error is not None:
+        phase = model.gear_error.phase + individual.ripple_phase[:, None]
+        model = replace(model, gear_error=replace(model.gear_error, phase=phase))
+    return model
+
+
+def structure_hinges(model: RobotModel) -> list[int]:
+    """The joints that are hinges of the structure."""
+    mj = model.mj
+    return [i for i in range(mj.njnt) if mj.joint(i).name.startswith("struct_")]
+
+
+def _stiffen(mj: mujoco.MjModel, joints: list[int], factor: ArrayLike) -> None:
+    factor = np.asarray(factor, dtype=np.float64)
+    mj.jnt_stiffness[joints] *= factor
+    mj.dof_damping[mj.jnt_dofadr[joints]] *= np.sqrt(factor)
+
+
+def with_payload(model: RobotModel, mass: float) -> RobotModel:
+    """The robot with a tool of that mass [kg]: same centre of mass, inertia in proportion.
+
+    Raises ValueError for a negative mass, or a robot whose model has no body `tool` of its own.
+    """
+    if not (np.isfinite(mass) and mass >= 0.0):
+        raise ValueError(f"payload must be >= 0 kg, got {mass:g}")
+    mj = copy.copy(model.mj)
+    tool = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
+    if tool < 0:
+        raise ValueError("this robot's payload cannot be changed: its model lacks the body tool")
+    mj.body_inertia[tool] *= mass / mj.body_mass[tool]
+    mj.body_mass[tool] = mass
+    mujoco.mj_setConst(mj, mujoco.MjData(mj))
+    return replace(model, mj=mj)
+
+
+def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
+    """The robot with Coulomb and static friction scaled.
+
+    factor: one for all axes or (6,), > 0.
+    """
+    factor = np.broadcast_to(np.asarray(factor, dtype=np.float64), (len(AXES),))
+    if not (np.isfinite(factor).all() and (factor > 0.0).all()):
+        raise ValueError(f"friction factors must be > 0, got {factor.tolist()}")
+    mj = copy.copy(model.mj)
+    axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+    mj.actuator_biasprm[axes, _COULOMB] *= factor
+    mj.actuator_biasprm[axes, _STATIC] *= factor
+    return replace(model, mj=mj)
+
+
+def braked_at(model: RobotModel, phi: ArrayLike) -> RobotModel:
+    """The robot with its brakes set to hold the motors at phi, (6,) [rad], once they engage.
+
+    Raises ValueError for a robot without brakes.
+    """
+    if not len(model.brakes):
+        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
+    mj = copy.copy(model.mj)
+    mj.eq_data[model.brakes, 0] = phi
+    return replace(model, mj=mj)

@@ -1,0 +1,144 @@
+"""The servo's inputs over a whole run, as arrays: known before the run, so the run is one call.
+
+The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the physics (the
+`dcmotor` controller). What enters it is formed here, arm side, at the physics rate:
+
+    pos = r + u_f        vel = g (r' + u_f')        ff = rigid inverse dynamics of r
+
+where g is the velocity feedforward and u_f the correction after its delay and first-order lag.
+u_f does not enter the torque feedforward. Where a robot's data ask for it, ff also carries a share
+of friction (`armside.sim.robot.drives`), and encoder noise enters as a perturbation of pos and vel.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from armside.arrays import Array
+from armside.ilc.filters import recursion
+
+from .model import RobotModel
+
+VELOCITY_FILTER = 200.0
+"""[Hz], of the first-order low-pass behind the difference quotient of an encoder. ESTIMATE."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setpoints:
+    """Position and velocity at the physics rate, arm side."""
+
+    position: Array
+    """(M, 6) [rad]."""
+    velocity: Array
+    """(M, 6) [rad/s]."""
+
+
+def substeps(timestep: float, log_period: float) -> int:
+    """Physics steps per log sample. Raises ValueError unless it is a whole number."""
+    ratio = log_period / timestep
+    if abs(ratio - round(ratio)) > 1e-9 or round(ratio) < 1:
+        raise ValueError(f"log period {log_period} s is not a multiple of the step {timestep} s")
+    return round(ratio)
+
+
+def interpolate(samples: Array, period: float, ratio: int) -> tuple[Array, Array, Array]:
+    """Cubic spline through log samples, at rest at both ends.
+
+    Args:
+        samples: (N, n), one row each `period` [s].
+        ratio: physics steps per sample.
+
+    Returns:
+        Value, first and second derivative, each ((N - 1) * ratio + 1, n).
+    """
+    from scipy.interpolate import CubicSpline
+
+    n = len(samples)
+    spline = CubicSpline(np.arange(n) * period, samples, bc_type="clamped")
+    t = np.arange((n - 1) * ratio + 1) * (period / ratio)
+    return spline(t), spline(t, 1), spline(t, 2)
+
+
+def correction_path(
+    correction: Array, period: float, ratio: int, delay: float, lag: float
+) -> Setpoints:
+    """A correction on its way to the servo: first-order hold, pure delay, first-order lag.
+
+    The first-order hold makes it continuous, so that its derivative after the lag,
+    u_f' = 2 pi lag (u - u_f), is free of impulses.
+
+    Args:
+        correction: (N, 6) [rad], u at the log rate.
+        delay: [s].
+        lag: corner frequency [Hz].
+    """
+    n, step = len(correction), period / ratio
+    shape = ((n - 1) * ratio + 1, correction.shape[1])
+    position, velocity = np.empty(shape), np.empty(shape)
+    _held_and_lagged(correction, period, step, delay, 2.0 * np.pi * lag, position, velocity)
+    return Setpoints(position=position, velocity=velocity)
+
+
+@njit(cache=True, nogil=True)
+def _held_and_lagged(
+    samples: Array,
+    period: float,
+    step: float,
+    delay: float,
+    omega: float,
+    position: Array,
+    velocity: Array,
+) -> None:  # pragma: no cover - compiled
+    """The lag x' = omega (signal - x), exact for a signal that is linear between steps."""
+    n = len(samples)
+    decay = np.exp(-omega * step)
+    last = np.empty(samples.shape[1])
+    for i in range(len(position)):
+        sample = min(max((i * step - delay) / period, 0.0), n - 1.0)
+        before = min(int(sample), n - 2)
+        weight = sample - before
+        for j in range(samples.shape[1]):
+            signal = samples[before, j] * (1.0 - weight) + samples[before + 1, j] * weight
+            if i == 0:
+                position[i, j] = signal
+                velocity[i, j] = 0.0
+            else:
+                slope = (signal - last[j]) / step
+                steady = signal - slope / omega
+                x = steady + (position[i - 1, j] - last[j] + slope / omega) * decay
+                position[i, j] = x
+                velocity[i, j] = omega * (signal - x)
+            last[j] = signal
+
+
+def at_step_end(signal: Array) -> Array:
+    """Each row replaced by the next: a set point for feedback that is taken at the step's end."""
+    return np.concatenate((signal[1:], signal[-1:]))
+
+
+def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
+    """Interleave arm-side set points into the control array of the MJCF, in motor units.
+
+    Args:
+        position: (M, 6) [rad], arm side.
+        velocity: (M, 6) [rad/s], arm side.
+        torque: (M, 6) [N m], arm side.
+
+    Returns:
+        (M, nu): per actuator position [motor rad], velocity [motor rad/s], torque [motor N m].
+    """
+    gear = model.drives.gear
+    controls = np.empty((len(position), 6, 3))
+    np.multiply(position, gear, out=controls[:, :, 0])
+    np.multiply(velocity, gear, out=controls[:, :, 1])
+    np.divide(torque, gear, out=controls[:, :, 2])
+    return controls.reshape(len(position), 18)
+
+
+def encoder_perturbation(noise: Array, step: float) -> Array:
+    """What noise (M, 6) [rad] of an encoder adds to the speed [rad/s] that the servo feeds back:
+    its difference quotient, low-passed."""
+    c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
+    gain = (1.0 - c) / step
+    return recursion(np.array([gain, -gain]), np.array([1.0, -c]), noise)

@@ -1,0 +1,158 @@
+"""Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model."""
+
+import copy
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+
+from .linkage import Linkage
+from .model import RobotModel
+from .servo import interpolate
+
+_NEWTON_STEPS = 500  # a soft gear is approached with the slope of the stiff one
+_REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the softest spring
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibrium:
+    """Rest of the flexible robot with its motors held."""
+
+    qpos: Array
+    """(nq,) [rad]."""
+    holding_torque: Array
+    """(6,) [N m], arm side, that the motors deliver."""
+
+
+class Statics:
+    """Forces and deflections along a motion. Holds scratch data: one object per thread."""
+
+    def __init__(self, model: RobotModel) -> None:
+        self._model = model
+        self._mj = copy.copy(model.mj)
+        # A controller's rigid model: no friction, no damping, and no closed-loop constraint forces.
+        flags = mujoco.mjtDisableBit.mjDSBL_DAMPER | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        self._mj.opt.disableflags |= int(flags)
+        self._data = mujoco.MjData(self._mj)
+        self._linkage = Linkage(self._mj)
+        self._stiffness = spring_stiffness(model)
+
+    def rigid_forces(self, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
+        """Generalised forces of the rigid motion, every spring at zero deflection.
+
+        Args:
+            phi: (N, 6) [rad], arm-side motor angles; then their first and second derivative.
+
+        Returns:
+            (N, nv) [N m]: what each joint would have to deliver if the chain were cut open;
+            `motor_torque` closes it. In an open chain a spring carries its entry.
+        """
+        data, posture = self._data, self._model.posture.T
+        forces = np.empty((len(phi), self._mj.nv))
+        q, q_dot, q_ddot = phi @ posture, phi_dot @ posture, phi_ddot @ posture
+        for i in range(len(phi)):
+            data.qpos[:] = q[i]
+            data.qvel[:] = q_dot[i]
+            data.qacc[:] = q_ddot[i]
+            mujoco.mj_inverse(self._mj, data)
+            forces[i] = data.qfrc_inverse
+        return forces
+
+    def motor_torque(self, forces: Array) -> Array:
+        """(..., 6) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""
+        return forces @ self._model.posture
+
+    def deflection(self, phi: Array, forces: Array) -> Array:
+        """Quasi-static displacement of the tool by the springs that carry `forces`.
+
+        Args:
+            phi: (N, 6) [rad].
+            forces: (N, nv) [N m], from `rigid_forces`.
+
+        Returns:
+            (N, 3) [m], base axes, from the rigid tool position.
+        """
+        data, springs = self._data, self._model.springs
+        stiffness = self._stiffness
+        site = self._mj.site("tool0").id
+        jacobian = np.empty((3, self._mj.nv))
+        moved = np.empty((len(phi), 3))
+        q = phi @ self._model.posture.T
+        for i in range(len(phi)):
+            data.qpos[:] = q[i]
+            mujoco.mj_kinematics(self._mj, data)
+            mujoco.mj_comPos(self._mj, data)
+            mujoco.mj_jacSite(self._mj, data, jacobian, None, site)
+            Z = self._linkage.tangent(data)
+            carried = (Z.T @ forces[i])[springs]
+            moved[i] = (jacobian @ Z)[:, springs] @ (-carried / stiffness)
+        return moved
+
+    def equilibrium(self, phi: Array) -> Equilibrium:
+        """Rest with the motors held at phi: springs balance gravity and each other.
+
+        Raises RuntimeError when the springs cannot balance the load.
+        """
+        data, motor, springs = self._data, self._model.motor, self._model.springs
+        stiffness = self._stiffness
+        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        data.qpos[:] = self._model.posture @ phi
+        for _ in range(_NEWTON_STEPS):
+            self._linkage.close(data)
+            mujoco.mj_inverse(self._mj, data)
+            force = self._linkage.tangent(data).T @ data.qfrc_inverse
+            residual = force[springs]
+            if np.abs(residual).max(initial=0.0) < _REST_TORQUE:
+                return Equilibrium(qpos=data.qpos.copy(), holding_torque=force[motor])
+            data.qpos[springs] -= residual / stiffness
+        raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
+
+
+def spring_stiffness(model: RobotModel) -> Array:
+    """[N m/rad] of each of `model.springs` under load: a gear's soft and stiff part together."""
+    mj = model.mj
+    stiffness = mj.jnt_stiffness[mj.dof_jntid[model.springs]].copy()
+    for tendon in range(mj.ntendon):
+        first, count = mj.tendon_adr[tendon], mj.tendon_num[tendon]
+        if count == 1 and mj.wrap_type[first] == mujoco.mjtWrap.mjWRAP_JOINT:
+            dof = mj.jnt_dofadr[mj.wrap_objid[first]]
+            stiffness[model.springs == dof] += mj.tendon_stiffness[tendon]
+    return stiffness
+
+
+BOX = 5
+"""Samples of the moving average that `smoothed` takes twice: that of the study which calibrated the
+large robot, 20 ms at the log rate. ESTIMATE."""
+
+
+def anticipated_shift(model: RobotModel, phi: Array, period: float) -> Array:
+    """The share of the quasi-static elastic deflection that the reference is to counteract.
+
+    The controller of the robot knows its elasticity with too stiff a model: it expects only
+    `Drives.elastic_compensation` of the deflection that gravity and the rigid motion cause.
+
+    Args:
+        model: the robot as its controller knows it.
+        phi: (N, 6) [rad], motor angles of the programmed path, every `period` [s].
+
+    Returns:
+        (N, 3) [m], base axes, to be subtracted from the programmed tool positions.
+    """
+    _, phi_dot, phi_ddot = interpolate(phi, period, 1)
+    statics = Statics(model)
+    forces = statics.rigid_forces(phi, phi_dot, phi_ddot)
+    return model.drives.elastic_compensation * statics.deflection(phi, forces)
+
+
+def smoothed(shift: Array) -> Array:
+    """A shift (N, 3) [m] without the steps it makes where the curvature of a contour jumps.
+
+    There the acceleration jumps, and with it the expected deflection. No controller has its motors
+    follow that within one sample.
+    """
+    kernel = np.convolve(np.ones(BOX), np.ones(BOX)) / BOX**2
+    edge = len(kernel) // 2
+    padded = np.pad(shift, ((edge, edge), (0, 0)), mode="edge")
+    return np.column_stack([np.convolve(column, kernel, mode="valid") for column in padded.T])

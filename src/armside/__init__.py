@@ -1,0 +1,16 @@
+"""A MuJoCo testbed for iterative learning control of industrial robots.
+
+- `armside.kinematics`: Denavit-Hartenberg robots, symbolic and compiled.
+- `armside.ilc`: learning laws, filters, analysis, estimation.
+- `armside.sim`: virtual hardware, and the experiments that run on it.
+- `armside.assets`: MJCF models of the robots.
+- `armside.scripts`: the command `armside`.
+
+SI units and radians, unless a name says otherwise.
+"""
+
+import sys
+
+# `gymnasium.make("armside:armside/IlcTuning-v0")` imports this package to have the env registered.
+if "gymnasium" in sys.modules:
+    from .sim.tuning import ENV_ID as ENV_ID
