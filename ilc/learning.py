@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from .divergence import DIVERGENCE_RATIO, has_diverged
 from .laws.law import Law
 from .measures.norms import two_norm
 from .plant import Plant, as_record
@@ -47,15 +48,21 @@ def learn(
     *,
     output_of: Callable[[Result], Any] = np.asarray,
     first_correction: Array | None = None,
-    divergence_ratio: float = 3.0,
+    first_result: Result | None = None,
+    size_of: Callable[[Array], Array] = two_norm,
+    divergence_ratio: float = DIVERGENCE_RATIO,
 ) -> Iterator[Trial[Result]]:
-    """Yield trials k = 0 .. iterations: that many updates, one run more.
+    """Trials k = 0 .. iterations: that many updates, one run more.
 
-    reference: r, shape (N, n), what the output should be. output_of: reads y, shape (N, n), from
-    what the plant returns. first_correction: u_0, zero if not given.
+    Args:
+        reference: r, shape (N, n), the desired output.
+        output_of: reads y, shape (N, n), from the plant's result.
+        first_correction: u_0, zero if not given.
+        first_result: of the run with u_0, where that has been made already.
+        size_of: sizes of an error (N, n) that `divergence_ratio` applies to; 2-norms of columns.
+        divergence_ratio: see `has_diverged`.
 
-    The loop ends early, its last trial marked `diverged`, when an error is not finite or when
-    the 2-norm of a column exceeds divergence_ratio times its value at k = 0 (infinity: never).
+    The loop ends early, its last trial marked `diverged`, when an error is not finite or diverged.
 
     Raises:
         ValueError: at once, for a reference or law that does not fit; at the first run, for an
@@ -75,41 +82,38 @@ def learn(
             f"first_correction must have the shape {reference.shape} of the reference, "
             f"got {first_correction.shape}"
         )
-    return _trials(plant, law, reference, iterations, output_of, first_correction, divergence_ratio)
 
-
-def _trials(
-    plant: Plant[Result],
-    law: Law,
-    reference: Array,
-    iterations: int,
-    output_of: Callable[[Result], Any],
-    correction: Array,
-    divergence_ratio: float,
-) -> Iterator[Trial[Result]]:
-    memory = None
-    limit = np.full(reference.shape[1], np.inf)
-    for k in range(iterations + 1):
-        result = plant.run(correction)
-        output = np.asarray(output_of(result), dtype=np.float64)
-        if output.shape != reference.shape:
-            raise ValueError(
-                f"the output must have the shape {reference.shape} of the reference, "
-                f"got {output.shape}"
+    def trials() -> Iterator[Trial[Result]]:
+        correction, memory, first_size = first_correction, None, None
+        for k in range(iterations + 1):
+            made = first_result if k == 0 else None
+            result = plant.run(correction) if made is None else made
+            output = _checked(output_of(result), reference)
+            error = reference - output
+            size = size_of(error)
+            first_size = size if first_size is None else first_size
+            diverged = not np.isfinite(error).all() or (
+                k > 0 and has_diverged(size, first_size, divergence_ratio)
             )
-        error = reference - output
-        norm = two_norm(error)
-        diverged = not np.isfinite(error).all() or bool((norm > limit).any())
-        yield Trial(
-            k=k,
-            correction=correction,
-            output=output,
-            error=error,
-            result=result,
-            diverged=diverged,
+            yield Trial(
+                k=k,
+                correction=correction,
+                output=output,
+                error=error,
+                result=result,
+                diverged=diverged,
+            )
+            if diverged or k == iterations:
+                return
+            correction, memory = law.step(correction, error, memory)
+
+    return trials()
+
+
+def _checked(output: Any, reference: Array) -> Array:
+    output = np.asarray(output, dtype=np.float64)
+    if output.shape != reference.shape:
+        raise ValueError(
+            f"the output must have the shape {reference.shape} of the reference, got {output.shape}"
         )
-        if diverged or k == iterations:
-            return
-        if k == 0 and np.isfinite(divergence_ratio):
-            limit = divergence_ratio * norm
-        correction, memory = law.step(correction, error, memory)
+    return output

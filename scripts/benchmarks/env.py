@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from armside.sim.tuning.design import THESIS, Motors, action_of
+from armside.sim.laser.design import THESIS
+from armside.sim.tuning.action import Motors, action_of
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ..jobs.workers import cores

@@ -2,34 +2,33 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from armside import kinematics
 from armside.sim.estimation.arm_estimator import estimator
 from armside.sim.estimation.arm_identification import identify, prepared
-from armside.sim.estimation.arm_learning import ArmLearningCfg
 from armside.sim.estimation.extended_arm import ExtendedArm
-from armside.sim.estimation.imu_health import mended
+from armside.sim.estimation.imu_health import repaired
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.comparison import COMPARED, Case
+from armside.sim.laser.learning import first_run
 
-from ..arm_side import Case
 from .timing import Row, interleaved
 
 
 def estimation() -> Sequence[Row]:
     """One cut at p1, 40 mm/s, 100 Hz IMU; experiments of six runs."""
-    case, cfg = Case(), ArmLearningCfg()
-    experiment, arm = case.experiment(), case.arm()
-    first = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    case, imu = Case(), ImuCfg()
+    experiment = case.experiment()
+    arm, first = COMPARED.assumed(experiment), first_run(experiment)
     log = first.recording
     assert first.imu is not None
-    samples = mended(first.imu, case.imu)
+    samples = repaired(first.imu, imu)
     run, rest = prepared(arm, log.time, log.motor_angle, samples), log.motor_angle[0]
-    springs = identify(arm, run, rest, case.imu).springs
-    known = estimator(arm, springs, rest, case.imu)
+    springs = identify(arm, run, rest, imu).springs
+    known = estimator(arm, springs, rest, imu)
     full = ExtendedArm(known, kinematics.LARGE_ROBOT)
 
     def set_up() -> None:
-        estimator(arm, springs, rest, case.imu).deviations(run)
+        estimator(arm, springs, rest, imu).deviations(run)
 
     timed = interleaved(
         [
@@ -37,9 +36,9 @@ def estimation() -> Sequence[Row]:
             lambda: known(log.time, log.motor_angle, samples),
             set_up,
             lambda: full(log.time, log.motor_angle, samples),
-            lambda: identify(arm, run, rest, case.imu),
-            lambda: list(case.on_arm_side(cfg, 5)[1]),
-            lambda: list(case.on_arm_side(cfg, 5, springs)[1]),
+            lambda: identify(arm, run, rest, imu),
+            lambda: list(case.from_tool(5)[1]),
+            lambda: list(case.from_tool(5, springs=springs)[1]),
         ],
         repeats=5,
     )

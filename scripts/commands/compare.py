@@ -1,7 +1,7 @@
 """`armside compare`: the same cuts learned from motors, estimate, tracker and oracle."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,17 +10,18 @@ from cyclopts import Parameter
 
 from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES, pose
 from armside.sim.cut.timing import PathLimits
-from armside.sim.estimation.arm_learning import ArmLearningCfg
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.specification import Cut
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 from armside.sim.robot.effects import Effect
 
-from ..arm_side import Case, rms
+from ..cutting.options import EffectName
 from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
-from .laser import EffectName
 
 _Several = Parameter(consume_multiple=True)
 RADIUS = 0.005
@@ -70,14 +71,14 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
             limits.append(cfg.raised_acceleration)
         for limit in limits:
             for name in cfg.poses:
-                yield Case(
+                cut = Cut(
                     pose=name,
-                    seed=seed,
                     speed=speed * 1e-3,
-                    acceleration=limit,
+                    limits=PathLimits(acceleration=limit),
                     without=tuple(Effect(effect) for effect in cfg.without),
-                    stiffness_error=cfg.stiffness_error * 1e-2,
+                    imu=ImuCfg(),
                 )
+                yield Case(cut=cut, seed=seed)
 
 
 def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> None:
@@ -86,16 +87,20 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
     Writes summary.json, compare.png and replay.rrd: of the first cut, unlearned and learned each
     way.
     """
-    from armside.sim.estimation.arm_learning import ArmLaw
+    from armside.sim.estimation.tool_law import ToolLawKind
 
     report = Report(common)
     with checking_input():
         todo = list(cases(cfg, common.seed))
-    learning = ArmLearningCfg(law=ArmLaw(cfg.law))
+    measure = replace(
+        COMPARED,
+        law=replace(COMPARED.law, kind=ToolLawKind(cfg.law)),
+        stiffness_error=cfg.stiffness_error * 1e-2,
+    )
     found: list[dict[str, list[Iteration]]] = []
     with report.progress("comparing", total=len(todo)) as step:
         for case in todo:
-            found.append(case.compared(cfg.iterations, learning))
+            found.append(case.compared(cfg.iterations, measure))
             step()
     rows = [row for case, of in zip(todo, found, strict=True) for row in _rows(case, of)]
     outcome = summary("compare", cfg, common, comparisons=rows)
@@ -117,12 +122,12 @@ def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, A
     reached = case.experiment().motion.reached_speed
     for measure, iterations in found.items():
         yield {
-            "pose": case.pose,
-            "programmed_speed": case.speed,
+            "pose": case.cut.pose,
+            "programmed_speed": case.cut.speed,
             "reached_speed": reached,
             "measure": measure,
             "arm_rms": rms(iterations),
-            "diverged": iterations[-1].trial.diverged,
+            "diverged": iterations[-1].diverged,
         }
 
 
@@ -149,10 +154,10 @@ def _draw(file: Path, todo: list[Case], found: list[dict[str, list[Iteration]]])
     from ..figures import comparison as arm_side_figures
 
     titles = [
-        f"{case.pose}, {1e3 * case.experiment().motion.reached_speed:.0f} mm/s" for case in todo
+        f"{case.cut.pose}, {1e3 * case.experiment().motion.reached_speed:.0f} mm/s" for case in todo
     ]
     curves = [{name: np.array(rms(of)) for name, of in each.items()} for each in found]
-    n_columns = len({case.pose for case in todo})
+    n_columns = len({case.cut.pose for case in todo})
     arm_side_figures.learned(file, titles, curves, n_columns)
 
 
@@ -164,7 +169,6 @@ def _write_replay(file: Path, case: Case, found: dict[str, list[Iteration]]) -> 
     experiment = case.experiment()
     shown = [found["motor"][0], *(iterations[-1] for iterations in found.values())]
     runs = [
-        Run(k=k, recording=it.trial.result.recording, tracker=it.trial.result.tracker)
-        for k, it in enumerate(shown)
+        Run(k=k, recording=it.run.recording, tracker=it.run.tracker) for k, it in enumerate(shown)
     ]
     write_replay(file, experiment.job.model.mj, runs, experiment.motion, LARGE_CELL.robot)

@@ -1,37 +1,26 @@
-"""`armside identify`: the arm's springs from one cut, its motor angles and an IMU, and how sure."""
+"""`armside identify`: the springs of an arm from one cut with an IMU at the tool."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
-import numpy as np
-
-from armside.sim.cell import CELLS
-from armside.sim.laser.experiment import Experiment, prepare
+from armside.sim.laser.experiment import prepare
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
-from armside.sim.robot.effects import Effect
-from armside.sim.robot.model import RobotModel
 
-from ..laser_task import added_payload, believed_arm
-from ..laser_task import robot as known_robot
+from ..cutting.options import LaserCfg
+from ..cutting.specification import cut
 from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
-from .laser import LaserCfg, task
-
-if TYPE_CHECKING:
-    from armside.sim.estimation.arm_estimator import ArmEstimator
-    from armside.sim.estimation.arm_identification import Run
-    from armside.sim.laser.plant import Pass
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class IdentifyCfg(LaserCfg):
-    """Which cut to identify from; what belongs to learning is not used."""
+    """The cut to identify from; options of learning are not used."""
 
     uncoupled: bool = False
-    """Keep to the springs of the gears: no elasticity of the structure."""
+    """Springs of the gears alone: no elasticity of the structure."""
 
 
 def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> None:
@@ -39,11 +28,16 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
 
     Writes summary.json, whose folder `armside laser --identification` takes.
     """
+    from armside.sim.instruments.imu import ImuCfg
+    from armside.sim.laser.identification import identified
+    from armside.sim.laser.tool_path import ToolPath
+
     report = Report(common)
     with checking_input():
-        experiment, robot = _prepared(cfg, common.seed)
+        experiment = prepare(replace(cut(cfg), imu=ImuCfg()), seed=common.seed)
+        arm = ToolPath(stiffness_error=cfg.stiffness_error * 1e-2).assumed(experiment)
     with report.progress("identifying", total=1) as step:
-        found = run(cfg, experiment, robot, common.seed)
+        found = identified(experiment, arm, coupled=not cfg.uncoupled)
         step()
     outcome = summary("identify", cfg, common, **found)
     with RunFolder("identify", seed=common.seed, out=common.out) as folder:
@@ -51,118 +45,6 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
     _print(report, outcome)
     report.line(f"Results in {folder.path}")
     report.summary(outcome)
-
-
-def _prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, RobotModel]:
-    from armside.sim.instruments.imu import ImuCfg
-
-    cell = CELLS[cfg.robot]
-    robot = known_robot(cfg)
-    believed_arm(cfg, seed)
-    experiment = prepare(
-        cell,
-        robot,
-        task(cfg),
-        seed=seed,
-        friction_spread=cfg.friction_spread * 1e-2,
-        without=[Effect(name) for name in cfg.without],
-        imu=ImuCfg(),
-    )
-    return experiment, robot
-
-
-def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) -> dict[str, Any]:
-    """Cut once, identify, and compare with what nobody on the shop floor can know."""
-    from armside.sim.estimation.arm_estimator import estimator
-    from armside.sim.estimation.arm_identification import identify as identified_from
-    from armside.sim.estimation.arm_identification import prepared
-    from armside.sim.estimation.arm_springs import SpringPrior
-    from armside.sim.estimation.frozen_arm import frozen
-    from armside.sim.estimation.imu_health import mended
-    from armside.sim.estimation.nominal import NominalCfg, nominal_arm
-    from armside.sim.instruments.imu import ImuCfg
-
-    source = cfg.model or CELLS[cfg.robot].xml
-    arm = believed_arm(cfg, seed)
-    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
-    log, unit = made.recording, experiment.plant.imu
-    assert made.imu is not None
-    assert unit is not None
-    measured = prepared(arm, log.time, log.motor_angle, mended(made.imu, ImuCfg()))
-    prior = SpringPrior(coupling=0.0) if cfg.uncoupled else SpringPrior()
-    rest = log.motor_angle[0]
-    found = identified_from(arm, measured, rest, ImuCfg(), prior=prior)
-
-    true_arm = nominal_arm(source, NominalCfg(structure=True, payload=added_payload(cfg)))
-    gear = np.diag(true_arm.stiffness)
-    modes = frozen(true_arm, rest).locked_modes()[:4]
-    sd = found.fit.standard_deviation
-    return {
-        "springs": {
-            "stiffness": found.springs.stiffness,
-            "damping": found.springs.damping,
-            "clock_offset": found.springs.clock_offset,
-            "distrust": found.springs.distrust,
-            "mounting": found.springs.mounting,
-        },
-        "parameters": [
-            {
-                "name": name,
-                "value": value,
-                "standard_deviation": deviation,
-                "told_by_data": told,
-            }
-            for name, value, deviation, told in zip(
-                found.names, found.fit.theta, sd, found.fit.information, strict=True
-            )
-        ],
-        "costs": found.fit.costs,
-        "whiteness": {
-            "rms": found.whiteness.rms,
-            "p_value": found.whiteness.p_value,
-            "is_white": found.whiteness.is_white,
-        },
-        "consistency": _consistency(estimator(arm, found.springs, rest, ImuCfg()), made, measured),
-        "truth": {
-            "gear_stiffness": gear,
-            "believed_over_true": np.diag(arm.stiffness) / gear,
-            "identified_over_true": np.diag(found.springs.stiffness) / gear,
-            "clock_offset": unit.unit.clock_offset,
-            "locked_modes": modes,
-            "identified_modes": frozen(found.springs.on(arm), rest).locked_modes()[:4],
-            "believed_modes": frozen(arm, rest).locked_modes()[:4],
-        },
-    }
-
-
-def _consistency(known: "ArmEstimator", made: "Pass", measured: "Run") -> dict[str, Any]:
-    """Whether the filter is right about its own errors: of innovations, and of the tool's path.
-
-    NIS and NEES are 6 and 3 on average where it is. Gear errors that it does not model show in the
-    second: they are slow, and hardly disturb an innovation.
-    """
-    from armside.ilc.estimation.consistency import bounds, normalised_squared
-    from armside.sim.estimation.tool_path import relative_to_start
-
-    log, truth = made.recording, made.recording.truth
-    states = known.deviations(measured)
-    seen = np.isfinite(states.innovation).all(axis=1)
-    nis = normalised_squared(states.innovation[seen], states.innovation_covariance[seen])
-
-    tool = known.model.tool[:3]
-    P = tool @ known.smoother(measured).smoothed_covariance @ tool.T
-    period = measured.period
-    rows = np.rint((measured.imu_time + known.clock_offset) / period).astype(int)
-    inside = (rows >= 0) & (rows < len(log.time))
-    true = relative_to_start(truth.tool_position[:: round(period / float(truth.time[1]))])
-    estimate = known(log.time, log.motor_angle, made.imu).displacement
-    nees = normalised_squared((estimate - true)[rows[inside], :3], P[inside])
-    return {
-        "nis": float(nis.mean()),
-        "nis_expected": bounds(len(nis), 6),
-        "nees": float(nees.mean()),
-        "nees_expected": 3.0,
-    }
 
 
 def _print(report: Report, outcome: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
-from armside.sim.tuning.design import VARIABLES, Motors, action_of
+from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from armside.sim.laser.design import THESIS
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, plain, summary
-from armside.sim.tuning.design import THESIS, Motors
+from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.sensor import Sees
 from armside.sim.tuning.task import FASTEST, SLOWEST

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import Experiment
-from armside.sim.tuning.design import Design, Motors
+from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.sensor import Sees
 from armside.sim.tuning.situation import Situation, begin, restarted
@@ -62,7 +63,7 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
     for seed in seeds:
         rules.check_seed(seed)
         drawn = rules.draw(np.random.default_rng(seed), fixed)
-        episodes.append(Episode(drawn, experiment(rules.cell, rules.nominal, drawn, imu)))
+        episodes.append(Episode(drawn, experiment(rules.robot, rules.nominal, drawn, imu)))
     return episodes
 
 

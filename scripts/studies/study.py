@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from armside.sim.tuning.design import VARIABLES, Design, Motors, Scale
+from armside.sim.laser.design import Design
+from armside.sim.tuning.action import VARIABLES, Motors, Scale
 
 from ..shell.errors import InputError
 from .storage import SILENCE, connect, fail_silent, reaching

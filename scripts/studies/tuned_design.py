@@ -3,7 +3,8 @@
 import json
 from pathlib import Path
 
-from armside.sim.tuning.design import VARIABLES, Design
+from armside.sim.laser.design import Design
+from armside.sim.tuning.action import VARIABLES
 
 from .study import parameter_names
 

@@ -13,7 +13,7 @@ from armside.arrays import Array
 from armside.sim.estimation.arm_identification import prepared
 from armside.sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Commissioned, measured_path
 from armside.sim.estimation.arm_springs import SpringPrior
-from armside.sim.estimation.imu_health import ImuError, mended
+from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.kinematic_filter import kinematic_deviation
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.plant import Pass
@@ -169,7 +169,7 @@ def _tried(case: tuple[int, str]) -> dict[str, Found]:
 def _kinematic(known: Commissioned, unit: ImuCfg, first: Pass) -> Array:
     log = first.recording
     assert first.imu is not None
-    run = prepared(known.estimator.arm, log.time, log.motor_angle, mended(first.imu, unit))
+    run = prepared(known.estimator.arm, log.time, log.motor_angle, repaired(first.imu, unit))
     at = run.imu_time + known.estimator.clock_offset
     twist = kinematic_deviation(known.estimator, run)
     moved = np.stack([np.interp(log.time, at, column) for column in twist.T], axis=1)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors
+from armside.sim.laser.design import THESIS, Design
+from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.evaluation import Policy, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS

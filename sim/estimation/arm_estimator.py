@@ -17,16 +17,16 @@ from armside.ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
 from armside.ilc.estimation.wiener import NonCausal
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from .arm_filter import ArmFilter, Distrust, arm_filter
-from .arm_identification import Run, bent_by, prepared, residual
+from .arm_filter import ArmFilter, ProcessNoise, arm_filter
+from .arm_identification import Run, prepared, residual, with_nonlinear_residual
 from .arm_springs import Springs
-from .frozen_arm import frozen
+from .linearised_arm import linearised
 from .nominal import NominalArm
 from .observer import ArmMotion, observe
 from .tool_path import REST_SAMPLES, relative_to_start
 
 UNIDENTIFIED = 0.3
-"""`Distrust.share` of an arm whose springs were not identified."""
+"""`ProcessNoise.fraction` of an arm whose springs were not identified."""
 
 
 class Estimate(Enum):
@@ -65,12 +65,12 @@ class ArmEstimator:
     rest: Array
     """(6,) [rad], motor angles at rest."""
     imu: ImuCfg
-    distrust: Distrust
+    process_noise: ProcessNoise
 
     @cached_property
     def model(self) -> ArmFilter:
         """The process that filters work on."""
-        return arm_filter(frozen(self.arm, self.rest), self.imu, self.distrust)
+        return arm_filter(linearised(self.arm, self.rest), self.imu, self.process_noise)
 
     @cached_property
     def _smoothers(self) -> dict[bytes, Smoother]:
@@ -101,8 +101,8 @@ class ArmEstimator:
         return self.smoother(run)(left, start)
 
     def _residual(self, run: Run) -> tuple[Array, Array]:
-        bent = bent_by(self.arm, self.model, run)
-        return residual(self.model, bent, self.clock_offset, self.mounting)
+        nonlinear = with_nonlinear_residual(self.arm, self.model, run)
+        return residual(self.model, nonlinear, self.clock_offset, self.mounting)
 
     def __call__(
         self,
@@ -133,7 +133,11 @@ class ArmEstimator:
 
 
 def estimator(
-    arm: NominalArm, springs: Springs, rest: Array, imu: ImuCfg, distrust: Distrust = Distrust()
+    arm: NominalArm,
+    springs: Springs,
+    rest: Array,
+    imu: ImuCfg,
+    process_noise: ProcessNoise = ProcessNoise(),
 ) -> ArmEstimator:
     """An estimator on identified springs."""
     return ArmEstimator(
@@ -142,7 +146,7 @@ def estimator(
         mounting=springs.mounting,
         rest=rest,
         imu=imu,
-        distrust=replace(distrust, share=springs.distrust),
+        process_noise=replace(process_noise, fraction=springs.process_noise),
     )
 
 

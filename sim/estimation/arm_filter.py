@@ -16,19 +16,19 @@ from armside.arrays import Array
 from armside.ilc.estimation.process import Process, first_order_hold, sampled_noise, simulate
 
 from ..instruments.imu import ImuCfg, TriadCfg
-from .curvature import Curvature
-from .frozen_arm import FrozenArm
+from .linearised_arm import LinearisedArm
+from .nonlinear_residual import NonlinearResidual
 
 _BUTTERWORTH_DAMPING = np.sqrt(0.5)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Distrust:
+class ProcessNoise:
     """How far the arm's model is trusted between two samples."""
 
     twist: float = 6e-5
     """Typical twist of a gear under the inertial loads of a cut [rad]."""
-    share: float = 0.05
+    fraction: float = 0.05
     """Standard deviation of tau_d over stiffness times twist."""
     corner: float = 20.0
     """Of tau_d's spectrum [Hz]."""
@@ -39,22 +39,22 @@ class Distrust:
     and a constant error of the rest is none of a cut's."""
 
     def __post_init__(self) -> None:
-        for name in ("twist", "share", "corner"):
+        for name in ("twist", "fraction", "corner"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
 
-    def torque(self, arm: FrozenArm) -> Array:
+    def torque(self, arm: LinearisedArm) -> Array:
         """(6,) [N m], standard deviation of tau_d."""
-        return self.share * self.twist * np.diag(arm.stiffness)
+        return self.fraction * self.twist * np.diag(arm.stiffness)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ArmFilter:
     """Continuous matrices; `sampled` makes a process of them."""
 
-    arm: FrozenArm
+    arm: LinearisedArm
     imu: ImuCfg
-    distrust: Distrust
+    process_noise: ProcessNoise
     A: Array
     """(m, m)."""
     intensity: Array
@@ -110,22 +110,24 @@ class ArmFilter:
             noise, omega = triad.noise_density * np.sqrt(triad.bandwidth), _omega(triad)
             P[2 * n + 6 * k : 2 * n + 6 * k + 3] = noise**2
             P[2 * n + 6 * k + 3 : 2 * n + 6 * k + 6] = (noise * omega) ** 2
-        torque = self.distrust.torque(self.arm)
-        P[m : m + 6] = (torque * self.distrust.start_torque) ** 2
+        torque = self.process_noise.torque(self.arm)
+        P[m : m + 6] = (torque * self.process_noise.start_torque) ** 2
         P[m + 6 : m + 9] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
         P[m + 9 : m + 12] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
         return np.diag(P)
 
-    def simulated(self, phi: Array, phi_dot: Array, bent: Curvature, step: float) -> Array:
+    def simulated(
+        self, phi: Array, phi_dot: Array, nonlinear: NonlinearResidual, step: float
+    ) -> Array:
         """(N, n_mechanical) states for motor deviations from rest (N, 6).
 
-        phi, phi_dot: every `step` [s], starting at rest; bent: what is not linear on the way.
+        phi, phi_dot: every `step` [s], starting at rest; nonlinear: what is not linear on the way.
         """
         m = self.n_mechanical
-        torque = -bent.torque
+        torque = -nonlinear.torque
         torque[:, self.arm.axes] += phi @ self.arm.stiffness + phi_dot * self.arm.damping
         A, E0, E1 = first_order_hold(self.A[:m, :m], self.E[:m], step)
-        return simulate(A, E0, E1, np.hstack((torque, bent.reading)))
+        return simulate(A, E0, E1, np.hstack((torque, nonlinear.reading)))
 
     def readings(self, states: Array) -> tuple[Array, Array]:
         """Low-passed readings (N, 6) in mechanical states, and their rates."""
@@ -133,7 +135,9 @@ class ArmFilter:
         return low[:, [0, 1, 2, 6, 7, 8]], low[:, [3, 4, 5, 9, 10, 11]]
 
 
-def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> ArmFilter:
+def arm_filter(
+    arm: LinearisedArm, imu: ImuCfg, process_noise: ProcessNoise = ProcessNoise()
+) -> ArmFilter:
     """The process of one arm and one kind of IMU."""
     n = arm.n_free
     m = 2 * n + 12
@@ -142,7 +146,7 @@ def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> 
     A[: 2 * n, : 2 * n], _ = arm.dynamics()
     E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
     A[n : 2 * n, m : m + 6] = E[n : 2 * n, arm.axes]
-    A[m : m + 6, m : m + 6] = -2.0 * np.pi * distrust.corner * np.eye(6)
+    A[m : m + 6, m : m + 6] = -2.0 * np.pi * process_noise.corner * np.eye(6)
 
     # Accelerometer: J q'' + (turned gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
@@ -167,16 +171,16 @@ def arm_filter(arm: FrozenArm, imu: ImuCfg, distrust: Distrust = Distrust()) -> 
         # A one-sided density d^2 is a two-sided intensity d^2 / 2.
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
-    torque = distrust.torque(arm)
-    driving = 2.0 * (2.0 * np.pi * distrust.corner) * torque**2
+    torque = process_noise.torque(arm)
+    driving = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
     W[range(m, m + 6), range(m, m + 6)] = driving
-    walk = np.repeat([distrust.bias_walk, 0.1 * distrust.bias_walk], 3) ** 2
+    walk = np.repeat([process_noise.bias_walk, 0.1 * process_noise.bias_walk], 3) ** 2
     W[range(m + 6, size), range(m + 6, size)] = walk
     C = np.zeros((6, size))
     C[[0, 1, 2], [2 * n, 2 * n + 1, 2 * n + 2]] = 1.0
     C[[3, 4, 5], [2 * n + 6, 2 * n + 7, 2 * n + 8]] = 1.0
     C[range(6), range(m + 6, size)] = 1.0
-    return ArmFilter(arm=arm, imu=imu, distrust=distrust, A=A, intensity=W, E=E, C=C)
+    return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
 
 
 def _omega(triad: TriadCfg) -> float:

@@ -18,11 +18,11 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.model import N_AXES
 from ..robot.servo import interpolate
-from .arm_filter import ArmFilter, Distrust, arm_filter
+from .arm_filter import ArmFilter, ProcessNoise, arm_filter
 from .arm_springs import SpringPrior, Springs, springs_at
-from .curvature import Curvature, curvature
-from .frozen_arm import FrozenArm, frozen
+from .linearised_arm import LinearisedArm, linearised
 from .nominal import NominalArm
+from .nonlinear_residual import NonlinearResidual, nonlinear_residual
 from .observer import ENCODER_FILTER
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class Run:
     """(K,) [s], the IMU's own clock."""
     reading: Array
     """(K, 6) [m/s^2], [rad/s]; rows of NaN are missing."""
-    bent: Curvature
+    nonlinear: NonlinearResidual
     """What is not linear in the motion, to begin with that of a rigid arm."""
 
     @property
@@ -88,24 +88,28 @@ def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSampl
         phi_dot=phi_dot,
         imu_time=samples.time,
         reading=np.hstack((samples.acceleration, samples.angular_velocity)),
-        bent=_bent_rigidly(arm, phi, phi_dot, phi_ddot),
+        nonlinear=_of_rigid_arm(arm, phi, phi_dot, phi_ddot),
     )
 
 
-def _bent_rigidly(arm: NominalArm, phi: Array, phi_dot: Array, phi_ddot: Array) -> Curvature:
-    linear = frozen(arm, phi[0])
+def _of_rigid_arm(
+    arm: NominalArm, phi: Array, phi_dot: Array, phi_ddot: Array
+) -> NonlinearResidual:
+    linear = linearised(arm, phi[0])
     picked = np.zeros((N_AXES, linear.n_free))
     picked[range(N_AXES), linear.axes] = 1.0
-    return curvature(arm, linear, (phi - phi[0]) @ picked, phi_dot @ picked, phi_ddot @ picked)
+    return nonlinear_residual(
+        arm, linear, (phi - phi[0]) @ picked, phi_dot @ picked, phi_ddot @ picked
+    )
 
 
-def bent_by(arm: NominalArm, model: ArmFilter, run: Run) -> Run:
-    """The run with its curvature along the motion of a model, in place of a rigid arm's."""
+def with_nonlinear_residual(arm: NominalArm, model: ArmFilter, run: Run) -> Run:
+    """The run with the nonlinear residual along a model's motion instead of a rigid arm's."""
     n = model.n_free
-    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    states = model.simulated(run.phi, run.phi_dot, run.nonlinear, run.period)
     q, q_dot = states[:, :n], states[:, n : 2 * n]
     q_ddot = np.gradient(q_dot, run.period, axis=0)
-    return replace(run, bent=curvature(arm, model.arm, q, q_dot, q_ddot))
+    return replace(run, nonlinear=nonlinear_residual(arm, model.arm, q, q_dot, q_ddot))
 
 
 def identify(
@@ -115,7 +119,7 @@ def identify(
     imu: ImuCfg,
     *,
     prior: SpringPrior = SpringPrior(),
-    distrust: Distrust = Distrust(),
+    process_noise: ProcessNoise = ProcessNoise(),
 ) -> Identified:
     """The springs that explain one run best.
 
@@ -127,17 +131,17 @@ def identify(
     Raises:
         RuntimeError: no start leads anywhere.
     """
-    nominal, sd = frozen(arm, rest), prior.standard_deviation
-    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
+    nominal, sd = linearised(arm, rest), prior.standard_deviation
+    innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
     starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
     rigid = fit(innovations, np.zeros(sd.size), sd, starts)
-    springs = springs_at(arm, prior, rigid.theta, distrust.share)
+    springs = springs_at(arm, prior, rigid.theta, process_noise.fraction)
     elastic = nominal.on_springs(springs.stiffness, springs.damping)
-    run = bent_by(arm, arm_filter(elastic, imu, distrust), run)
-    innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
+    run = with_nonlinear_residual(arm, arm_filter(elastic, imu, process_noise), run)
+    innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
     best = fit(innovations, np.zeros(sd.size), sd, [rigid.theta])
     return Identified(
-        springs=springs_at(arm, prior, best.theta, distrust.share),
+        springs=springs_at(arm, prior, best.theta, process_noise.fraction),
         fit=replace(best, costs=rigid.costs),
         names=prior.names,
         whiteness=whiteness(best.innovation),
@@ -162,7 +166,7 @@ def _explained(model: ArmFilter, run: Run) -> "CubicHermiteSpline":
     """(6,) low-passed readings that the motor angles explain, over time."""
     from scipy.interpolate import CubicHermiteSpline
 
-    states = model.simulated(run.phi, run.phi_dot, run.bent, run.period)
+    states = model.simulated(run.phi, run.phi_dot, run.nonlinear, run.period)
     return CubicHermiteSpline(run.time, *model.readings(states))
 
 
@@ -182,19 +186,19 @@ class _Innovations:
     def __init__(
         self,
         arm: NominalArm,
-        nominal: FrozenArm,
+        nominal: LinearisedArm,
         run: Run,
         imu: ImuCfg,
         prior: SpringPrior,
-        distrust: Distrust,
+        process_noise: ProcessNoise,
     ) -> None:
         self.arm, self.nominal, self.run = arm, nominal, run
-        self.imu, self.prior, self.distrust = imu, prior, distrust
+        self.imu, self.prior, self.process_noise = imu, prior, process_noise
         # Gradients move clock and seat of the IMU as well, which the filter does not depend on.
         self._last: tuple[bytes, _Filter | None] = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
-        springs = springs_at(self.arm, self.prior, theta, self.distrust.share)
+        springs = springs_at(self.arm, self.prior, theta, self.process_noise.fraction)
         known = self._filter(springs)
         if known is None:
             return Whitened(np.full_like(self.run.reading, np.inf), 0.0)
@@ -207,7 +211,7 @@ class _Innovations:
         """None for springs on which the arm would fall."""
         key = b"".join(
             np.asarray(part).tobytes()
-            for part in (springs.stiffness, springs.damping, springs.distrust)
+            for part in (springs.stiffness, springs.damping, springs.process_noise)
         )
         if key != self._last[0]:
             self._last = key, self._set_up(springs)
@@ -217,7 +221,9 @@ class _Innovations:
         candidate = self.nominal.on_springs(springs.stiffness, springs.damping)
         if candidate.locked_modes()[0] < _SLOWEST:
             return None
-        model = arm_filter(candidate, self.imu, replace(self.distrust, share=springs.distrust))
+        model = arm_filter(
+            candidate, self.imu, replace(self.process_noise, fraction=springs.process_noise)
+        )
         return _Filter(
             SettledFilter(model.sampled(1.0 / self.imu.rate)),
             _explained(model, self.run),

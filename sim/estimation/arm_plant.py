@@ -16,7 +16,7 @@ from armside.arrays import Array
 from armside.ilc.models.system import Complex
 
 from ..robot.model import AXES, RobotModel
-from .frozen_arm import FrozenArm
+from .linearised_arm import LinearisedArm
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,7 +25,7 @@ class ArmPlant:
 
     robot: RobotModel
     """The nominal robot: its servo is what counts here."""
-    arm: FrozenArm
+    arm: LinearisedArm
     period: float
     """Of the correction [s]."""
 

@@ -1,6 +1,6 @@
 """What is unknown of an arm's springs, and of its IMU's clock and seat, as parameters.
 
-    theta = (log K_11..K_66, log D scale, clock offset, log distrust, mounting (3), rho_ij)
+    theta = (log K_11..K_66, log D scale, clock offset, log process noise, mounting (3), rho_ij)
 
 relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
 that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
@@ -33,8 +33,8 @@ class SpringPrior:
     """Of the log of the damping's scale."""
     clock: float = 0.010
     """[s]."""
-    distrust: float = 0.5
-    """Of the log of `Distrust.share`."""
+    process_noise: float = 0.5
+    """Of the log of `ProcessNoise.fraction`."""
     mounting: float = 0.02
     """Of the turn of the IMU's housing about each of its axes [rad]."""
     coupling: float = 0.3
@@ -46,7 +46,7 @@ class SpringPrior:
             "wrist_stiffness",
             "damping",
             "clock",
-            "distrust",
+            "process_noise",
             "mounting",
         ):
             if not getattr(self, name) > 0.0:
@@ -64,7 +64,7 @@ class SpringPrior:
         return np.array(
             [self.stiffness] * 3
             + [self.wrist_stiffness] * 3
-            + [self.damping, self.clock, self.distrust]
+            + [self.damping, self.clock, self.process_noise]
             + [self.mounting] * 3
             + [self.coupling] * len(self.pairs)
         )
@@ -94,8 +94,8 @@ class Springs:
     """(6,) [N m s/rad]."""
     clock_offset: float
     """Robot time when the unit's clock shows 0 [s]."""
-    distrust: float
-    """`Distrust.share`: how much of the arm's twist the model leaves unexplained."""
+    process_noise: float
+    """`ProcessNoise.fraction`: how much of the arm's twist the model leaves unexplained."""
 
     mounting: Array
     """(3,) [rad], turn of the IMU's housing from its site."""
@@ -105,8 +105,8 @@ class Springs:
         return arm.with_springs(self.stiffness, self.damping)
 
 
-def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, share: float) -> Springs:
-    """The springs that parameters mean on a nominal arm; share is the distrust expected."""
+def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, fraction: float) -> Springs:
+    """The springs that parameters mean on a nominal arm; fraction is the fraction expected."""
     own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
     K = np.diag(own)
     for rho, (i, j) in zip(theta[N_AXES + 6 :], prior.pairs, strict=True):
@@ -115,6 +115,6 @@ def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, share: float) 
         stiffness=K,
         damping=arm.damping * np.exp(theta[N_AXES]),
         clock_offset=float(theta[N_AXES + 1]),
-        distrust=share * float(np.exp(theta[N_AXES + 2])),
+        process_noise=fraction * float(np.exp(theta[N_AXES + 2])),
         mounting=theta[N_AXES + 3 : N_AXES + 6].copy(),
     )

@@ -160,7 +160,7 @@ class ExtendedArm:
             imu_jacobian=np.vstack((H[9:, 12:], H[6:9, 6:12])),
             imu_gravity=H[9:, :6],
         )
-        return arm_filter(moved, model.imu, model.distrust)
+        return arm_filter(moved, model.imu, model.process_noise)
 
     def _path(self, states: Array) -> Array:
         """(N, 3): the tool's displacement from rest."""

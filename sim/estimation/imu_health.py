@@ -40,7 +40,7 @@ class ImuError(ValueError):
         self.fault = fault
 
 
-def mended(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
+def repaired(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
     """The samples on an even timeline, NaN where one is lost or clipped.
 
     Raises:
@@ -90,10 +90,10 @@ _CHANNELS = (*(f"accelerometer {c}" for c in "xyz"), *(f"gyro {c}" for c in "xyz
 
 
 def _few(missing: np.ndarray, fault: Fault) -> None:
-    share = float(missing.mean())
-    if share > MOST_MISSING:
+    fraction = float(missing.mean())
+    if fraction > MOST_MISSING:
         most = f"{100 * MOST_MISSING:.0f} % at most"
-        raise ImuError(fault, f"{100 * share:.0f} % of the samples, {most}")
+        raise ImuError(fault, f"{100 * fraction:.0f} % of the samples, {most}")
 
 
 def missing_rows(reading: Array) -> int:

@@ -31,7 +31,7 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
     """
     arm, imu = known.model.arm, known.imu
     J, tilt = arm.imu_jacobian, arm.imu_gravity
-    low, B_low, B_bent = np.zeros((12, 12)), np.zeros((12, 18)), np.zeros((12, 6))
+    low, B_low, B_nonlinear = np.zeros((12, 12)), np.zeros((12, 18)), np.zeros((12, 6))
     W = np.zeros((36, 36))
     W[range(12, 18), range(12, 18)] = (1e-3 * JERK) ** 2
     for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
@@ -40,7 +40,7 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
         low[x, rate] = 1.0
         low[rate, x], low[rate, rate] = -(omega**2), -np.sqrt(2.0) * omega
         W[18 + rate, 18 + rate] = omega**4 * triad.noise_density**2 / 2.0
-        B_bent[rate, 3 * k + np.arange(3)] = omega**2
+        B_nonlinear[rate, 3 * k + np.arange(3)] = omega**2
         B_low[rate] = omega**2 * np.hstack(
             (tilt, np.zeros((3, 6)), J[:3])
             if k == 0
@@ -48,8 +48,8 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
         )
     phi_ddot = np.gradient(run.phi_dot, run.period, axis=0)
     driven = simulate(
-        *first_order_hold(low, np.hstack((B_low, B_bent)), run.period),
-        np.hstack((run.phi, run.phi_dot, phi_ddot, run.bent.reading)),
+        *first_order_hold(low, np.hstack((B_low, B_nonlinear)), run.period),
+        np.hstack((run.phi, run.phi_dot, phi_ddot, run.nonlinear.reading)),
     )
     at = run.imu_time + known.clock_offset
     rigid = np.stack([np.interp(at, run.time, c) for c in driven[:, [0, 1, 2, 6, 7, 8]].T], axis=1)
@@ -63,7 +63,7 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
     C[range(6), [18, 19, 20, 24, 25, 26]] = 1.0
     C[range(6), range(30, 36)] = 1.0
     C[range(6, 12), range(6)] = 1.0
-    walk = known.distrust.bias_walk
+    walk = known.process_noise.bias_walk
     W[range(30, 36), range(30, 36)] = np.repeat([walk, 0.1 * walk], 3) ** 2
     step = 1.0 / imu.rate
     Ad, Q = sampled_noise(A, W, step)

@@ -1,124 +1,157 @@
-"""One learning experiment: a task on one robot individual, iteration by iteration."""
+"""One experiment: a cut by one robot individual under one tracker, before and after each run."""
 
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc import learning
-from armside.ilc.laws.law import Law
+from armside.ilc.learning import Trial
 
-from ..cell import Cell
-from ..cut.task import CircleTask as CircleTask
-from ..cut.task import ContourTask as ContourTask
-from ..cut.task import CutTask
 from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ArmSide, arm_side
-from ..instruments.imu import ImuCfg, draw
+from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..robot.effects import Effect, available, with_effects
-from ..robot.individual import Individual, with_friction, with_individual
-from ..robot.model import RobotModel
+from ..robot.effects import available, with_effects
+from ..robot.individual import (
+    Individual,
+    draw,
+    structure_hinges,
+    with_friction,
+    with_individual,
+    with_payload,
+)
+from ..robot.model import RobotModel, load_model
 from ..robot.virtual_robot import Job, VirtualRobot
 from .plant import CuttingPlant, MountedImu, Pass, plan
+from .specification import Cut
 
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
     """Everything that is fixed before the first run."""
 
-    task: CutTask
-    motion: ToolMotion
-    job: Job
-    plant: CuttingPlant
+    cut: Cut
+    seed: int
+    nominal: RobotModel = field(repr=False)
+    """The robot as its controller knows it."""
+    added_payload: float = 0.0
+    """Mass of the tool beside that of the robot's file [kg], as far as the controller knows it."""
+    motion: ToolMotion = field(repr=False)
+    job: Job = field(repr=False)
+    plant: CuttingPlant = field(repr=False)
+
+    @property
+    def motion_end(self) -> int:
+        """First sample of the log at which the reference rests again."""
+        motion = self.motion
+        return int(np.searchsorted(motion.time, motion.rest_before + motion.timing.duration))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Iteration:
-    """One iteration: the trial, and the tool as the tracker and as the truth has it."""
+    """One iteration: correction, run, and errors of motors and tool."""
 
-    trial: learning.Trial[Pass]
+    k: int
+    correction: Array = field(repr=False)
+    """u_k, (N, 6) [rad], arm side."""
+    error: Array = field(repr=False)
+    """Of the learned output: motor angles (N, 6) [rad], arm side, or the tool's path (N, 6) [m],
+    [rad]."""
+    run: Pass = field(repr=False)
     motor_error: Array = field(repr=False)
     """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
-    arm: ArmSide
-    """From tracker samples."""
-    arm_true: ArmSide
+    tool: ArmSide
+    """Tool error from tracker samples."""
+    tool_true: ArmSide
+    """Tool error from the ground truth."""
+    diverged: bool
 
 
 def prepare(
-    cell: Cell,
-    nominal: RobotModel,
-    task: CutTask,
-    *,
-    seed: int,
-    friction_spread: float = 0.02,
-    hardware: RobotModel | None = None,
-    individual: Individual | None = None,
-    repetition: int = 0,
-    without: Collection[Effect] = (),
-    imu: ImuCfg | None = None,
+    cut: Cut, *, seed: int = 0, repetition: int = 0, nominal: RobotModel | None = None
 ) -> Experiment:
     """Draw the robot individual, set up the tracker and load the motion.
 
     Args:
-        nominal: the robot as its controller knows it.
         seed: of the individual, of the tracker's set-up and of all noise, in separate streams.
-        friction_spread: friction of each axis is uniform within +- this part of the nominal.
-        hardware: the robot as it is, where it is not what its controller knows.
-        individual: in place of one that only differs in friction.
         repetition: of the same experiment: other noise, everything else alike.
-        without: effects of gears and drives to leave out, for ablations.
-        imu: the kind of unit to mount at the tool.
+        nominal: the cut's model, where it is loaded already; with the tool of its file.
 
     Raises:
-        ValueError: the task leaves the joint limits (where) or the reach (by how much).
+        ValueError: the cut leaves the joint limits (where) or the reach (by how much), or the robot
+            cannot carry its payload.
     """
     drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
+    design = load_model(cut.model or cut.cell.xml) if nominal is None else nominal
+    loaded = design if cut.payload is None else with_payload(design, cut.payload)
+    known = _as_known(cut, loaded if cut.payload_known else design)
     motion, reference = plan(
-        cell, nominal, task.path, task.pose.quaternion, task.speed, task.limits
+        cut.cell, known, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
     )
-    real = hardware or nominal
-    real = with_effects(real, available(real) - frozenset(without), phi=reference[0])
+    real = with_effects(loaded, available(loaded) - frozenset(cut.without), phi=reference[0])
+    individual = _individual(cut, design)
     if individual is not None:
         real = with_individual(real, individual)
     else:
-        factor = np.random.default_rng(drawing).uniform(-friction_spread, friction_spread, 6)
+        spread = cut.friction_spread
+        factor = np.random.default_rng(drawing).uniform(-spread, spread, 6)
         real = with_friction(real, 1.0 + factor)
-    job = VirtualRobot(real, nominal=nominal).load(reference)
+    job = VirtualRobot(real, nominal=known).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
-    if imu is not None:
-        drawn = draw(imu, np.random.default_rng(mounting))
+    if cut.imu is not None:
+        drawn = draw_imu(cut.imu, np.random.default_rng(mounting))
         unit = MountedImu(drawn, np.random.default_rng(reading))
     plant = CuttingPlant(job, tracker, np.random.default_rng(noise), unit)
-    return Experiment(task=task, motion=motion, job=job, plant=plant)
-
-
-def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Iteration]:
-    """Run and learn, k = 0 .. iterations, until done or diverged."""
-    job = experiment.job
-    trials = learning.learn(
-        experiment.plant,
-        law,
-        job.reference,
-        iterations,
-        output_of=lambda run: run.recording.motor_angle,
+    return Experiment(
+        cut=cut,
+        seed=seed,
+        nominal=known,
+        added_payload=_added_payload(cut, design),
+        motion=motion,
+        job=job,
+        plant=plant,
     )
-    for trial in trials:
-        yield judged(experiment, trial)
 
 
-def judged(experiment: Experiment, trial: learning.Trial[Pass]) -> Iteration:
-    """A trial with its measures on motor and arm side."""
-    job, motion = experiment.job, experiment.motion
-    stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
-    truth, seen = trial.result.recording.truth, trial.result.tracker
+def _added_payload(cut: Cut, design: RobotModel) -> float:
+    if cut.payload is None or not cut.payload_known:
+        return 0.0
+    return cut.payload - float(design.mj.body("tool").mass[0])
+
+
+def _as_known(cut: Cut, model: RobotModel) -> RobotModel:
+    if cut.friction_feedforward is None:
+        return model
+    drives = replace(model.drives, friction_feedforward=cut.friction_feedforward)
+    return replace(model, drives=drives)
+
+
+def _individual(cut: Cut, design: RobotModel) -> Individual | None:
+    if isinstance(cut.individual, int):
+        return draw(np.random.default_rng(cut.individual), len(structure_hinges(design)))
+    return cut.individual
+
+
+def evaluated(experiment: Experiment, trial: Trial[Pass]) -> Iteration:
+    """A trial with its errors of motors and tool."""
+    motion, run = experiment.motion, trial.result
     return Iteration(
-        trial=trial,
-        motor_error=trial.result.recording.error * job.model.drives.gear,
-        arm=arm_side(motion, seen.time, seen.position),
-        arm_true=arm_side(motion, truth.time[::stride], truth.tool_position[::stride]),
+        k=trial.k,
+        correction=trial.correction,
+        error=trial.error,
+        run=run,
+        motor_error=run.recording.error * experiment.job.model.drives.gear,
+        tool=arm_side(motion, run.tracker.time, run.tracker.position),
+        tool_true=true_tool_error(motion, run),
+        diverged=trial.diverged,
     )
+
+
+def true_tool_error(motion: ToolMotion, run: Pass) -> ArmSide:
+    """Tool error from the ground truth, at the rate of the tracker."""
+    truth, seen = run.recording.truth, run.tracker.time
+    every = slice(None, None, round(float((seen[1] - seen[0]) / (truth.time[1] - truth.time[0]))))
+    return arm_side(motion, truth.time[every], truth.tool_position[every])

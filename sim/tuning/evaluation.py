@@ -8,7 +8,8 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .design import Design, Motors, action_of
+from ..laser.design import Design
+from .action import Motors, action_of
 from .rules import Rules
 
 Policy = Callable[[np.ndarray], np.ndarray]

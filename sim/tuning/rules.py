@@ -13,10 +13,11 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
+from ..laser.design import Design
 from ..robot.model import RobotModel, load_model
 from . import observation, task
+from .action import VARIABLES, Motors, design_of
 from .checks import whole
-from .design import VARIABLES, Design, Motors, design_of
 from .sensor import Sees, Sensor
 from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
@@ -98,7 +99,7 @@ class Rules:
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
         imu = Sees(self.reward).imu
-        return begin(drawn, task.experiment(self.cell, self.nominal, drawn, imu), self.sensor)
+        return begin(drawn, task.experiment(self.robot, self.nominal, drawn, imu), self.sensor)
 
     def design(self, action: ArrayLike) -> Design:
         """The design of an action. Raises ValueError as `design_of` does."""

@@ -18,10 +18,9 @@ from ..evaluation.tool_error import ArmSide, arm_side
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment
 from ..laser.plant import Pass
-from ..robot.model import RobotModel, load_model
 
 if TYPE_CHECKING:
-    from ..estimation.arm_learning import ArmLearningCfg, Commissioned
+    from ..laser.tool_path import ToolOutput
 
 Reading = Callable[[Pass], ArmSide]
 Sensor = Callable[[Experiment, Pass], Reading]
@@ -48,7 +47,7 @@ class Sees(Enum):
             raise ValueError(
                 f"reward 'estimate' needs an open chain: the large robot, got {robot!r}"
             )
-        return _Estimate(robot)
+        return _Estimate()
 
     @property
     def says(self) -> str:
@@ -101,36 +100,23 @@ def _arm(robot: str) -> CompiledRobot:
 
 @dataclass(frozen=True)
 class _Estimate:
-    robot: str
+    """The assumed payload is right; the springs are those of the nominal robot."""
 
     def __call__(self, experiment: Experiment, first: Pass) -> Reading:
-        # Imported here, as below: the other sensors do without the estimator.
-        from ..estimation.arm_learning import ArmLearningCfg, OnFault, commission
-        from ..estimation.nominal import NominalCfg, nominal_arm
+        # Imported here: the other sensors do without the estimator.
+        from ..estimation.commissioning import Commissioning, OnFault
+        from ..laser.tool_path import ToolPath
 
-        xml = CELLS[self.robot].xml
-        nominal = _nominal(self.robot)
-        cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
-        # The payload is known; the individual's springs are not.
-        added = experiment.job.model.mj.body("tool").mass[0] - nominal.mj.body("tool").mass[0]
-        arm = nominal_arm(xml, NominalCfg(payload=float(added)))
-        known = commission(nominal, arm, ImuCfg(), first, cfg)
-        return _EstimateReading(cfg, known, experiment.motion)
-
-
-@lru_cache
-def _nominal(robot: str) -> RobotModel:
-    return load_model(CELLS[robot].xml)
+        measure = ToolPath(stiffness_error=0.0, commissioning=Commissioning(on_fault=OnFault.GO_ON))
+        arm = measure.assumed(experiment)
+        return _EstimateReading(measure.commissioned(experiment, arm, first), experiment.motion)
 
 
 @dataclass(frozen=True)
 class _EstimateReading:
-    cfg: "ArmLearningCfg"
-    known: "Commissioned"
+    output: "ToolOutput"
     motion: ToolMotion
 
     def __call__(self, cut: Pass) -> ArmSide:
-        from ..estimation.arm_learning import measured_path
-
-        moved = measured_path(self.cfg, self.known, ImuCfg(), cut)[:, :3]
+        moved = self.output(cut)[:, :3]
         return arm_side(self.motion, cut.recording.time, self.motion.position[0] + moved)

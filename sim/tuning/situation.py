@@ -1,4 +1,4 @@
-"""Where an episode stands: what the last run left behind, and how one more iteration changes it."""
+"""State of an episode after a run, and its change by one learning iteration."""
 
 import copy
 from dataclasses import dataclass, field, replace
@@ -6,17 +6,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from armside.arrays import Array
+from armside.ilc.divergence import has_diverged
 from armside.ilc.measures.norms import inf_norm, two_norm
 
-from ..evaluation.tool_error import ArmSide, arm_side
-from ..laser.experiment import Experiment
+from ..evaluation.tool_error import ArmSide
+from ..laser.design import Design
+from ..laser.experiment import Experiment, true_tool_error
 from ..laser.plant import Pass
-from .design import Design
 from .sensor import Reading, Sensor
 from .task import Task
-
-DIVERGED = 3.0
-"""Of its value at k = 0: a motor's 2-norm beyond it has diverged, as in `ilc.learning`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +80,6 @@ def _situation(
     cut: Pass,
     first: Array | None = None,
 ) -> Situation:
-    truth = cut.recording.truth
-    tracker_stride = round(
-        1.0 / (experiment.plant.tracker.cfg.rate * experiment.job.model.timestep)
-    )
-    time, position = truth.time[::tracker_stride], truth.tool_position[::tracker_stride]
     error = cut.recording.error
     motor_error = error * experiment.job.model.drives.gear
     norm = two_norm(motor_error)
@@ -103,6 +96,6 @@ def _situation(
         inf_norm=inf_norm(motor_error),
         first_norm=first,
         seen=reading(cut),
-        true=arm_side(experiment.motion, time, position),
-        diverged=not (np.isfinite(norm) & (norm <= DIVERGED * first)).all(),
+        true=true_tool_error(experiment.motion, cut),
+        diverged=has_diverged(norm, first),
     )

@@ -19,9 +19,10 @@ import numpy as np
 
 from ..cell import CELLS, Cell, ToolPose, pose
 from ..instruments.imu import ImuCfg
-from ..laser.experiment import CircleTask, Experiment, prepare
+from ..laser.experiment import Experiment, prepare
+from ..laser.specification import Cut
 from ..robot import individual
-from ..robot.individual import structure_hinges, with_payload
+from ..robot.individual import structure_hinges
 from ..robot.model import RobotModel
 from .checks import whole
 
@@ -110,20 +111,27 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
 
 
 def experiment(
-    cell: Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
+    robot: str, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> Experiment:
-    """Build the robot individual, set up the tracker and load the motion.
+    """The experiment of a task: a circle, cut by one individual.
 
-    imu: the kind of unit at the tool.
+    Args:
+        nominal: the robot's model.
+        imu: the kind of unit at the tool.
 
     Raises:
         ValueError: the task leaves the joint limits or the reach, or the robot cannot carry its
             load.
     """
-    if task.payload is not None:
-        nominal = with_payload(nominal, task.payload)
     # A stream apart from those that `prepare` spawns.
     rng = np.random.default_rng([task.individual, 1])
-    own = individual.draw(rng, len(structure_hinges(nominal)))
-    circle = CircleTask(pose=task.pose, radius=RADIUS, speed=task.speed)
-    return prepare(cell, nominal, circle, seed=task.individual, individual=own, imu=imu)
+    cut = Cut(
+        robot=robot,
+        pose=task.pose,
+        radius=RADIUS,
+        speed=task.speed,
+        payload=task.payload,
+        individual=individual.draw(rng, len(structure_hinges(nominal))),
+        imu=imu,
+    )
+    return prepare(cut, seed=task.individual, nominal=nominal)

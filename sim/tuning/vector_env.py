@@ -16,8 +16,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..cores import cores
+from ..laser.design import Design
 from .checks import whole
-from .design import Design
 from .env import Step
 from .rules import Rules
 from .situation import Situation

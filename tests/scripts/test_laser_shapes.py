@@ -173,7 +173,7 @@ def test_springs_identified_at_another_place_are_refused(tmp_path):
     stored = {"config": config, "springs": springs}
     (tmp_path / "summary.json").write_text(json.dumps(stored))
     here = {"pose": "p1", "position": (1700.0, 0.0, 1600.0), "quaternion": None}
-    assert stored_springs(tmp_path, here).distrust == 1.0
+    assert stored_springs(tmp_path, here).process_noise == 1.0
     with pytest.raises(InputError, match="identified at pose p1, position"):
         stored_springs(tmp_path, here | {"position": None})
 

@@ -23,7 +23,7 @@ from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.storage import redacted
 from armside.scripts.studies.study import Tried, open_study, suggest
-from armside.sim.tuning.design import Motors
+from armside.sim.tuning.action import Motors
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 

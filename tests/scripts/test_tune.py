@@ -25,7 +25,8 @@ from armside.scripts.studies import report as tune_report
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.objective import Objective, Ratio, prepare
 from armside.scripts.studies.study import WORST, Tried, open_study
-from armside.sim.tuning.design import THESIS, Design, Motors
+from armside.sim.laser.design import THESIS, Design
+from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.sensor import Sees
 

@@ -11,7 +11,8 @@ from armside.scripts.studies.policy import Network
 from armside.scripts.studies.tuned_design import load_design
 from armside.scripts.verifications import env as verify_env
 from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
-from armside.sim.tuning.design import VARIABLES, Design, Motors, action_of
+from armside.sim.laser.design import Design
+from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.evaluation import always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS, draw

@@ -4,21 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from armside.scripts.arm_side import GEAR_EFFECTS, Case
+from armside.sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
 
 from armside import kinematics
 from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.filters import butterworth, recursion
 from armside.kinematics.robots import IMU_LINKS
-from armside.scripts.arm_side import GEAR_EFFECTS, Case
 from armside.scripts.verifications.estimation import error, fk_path
 from armside.sim.estimation.arm_estimator import Estimate
 from armside.sim.estimation.arm_filter import arm_filter
-from armside.sim.estimation.arm_identification import bent_by, prepared
-from armside.sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
+from armside.sim.estimation.arm_identification import prepared, with_nonlinear_residual
 from armside.sim.estimation.extended_arm import ExtendedArm
-from armside.sim.estimation.frozen_arm import frozen
-from armside.sim.estimation.imu_health import Fault, ImuError, mended
+from armside.sim.estimation.imu_health import Fault, ImuError, repaired
+from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.observer import dragged, observe
 from armside.sim.estimation.tool_path import relative_to_start
@@ -57,7 +57,7 @@ def test_observer_with_true_structure_and_exact_angles_is_the_truth(first):
     assert spread(path, true) <= 0.5e-6
 
 
-def test_frozen_arm_is_the_rollout_linearised():
+def test_linearised_arm_is_the_rollout_linearised():
     """Same springs, coupled; a motion of 0.1 mrad."""
     arm = nominal_arm(LARGE_ROBOT_XML)
     K = arm.stiffness.copy()
@@ -69,13 +69,13 @@ def test_frozen_arm_is_the_rollout_linearised():
     motion = dragged(arm, phi, np.gradient(phi, t[1], axis=0))
     from armside.ilc.estimation.process import first_order_hold, simulate
 
-    A, B = frozen(arm, phi0).dynamics()
+    A, B = linearised(arm, phi0).dynamics()
     inputs = np.hstack((phi - phi0, np.gradient(phi, t[1], axis=0)))
     x = simulate(*first_order_hold(A, B, t[1]), inputs)
     assert np.abs(motion.q - motion.q[0] - x[:, :6]).max() < 0.02 * np.abs(x[:, :6]).max()
 
 
-def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
+def test_linear_arm_with_its_nonlinear_residual_reads_what_the_rollout_reads():
     """A circle of the robot at 100 mm/s: at twice its frequency, where linear models are blind."""
     case = replace(CASE, speed=0.1, acceleration=2.2)
     # As soft as structure and gears together, so that its lowest modes are where the robot's are.
@@ -84,9 +84,9 @@ def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
     made = experiment.plant.run(np.zeros_like(experiment.job.reference))
     log = made.recording
     motion = observe(arm, log.motor_angle, float(log.time[1]))
-    model = arm_filter(frozen(arm, log.motor_angle[0]), case.imu)
-    run = prepared(arm, log.time, log.motor_angle, mended(made.imu, case.imu))
-    run = bent_by(arm, model, run)
+    model = arm_filter(linearised(arm, log.motor_angle[0]), case.imu)
+    run = prepared(arm, log.time, log.motor_angle, repaired(made.imu, case.imu))
+    run = with_nonlinear_residual(arm, model, run)
     rollout = np.hstack((motion.imu_acceleration, motion.imu_angular_velocity))
     seen = np.hstack(
         [
@@ -99,14 +99,16 @@ def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
         ]
     )
 
-    def missing(bent):
-        states = model.simulated(run.phi, run.phi_dot, bent, run.period)
+    def missing(nonlinear):
+        states = model.simulated(run.phi, run.phi_dot, nonlinear, run.period)
         return np.sqrt(np.square(model.readings(states)[0] - seen).mean(axis=0))
 
-    none = replace(run.bent, torque=0.0 * run.bent.torque, reading=0.0 * run.bent.reading)
+    none = replace(
+        run.nonlinear, torque=0.0 * run.nonlinear.torque, reading=0.0 * run.nonlinear.reading
+    )
     noise = case.imu.accelerometer.noise_density * np.sqrt(case.imu.accelerometer.bandwidth)
     assert missing(none)[:3].max() > 2.0 * noise
-    assert missing(run.bent)[:3].max() < noise  # the time step of rollout and low-pass
+    assert missing(run.nonlinear)[:3].max() < noise  # the time step of rollout and low-pass
 
 
 def low_passed(signal, bandwidth, step):
@@ -128,7 +130,7 @@ def test_measurement_matrices_are_those_of_the_toolbox(known):
 
 def test_full_filter_deviation_form_and_frequency_domain_agree(first, known):
     log = first.recording
-    samples = mended(first.imu, CASE.imu)
+    samples = repaired(first.imu, CASE.imu)
     form = {
         kind: known.estimator(log.time, log.motor_angle, samples, kind).displacement
         for kind in Estimate
@@ -147,16 +149,16 @@ def test_full_filter_deviation_form_and_frequency_domain_agree(first, known):
 
 def test_identification_makes_the_estimate_five_times_better_than_the_motors(first, known):
     log = first.recording
-    estimate = known.estimator(log.time, log.motor_angle, mended(first.imu, CASE.imu))
+    estimate = known.estimator(log.time, log.motor_angle, repaired(first.imu, CASE.imu))
     assert error(estimate.displacement, first) <= error(fk_path(first), first) / 5.0
 
 
 def test_identified_modes_are_those_of_the_true_arm(first, known):
     rest = first.recording.motor_angle[0]
-    true = frozen(nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True)), rest)
+    true = linearised(nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True)), rest)
     found = known.estimator.model.arm.locked_modes()[:2]
     assert found == pytest.approx(true.locked_modes()[:2], rel=0.10)
-    assert frozen(CASE.arm(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
+    assert linearised(CASE.arm(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
 
 
 def test_clock_offset_is_found_to_a_millisecond(known):
@@ -166,7 +168,7 @@ def test_clock_offset_is_found_to_a_millisecond(known):
 
 def test_innovations_have_the_size_the_filter_expects(first, known):
     log = first.recording
-    e = known.estimator(log.time, log.motor_angle, mended(first.imu, CASE.imu)).innovation
+    e = known.estimator(log.time, log.motor_angle, repaired(first.imu, CASE.imu)).innovation
     nis = normalised_squared(e, np.eye(6)[None])
     assert 0.7 * 6 < nis.mean() < 1.5 * 6
 
@@ -175,7 +177,7 @@ def test_no_estimator_reads_the_truth(first, known):
     """The same log with another truth gives the same estimate, bit for bit."""
     log = first.recording
     other = replace(log, truth=replace(log.truth, tool_position=log.truth.tool_position + 1.0))
-    samples = mended(first.imu, CASE.imu)
+    samples = repaired(first.imu, CASE.imu)
     paths = [known.estimator(r.time, r.motor_angle, samples).displacement for r in (log, other)]
     assert np.array_equal(*paths)
 
@@ -188,7 +190,7 @@ def test_single_lost_and_clipped_samples_are_bridged(first, known):
     clipped[80] = True
     gappy = _kept(replace(imu, acceleration_clipped=clipped), keep)
     whole, bridged = (
-        known.estimator(log.time, log.motor_angle, mended(s, CASE.imu)).displacement
+        known.estimator(log.time, log.motor_angle, repaired(s, CASE.imu)).displacement
         for s in (imu, gappy)
     )
     assert 0.0 < spread(whole, bridged) < 5e-6

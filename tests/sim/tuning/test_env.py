@@ -14,7 +14,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from armside.sim import tuning
-from armside.sim.tuning.design import THESIS, Motors, action_of
+from armside.sim.laser.design import THESIS
+from armside.sim.tuning.action import Motors, action_of
 from armside.sim.tuning.evaluation import always, run_episode
 from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
 from armside.sim.tuning.rules import WORST_REWARD, Rules

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors, action_of, design_of
+from armside.sim.laser.design import THESIS, Design
+from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
 from armside.sim.tuning.env import IlcTuningEnv
 from armside.sim.tuning.rules import Rules
 

@@ -1,23 +1,21 @@
-"""From the options of `armside laser` to its task and its robot, in SI units."""
+"""Specification of a cut and of its measure, in SI, from the options of `armside laser`."""
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from armside.sim.cell import CELLS, ToolPose, pose
 from armside.sim.cut.contour import ClosedCurve, hexagon, slot, square
 from armside.sim.cut.path import Circle
-from armside.sim.cut.task import CircleTask, ContourTask, CutTask, LeadIn
 from armside.sim.cut.timing import PathLimits
-from armside.sim.robot.individual import with_payload
-from armside.sim.robot.model import RobotModel, load_model
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.design import Design
+from armside.sim.laser.measures import Measure, MotorAngles
+from armside.sim.laser.specification import Cut, LeadIn
+from armside.sim.robot.effects import Effect
 
-from .laser_options import RADIUS, LaserCfg
-
-if TYPE_CHECKING:
-    from armside.sim.estimation.nominal import NominalArm
+from .options import RADIUS, LaserCfg
 
 MM = 1e-3
 SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}
@@ -33,8 +31,8 @@ _OWN = {
 _NOT_GIVEN = {"radius": RADIUS, "size": None, "width": None, "corner": None}
 
 
-def task(cfg: LaserCfg) -> CutTask:
-    """The task of the options.
+def cut(cfg: LaserCfg) -> Cut:
+    """The cut of the options.
 
     Raises:
         ValueError: an unknown pose, or options that do not go together.
@@ -45,16 +43,48 @@ def task(cfg: LaserCfg) -> CutTask:
             f"a beam of {cfg.beam:g} mm is too wide for bends with a radius of "
             f"{curve.smallest_radius / MM:g} mm"
         )
-    common: dict[str, Any] = {
-        "pose": tool_pose(cfg),
-        "speed": cfg.speed * MM,
-        "across_tool": cfg.plane == "tool",
-        "lead_in": LeadIn(cfg.lead_in),
-        "limits": PathLimits(acceleration=cfg.path_acceleration),
-    }
-    if isinstance(curve, Circle):
-        return CircleTask(radius=curve.radius, **common)
-    return ContourTask(contour=curve, **common)
+    return Cut(
+        robot=cfg.robot,
+        model=cfg.model,
+        pose=tool_pose(cfg),
+        contour=curve,
+        speed=cfg.speed * MM,
+        across_tool=cfg.plane == "tool",
+        lead_in=LeadIn(cfg.lead_in),
+        limits=PathLimits(acceleration=cfg.path_acceleration),
+        payload=cfg.payload,
+        friction_spread=cfg.friction_spread * 1e-2,
+        without=tuple(Effect(name) for name in cfg.without),
+        imu=None if cfg.measure == "motor" else ImuCfg(),
+    )
+
+
+def measure(cfg: LaserCfg) -> Measure:
+    """The measured output of the options, with its law.
+
+    Raises:
+        InputError: the folder of an identification holds none, or one of another place.
+    """
+    if cfg.measure == "motor":
+        return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
+    from armside.sim.estimation.commissioning import Commissioning, OnFault
+    from armside.sim.estimation.springs_file import read_springs
+    from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
+    from armside.sim.laser.tool_path import Source, ToolPath
+
+    place = {name: getattr(cfg, name) for name in ("pose", "position", "quaternion")}
+    return ToolPath(
+        source=Source(cfg.measure),
+        law=ToolLaw(
+            kind=ToolLawKind("inverse" if cfg.law == "auto" else cfg.law),
+            gamma=cfg.gamma[0],
+            delta=cfg.delta[0],
+            cutoff=cfg.cutoff[0],
+        ),
+        commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
+        stiffness_error=cfg.stiffness_error * 1e-2,
+        springs=read_springs(cfg.identification, place) if cfg.identification else None,
+    )
 
 
 def contour(cfg: LaserCfg) -> ClosedCurve:
@@ -119,30 +149,3 @@ def tool_pose(cfg: LaserCfg) -> ToolPose:
         w, x, y, z = cfg.quaternion
         quaternion = (w / length, x / length, y / length, z / length)
     return ToolPose(position, quaternion)
-
-
-def robot(cfg: LaserCfg) -> RobotModel:
-    """The robot as its controller knows it. Raises ValueError for a payload it cannot carry."""
-    model = load_model(cfg.model or CELLS[cfg.robot].xml)
-    return model if cfg.payload is None else with_payload(model, cfg.payload)
-
-
-def believed_arm(cfg: LaserCfg, seed: int) -> "NominalArm":
-    """The arm as its owner believes it to be; its payload is known."""
-    from . import arm_side
-
-    return arm_side.believed_arm(
-        cfg.model or CELLS[cfg.robot].xml,
-        cfg.stiffness_error * 1e-2,
-        seed,
-        payload=added_payload(cfg),
-    )
-
-
-def added_payload(cfg: LaserCfg) -> float:
-    """Mass of the tool beside that of the robot's file [kg]."""
-    if cfg.payload is None:
-        return 0.0
-    return cfg.payload - float(
-        load_model(cfg.model or CELLS[cfg.robot].xml).mj.body("tool").mass[0]
-    )

@@ -15,12 +15,12 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .frozen_arm import FrozenArm
+from .linearised_arm import LinearisedArm
 from .nominal import NominalArm
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Curvature:
+class NonlinearResidual:
     """What is not linear in a motion."""
 
     torque: Array
@@ -29,9 +29,9 @@ class Curvature:
     """(N, 6) [m/s^2], [rad/s], that an ideal IMU reads beyond the linear arm's."""
 
 
-def curvature(
-    arm: NominalArm, linear: FrozenArm, q: Array, q_dot: Array, q_ddot: Array
-) -> Curvature:
+def nonlinear_residual(
+    arm: NominalArm, linear: LinearisedArm, q: Array, q_dot: Array, q_ddot: Array
+) -> NonlinearResidual:
     """Along a motion of the arm, (N, n) each: angles from rest and their derivatives.
 
     linear: the same arm at rest, before the motion.
@@ -40,7 +40,7 @@ def curvature(
     still = np.zeros((1, linear.n_free))
     rest_torque, rest_reading = _inverse(arm.mj, linear.q[None], still, still)
     J = linear.imu_jacobian
-    return Curvature(
+    return NonlinearResidual(
         torque=torque
         - rest_torque
         - (q_ddot @ linear.mass.T + q_dot * linear.structure_damping + q @ linear.gradient.T),

@@ -2,18 +2,16 @@
 `armside.sim.tuning.env.IlcTuningEnv`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
-from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws import Heuristic
 
+from ..laser.design import Design
 from ..robot.model import N_AXES
-from ..robot.virtual_robot import LOG_PERIOD
 
 
 class Scale(Enum):
@@ -74,36 +72,6 @@ class Motors(Enum):
     def count(self) -> int:
         """Values of one variable."""
         return 1 if self is Motors.SHARED else N_AXES
-
-
-@dataclass(frozen=True, kw_only=True)
-class Design:
-    """Design variables, each one value for all motors or six."""
-
-    gamma: tuple[float, ...]
-    delta: tuple[int, ...]
-    """[samples]"""
-    cutoff: tuple[float, ...]
-    """[Hz]"""
-    law: Heuristic = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        gamma = self.gamma[0] if len(self.gamma) == 1 else self.gamma
-        delta = self.delta[0] if len(self.delta) == 1 else self.delta
-        cutoff = self.cutoff[0] if len(self.cutoff) == 1 else self.cutoff
-        Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
-        object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
-
-    def arrays(self) -> dict[str, Array]:
-        """Values of each motor by name: (6,) arrays."""
-        return {
-            v.name: np.array(np.broadcast_to(getattr(self, v.name), N_AXES), dtype=np.float64)
-            for v in VARIABLES
-        }
-
-
-THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
-"""The design of thesis chapter 9."""
 
 
 def design_of(action: ArrayLike, motors: Motors) -> Design:

@@ -1,22 +1,16 @@
-"""Options of `armside laser`: what to cut, with which robot, and how to learn it."""
+"""Options of `armside laser`, in the units that a person types."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
 
-from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws import Heuristic
-from armside.sim.robot.virtual_robot import LOG_PERIOD
+from armside.sim.laser.design import DEFAULT_DESIGN, THESIS, Design
 
-from .shell.options import options
+from ..shell.options import options
 
-if TYPE_CHECKING:
-    from armside.sim.estimation.arm_learning import ArmLearningCfg
-
-Number = TypeVar("Number", int, float)
 _Several = Parameter(consume_multiple=True)
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
@@ -29,29 +23,13 @@ SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
 
 
-class Design(NamedTuple):
-    """Design variables of the heuristic law, one value for all motors or six."""
-
-    gamma: tuple[float, ...]
-    delta: tuple[int, ...]
-    cutoff: tuple[float, ...]
-
-
-THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
-"""Of thesis chapter 9."""
-OF_ROBOT = {
-    "large": THESIS,
-    # From T_u as identified on this robot: scripts/robot_design.py.
-    "irb1400": Design(gamma=(1.0,), delta=(8,), cutoff=(20.0,)),
-}
-"""Where motors learn from their own angles and the options say nothing."""
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class LaserCfg:
-    """What to cut, with which robot, and how to learn it."""
+    """Contour, place, robot and learning."""
 
     robot: Literal["large", "irb1400"] = "large"
     """Which robot."""
@@ -106,7 +84,7 @@ class LaserCfg:
     path_acceleration: float = 1.3
     """Limit of the controller for acceleration along and across the path [m/s^2]."""
     stiffness_error: float = 30.0
-    """Stiffness is believed wrongly by up to this, each axis; drawn with the seed [%]."""
+    """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
     identification: Path | None = None
     """Folder of `armside identify` at this pose, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
@@ -117,10 +95,11 @@ class LaserCfg:
     """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
 
     def __post_init__(self) -> None:
-        design = OF_ROBOT[self.robot] if self.measure == "motor" else THESIS
-        if self.measure != "motor":
-            design = design._replace(cutoff=(self._pass_band(),))
-        for name, value in design._asdict().items():
+        motor = self.measure == "motor"
+        design = DEFAULT_DESIGN[self.robot] if motor else THESIS
+        cutoff = design.cutoff if motor else (self._pass_band(),)
+        defaults = {"gamma": design.gamma, "delta": design.delta, "cutoff": cutoff}
+        for name, value in defaults.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
         for name, unit in (("radius", "mm"), ("speed", "mm/s")):
@@ -152,43 +131,15 @@ class LaserCfg:
         for name in ("gamma", "delta", "cutoff"):
             if len(getattr(self, name)) not in (1, 6):
                 raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
-        if self.measure == "motor" and self.law not in ("auto", "heuristic"):
+            if not motor and len(getattr(self, name)) > 1:
+                raise ValueError(f"{name} takes one value with --measure {self.measure}")
+        if motor and self.law not in ("auto", "heuristic"):
             raise ValueError(f"law {self.law} needs --measure estimate or tracker")
-        learning_law(self)
-        if self.measure != "motor":
-            arm_learning(self)
+        Design(gamma=self.gamma, delta=self.delta, cutoff=self.cutoff)
 
     def _pass_band(self) -> float:
         """[Hz], of Q where the tool's path is learned from."""
-        from armside.sim.estimation.arm_learning import pass_band
+        from armside.sim.estimation.tool_law import pass_band
 
         circle = self.shape == "circle" and self.contour is None and self.radius > 0.0
         return pass_band(self.speed / (2.0 * np.pi * self.radius) if circle else 0.0)
-
-
-def arm_learning(cfg: LaserCfg) -> "ArmLearningCfg":
-    """How to learn on the arm side. Raises ValueError where options are out of range."""
-    from armside.sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Measure, OnFault
-
-    for name in ("gamma", "delta", "cutoff"):
-        if len(getattr(cfg, name)) > 1:
-            raise ValueError(f"{name} takes one value with --measure {cfg.measure}")
-    return ArmLearningCfg(
-        measure=Measure(cfg.measure),
-        law=ArmLaw("inverse" if cfg.law == "auto" else cfg.law),
-        gamma=cfg.gamma[0],
-        delta=cfg.delta[0],
-        cutoff=cfg.cutoff[0],
-        on_fault=OnFault(cfg.on_imu_fault),
-    )
-
-
-def learning_law(cfg: LaserCfg) -> Heuristic:
-    """The law of the options. Raises ValueError where they are out of range."""
-    Q = ZeroPhaseButterworth(_shared(cfg.cutoff), LOG_PERIOD)
-    return Heuristic(Q=Q, gamma=_shared(cfg.gamma), delta=_shared(cfg.delta))
-
-
-def _shared(values: tuple[Number, ...]) -> Number | tuple[Number, ...]:
-    """One value for all motors where one is given."""
-    return values[0] if len(values) == 1 else values

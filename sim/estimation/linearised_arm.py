@@ -22,7 +22,7 @@ _TURN = 1e-6  # [rad], of the differences that gradients are made of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FrozenArm:
+class LinearisedArm:
     """Matrices of the arm at rest. n degrees of freedom, six of them behind gears."""
 
     q: Array
@@ -48,7 +48,7 @@ class FrozenArm:
     imu_up: Array
     """(3,) [m/s^2], what an ideal accelerometer reads at rest."""
 
-    def on_springs(self, stiffness: Array, damping: Array) -> "FrozenArm":
+    def on_springs(self, stiffness: Array, damping: Array) -> "LinearisedArm":
         """The same arm on other gears. The pose at rest is kept: it moves by far less."""
         return replace(self, stiffness=np.asarray(stiffness), damping=np.asarray(damping))
 
@@ -97,7 +97,7 @@ class FrozenArm:
         return np.sort(np.sqrt(np.maximum(square.real, 0.0))) / (2.0 * np.pi)
 
 
-def frozen(arm: NominalArm, phi: Array) -> FrozenArm:
+def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
     """The arm at rest with its motors at phi, (6,) [rad]."""
     mj = arm.mj
     q = at_rest(arm, phi)
@@ -112,7 +112,7 @@ def frozen(arm: NominalArm, phi: Array) -> FrozenArm:
     mujoco.mj_jacSite(mj, data, imu_jacobian[:3], imu_jacobian[3:], imu)
     R_imu_base = data.site_xmat[imu].reshape(3, 3).T
     gradient, tilt = _gradients(mj, q, imu)
-    return FrozenArm(
+    return LinearisedArm(
         q=q,
         mass=mass,
         gradient=gradient,

@@ -1,0 +1,49 @@
+"""Design of the heuristic law: its variables, that of the thesis, and the default of each robot."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Heuristic
+
+from ..robot.model import N_AXES
+from ..robot.virtual_robot import LOG_PERIOD
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """Design variables of Q(u + gamma q^delta e), each one value for all motors or six."""
+
+    gamma: tuple[float, ...]
+    delta: tuple[int, ...]
+    """[samples]."""
+    cutoff: tuple[float, ...]
+    """[Hz]."""
+    law: Heuristic = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        gamma, delta, cutoff = (
+            values[0] if len(values) == 1 else values
+            for values in (self.gamma, self.delta, self.cutoff)
+        )
+        Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
+        object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
+
+    def arrays(self) -> dict[str, Array]:
+        """Values of each motor by name: (6,) arrays."""
+        return {
+            name: np.array(np.broadcast_to(getattr(self, name), N_AXES), dtype=np.float64)
+            for name in ("gamma", "delta", "cutoff")
+        }
+
+
+THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
+"""Of thesis chapter 9."""
+DEFAULT_DESIGN = {
+    "large": THESIS,
+    # From T_u as identified on this robot: `design_from_data`.
+    "irb1400": Design(gamma=(1.0,), delta=(8,), cutoff=(20.0,)),
+}
+"""By robot, for learning from motor angles."""

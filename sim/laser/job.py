@@ -1,0 +1,82 @@
+"""A learning experiment as a job: everything it depends on, and the small arrays of its results."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.measures import norms as measures
+
+from .design import THESIS, Design
+from .experiment import Experiment, Iteration, prepare
+from .learning import iterate
+from .measures import MotorAngles
+from .results import row
+from .specification import Cut
+
+RIPPLE_BAND = (5.0, 14.0)
+"""[Hz], around the resonances that learning leaves undamped."""
+_PATH_STRIDE = 4  # tracker samples, 1 ms each
+_PREPARATION = 1.0  # costs as much as a second of simulated motion
+_KEPT = ("motor_inf", "motor_two", "arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearningJob:
+    """Learning a cut from motor angles."""
+
+    cut: Cut = field(default_factory=Cut)
+    design: Design = THESIS
+    iterations: int = 5
+    seed: int = 0
+    repetition: int = 0
+    """Of the same experiment on the same robot: other noise only."""
+    series: bool = True
+    """Keep corrections, errors and tool paths, not only measures."""
+
+    @property
+    def cost(self) -> float:
+        """Rough, relative: for the time left."""
+        turn = self.cut.curve.length / self.cut.speed
+        return (self.iterations + 1) * (1.2 * turn + 0.9) + _PREPARATION
+
+    def run(self) -> dict[str, Array]:
+        """Run it. Arrays have the iterations 0 .. K first.
+
+        motor_inf, motor_two: (K, 6) [motor rad]. arm_rms, arm_maxdev, arm_rms_true,
+        arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (6,), diverged, motion_end
+        [sample]. NaN where a diverged experiment had ended.
+        With `series`: error, correction (K, N, 6) [rad], path (K, M, 2) [m].
+        """
+        experiment = prepare(self.cut, seed=self.seed, repetition=self.repetition)
+        set_up = MotorAngles(self.design).prepare(experiment)
+        rows, diverged = [], False
+        for iteration in iterate(experiment, set_up, self.iterations):
+            rows.append(self._row(iteration, experiment))
+            diverged = iteration.diverged
+        missing = self.iterations + 1 - len(rows)
+        arrays = {name: _stack([row[name] for row in rows], missing) for name in rows[0]}
+        return arrays | {
+            "diverged": np.array(missing > 0 or diverged),
+            "reached_speed": np.array(experiment.motion.reached_speed),
+            "motion_end": np.array(experiment.motion_end),
+            "gear": experiment.job.model.drives.gear,
+        }
+
+    def _row(self, iteration: Iteration, experiment: Experiment) -> dict[str, Array]:
+        radii = np.hypot(*iteration.tool.path.T)
+        first, last = experiment.motion.contour_time
+        ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
+        found = row(iteration) | {"ripple": ripple}
+        arrays = {name: np.array(found[name]) for name in (*_KEPT, "ripple")}
+        if self.series:
+            # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
+            arrays["error"] = iteration.error.astype(np.float32)
+            arrays["correction"] = iteration.correction.astype(np.float32)
+            arrays["path"] = iteration.tool.path[::_PATH_STRIDE].astype(np.float32)
+        return arrays
+
+
+def _stack(rows: list[Array], missing: int) -> Array:
+    """(K, ...) with NaN for the iterations that were not run."""
+    return np.array(rows + [np.full_like(rows[0], np.nan)] * missing)

@@ -1,0 +1,80 @@
+"""Measured outputs that a cut is learned from: motor angles, or the tool's path by a sensor.
+
+A `Measure` is set up by the first run, before learning, and then reads every run. Any object with
+these methods will do: `learn(cut, measure=...)`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from armside.arrays import Array
+from armside.ilc.laws import Law
+from armside.ilc.measures.norms import two_norm
+
+from ..instruments.imu import ImuCfg
+from .design import DEFAULT_DESIGN, THESIS, Design
+from .experiment import Experiment
+from .plant import Pass
+
+
+class Output(Protocol):
+    """A measure after the first run."""
+
+    reference: Array
+    """(N, m), desired output."""
+    law: Law
+    """Default law for its errors."""
+
+    def __call__(self, run: Pass) -> Array:
+        """Output (N, m) of a run."""
+        ...
+
+    def size(self, error: Array) -> Array:
+        """Sizes of an error (N, m) by which divergence is judged."""
+        ...
+
+
+SetUp = Callable[[Pass], Output]
+"""Sets a measure up by the first run."""
+
+
+class Measure(Protocol):
+    """An output that can be learned from."""
+
+    @property
+    def imu(self) -> ImuCfg | None:
+        """Unit that it needs at the tool."""
+        ...
+
+    def prepare(self, experiment: Experiment) -> SetUp:
+        """Everything before the first run. Raises ValueError for a robot it cannot serve."""
+        ...
+
+
+@dataclass(frozen=True)
+class MotorAngles:
+    """Motor angles by the encoders: learning of the thesis."""
+
+    design: Design | None = None
+    """Of the heuristic law; the robot's default if None."""
+
+    imu = None
+
+    def prepare(self, experiment: Experiment) -> SetUp:
+        design = self.design or DEFAULT_DESIGN.get(str(experiment.cut.robot), THESIS)
+        reference = experiment.job.reference
+        design.law.check(*reference.shape)
+        return lambda first: _MotorOutput(reference, design.law)
+
+
+@dataclass(frozen=True)
+class _MotorOutput:
+    reference: Array
+    law: Law
+
+    def __call__(self, run: Pass) -> Array:
+        return run.recording.motor_angle
+
+    def size(self, error: Array) -> Array:
+        return two_norm(error)

@@ -1,0 +1,114 @@
+"""Results of a cutting experiment: the entries of its `summary.json`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from armside.arrays import Array
+from armside.ilc.measures import norms as measures
+
+from ..evaluation.kerf import kerf
+from ..evaluation.path_accuracy import path_measures
+from ..robot.linkage import checked_loop_error
+from .experiment import Experiment, Iteration, prepare
+from .learning import iterate
+from .measures import Measure, MotorAngles
+from .plant import Pass
+from .specification import Cut
+
+
+def run(
+    cut: Cut, *, measure: Measure = MotorAngles(), iterations: int = 5, seed: int = 0
+) -> dict[str, Any]:
+    """Learn a cut and return its `results`."""
+    experiment = prepare(cut, seed=seed)
+    found = iterate(experiment, measure.prepare(experiment), iterations)
+    return results(experiment, list(found))
+
+
+def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
+    """Status, limits and measures of a run, as `summary.json` has them.
+
+    Raises RuntimeError for a closed chain that did not stay closed.
+    """
+    rows = [row(it) for it in iterations]
+    for row in rows:
+        for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
+            row[f"{name}_normalised"] = measures.normalise(row[name], rows[0][name])
+    motion = experiment.motion
+    return {
+        "status": "diverged" if iterations[-1].diverged else "done",
+        "limits_hit": [
+            {"k": None, "limit": name, "axis": axis, "time": time}
+            for name, axis, time in motion.limits_hit
+        ]
+        + [
+            {"k": it.k, "limit": name, "axis": axis, "time": time}
+            for it in iterations
+            for name, axis, time in it.run.recording.limits_hit
+        ],
+        "loop_error": _loop_error(experiment, iterations),
+        "reached_speed": motion.reached_speed,
+        "beam_lost": [not bool(it.run.tracker.valid.all()) for it in iterations],
+        "iterations": rows,
+    }
+
+
+def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
+    """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
+    stride = experiment.job.ratio
+    runs = [it.run.recording for it in iterations if not it.diverged]
+    mj = experiment.job.model.mj
+    return max((checked_loop_error(mj, run.truth.qpos[::stride]) for run in runs), default=0.0)
+
+
+def quality(
+    experiment: Experiment, iterations: list[Iteration], repeated: Sequence[Pass], beam: float
+) -> dict[str, Any]:
+    """The edge that a beam of that diameter [mm] leaves, and measures after ISO 9283 [m].
+
+    repeated: runs with the last correction.
+    """
+    motion, curve = experiment.motion, experiment.cut.curve
+    cuts = [kerf(curve, it.tool.path, beam * 1e-3) for it in iterations]
+    true_cuts = [kerf(curve, it.tool_true.path, beam * 1e-3) for it in iterations]
+    runs = [it.run for it in iterations]
+    iso: dict[str, Any] = {"repetitions": len(repeated)}
+    for suffix, samples in (("", _tracked), ("_true", _true)):
+        each = [path_measures(motion, [samples(run)]) for run in runs]
+        iso[f"path_accuracy{suffix}"] = [m.accuracy for m in each]
+        iso[f"path_accuracy_in_plane{suffix}"] = [m.accuracy_in_plane for m in each]
+        if repeated:
+            together = path_measures(motion, [samples(run) for run in repeated])
+            iso[f"path_accuracy_of_repetitions{suffix}"] = together.accuracy
+            iso[f"path_repeatability{suffix}"] = together.repeatability
+            iso[f"path_repeatability_in_plane{suffix}"] = together.repeatability_in_plane
+    return {
+        "kerf": {
+            "beam": beam * 1e-3,
+            "hole_roundness": [cut.roundness for cut in cuts],
+            "hole_roundness_true": [cut.roundness for cut in true_cuts],
+            "widest_true": [float(cut.width.max()) for cut in true_cuts],
+        },
+        "iso": iso,
+    }
+
+
+def _tracked(run: Pass) -> tuple[Array, Array]:
+    return run.tracker.time, run.tracker.position
+
+
+def _true(run: Pass) -> tuple[Array, Array]:
+    return run.recording.truth.time, run.recording.truth.tool_position
+
+
+def row(iteration: Iteration) -> dict[str, Any]:
+    """Measures of one iteration: motor errors (6,) [rad] of the shaft, tool errors [m]."""
+    return {
+        "k": iteration.k,
+        "motor_inf": measures.inf_norm(iteration.motor_error),
+        "motor_two": measures.two_norm(iteration.motor_error),
+        "arm_rms": iteration.tool.rms,
+        "arm_maxdev": iteration.tool.maxdev,
+        "arm_rms_true": iteration.tool_true.rms,
+        "arm_maxdev_true": iteration.tool_true.maxdev,
+    }

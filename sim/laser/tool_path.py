@@ -1,0 +1,150 @@
+"""The tool's path as measured output: by estimate, laser tracker, or ground truth."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws import Law
+
+from ..estimation.arm_estimator import Estimate
+from ..estimation.arm_springs import Springs
+from ..estimation.assumed_arm import assumed_arm
+from ..estimation.commissioning import Commissioned, Commissioning, OnFault, commission
+from ..estimation.imu_health import ImuError, repaired
+from ..estimation.nominal import NominalArm
+from ..estimation.tool_law import ToolLaw
+from ..estimation.tool_path import relative_to_start
+from ..instruments.imu import ImuCfg
+from ..robot.virtual_robot import LOG_PERIOD
+from .experiment import Experiment
+from .measures import SetUp
+from .plant import Pass
+
+_TRACKER_FILTER = 40.0
+"""[Hz], zero-phase low-pass of tracker positions before they are learned from."""
+
+
+class Source(Enum):
+    """Sensor of the tool's path."""
+
+    ESTIMATE = "estimate"
+    """Motor angles and IMU."""
+    TRACKER = "tracker"
+    """Laser tracker: positions only."""
+    TRUTH = "truth"
+    """Ground truth: the best of all sensors."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToolPath:
+    """Path of the tool from rest, and the law that is built on the arm commissioned for it."""
+
+    source: Source = Source.ESTIMATE
+    law: ToolLaw = field(default_factory=ToolLaw)
+    commissioning: Commissioning = field(default_factory=Commissioning)
+    stiffness_error: float = 0.3
+    """The stiffness of each gear is assumed wrong by up to this fraction, drawn with the seed."""
+    payload_error: float = 0.0
+    """Error of the assumed mass of the tool [kg]."""
+    damping_factor: float = 1.0
+    """Assumed damping of the gears over that of the file."""
+    springs: Springs | None = None
+    """Of an earlier identification at this pose, in place of identifying from the first run."""
+    estimate: Estimate = Estimate.SMOOTHER
+    imu: ImuCfg = field(default_factory=ImuCfg)
+    """Kind of unit at the tool; its data sheet is known."""
+
+    def assumed(self, experiment: Experiment) -> NominalArm:
+        """The assumed arm. Raises ValueError for a robot with closed loops."""
+        cut = experiment.cut
+        source = cut.model or cut.cell.xml
+        return assumed_arm(
+            source,
+            self.stiffness_error,
+            experiment.seed,
+            damping=self.damping_factor,
+            payload=experiment.added_payload + self.payload_error,
+        )
+
+    def prepare(self, experiment: Experiment) -> SetUp:
+        arm = self.assumed(experiment)
+        return lambda first: self.commissioned(experiment, arm, first)
+
+    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
+        """The measure set up by a run.
+
+        Raises:
+            ImuError: the IMU cannot be used, and the options refuse to go on.
+        """
+        known = commission(
+            experiment.nominal,
+            arm,
+            self.imu,
+            first.recording,
+            first.imu,
+            self.commissioning,
+            self.springs,
+        )
+        return ToolOutput(self, known, experiment)
+
+
+@dataclass(frozen=True)
+class ToolOutput:
+    """Paths (N, 6) from rest, displacement [m] and rotation vector [rad], base axes."""
+
+    measure: ToolPath
+    known: Commissioned
+    experiment: Experiment
+
+    @property
+    def reference(self) -> Array:
+        """(N, 6), programmed path from rest."""
+        return relative_to_start(self.experiment.motion.position)
+
+    @property
+    def law(self) -> Law:
+        """Law on the commissioned arm. Raises ValueError for design variables out of range."""
+        motion = self.experiment.motion
+        turn_rate = motion.programmed_speed / motion.path.curve.length
+        rotations = self.measure.source is not Source.TRACKER
+        return self.measure.law.law(self.known.plant, turn_rate, rotations=rotations)
+
+    def __call__(self, run: Pass) -> Array:
+        """Path of a run.
+
+        Raises:
+            ImuError: the IMU failed in this run, and the options refuse to go on.
+        """
+        log, measure = run.recording, self.measure
+        if measure.source is Source.TRUTH:
+            every = round(LOG_PERIOD / float(log.truth.time[1]))
+            return relative_to_start(
+                log.truth.tool_position[::every], log.truth.tool_quaternion[::every]
+            )
+        if measure.source is Source.TRACKER:
+            return _tracked(log.time, run)
+        samples = None
+        if self.known.fault is None and run.imu is not None:
+            try:
+                samples = repaired(run.imu, measure.imu)
+            except ImuError:
+                if measure.commissioning.on_fault is OnFault.REFUSE:
+                    raise
+        estimate = self.known.estimator(log.time, log.motor_angle, samples, measure.estimate)
+        return estimate.displacement
+
+    def size(self, error: Array) -> Array:
+        """Norm of the displacement: orientations do not count."""
+        return np.linalg.norm(error[:, :3])[None]
+
+
+def _tracked(time: Array, run: Pass) -> Array:
+    """Low-passed tracker positions at the instants of the log. A lost beam makes them NaN."""
+    seen = run.tracker
+    period = float(seen.time[1] - seen.time[0])
+    smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(seen.position)
+    at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
+    return relative_to_start(smooth[at])
