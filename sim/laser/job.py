@@ -11,7 +11,7 @@ from .design import THESIS, Design
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate
 from .measures import MotorAngles
-from .results import row
+from .results import iteration_row
 from .specification import Cut
 
 RIPPLE_BAND = (5.0, 14.0)
@@ -67,7 +67,7 @@ class LearningJob:
         radii = np.hypot(*iteration.tool.path.T)
         first, last = experiment.motion.contour_time
         ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
-        found = row(iteration) | {"ripple": ripple}
+        found = iteration_row(iteration) | {"ripple": ripple}
         arrays = {name: np.array(found[name]) for name in (*_KEPT, "ripple")}
         if self.series:
             # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.

@@ -30,7 +30,7 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
 
     Raises RuntimeError for a closed chain that did not stay closed.
     """
-    rows = [row(it) for it in iterations]
+    rows = [iteration_row(it) for it in iterations]
     for row in rows:
         for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
             row[f"{name}_normalised"] = measures.normalise(row[name], rows[0][name])
@@ -101,7 +101,7 @@ def _true(run: Pass) -> tuple[Array, Array]:
     return run.recording.truth.time, run.recording.truth.tool_position
 
 
-def row(iteration: Iteration) -> dict[str, Any]:
+def iteration_row(iteration: Iteration) -> dict[str, Any]:
     """Measures of one iteration: motor errors (6,) [rad] of the shaft, tool errors [m]."""
     return {
         "k": iteration.k,

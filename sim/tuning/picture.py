@@ -46,7 +46,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
     circle, errors = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
-    radius = history[0].experiment.task.curve.smallest_radius
+    radius = history[0].experiment.cut.curve.smallest_radius
     factor = magnification(history, radius)
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)

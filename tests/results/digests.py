@@ -224,7 +224,7 @@ def perform(name: str) -> tuple[str, Found]:
             check=False,
         )
         if done.returncode not in (0, 1) or not (done.stdout or done.returncode == 0):
-            raise RuntimeError(f"{name}: armside {run.line}: {done.returncode} {done.stderr}")
+            return name, {f"failed: {done.stderr.strip()}": ""}
         found = {key: digest(value) for key, value in run.read(folder, done.stdout).items()}
     return name, found | {"status": digest(done.returncode)}
 
@@ -244,8 +244,8 @@ def differences(before: dict[str, Found], now: dict[str, Found]) -> list[str]:
     return [
         f"{name}: {key} {'differs' if key in now[name] else 'is missing'}"
         for name in now
-        for key, known in before.get(name, {}).items()
-        if now[name].get(key) != known
+        for key, known in before.get(name, now[name]).items()
+        if now[name].get(key) != known or not known
     ]
 
 

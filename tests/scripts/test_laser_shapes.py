@@ -6,18 +6,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.scripts.arm_side import stored_springs
 from armside.scripts.cli import main
-from armside.scripts.commands.laser import LaserCfg, prepare, run
+from armside.scripts.commands.laser import prepared, run
+from armside.scripts.cutting.options import LaserCfg
+from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import kerf as kerf_figure
-from armside.scripts.laser_task import believed_arm, contour, task
 from armside.scripts.shell.errors import InputError
 from armside.sim.cut.path import Circle
+from armside.sim.estimation.springs_file import read_springs
 
 
 def laser(out, line):
     assert main(["laser", *line.split(), "--quiet", "--out", str(out)]) == 0
     return json.loads((out / "summary.json").read_text())
+
+
+def prepare(cfg):
+    return prepared(cfg, 0)[0]
 
 
 @pytest.fixture(scope="module")
@@ -70,27 +75,27 @@ def test_without_repetitions_there_is_no_repeatability(tmp_path):
 
 
 def test_a_place_can_be_given_by_its_numbers():
-    named = prepare(LaserCfg(iterations=0), 0).job.reference
+    named = prepare(LaserCfg(iterations=0)).job.reference
     numbers = LaserCfg(position=(1316.6, 1.4, 1599.2), quaternion=(0.6322, 0.0353, 0.7732, 0.0353))
-    np.testing.assert_allclose(prepare(numbers, 0).job.reference, named, rtol=0, atol=1e-9)
-    moved = prepare(LaserCfg(position=(1700.0, -300.0, 1400.0)), 0)
-    assert moved.task.pose.position == pytest.approx((1.7, -0.3, 1.4))
-    assert moved.task.pose.quaternion == prepare(LaserCfg(), 0).task.pose.quaternion
+    np.testing.assert_allclose(prepare(numbers).job.reference, named, rtol=0, atol=1e-9)
+    moved = prepare(LaserCfg(position=(1700.0, -300.0, 1400.0)))
+    assert moved.cut.tool_pose.position == pytest.approx((1.7, -0.3, 1.4))
+    assert moved.cut.tool_pose.quaternion == prepare(LaserCfg()).cut.tool_pose.quaternion
 
 
 def test_the_controller_knows_a_payload():
-    light, heavy = (prepare(LaserCfg(payload=mass), 0) for mass in (0.0, 175.0))
+    light, heavy = (prepare(LaserCfg(payload=mass)) for mass in (0.0, 175.0))
     assert heavy.job.model.mj.body("tool").mass[0] == 175.0
     # What the controller anticipates of gravity grows with what it knows to carry.
     assert not np.allclose(light.job.reference, heavy.job.reference, atol=1e-5)
-    default = prepare(LaserCfg(), 0).job.reference
-    assert np.array_equal(prepare(LaserCfg(payload=40.0), 0).job.reference, default)
+    default = prepare(LaserCfg()).job.reference
+    assert np.array_equal(prepare(LaserCfg(payload=40.0)).job.reference, default)
 
 
 def test_sizes_have_defaults_that_can_be_cut_at_the_default_speed():
     for shape in ("circle", "square", "slot", "hexagon"):
         for lead_in in ("arc", "spiral"):
-            motion = prepare(LaserCfg(shape=shape, lead_in=lead_in), 0).motion
+            motion = prepare(LaserCfg(shape=shape, lead_in=lead_in)).motion
             assert motion.reached_speed == 0.040, (shape, lead_in)
             assert motion.limits_hit == ()
 
@@ -102,7 +107,7 @@ def test_options_size_the_shapes():
     assert slot.length == pytest.approx(2 * 0.052 + np.pi * 0.008)
     assert contour(LaserCfg(radius=7.0)) == Circle(0.007)
     assert contour(LaserCfg(shape="hexagon", size=10.0)).smallest_radius == pytest.approx(0.0015)
-    assert task(LaserCfg(shape="square", speed=30.0)).speed == pytest.approx(0.030)
+    assert cut(LaserCfg(shape="square", speed=30.0)).speed == pytest.approx(0.030)
 
 
 def test_the_irb1400_cuts_a_slot():
@@ -160,9 +165,10 @@ def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
-def test_the_belief_of_the_arm_knows_the_payload_too():
+def test_the_assumed_arm_knows_the_payload_too():
     for mass in (15.0, 60.0):
-        arm = believed_arm(LaserCfg(payload=mass), 0)
+        cfg = LaserCfg(payload=mass, measure="estimate")
+        arm = measure(cfg).assumed(prepare(cfg))
         assert arm.mj.body("tool").mass[0] == pytest.approx(mass)
 
 
@@ -173,9 +179,9 @@ def test_springs_identified_at_another_place_are_refused(tmp_path):
     stored = {"config": config, "springs": springs}
     (tmp_path / "summary.json").write_text(json.dumps(stored))
     here = {"pose": "p1", "position": (1700.0, 0.0, 1600.0), "quaternion": None}
-    assert stored_springs(tmp_path, here).process_noise == 1.0
+    assert read_springs(tmp_path, here).process_noise == 1.0
     with pytest.raises(InputError, match="identified at pose p1, position"):
-        stored_springs(tmp_path, here | {"position": None})
+        read_springs(tmp_path, here | {"position": None})
 
 
 def test_the_replay_of_a_square_is_written_with_the_rest(square):

@@ -4,41 +4,55 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from armside.scripts.arm_side import GEAR_EFFECTS, Case
-from armside.sim.estimation.arm_learning import ArmLearningCfg, OnFault, commission
 
 from armside import kinematics
 from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.filters import butterworth, recursion
 from armside.kinematics.robots import IMU_LINKS
-from armside.scripts.verifications.estimation import error, fk_path
+from armside.sim.cut.timing import PathLimits
 from armside.sim.estimation.arm_estimator import Estimate
 from armside.sim.estimation.arm_filter import arm_filter
 from armside.sim.estimation.arm_identification import prepared, with_nonlinear_residual
+from armside.sim.estimation.commissioning import Commissioning, OnFault, commission
 from armside.sim.estimation.extended_arm import ExtendedArm
 from armside.sim.estimation.imu_health import Fault, ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.observer import dragged, observe
 from armside.sim.estimation.tool_path import relative_to_start
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser import Cut, ToolPath, prepare
+from armside.sim.laser.learning import first_run
+from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.robot.effects import Effect
 from armside.sim.robot.model import ModelError, load_model
 
-CASE = Case(pose="p2", without=GEAR_EFFECTS)
+IMU = ImuCfg()
+CUT = Cut(pose="p2", without=tuple(Effect), imu=IMU)
+MEASURE = ToolPath()
 
 
 @pytest.fixture(scope="module")
 def first():
     """One cut before learning."""
-    experiment = CASE.experiment()
-    return experiment.plant.run(np.zeros_like(experiment.job.reference))
+    return first_run(prepare(CUT))
+
+
+def assumed():
+    """The arm with stiffnesses that are wrong."""
+    return MEASURE.assumed(prepare(CUT))
+
+
+def commissioned(run, cfg=Commissioning()):
+    robot = load_model(LARGE_ROBOT_XML)
+    return commission(robot, assumed(), IMU, run.recording, run.imu, cfg)
 
 
 @pytest.fixture(scope="module")
 def known(first):
     """What that cut made known."""
-    robot = load_model(LARGE_ROBOT_XML)
-    return commission(robot, CASE.arm(), CASE.imu, first, ArmLearningCfg())
+    return commissioned(first)
 
 
 def spread(a, b):
@@ -77,15 +91,14 @@ def test_linearised_arm_is_the_rollout_linearised():
 
 def test_linear_arm_with_its_nonlinear_residual_reads_what_the_rollout_reads():
     """A circle of the robot at 100 mm/s: at twice its frequency, where linear models are blind."""
-    case = replace(CASE, speed=0.1, acceleration=2.2)
+    cut = replace(CUT, speed=0.1, limits=PathLimits(acceleration=2.2))
     # As soft as structure and gears together, so that its lowest modes are where the robot's are.
     arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(stiffness=0.4))
-    experiment = case.experiment()
-    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    made = first_run(prepare(cut))
     log = made.recording
     motion = observe(arm, log.motor_angle, float(log.time[1]))
-    model = arm_filter(linearised(arm, log.motor_angle[0]), case.imu)
-    run = prepared(arm, log.time, log.motor_angle, repaired(made.imu, case.imu))
+    model = arm_filter(linearised(arm, log.motor_angle[0]), IMU)
+    run = prepared(arm, log.time, log.motor_angle, repaired(made.imu, IMU))
     run = with_nonlinear_residual(arm, model, run)
     rollout = np.hstack((motion.imu_acceleration, motion.imu_angular_velocity))
     seen = np.hstack(
@@ -93,7 +106,7 @@ def test_linear_arm_with_its_nonlinear_residual_reads_what_the_rollout_reads():
             low_passed(part - part[0], triad.bandwidth, motion.time[1])[::8]
             for part, triad in zip(
                 np.split(rollout, 2, axis=1),
-                (case.imu.accelerometer, case.imu.gyroscope),
+                (IMU.accelerometer, IMU.gyroscope),
                 strict=True,
             )
         ]
@@ -106,7 +119,7 @@ def test_linear_arm_with_its_nonlinear_residual_reads_what_the_rollout_reads():
     none = replace(
         run.nonlinear, torque=0.0 * run.nonlinear.torque, reading=0.0 * run.nonlinear.reading
     )
-    noise = case.imu.accelerometer.noise_density * np.sqrt(case.imu.accelerometer.bandwidth)
+    noise = IMU.accelerometer.noise_density * np.sqrt(IMU.accelerometer.bandwidth)
     assert missing(none)[:3].max() > 2.0 * noise
     assert missing(run.nonlinear)[:3].max() < noise  # the time step of rollout and low-pass
 
@@ -130,7 +143,7 @@ def test_measurement_matrices_are_those_of_the_toolbox(known):
 
 def test_full_filter_deviation_form_and_frequency_domain_agree(first, known):
     log = first.recording
-    samples = repaired(first.imu, CASE.imu)
+    samples = repaired(first.imu, IMU)
     form = {
         kind: known.estimator(log.time, log.motor_angle, samples, kind).displacement
         for kind in Estimate
@@ -149,8 +162,8 @@ def test_full_filter_deviation_form_and_frequency_domain_agree(first, known):
 
 def test_identification_makes_the_estimate_five_times_better_than_the_motors(first, known):
     log = first.recording
-    estimate = known.estimator(log.time, log.motor_angle, repaired(first.imu, CASE.imu))
-    assert error(estimate.displacement, first) <= error(fk_path(first), first) / 5.0
+    estimate = known.estimator(log.time, log.motor_angle, repaired(first.imu, IMU))
+    assert path_error(estimate.displacement, first) <= path_error(rigid_path(first), first) / 5.0
 
 
 def test_identified_modes_are_those_of_the_true_arm(first, known):
@@ -158,17 +171,17 @@ def test_identified_modes_are_those_of_the_true_arm(first, known):
     true = linearised(nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True)), rest)
     found = known.estimator.model.arm.locked_modes()[:2]
     assert found == pytest.approx(true.locked_modes()[:2], rel=0.10)
-    assert linearised(CASE.arm(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
+    assert linearised(assumed(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
 
 
 def test_clock_offset_is_found_to_a_millisecond(known):
-    true = CASE.experiment().plant.imu.unit.clock_offset
+    true = prepare(CUT).plant.imu.unit.clock_offset
     assert known.springs.clock_offset == pytest.approx(true, abs=1.2e-3)
 
 
 def test_innovations_have_the_size_the_filter_expects(first, known):
     log = first.recording
-    e = known.estimator(log.time, log.motor_angle, repaired(first.imu, CASE.imu)).innovation
+    e = known.estimator(log.time, log.motor_angle, repaired(first.imu, IMU)).innovation
     nis = normalised_squared(e, np.eye(6)[None])
     assert 0.7 * 6 < nis.mean() < 1.5 * 6
 
@@ -177,7 +190,7 @@ def test_no_estimator_reads_the_truth(first, known):
     """The same log with another truth gives the same estimate, bit for bit."""
     log = first.recording
     other = replace(log, truth=replace(log.truth, tool_position=log.truth.tool_position + 1.0))
-    samples = repaired(first.imu, CASE.imu)
+    samples = repaired(first.imu, IMU)
     paths = [known.estimator(r.time, r.motor_angle, samples).displacement for r in (log, other)]
     assert np.array_equal(*paths)
 
@@ -190,7 +203,7 @@ def test_single_lost_and_clipped_samples_are_bridged(first, known):
     clipped[80] = True
     gappy = _kept(replace(imu, acceleration_clipped=clipped), keep)
     whole, bridged = (
-        known.estimator(log.time, log.motor_angle, repaired(s, CASE.imu)).displacement
+        known.estimator(log.time, log.motor_angle, repaired(s, IMU)).displacement
         for s in (imu, gappy)
     )
     assert 0.0 < spread(whole, bridged) < 5e-6
@@ -249,18 +262,15 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_faulty_imu_is_named_and_learning_refuses_to_start(fault, first):
-    robot = load_model(LARGE_ROBOT_XML)
     bad = replace(first, imu=FAULTS[fault](first.imu))
     with pytest.raises(ImuError, match=fault.value) as raised:
-        commission(robot, CASE.arm(), CASE.imu, bad, ArmLearningCfg())
+        commissioned(bad)
     assert raised.value.fault is fault
 
 
 def test_or_it_goes_on_without_the_imu_if_told_so(first):
-    robot = load_model(LARGE_ROBOT_XML)
     bad = replace(first, imu=_dead(first.imu))
-    cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
-    known = commission(robot, CASE.arm(), CASE.imu, bad, cfg)
+    known = commissioned(bad, Commissioning(on_fault=OnFault.GO_ON))
     assert known.fault is not None
     assert known.fault.fault is Fault.DEAD
     assert known.identified is None
@@ -276,11 +286,10 @@ def test_or_it_goes_on_without_the_imu_if_told_so(first):
 )
 def test_a_model_of_another_robot_is_refused(turn, first):
     """The same arm in another posture, or with its flange turned: another robot to the IMU."""
-    robot = load_model(LARGE_ROBOT_XML)
     turned = first.recording.motor_angle + np.array(turn)
     other = replace(first, recording=replace(first.recording, motor_angle=turned))
     with pytest.raises(ImuError, match=Fault.MODEL.value):
-        commission(robot, CASE.arm(), CASE.imu, other, ArmLearningCfg())
+        commissioned(other)
 
 
 def test_an_arm_with_loops_is_refused():
@@ -304,5 +313,5 @@ def test_a_nominal_arm_says_what_is_out_of_range(options, said):
 def test_motor_angles_and_wrong_springs_alone_are_not_enough(first):
     """Negative control: what the IMU adds is needed."""
     log = first.recording
-    path = relative_to_start(observe(CASE.arm(), log.motor_angle, 0.004).tool_position[::8])
-    assert error(path, first) > 0.4 * error(fk_path(first), first)
+    path = relative_to_start(observe(assumed(), log.motor_angle, 0.004).tool_position[::8])
+    assert path_error(path, first) > 0.4 * path_error(rigid_path(first), first)

@@ -277,7 +277,7 @@ def test_the_drawing_magnifies_no_more_than_the_circle_bears():
     env = gymnasium.make(ID, render_mode="rgb_array")
     env.reset(seed=0)
     history = env.unwrapped._history
-    radius = history[0].experiment.task.curve.smallest_radius
+    radius = history[0].experiment.cut.curve.smallest_radius
     factor = magnification(history, radius)
     assert factor * history[0].seen.maxdev <= LARGEST_SHOWN * radius
     assert factor in MAGNIFICATIONS

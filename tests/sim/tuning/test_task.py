@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
-from armside.sim.laser.experiment import CircleTask
+from armside.sim.laser import Cut
 from armside.sim.robot.individual import with_payload
 from armside.sim.robot.model import load_model
 from armside.sim.tuning import task
@@ -45,7 +45,7 @@ def test_every_draw_is_within_reach(robot):
     nominal = load_model(cell.xml)
     for drawn in _drawn(robot, n=12):
         model = nominal if drawn.payload is None else with_payload(nominal, drawn.payload)
-        path = CircleTask(pose=drawn.pose, speed=drawn.speed).path
+        path = Cut(pose=drawn.pose, speed=drawn.speed).path
         plan(cell, model, path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
 
 
@@ -53,7 +53,7 @@ def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what
     cell = CELLS["large"]
     nominal = load_model(cell.xml)
     light, heavy = (
-        task.experiment(cell, nominal, draw("large", np.random.default_rng(1), given))
+        task.experiment("large", nominal, draw("large", np.random.default_rng(1), given))
         for given in ({"payload": 20.0, "pose": "p1"}, {"payload": 80.0, "pose": "p1"})
     )
     mass = [e.job.model.mj.body("tool").mass[0] for e in (light, heavy)]
@@ -90,7 +90,7 @@ def test_a_load_that_the_drives_cannot_hold_is_refused():
     nominal = load_model(cell.xml)
     heavy = draw("large", np.random.default_rng(1), {"payload": 500.0, "pose": "p1"})
     with pytest.raises(ValueError, match=r"cannot carry its load: at rest axis \d would have to"):
-        task.experiment(cell, nominal, heavy)
+        task.experiment("large", nominal, heavy)
 
 
 def test_options_that_are_no_mapping_are_refused():

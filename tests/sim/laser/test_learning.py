@@ -1,0 +1,170 @@
+"""Learning a cut on the large robot: the story of thesis chapter 9, from Python."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from armside.ilc.laws.law import FirstOrderLaw
+from armside.ilc.measures.norms import two_norm
+from armside.sim.cell import CELLS, LARGE_CELL
+from armside.sim.evaluation.tool_error import arm_side
+from armside.sim.laser import Cut, Design, MotorAngles, Pass, ToolPath, learn, prepare
+from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.laser.learning import MEASURES, first_run, iterate
+
+
+@pytest.fixture(scope="module")
+def first():
+    """The run without correction, as an iteration."""
+    (iteration,) = learn(Cut(), iterations=0)
+    return iteration
+
+
+def test_tracker_and_truth_agree_on_the_circle(first):
+    assert first.tool.rms == pytest.approx(first.tool_true.rms, abs=2e-6)
+    assert first.tool.maxdev == pytest.approx(first.tool_true.maxdev, abs=30e-6)  # noise of 785
+
+
+def test_motor_error_is_that_of_the_motor_shaft(first):
+    gear = prepare(Cut()).job.model.drives.gear
+    assert first.motor_error == pytest.approx(first.error * gear)
+
+
+def test_controller_knows_the_nominal_robot_only():
+    """Individuals of other friction are asked for the same reference."""
+    one, other = prepare(Cut(), seed=1), prepare(Cut(), seed=2)
+    assert np.array_equal(one.job.reference, other.job.reference)
+    friction = [e.job.model.mj.actuator_biasprm[:, 3] for e in (one, other)]
+    assert not np.array_equal(*friction)
+
+
+def test_a_turn_with_a_lost_beam_has_no_measure(first):
+    seen = first.run.tracker
+    position = seen.position.copy()
+    position[len(position) // 2 :] = np.nan
+    error = arm_side(prepare(Cut()).motion, seen.time, position)
+    assert np.isnan(error.rms)
+    assert np.isnan(error.maxdev)
+    assert np.isfinite(error.path).all()
+
+
+def test_circle_across_the_tool_is_perpendicular_to_its_axis():
+    cut = Cut(across_tool=True)
+    points = cut.path.position(np.linspace(0, cut.path.length, 50))
+    centred = points - np.array(cut.tool_pose.position)
+    assert np.abs(centred @ cut.tool_pose.tool_axis).max() < 1e-15
+
+
+def test_a_bold_law_diverges_and_says_so():
+    bold = MotorAngles(Design(gamma=(3.0,), delta=(3,), cutoff=(10.0,)))
+    iterations = list(learn(Cut(), measure=bold, iterations=10))
+    assert [it.diverged for it in iterations] == [False] * (len(iterations) - 1) + [True]
+    assert len(iterations) < 11
+
+
+def test_a_robot_learns_with_its_own_default_design():
+    for name in CELLS:
+        experiment = prepare(Cut(robot=name))
+        output = MotorAngles().prepare(experiment)(first_run(experiment))
+        assert output.law == DEFAULT_DESIGN[name].law
+
+
+class Returning(FirstOrderLaw):
+    """Learns once and then returns to zero."""
+
+    def __call__(self, correction, error, /):
+        return 0.0 * correction if correction.any() else 1e-6 * np.ones_like(error)
+
+
+@pytest.mark.parametrize("measure", ["motor", "tracker"])
+def test_a_law_that_returns_to_zero_gets_a_run_of_its_own(measure):
+    """The first run is known by its place, not by a correction of zero."""
+    zero, _, again = learn(Cut(), measure=measure, law=Returning(), iterations=2)
+    assert not zero.correction.any()
+    assert not again.correction.any()
+    assert again.run is not zero.run
+    assert not np.array_equal(again.run.recording.motor_angle, zero.run.recording.motor_angle)
+
+
+@dataclass(frozen=True)
+class FirstMotors:
+    """A measure of one's own: the first three motors; the others count as perfect."""
+
+    imu = None
+
+    def prepare(self, experiment):
+        return lambda first: FirstMotorsOutput(experiment.job.reference)
+
+
+@dataclass(frozen=True)
+class FirstMotorsOutput:
+    reference: np.ndarray
+    law = DEFAULT_DESIGN["large"].law
+
+    def __call__(self, run):
+        return np.hstack((run.recording.motor_angle[:, :3], self.reference[:, 3:]))
+
+    def size(self, error):
+        return two_norm(error)
+
+
+def test_a_measure_of_ones_own_is_one_argument():
+    before, after = learn(Cut(), measure=FirstMotors(), iterations=1)
+    ratio = two_norm(after.motor_error) / two_norm(before.motor_error)
+    assert (ratio[:3] < 0.6).all()
+    assert (after.correction[:, 3:] == 0.0).all()
+
+
+@dataclass
+class Weakened:
+    """A plant of one's own: half of the correction gets through."""
+
+    plant: object
+    runs: int = 0
+
+    def run(self, correction, /) -> Pass:
+        self.runs += 1
+        return self.plant.run(0.5 * correction)
+
+
+def test_a_plant_of_ones_own_is_one_argument():
+    plant = Weakened(prepare(Cut()).plant)
+    weak = list(learn(Cut(), plant=plant, iterations=1))
+    full = list(learn(Cut(), iterations=1))
+    assert plant.runs == 2
+    assert np.array_equal(weak[1].correction, full[1].correction)
+    assert (two_norm(weak[1].motor_error) > two_norm(full[1].motor_error)).all()
+
+
+def test_a_cell_of_ones_own_is_a_robot():
+    (mine,) = learn(Cut(robot=replace(LARGE_CELL, programs={})), iterations=0)
+    (ours,) = learn(Cut(), iterations=0)
+    assert mine.tool.rms == ours.tool.rms
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"cut": Cut(robot="small")}, "Unknown robot 'small'. Robots: large, irb1400"),
+        ({"cut": Cut(pose="p9")}, "Unknown pose 'p9'"),
+        ({"cut": Cut(), "measure": "nose"}, "Unknown measure 'nose'. Measures: motor, estimate"),
+        ({"cut": Cut(radius=5.0)}, "outside"),
+        ({"cut": Cut(robot="irb1400"), "measure": "estimate"}, "open chain"),
+    ],
+)
+def test_what_cannot_be_done_is_said_before_the_first_run(arguments, said):
+    with pytest.raises(ValueError, match=said):
+        learn(**arguments)
+
+
+def test_measures_are_known_by_name():
+    assert set(MEASURES) == {"motor", "estimate", "tracker", "truth"}
+    experiment = prepare(Cut(imu=ToolPath().imu))
+    reads = {
+        name: measure.prepare(experiment)
+        for name, measure in MEASURES.items()
+        if name in ("motor", "truth")
+    }
+    motor = next(iterate(experiment, reads["motor"], 0))
+    assert motor.error.shape == experiment.job.reference.shape
