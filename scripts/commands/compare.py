@@ -1,4 +1,4 @@
-"""`armside compare`: the same cuts learned from motors, estimate, tracker and oracle."""
+"""`armside compare`: the same cuts learned from motors, estimate, tracker and ground truth."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -31,18 +31,18 @@ RADIUS = 0.005
 @options
 @dataclass(frozen=True, kw_only=True)
 class CompareCfg:
-    """Which cuts of the large robot to compare."""
+    """Cuts of the large robot."""
 
     poses: Annotated[tuple[str, ...], _Several] = tuple(LARGE_ROBOT_POSES)
-    """Where: p1, p2, p3 of thesis (9.3)."""
+    """Poses: p1, p2, p3 of thesis (9.3)."""
     speeds: Annotated[tuple[float, ...], _Several] = (40.0, 100.0)
     """Programmed speeds [mm/s]."""
     raised_acceleration: float = 2.2
-    """Where the controller limits a speed, the cut is also made with this limit [m/s^2]."""
+    """Raised limit: cuts whose speed the controller lowers are also made with it [m/s^2]."""
     iterations: int = 10
     """Number of updates; one run more is made."""
     stiffness_error: float = 30.0
-    """Stiffness is believed wrongly by up to this, each axis; drawn with the seed [%]."""
+    """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
     law: Literal["inverse", "norm-optimal", "heuristic"] = "inverse"
     """Law on the arm side; the motor side has the thesis's heuristic."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
@@ -162,7 +162,7 @@ def _draw(file: Path, todo: list[Case], found: list[dict[str, list[Iteration]]])
 
 
 def _write_replay(file: Path, case: Case, found: dict[str, list[Iteration]]) -> None:
-    """The first run, then the last of motor side, estimate, tracker and oracle, as k = 0 .. 4."""
+    """The first run, then the last of each measured output, as k = 0 .. 4."""
     from armside.sim.records.signals import Run
     from armside.sim.replay.scene import write_replay
 

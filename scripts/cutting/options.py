@@ -32,19 +32,19 @@ class LaserCfg:
     """Contour, place, robot and learning."""
 
     robot: Literal["large", "irb1400"] = "large"
-    """Which robot."""
+    """Robot."""
     model: Path | None = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
     """Mass of the tool, known to the controller [kg] [default: as in the model]."""
     pose: str = "p1"
-    """Where: p1, p2 or p3 of thesis (9.3), or those of the other robot."""
+    """Named pose: p1, p2 or p3 of thesis (9.3), or those of the other robot."""
     position: tuple[float, float, float] | None = None
-    """Where, in place of that pose's position: X Y Z of TCP0 in base axes [mm]."""
+    """Position in place of that pose's: X Y Z of TCP0 in base axes [mm]."""
     quaternion: tuple[float, float, float, float] | None = None
     """Orientation of the tool, in place of that pose's: W X Y Z, base to tool."""
     shape: Literal["circle", "square", "slot", "hexagon"] = "circle"
-    """What to cut; corners are rounded."""
+    """Shape of the contour; corners are rounded."""
     contour: Path | None = None
     """File (TOML or DXF) with a closed contour to cut in place of a shape."""
     radius: float = RADIUS
@@ -66,7 +66,7 @@ class LaserCfg:
     """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2); the others invert a model of
     the arm [auto: heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """What is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
+    """Output that is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
     gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Learning gain, one for all motors or six [default: 0.9; 1 with --robot irb1400 --measure
     motor]."""
@@ -88,7 +88,7 @@ class LaserCfg:
     identification: Path | None = None
     """Folder of `armside identify` at this pose, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
-    """When the IMU cannot be used: do not learn, or go on with motor angles and model alone."""
+    """Reaction to an IMU that cannot be used: do not learn, or go on with motor angles and model alone."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
     """Effects of gears and drives to leave out, for ablations."""
     friction_spread: float = 2.0

@@ -1,1 +1,1 @@
-"""Where the tool is, from motor angles and an IMU; what is learned from it."""
+"""Estimation of the tool's path from motor angles and an IMU, and laws built on the estimate."""

@@ -1,7 +1,7 @@
 """The tool's path from motor angles and IMU: observer, plus what a smoother makes of the readings.
 
-The observer drags the nominal arm along with the measured motors, in full. What the IMU says beyond
-that is small, so it is estimated in deviation form: a linear filter and smoother whose gains depend
+The observer simulates the nominal arm with the measured motors as input. The deviation that the IMU
+adds is small, so it is estimated in deviation form: a linear filter and smoother whose gains depend
 on the arm, the pose and the IMU's timeline only, and are computed once for all runs of a reference.
 """
 
@@ -30,10 +30,10 @@ UNIDENTIFIED = 0.3
 
 
 class Estimate(Enum):
-    """How far the readings of a run are used for its path."""
+    """Readings of a run that its path is estimated from."""
 
     OBSERVER = "observer"
-    """Not at all: motor angles and model only."""
+    """None: motor angles and model only."""
     FILTER = "filter"
     """Those before each instant: what a controller could know."""
     SMOOTHER = "smoother"
@@ -57,7 +57,7 @@ class ArmEstimator:
     """Estimates the tool of one robot at one pose."""
 
     arm: NominalArm
-    """On the springs that are believed."""
+    """Arm on the assumed springs."""
     clock_offset: float
     """Robot time when the IMU's clock shows 0 [s]."""
     mounting: Array

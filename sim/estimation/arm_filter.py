@@ -24,14 +24,14 @@ _BUTTERWORTH_DAMPING = np.sqrt(0.5)
 
 @dataclass(frozen=True, kw_only=True)
 class ProcessNoise:
-    """How far the arm's model is trusted between two samples."""
+    """Process noise: the torque that the arm's model leaves unexplained."""
 
     twist: float = 6e-5
     """Typical twist of a gear under the inertial loads of a cut [rad]."""
     fraction: float = 0.05
     """Standard deviation of tau_d over stiffness times twist."""
     corner: float = 20.0
-    """Of tau_d's spectrum [Hz]."""
+    """Corner frequency of tau_d's spectrum [Hz]."""
     bias_walk: float = 1e-3
     """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
     start_torque: float = 1e-3
@@ -121,7 +121,7 @@ class ArmFilter:
     ) -> Array:
         """(N, n_mechanical) states for motor deviations from rest (N, 6).
 
-        phi, phi_dot: every `step` [s], starting at rest; nonlinear: what is not linear on the way.
+        phi, phi_dot: every `step` [s], starting at rest; nonlinear: residual of the linear model.
         """
         m = self.n_mechanical
         torque = -nonlinear.torque

@@ -1,6 +1,6 @@
-"""The arm's springs from one run: motor angles in, IMU out, by the filter's innovations.
+"""Identification of the arm's springs from one run, by the innovations of the filter.
 
-What one run tells is a local, *effective* elasticity: gears and structure together as they act at
+One run identifies a local, *effective* elasticity: gears and structure together as they act at
 the tool in this pose. Inertia is taken from the nominal arm; only K / M shows in the motion.
 """
 
@@ -40,7 +40,7 @@ _STARTS = (
     (-0.7, 0.3),
     (-1.1, 0.0),
 )
-"""Of log K: of axes 1 to 3, and of the wrist. A structure in series with the gears of the first
+"""Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the first
 only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
 
 
@@ -51,13 +51,13 @@ class Identified:
     springs: Springs
     fit: Fit
     names: tuple[str, ...]
-    """Of the entries of fit.theta."""
+    """Names of the entries of fit.theta."""
     whiteness: Whiteness
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Run:
-    """What is measured in one run, prepared for linear filters around rest."""
+    """Measurements of one run, prepared for linear filters around rest."""
 
     time: Array
     """(N,) [s], of the motor log."""
@@ -70,7 +70,7 @@ class Run:
     reading: Array
     """(K, 6) [m/s^2], [rad/s]; rows of NaN are missing."""
     nonlinear: NonlinearResidual
-    """What is not linear in the motion, to begin with that of a rigid arm."""
+    """Nonlinear residual along the motion, at first that of a rigid arm."""
 
     @property
     def period(self) -> float:
@@ -194,7 +194,7 @@ class _Innovations:
     ) -> None:
         self.arm, self.nominal, self.run = arm, nominal, run
         self.imu, self.prior, self.process_noise = imu, prior, process_noise
-        # Gradients move clock and seat of the IMU as well, which the filter does not depend on.
+        # Gradients move clock and mounting of the IMU as well, which the filter does not depend on.
         self._last: tuple[bytes, _Filter | None] = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:

@@ -1,4 +1,4 @@
-"""From a correction to the tool, as far as the nominal robot and identified springs tell.
+"""Response of the tool to a correction, by the nominal robot on identified springs.
 
     J phi'' = kp (v - phi) + kd (g v' - phi') - f phi' - K (phi - q) - D (phi' - q')
     M q'' + (S D S^T + D_s) q' + (S K S^T + G) q = S (K phi + D phi')
@@ -27,7 +27,7 @@ class ArmPlant:
     """The nominal robot: its servo is what counts here."""
     arm: LinearisedArm
     period: float
-    """Of the correction [s]."""
+    """Sample time of the correction [s]."""
 
     @property
     def input_size(self) -> Array:

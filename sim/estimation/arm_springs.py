@@ -1,4 +1,4 @@
-"""What is unknown of an arm's springs, and of its IMU's clock and seat, as parameters.
+"""Unknown parameters of an arm's springs, and of its IMU's clock and mounting.
 
     theta = (log K_11..K_66, log D scale, clock offset, log process noise, mounting (3), rho_ij)
 
@@ -21,24 +21,24 @@ COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
 
 @dataclass(frozen=True, kw_only=True)
 class SpringPrior:
-    """Standard deviations of what is known before: how wrong the nominal arm may be."""
+    """Prior standard deviations of the parameters around the nominal arm."""
 
     stiffness: float = 0.6
-    """Of log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
+    """Log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
     them softer, twice and more. ESTIMATE."""
     wrist_stiffness: float = 0.2
-    """Of log K of axes 4 to 6: uniform within +- 30 % is a standard deviation of 0.17. A wider one
+    """Log K of axes 4 to 6: uniform within +- 30 % is a standard deviation of 0.17. A wider one
     lets the wrist explain what is not its own, and ends in wrong minima."""
     damping: float = 0.5
-    """Of the log of the damping's scale."""
+    """Log of the damping's scale."""
     clock: float = 0.010
     """[s]."""
     process_noise: float = 0.5
-    """Of the log of `ProcessNoise.fraction`."""
+    """Log of `ProcessNoise.fraction`."""
     mounting: float = 0.02
-    """Of the turn of the IMU's housing about each of its axes [rad]."""
+    """Rotation of the IMU's housing about each of its axes [rad]."""
     coupling: float = 0.3
-    """Of rho; 0 keeps to gear springs."""
+    """Coupling rho; 0 keeps to gear springs."""
 
     def __post_init__(self) -> None:
         for name in (
@@ -72,14 +72,14 @@ class SpringPrior:
     @property
     def names(self) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
-        seat = [f"mounting {axis}" for axis in "xyz"]
+        mounting = [f"mounting {axis}" for axis in "xyz"]
         pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
         return (
             *(f"stiffness {i}" for i in range(1, N_AXES + 1)),
             "damping",
             "clock",
             "distrust",
-            *seat,
+            *mounting,
             *pairs,
         )
 
@@ -95,10 +95,10 @@ class Springs:
     clock_offset: float
     """Robot time when the unit's clock shows 0 [s]."""
     process_noise: float
-    """`ProcessNoise.fraction`: how much of the arm's twist the model leaves unexplained."""
+    """`ProcessNoise.fraction`: fraction of the arm's twist that the model leaves unexplained."""
 
     mounting: Array
-    """(3,) [rad], turn of the IMU's housing from its site."""
+    """(3,) [rad], rotation of the IMU's housing from its site."""
 
     def on(self, arm: NominalArm) -> NominalArm:
         """The arm on these springs."""

@@ -24,7 +24,7 @@ from .linearised_arm import linearised
 from .nominal import NominalArm
 
 _LARGEST_INNOVATION = 1.7
-"""Of whitened innovations, rms: above, the identified model does not explain the readings. With the
+"""RMS of whitened innovations; above, the identified model does not explain the readings. With the
 robot's own model 1.0 to 1.4 were seen, with that of another posture 1.2 to 1.9. ESTIMATE."""
 _UNLIKELY = 3.0
 """Standard deviations by which the IMU's mounting may be off before the model is rejected."""

@@ -3,7 +3,7 @@
     x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
 
 Mass, gravity and velocity forces are those of the nominal arm at the estimate; the readings and
-their gradients are the toolbox's measurement equation. What the deviation form keeps frozen moves
+their gradients are the toolbox's measurement equation. What the deviation form linearises once moves
 here: the two agree where a cut is small, and this one is the reference.
 """
 
@@ -26,7 +26,7 @@ from .arm_identification import REST
 from .observer import ENCODER_FILTER, at_rest
 
 STEP = 0.0025
-"""Of the filter [s]; divides the period of the log and of a 100 Hz IMU as nearly as its clock
+"""Step of the filter [s]; divides the period of the log and of a 100 Hz IMU as nearly as its clock
 allows: a reading is taken at the step nearest to it, and moved there along its slope."""
 
 

@@ -1,4 +1,4 @@
-"""Whether the samples of an IMU can be learned from; what is wrong has a name.
+"""Health check of IMU samples: faults by name, and repair of single samples.
 
 Single samples that are lost or clipped are no fault: they become rows of NaN on an even timeline,
 which filters predict over. Too many of them are one, as are a sensor that stands still and a clock
@@ -97,5 +97,5 @@ def _few(missing: np.ndarray, fault: Fault) -> None:
 
 
 def missing_rows(reading: Array) -> int:
-    """How many rows (K, 6) are not there."""
+    """Number of rows (K, 6) with missing readings."""
     return int((~np.isfinite(reading).all(axis=1)).sum())

@@ -1,10 +1,10 @@
-"""The nominal arm, linear around rest at one pose: what filters and laws calculate with.
+"""The nominal arm linearised at rest in one pose: the model of filters and laws.
 
     M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
 
 dq and dphi are deviations of arm and motors from rest, S picks the six axes among the arm's degrees
 of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
-turns the joints by hundredths of a radian, so the matrices may be frozen; the springs enter in the
+turns the joints by hundredths of a radian, so the matrices may be kept constant; the springs enter in the
 open, so that another stiffness needs no new physics.
 """
 

@@ -32,7 +32,7 @@ PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
 
 @dataclass(frozen=True, kw_only=True)
 class NominalCfg:
-    """What is believed of an arm, relative to the data of its file."""
+    """Assumed parameters of an arm, relative to the data of its file."""
 
     stiffness: tuple[float, ...] = (1.0,) * N_AXES
     """Factor on each gear's stiffness."""

@@ -1,4 +1,4 @@
-"""What a linear arm leaves out of a cut: its matrices turn as the arm does.
+"""Nonlinear residual of a linearised arm: its matrices rotate as the arm does.
 
 The filters' arm is linear around rest. Over a fast cut the Jacobian turns by a few thousandths, and
 what moves twice a circle's period then meets the structure's resonances: tens of micrometres. The
@@ -21,7 +21,7 @@ from .nominal import NominalArm
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NonlinearResidual:
-    """What is not linear in a motion."""
+    """Residual of the linear model along a motion."""
 
     torque: Array
     """(N, n) [N m], that the motion takes beyond the linear arm's."""

@@ -26,7 +26,7 @@ _REST_TORQUE = 1e-7  # [N m]
 
 @dataclass(frozen=True, kw_only=True)
 class ArmMotion:
-    """How the nominal arm moves. All rows belong to the same instant."""
+    """Motion of the nominal arm. All rows belong to the same instant."""
 
     time: Array
     """(M,) [s], every physics step."""

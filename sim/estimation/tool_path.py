@@ -1,4 +1,4 @@
-"""A tool's path as six columns: displacement and turn from where it was at rest.
+"""A tool's path as six columns: displacement and rotation vector from rest.
 
 Where the arm hangs at rest, millimetres below its program under its own weight, no run can tell and
 no cut depends on: what is learned is the shape. So paths count from rest.

@@ -40,7 +40,7 @@ class Design:
 
 
 THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
-"""Of thesis chapter 9."""
+"""Design of thesis chapter 9."""
 DEFAULT_DESIGN = {
     "large": THESIS,
     # From T_u as identified on this robot: `design_from_data`.

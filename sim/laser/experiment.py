@@ -55,7 +55,7 @@ class Iteration:
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""
     error: Array = field(repr=False)
-    """Of the learned output: motor angles (N, 6) [rad], arm side, or the tool's path (N, 6) [m],
+    """Error of the learned output: motor angles (N, 6) [rad], arm side, or the tool's path (N, 6) [m],
     [rad]."""
     run: Pass = field(repr=False)
     motor_error: Array = field(repr=False)

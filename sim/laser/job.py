@@ -30,7 +30,7 @@ class LearningJob:
     iterations: int = 5
     seed: int = 0
     repetition: int = 0
-    """Of the same experiment on the same robot: other noise only."""
+    """Repetition of the same experiment on the same robot: other noise only."""
     series: bool = True
     """Keep corrections, errors and tool paths, not only measures."""
 

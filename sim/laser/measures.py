@@ -57,7 +57,7 @@ class MotorAngles:
     """Motor angles by the encoders: learning of the thesis."""
 
     design: Design | None = None
-    """Of the heuristic law; the robot's default if None."""
+    """Design of the heuristic law; the robot's default if None."""
 
     imu = None
 

@@ -1,4 +1,4 @@
-"""Cutting with a virtual robot: from a tool motion to its reference, and what the tool then did."""
+"""Cutting with a virtual robot: planned motion and reference, and the plant of the learning loop."""
 
 from dataclasses import dataclass
 
@@ -54,12 +54,12 @@ def plan(
 
 @dataclass(frozen=True, kw_only=True)
 class Pass:
-    """One pass over the contour: what was recorded, and what the tracker saw."""
+    """One pass over the contour: recorded signals and samples of the instruments."""
 
     recording: Recording
     tracker: TrackerSamples
     imu: ImuSamples | None = None
-    """What an IMU at the tool sent, if there is one."""
+    """Samples of an IMU at the tool, if there is one."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class MountedImu:
     rng: np.random.Generator
 
     def read(self, recording: Recording) -> ImuSamples:
-        """What it sent during a run."""
+        """Samples of a run."""
         truth = recording.truth
         return self.unit.measure(
             truth.time, truth.imu_acceleration, truth.imu_angular_velocity, self.rng

@@ -49,7 +49,7 @@ class Cut:
     """In the plane perpendicular to the tool axis instead of the base x-y plane."""
     lead_in: LeadIn = LeadIn.ARC
     limits: PathLimits = field(default_factory=PathLimits)
-    """Of the controller, for acceleration and jerk along the path."""
+    """Limits of the controller for acceleration and jerk along the path."""
     payload: float | None = None
     """Mass of the tool [kg]; that of the model if None."""
     payload_known: bool = True

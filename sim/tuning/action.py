@@ -15,7 +15,7 @@ from ..robot.model import N_AXES
 
 
 class Scale(Enum):
-    """How a variable runs from low to high."""
+    """Spacing of a variable's values."""
 
     LINEAR = "linear"
     WHOLE = "whole numbers"
@@ -63,7 +63,7 @@ VARIABLES = (
 
 
 class Motors(Enum):
-    """Whether all motors share a design."""
+    """Designs of the motors: one for all, or one each."""
 
     SHARED = "shared"
     EACH = "each"

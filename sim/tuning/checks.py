@@ -1,4 +1,4 @@
-"""What people type where a whole number belongs."""
+"""Check of whole numbers."""
 
 import operator
 from typing import Any

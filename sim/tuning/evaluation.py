@@ -1,4 +1,4 @@
-"""How good a design or a policy is: whole episodes, measured by the truth."""
+"""Evaluation of designs and policies over whole episodes, by the ground truth."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +18,7 @@ Policy = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, kw_only=True)
 class Episode:
-    """What became of one episode."""
+    """Result of one episode."""
 
     seed: int
     rms_true: Array

@@ -1,5 +1,5 @@
-"""What a robot cell knows after a run, as a vector: the observation of the env, in the table of
-`armside.sim.tuning.env.IlcTuningEnv`. Nothing here knows where the tool was.
+"""Observation of the env: signals of a robot cell after a run, as in the table of
+`armside.sim.tuning.env.IlcTuningEnv`. The tool's true position is no part of it.
 """
 
 from collections.abc import Iterable

@@ -12,13 +12,13 @@ from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
 MAGNIFICATIONS = (20.0, 10.0, 5.0, 2.0)
-"""Of the deviation from the programmed circle: the largest that leaves its shape to be seen."""
+"""Largest magnification of the deviation from the programmed circle."""
 LARGEST_SHOWN = 0.6
-"""Of the radius."""
+"""Fraction of the radius."""
 
 
 class Picture(Enum):
-    """What `render` shows."""
+    """Content of `render`."""
 
     DRAWING = "drawing"
     """Circle and errors over the iterations."""

@@ -23,21 +23,21 @@ from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
 WORST_REWARD = -5.0
-"""Of a run that diverged; also the bound of every other."""
+"""Reward of a run that diverged; also the bound of every other."""
 
 
 class Score(NamedTuple):
-    """What a step was worth."""
+    """Reward of a step, with its terms."""
 
     log_decrease: float
     """log(RMS before / RMS after) as the sensor sees it; NaN where it has no measure."""
     reward: float
-    """The same within bounds, or what a run that diverged costs."""
+    """The same within bounds, or the reward of a run that diverged."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """What stays the same over all episodes. Safe to use from several threads."""
+    """Constants of all episodes. Safe to use from several threads."""
 
     robot: str = "large"
     motors: str = "shared"
@@ -49,7 +49,7 @@ class Rules:
     nominal: RobotModel = field(init=False, repr=False)
     """The robot as its controller knows it."""
     sensor: Sensor = field(init=False, repr=False)
-    """What the reward is computed from."""
+    """Sensor that the reward is computed from."""
 
     def __post_init__(self) -> None:
         _one_of("robot", self.robot, CELLS)
@@ -130,7 +130,7 @@ class Rules:
     def info(
         self, situation: Situation, design: Design | None = None, score: Score | None = None
     ) -> dict[str, Any]:
-        """Physical values and truth: what a policy must not see and a person wants to.
+        """Physical values and truth: not part of the observation.
 
         Keys, the same after `reset` but for those of a step:
 

@@ -1,4 +1,4 @@
-"""What the reward is computed from: the tool as one of the cell's sensors has it.
+"""Sensor that the reward is computed from: tracker, estimate or motor angles.
 
 A sensor is set up by the first run of an episode, the one without learning, and reads every run.
 """
@@ -27,7 +27,7 @@ Sensor = Callable[[Experiment, Pass], Reading]
 
 
 class Sees(Enum):
-    """Which sensor the reward is computed from."""
+    """Sensor that the reward is computed from."""
 
     TRACKER = "tracker"
     """A laser tracker."""
@@ -51,7 +51,7 @@ class Sees(Enum):
 
     @property
     def says(self) -> str:
-        """Whose eyes a number is seen with."""
+        """Sensor of a number, in words."""
         return f"as the {self.value} sees it" if self is not Sees.MOTOR else "as the motors see it"
 
     @property

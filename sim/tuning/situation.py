@@ -22,10 +22,10 @@ class Situation:
     """After run k of an experiment."""
 
     task: Task
-    """What was drawn."""
+    """Drawn task."""
     experiment: Experiment
     reading: Reading = field(repr=False)
-    """What the configured sensor makes of a run."""
+    """Tool error of a run by the configured sensor."""
     k: int
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""

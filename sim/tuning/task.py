@@ -1,4 +1,4 @@
-"""What a robot cell is given to do in one episode, and the distributions it is drawn from.
+"""Task of an episode, and the distributions it is drawn from.
 
 | what | drawn from |
 |---|---|
@@ -7,8 +7,8 @@
 | payload | mass of the tool, uniform in [20, 80] kg; the IRB1400 keeps its own |
 | individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.individual` |
 
-The ranges are an ESTIMATE of what a cell meets in a year. The controller is told the payload, and
-knows nothing of the individual.
+The ranges are an ESTIMATE of what a cell meets in a year. The controller knows the payload,
+and nothing of the individual.
 """
 
 from collections.abc import Mapping

@@ -161,7 +161,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     @property
     def situations(self) -> list[Situation]:
-        """Where each robot's episode stands."""
+        """Situation of each robot's episode."""
         return [situation for situation in self._situations if situation is not None]
 
     @property
