@@ -66,7 +66,7 @@ class LaserCfg:
     """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2); the others invert a model of
     the arm [auto: heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """Output that is learned from: motor angles, the tool as estimated with an IMU, or as tracked."""
+    """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
     gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Learning gain, one for all motors or six [default: 0.9; 1 with --robot irb1400 --measure
     motor]."""
@@ -88,7 +88,7 @@ class LaserCfg:
     identification: Path | None = None
     """Folder of `armside identify` at this pose, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
-    """Reaction to an IMU that cannot be used: do not learn, or go on with motor angles and model alone."""
+    """Reaction to an IMU that cannot be used: do not learn, or go on with motors and model alone."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
     """Effects of gears and drives to leave out, for ablations."""
     friction_spread: float = 2.0

@@ -40,8 +40,8 @@ _STARTS = (
     (-0.7, 0.3),
     (-1.1, 0.0),
 )
-"""Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the first
-only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
+"""Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
+first only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

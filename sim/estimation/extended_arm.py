@@ -3,8 +3,8 @@
     x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
 
 Mass, gravity and velocity forces are those of the nominal arm at the estimate; the readings and
-their gradients are the toolbox's measurement equation. What the deviation form linearises once moves
-here: the two agree where a cut is small, and this one is the reference.
+their gradients are the toolbox's measurement equation. The deviation form linearises once, this
+filter in each step: the two agree where a cut is small, and this one is the reference.
 """
 
 from dataclasses import dataclass, replace

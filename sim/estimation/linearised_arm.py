@@ -4,8 +4,8 @@
 
 dq and dphi are deviations of arm and motors from rest, S picks the six axes among the arm's degrees
 of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
-turns the joints by hundredths of a radian, so the matrices may be kept constant; the springs enter in the
-open, so that another stiffness needs no new physics.
+turns the joints by hundredths of a radian, so the matrices may be constant; springs enter
+explicitly, so that another stiffness needs no new physics.
 """
 
 from dataclasses import dataclass, replace

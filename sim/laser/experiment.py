@@ -55,8 +55,8 @@ class Iteration:
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""
     error: Array = field(repr=False)
-    """Error of the learned output: motor angles (N, 6) [rad], arm side, or the tool's path (N, 6) [m],
-    [rad]."""
+    """Error of the learned output: motor angles (N, 6) [rad], arm side, or path of the tool (N, 6)
+    [m], [rad]."""
     run: Pass = field(repr=False)
     motor_error: Array = field(repr=False)
     """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""

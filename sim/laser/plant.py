@@ -1,4 +1,4 @@
-"""Cutting with a virtual robot: planned motion and reference, and the plant of the learning loop."""
+"""Cutting with a virtual robot: planned motion, reference, and the plant of the learning loop."""
 
 from dataclasses import dataclass
 

@@ -52,7 +52,7 @@ class ToolPath:
     damping_factor: float = 1.0
     """Assumed damping of the gears over that of the file."""
     springs: Springs | None = None
-    """Springs of an earlier identification at this pose, in place of identifying from the first run."""
+    """Springs identified earlier at this pose, in place of identifying from the first run."""
     estimate: Estimate = Estimate.SMOOTHER
     imu: ImuCfg = field(default_factory=ImuCfg)
     """Kind of unit at the tool; its data sheet is known."""
