@@ -88,7 +88,7 @@ class LaserCfg:
     identification: Path | None = None
     """Folder of `armside identify` at this pose, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
-    """Reaction to an IMU that cannot be used: do not learn, or go on with motors and model alone."""
+    """Reaction to an unusable IMU: do not learn, or go on with motor angles and model alone."""
     without: Annotated[tuple[EffectName, ...], _Several] = ()
     """Effects of gears and drives to leave out, for ablations."""
     friction_spread: float = 2.0

@@ -88,7 +88,7 @@ def measure(cfg: LaserCfg) -> Measure:
 
 
 def contour(cfg: LaserCfg) -> ClosedCurve:
-    """Contour of the options. Raises ValueError for sizes that the shape lacks or that do not fit."""
+    """Contour of the options. Raises ValueError for sizes that the shape lacks, or that misfit."""
     mm = dimensions(cfg)
     if cfg.contour is not None:
         return _from_file(cfg.contour, mm.get("corner"))

@@ -41,7 +41,7 @@ _STARTS = (
     (-1.1, 0.0),
 )
 """Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
-first only softens them. The wrist is not looked for beyond its prior, where minima are that mislead."""
+first only softens them. The wrist is not searched beyond its prior, where wrong minima lie."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -24,10 +24,9 @@ class Design:
     law: Heuristic = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        gamma, delta, cutoff = (
-            values[0] if len(values) == 1 else values
-            for values in (self.gamma, self.delta, self.cutoff)
-        )
+        gamma = self.gamma[0] if len(self.gamma) == 1 else self.gamma
+        delta = self.delta[0] if len(self.delta) == 1 else self.delta
+        cutoff = self.cutoff[0] if len(self.cutoff) == 1 else self.cutoff
         Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
 

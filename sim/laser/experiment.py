@@ -1,6 +1,7 @@
 """One experiment: a cut by one robot individual under one tracker, before and after each run."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -135,9 +136,9 @@ def _individual(cut: Cut, design: RobotModel) -> Individual | None:
     return cut.individual
 
 
-def evaluated(experiment: Experiment, trial: Trial[Pass]) -> Iteration:
-    """A trial with its errors of motors and tool."""
-    motion, run = experiment.motion, trial.result
+def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration:
+    """A trial and its run, with errors of motors and tool."""
+    motion = experiment.motion
     return Iteration(
         k=trial.k,
         correction=trial.correction,

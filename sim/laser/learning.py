@@ -95,7 +95,7 @@ def learned(
         size_of=output.size,
     )
     for trial in trials:
-        yield evaluated(experiment, replace(trial, result=trial.result[0]))
+        yield evaluated(experiment, trial, trial.result[0])
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,15 @@ from .plant import Pass
 class Output(Protocol):
     """A measure after the first run."""
 
-    reference: Array
-    """(N, m), desired output."""
-    law: Law
-    """Default law for its errors."""
+    @property
+    def reference(self) -> Array:
+        """(N, m), desired output."""
+        ...
+
+    @property
+    def law(self) -> Law:
+        """Default law for its errors."""
+        ...
 
     def __call__(self, run: Pass) -> Array:
         """Output (N, m) of a run."""

@@ -138,7 +138,7 @@ class ToolOutput:
 
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""
-        return np.linalg.norm(error[:, :3])[None]
+        return np.array([float(np.linalg.norm(error[:, :3]))])
 
 
 def _tracked(time: Array, run: Pass) -> Array:
