@@ -11,15 +11,16 @@ import numpy as np
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
+from armside.sim.cut.task import CircleTask
 from armside.sim.cut.timing import PathLimits
 from armside.sim.estimation.arm_learning import ArmLearningCfg, Commissioned, Measure, begin
 from armside.sim.estimation.arm_springs import Springs
 from armside.sim.estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.experiment import CircleTask, Experiment, Iteration, iterate, prepare
+from armside.sim.laser.experiment import Experiment, Iteration, iterate, prepare
 from armside.sim.records.summary import plain
 from armside.sim.robot.effects import Effect
-from armside.sim.robot.model import load_model
+from armside.sim.robot.model import RobotModel, load_model
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 from .shell.errors import InputError
@@ -27,7 +28,7 @@ from .shell.errors import InputError
 _STREAM = 0xA2  # of the draw of beliefs, apart from those of individual and instruments
 
 
-def believed_arm(source: Path, stiffness_error: float, seed: int, **known: Any) -> NominalArm:
+def believed_arm(robot: RobotModel, stiffness_error: float, seed: int, **known: Any) -> NominalArm:
     """The arm as its owner believes it to be: each gear's stiffness wrong, uniformly.
 
     Args:
@@ -36,7 +37,7 @@ def believed_arm(source: Path, stiffness_error: float, seed: int, **known: Any) 
     """
     rng = np.random.default_rng([seed, _STREAM])
     factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, 6)
-    return nominal_arm(source, NominalCfg(stiffness=tuple(factors), **known))
+    return nominal_arm(robot, NominalCfg(stiffness=tuple(factors), **known))
 
 
 def stored_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
@@ -132,7 +133,9 @@ class Case:
 
     def arm(self) -> NominalArm:
         """What is believed of it."""
-        return believed_arm(LARGE_CELL.xml, self.stiffness_error, self.seed, **self.believed)
+        return believed_arm(
+            load_model(LARGE_CELL.xml), self.stiffness_error, self.seed, **self.believed
+        )
 
     def on_arm_side(
         self, cfg: ArmLearningCfg, iterations: int, springs: Springs | None = None

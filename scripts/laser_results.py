@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.evaluation.path_accuracy import path_measures
 from armside.sim.laser.experiment import Experiment, Iteration

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from armside.sim.cell import CELLS, ToolPose, pose
-from armside.sim.cut.contour import ClosedCurve, hexagon, slot, square
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.cut.task import CircleTask, ContourTask, CutTask, LeadIn
 from armside.sim.cut.timing import PathLimits
 from armside.sim.robot.individual import with_payload
@@ -132,7 +131,7 @@ def believed_arm(cfg: LaserCfg, seed: int) -> "NominalArm":
     from . import arm_side
 
     return arm_side.believed_arm(
-        cfg.model or CELLS[cfg.robot].xml,
+        load_model(cfg.model or CELLS[cfg.robot].xml),
         cfg.stiffness_error * 1e-2,
         seed,
         payload=added_payload(cfg),

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from armside.sim.robot.virtual_robot import Job
+from armside.sim.robot.run import LoadedReference
 
 from ..commands import imu as command
 from ..shell.options import Common
@@ -31,7 +31,7 @@ def imu() -> Sequence[Row]:
     return [*rows, Row("simultaneous experiment: planned, run, processed, drawn", whole)]
 
 
-def run_of(job: Job) -> Callable[[], None]:
+def run_of(job: LoadedReference) -> Callable[[], None]:
     """One run of a job, noise and recording included."""
     rng = np.random.default_rng(0)
 
@@ -41,7 +41,7 @@ def run_of(job: Job) -> Callable[[], None]:
     return run
 
 
-def bare_rollout_of(job: Job) -> Callable[[], None]:
+def bare_rollout_of(job: LoadedReference) -> Callable[[], None]:
     """The same steps and nothing else."""
     controls = job.controls_with(np.zeros_like(job.reference), None)[0][None]
     state, data = job.initial_state[None], [mujoco.MjData(job.model.mj)]

@@ -10,7 +10,7 @@ from armside.sim.laser.experiment import Experiment, prepare
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 from armside.sim.robot.effects import Effect
-from armside.sim.robot.model import RobotModel
+from armside.sim.robot.model import RobotModel, load_model
 
 from ..laser_task import added_payload, believed_arm
 from ..laser_task import robot as known_robot
@@ -93,7 +93,9 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
     rest = log.motor_angle[0]
     found = identified_from(arm, measured, rest, ImuCfg(), prior=prior)
 
-    true_arm = nominal_arm(source, NominalCfg(structure=True, payload=added_payload(cfg)))
+    true_arm = nominal_arm(
+        load_model(source), NominalCfg(structure=True, payload=added_payload(cfg))
+    )
     gear = np.diag(true_arm.stiffness)
     modes = frozen(true_arm, rest).locked_modes()[:4]
     sd = found.fit.standard_deviation

@@ -32,7 +32,8 @@ from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.linkage import checked_loop_error
 from armside.sim.robot.model import RobotModel, load_model
 from armside.sim.robot.recording import Recording
-from armside.sim.robot.virtual_robot import LOG_PERIOD, Job, VirtualRobot
+from armside.sim.robot.run import LoadedReference
+from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot
 
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -96,7 +97,7 @@ class Prepared:
     """One program, loaded into the robot."""
 
     name: str
-    job: Job
+    job: LoadedReference
     since: float
     """End of the synchronisation [s]."""
     motion: JointMotion

@@ -36,6 +36,39 @@ class ClosedCurve(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Circle:
+    """A circle around the origin of its plane; s = 0 on the plane's +x axis."""
+
+    radius: float
+    """[m]."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.radius) and self.radius > 0.0):
+            raise ValueError(f"radius must be > 0 m, got {self.radius}")
+
+    @property
+    def length(self) -> float:
+        """Circumference [m]."""
+        return 2.0 * np.pi * self.radius
+
+    @property
+    def smallest_radius(self) -> float:
+        """The radius [m]."""
+        return self.radius
+
+    def point(self, s: ArrayLike) -> Array:
+        angle = np.asarray(s) / self.radius
+        return self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    def tangent(self, s: ArrayLike) -> Array:
+        angle = np.asarray(s) / self.radius
+        return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+    def nearest(self, p: Array) -> Array:
+        return self.radius * np.mod(np.arctan2(p[:, 1], p[:, 0]), 2.0 * np.pi)
+
+
 CLOSURE = 1e-9
 """How far the end of a chain may lie from its start, relative to its length."""
 

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .contour import ArcsAndLines, ClosedCurve
-from .path import Circle
+from .contour import ArcsAndLines, Circle, ClosedCurve
 
 Element = tuple[float, float]
 """Length [m], curvature [1/m]."""

@@ -7,8 +7,8 @@ from enum import Enum
 import numpy as np
 
 from ..cell import ToolPose
-from .contour import ClosedCurve
-from .path import Circle, CuttingPath, Plane
+from .contour import Circle, ClosedCurve
+from .path import CuttingPath, Plane
 from .timing import PathLimits
 
 SPIRAL_START = 0.6

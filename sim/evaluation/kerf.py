@@ -7,8 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cut.contour import ClosedCurve
-from ..cut.deviation import fit, signed_distance
-from ..cut.path import Circle
+from .tool_error import fit, signed_distance
 
 POINTS = 720
 """Along the contour, at which the edges are found."""
@@ -47,7 +46,7 @@ class Kerf:
         # The programmed edge lies half a beam outside the contour. Taken off along the normals, the
         # edge becomes a path that can be fitted to the contour itself.
         shifted = self.edge(self.outer - 0.5 * self.beam)
-        return fit(self.curve, shifted, turn=not isinstance(self.curve, Circle)).deviation
+        return fit(self.curve, shifted).deviation
 
     @property
     def roundness(self) -> float:

@@ -8,9 +8,8 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 
-from ..cut.deviation import fit
-from ..cut.path import Circle
 from ..cut.tool_motion import ToolMotion
+from .tool_error import fit
 
 POINTS = 100
 """Along the contour."""
@@ -65,7 +64,7 @@ def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
     if len(stacked) < 3 * len(turns) or not np.isfinite(stacked).all():
         return np.full((len(turns), *points.shape), np.nan)
     moved = stacked - stacked.mean(axis=0)
-    moved[:, :2] = fit(curve, moved[:, :2], turn=not isinstance(curve, Circle)).points
+    moved[:, :2] = fit(curve, moved[:, :2]).points
     tangent = _flat(curve.tangent(_arc_length(curve.length)))
     each = np.split(moved, np.cumsum([len(turn) for turn in turns])[:-1])
     return np.array([crossings(points, tangent, run) for run in each])

@@ -19,7 +19,7 @@ from ..moves.planner import JointMotion
 from ..robot.linkage import checked_loop_error
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.virtual_robot import Job
+from ..robot.run import LoadedReference
 from . import Comparison, ProcessingCfg, compare, moving_rms
 
 WINDOW = 0.5
@@ -40,7 +40,7 @@ class ImuRun:
     """The individual, for evaluation only."""
 
 
-def sense(job: Job, cfg: ImuCfg, seed: int) -> ImuRun:
+def sense(job: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
     """Run a job once with an IMU on the tool.
 
     seed: of the robot's noise and of the IMU individual, in separate streams.

@@ -10,17 +10,17 @@ from armside.ilc import learning
 from armside.ilc.laws.law import Law
 
 from ..cell import Cell
-from ..cut.task import CircleTask as CircleTask
-from ..cut.task import ContourTask as ContourTask
 from ..cut.task import CutTask
 from ..cut.tool_motion import ToolMotion
-from ..evaluation.tool_error import ArmSide, arm_side
+from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg, draw
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..robot.effects import Effect, available, with_effects
 from ..robot.individual import Individual, with_friction, with_individual
 from ..robot.model import RobotModel
-from ..robot.virtual_robot import Job, VirtualRobot
+from ..robot.run import LoadedReference
+from ..robot.statics import Statics
+from ..robot.virtual_robot import VirtualRobot
 from .plant import CuttingPlant, MountedImu, Pass, plan
 
 
@@ -30,7 +30,7 @@ class Experiment:
 
     task: CutTask
     motion: ToolMotion
-    job: Job
+    job: LoadedReference
     plant: CuttingPlant
 
 
@@ -41,9 +41,9 @@ class Iteration:
     trial: learning.Trial[Pass]
     motor_error: Array = field(repr=False)
     """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
-    arm: ArmSide
+    arm: ToolError
     """From tracker samples."""
-    arm_true: ArmSide
+    arm_true: ToolError
 
 
 def prepare(
@@ -77,9 +77,8 @@ def prepare(
     drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
-    motion, reference = plan(
-        cell, nominal, task.path, task.pose.quaternion, task.speed, task.limits
-    )
+    known = Statics(nominal)
+    motion, reference = plan(cell, known, task.path, task.pose.quaternion, task.speed, task.limits)
     real = hardware or nominal
     real = with_effects(real, available(real) - frozenset(without), phi=reference[0])
     if individual is not None:
@@ -87,7 +86,7 @@ def prepare(
     else:
         factor = np.random.default_rng(drawing).uniform(-friction_spread, friction_spread, 6)
         real = with_friction(real, 1.0 + factor)
-    job = VirtualRobot(real, nominal=nominal).load(reference)
+    job = VirtualRobot(real, nominal=known).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
     if imu is not None:
@@ -119,6 +118,6 @@ def judged(experiment: Experiment, trial: learning.Trial[Pass]) -> Iteration:
     return Iteration(
         trial=trial,
         motor_error=trial.result.recording.error * job.model.drives.gear,
-        arm=arm_side(motion, seen.time, seen.position),
-        arm_true=arm_side(motion, truth.time[::stride], truth.tool_position[::stride]),
+        arm=tool_error(motion, seen.time, seen.position),
+        arm_true=tool_error(motion, truth.time[::stride], truth.tool_position[::stride]),
     )

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .model import AXES, N_AXES, RobotModel
+from .mjcf import AXES, N_AXES
+from .model import RobotModel
 
 # dcmotor keeps the phase of its cogging here, and Coulomb and static LuGre friction (checked by a
 # test against the MJCF).

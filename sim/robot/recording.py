@@ -11,7 +11,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .gear_error import EXACT, GearError
+from .drives import EXACT, GearError
 
 
 def _freeze(record: object, n_rows: int, per_sample: dict[str, tuple[int, ...]]) -> None:

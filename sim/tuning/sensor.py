@@ -14,7 +14,7 @@ from armside.kinematics import compile as compile_robot
 
 from ..cell import CELLS
 from ..cut.tool_motion import ToolMotion
-from ..evaluation.tool_error import ArmSide, arm_side
+from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment
 from ..laser.plant import Pass
@@ -23,7 +23,7 @@ from ..robot.model import RobotModel, load_model
 if TYPE_CHECKING:
     from ..estimation.arm_learning import ArmLearningCfg, Commissioned
 
-Reading = Callable[[Pass], ArmSide]
+Reading = Callable[[Pass], ToolError]
 Sensor = Callable[[Experiment, Pass], Reading]
 
 
@@ -69,8 +69,8 @@ class _TrackerReading:
     def set_up(cls, experiment: Experiment, _first: Pass) -> Reading:
         return cls(experiment.motion)
 
-    def __call__(self, cut: Pass) -> ArmSide:
-        return arm_side(self.motion, cut.tracker.time, cut.tracker.position)
+    def __call__(self, cut: Pass) -> ToolError:
+        return tool_error(self.motion, cut.tracker.time, cut.tracker.position)
 
 
 @dataclass(frozen=True)
@@ -86,12 +86,12 @@ class _MotorReading:
     robot: str
     motion: ToolMotion
 
-    def __call__(self, cut: Pass) -> ArmSide:
+    def __call__(self, cut: Pass) -> ToolError:
         arm, log = _arm(self.robot), cut.recording
         asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
         # r is shifted against the deflection that the controller expects: compare with r, not
         # with the programmed path.
-        return arm_side(self.motion, log.time, self.motion.position + got - asked)
+        return tool_error(self.motion, log.time, self.motion.position + got - asked)
 
 
 @lru_cache
@@ -108,12 +108,11 @@ class _Estimate:
         from ..estimation.arm_learning import ArmLearningCfg, OnFault, commission
         from ..estimation.nominal import NominalCfg, nominal_arm
 
-        xml = CELLS[self.robot].xml
         nominal = _nominal(self.robot)
         cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
         # The payload is known; the individual's springs are not.
         added = experiment.job.model.mj.body("tool").mass[0] - nominal.mj.body("tool").mass[0]
-        arm = nominal_arm(xml, NominalCfg(payload=float(added)))
+        arm = nominal_arm(nominal, NominalCfg(payload=float(added)))
         known = commission(nominal, arm, ImuCfg(), first, cfg)
         return _EstimateReading(cfg, known, experiment.motion)
 
@@ -129,8 +128,8 @@ class _EstimateReading:
     known: "Commissioned"
     motion: ToolMotion
 
-    def __call__(self, cut: Pass) -> ArmSide:
+    def __call__(self, cut: Pass) -> ToolError:
         from ..estimation.arm_learning import measured_path
 
         moved = measured_path(self.cfg, self.known, ImuCfg(), cut)[:, :3]
-        return arm_side(self.motion, cut.recording.time, self.motion.position[0] + moved)
+        return tool_error(self.motion, cut.recording.time, self.motion.position[0] + moved)

@@ -8,7 +8,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.norms import inf_norm, two_norm
 
-from ..evaluation.tool_error import ArmSide, arm_side
+from ..evaluation.tool_error import ToolError, tool_error
 from ..laser.experiment import Experiment
 from ..laser.plant import Pass
 from .design import Design
@@ -41,9 +41,9 @@ class Situation:
     """(6,) [rad], of `motor_error`."""
     first_norm: Array
     """(6,) [rad], `two_norm` at k = 0."""
-    seen: ArmSide
+    seen: ToolError
     """The tool as the configured sensor has it."""
-    true: ArmSide
+    true: ToolError
     """The tool as it was: for evaluation only."""
     diverged: bool
 
@@ -103,6 +103,6 @@ def _situation(
         inf_norm=inf_norm(motor_error),
         first_norm=first,
         seen=reading(cut),
-        true=arm_side(experiment.motion, time, position),
+        true=tool_error(experiment.motion, time, position),
         diverged=not (np.isfinite(norm) & (norm <= DIVERGED * first)).all(),
     )

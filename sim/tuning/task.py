@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from ..cell import CELLS, Cell, ToolPose, pose
+from ..cut.task import CircleTask
 from ..instruments.imu import ImuCfg
-from ..laser.experiment import CircleTask, Experiment, prepare
+from ..laser.experiment import Experiment, prepare
 from ..robot import individual
 from ..robot.individual import structure_hinges, with_payload
 from ..robot.model import RobotModel

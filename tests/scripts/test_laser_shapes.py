@@ -12,7 +12,7 @@ from armside.scripts.commands.laser import LaserCfg, prepare, run
 from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.laser_task import believed_arm, contour, task
 from armside.scripts.shell.errors import InputError
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle
 
 
 def laser(out, line):

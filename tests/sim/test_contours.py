@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.cut.contour import hexagon, slot, square
+from armside.sim.cut.contour import Circle, hexagon, slot, square
 from armside.sim.cut.task import SPIRAL_START, CircleTask, ContourTask, LeadIn
+from armside.sim.cut.tool_motion import cut
 from armside.sim.evaluation.path_accuracy import path_measures
-from armside.sim.evaluation.tool_error import arm_side
-from armside.sim.motion import Circle, cut
+from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.robot.statics import smoothed
 
 POSE = LARGE_ROBOT_POSES["p1"]
@@ -32,7 +32,7 @@ def test_a_tool_that_is_only_beside_and_turned_cuts_true(shape):
     p = motion.plane.from_base(position)
     c, s = np.cos(0.01), np.sin(0.01)
     p[:, :2] = p[:, :2] @ np.array([[c, s], [-s, c]]) + [25e-3, -17e-3]
-    side = arm_side(motion, time, motion.plane.to_base(p[:, :2]) + 2e-3 * motion.plane.axes[:, 2])
+    side = tool_error(motion, time, motion.plane.to_base(p[:, :2]) + 2e-3 * motion.plane.axes[:, 2])
     assert side.rms < 1e-10
     assert side.maxdev < 1e-9
 
@@ -44,7 +44,7 @@ def test_a_tool_that_cuts_all_around_too_large_is_that_far_off(shape):
     s = motion.timing.at(time - motion.rest_before)[0]
     tangent = motion.path.tangent(s)
     outwards = np.column_stack([tangent[:, 1], -tangent[:, 0], np.zeros(len(s))])
-    side = arm_side(motion, time, motion.path.position(s) + 1e-4 * outwards)
+    side = tool_error(motion, time, motion.path.position(s) + 1e-4 * outwards)
     assert side.rms == pytest.approx(1e-4, rel=1e-3)
     assert side.maxdev == pytest.approx(1e-4, rel=1e-2)
 
@@ -53,7 +53,7 @@ def test_a_lost_beam_leaves_no_measure_of_any_contour():
     motion = motion_of(ContourTask(pose=POSE, contour=SHAPES["slot"]))
     time, position = samples(motion)
     position[len(position) // 2 :] = np.nan
-    assert np.isnan(arm_side(motion, time, position).rms)
+    assert np.isnan(tool_error(motion, time, position).rms)
 
 
 def test_a_spiral_starts_inside_and_the_contour_is_the_same():

@@ -6,8 +6,9 @@ import pytest
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
-from armside.sim.evaluation.tool_error import arm_side
-from armside.sim.laser.experiment import CircleTask, iterate, prepare
+from armside.sim.cut.task import CircleTask
+from armside.sim.evaluation.tool_error import tool_error
+from armside.sim.laser.experiment import iterate, prepare
 from armside.sim.robot.model import load_model
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
@@ -50,7 +51,7 @@ def test_a_turn_with_a_lost_beam_has_no_measure(model):
     seen = first.trial.result.tracker
     position = seen.position.copy()
     position[len(position) // 2 :] = np.nan
-    side = arm_side(experiment.motion, seen.time, position)
+    side = tool_error(experiment.motion, seen.time, position)
     assert np.isnan(side.rms)
     assert np.isnan(side.maxdev)
     assert np.isfinite(side.path).all()

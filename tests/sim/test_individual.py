@@ -7,7 +7,8 @@ import pytest
 
 from armside import assets
 from armside.sim.cell import LARGE_CELL
-from armside.sim.laser.experiment import CircleTask, prepare
+from armside.sim.cut.task import CircleTask
+from armside.sim.laser.experiment import prepare
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,

@@ -10,7 +10,8 @@ from armside import assets
 from armside.sim.instruments.imu import ImuCfg, draw
 from armside.sim.robot.flexibility import variant
 from armside.sim.robot.model import load_model
-from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot, run_jobs
+from armside.sim.robot.run import run_batch
+from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot
 
 OFF, ON = 6.0, 12.0  # [s]
 SETTLED = 0.5  # [s], after the motors are switched on
@@ -39,7 +40,7 @@ def spectrum(model, seeds=SEEDS):
     job = VirtualRobot(model).load(reference(ON))
     power = []
     for seed in seeds:
-        (recording,) = run_jobs([job], [None], [np.random.default_rng(seed)])
+        (recording,) = run_batch([job], [None], [np.random.default_rng(seed)])
         _, acceleration = readings(recording, seed)
         frequency, density = welch(acceleration, 100.0, nperseg=200, axis=0)
         power.append(density)

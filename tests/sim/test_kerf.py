@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import hexagon, slot, square
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle, hexagon, slot, square
 from armside.sim.evaluation.kerf import kerf
 
 BEAM = 2e-4

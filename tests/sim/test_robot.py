@@ -9,12 +9,15 @@ import pytest
 from armside import assets
 from armside.sim.calibration.targets import learned
 from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
-from armside.sim.laser.experiment import CircleTask
+from armside.sim.cut.task import CircleTask
 from armside.sim.laser.plant import plan
 from armside.sim.robot.effects import available, with_effects
 from armside.sim.robot.individual import with_friction
-from armside.sim.robot.model import ModelError, load_model
-from armside.sim.robot.virtual_robot import VirtualRobot, run_jobs
+from armside.sim.robot.mjcf import ModelError
+from armside.sim.robot.model import load_model
+from armside.sim.robot.run import run_batch
+from armside.sim.robot.statics import Statics
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +28,7 @@ def model():
 @pytest.fixture(scope="module")
 def cut(model):
     task = CircleTask(pose=LARGE_ROBOT_POSES["p2"])
-    return plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
+    return plan(LARGE_CELL, Statics(model), task.path, task.pose.quaternion, task.speed)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +60,7 @@ def test_a_run_that_falls_apart_is_not_finite_from_there_on_and_leaves_no_file(
     monkeypatch.chdir(tmp_path)
     controls = job.controls.copy()
     controls[400:] = 1e300
-    recordings = run_jobs([replace(job, controls=controls)] * 2, [None] * 2, [None] * 2, threads=2)
+    recordings = run_batch([replace(job, controls=controls)] * 2, [None] * 2, [None] * 2, threads=2)
     for recording in recordings:
         assert np.isfinite(recording.error[:50]).all()
         assert np.isnan(recording.error[52:]).all()
@@ -77,7 +80,7 @@ def test_same_seed_same_bits_and_another_seed_other_noise(job, correction):
 def test_the_number_of_threads_changes_no_bit(job, correction):
     def runs(threads):
         rngs = [np.random.default_rng(seed) for seed in range(4)]
-        return run_jobs([job] * 4, [correction] * 4, rngs, threads=threads)
+        return run_batch([job] * 4, [correction] * 4, rngs, threads=threads)
 
     for one, two in zip(runs(1), runs(2), strict=True):
         assert np.array_equal(one.motor_angle, two.motor_angle)
@@ -90,7 +93,7 @@ def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose,
     """With the correction that learning found, gear effects on, noise and quantisation off."""
     run = learned(model, available(model), pose, iterations=k)
     task = CircleTask(pose=LARGE_ROBOT_POSES[pose])
-    _, reference = plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
+    _, reference = plan(LARGE_CELL, Statics(model), task.path, task.pose.quaternion, task.speed)
     tools = []
     for step in (0.0005, 0.00025):
         mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))

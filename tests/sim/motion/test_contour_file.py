@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from armside.sim.cut.contour import Circle
 from armside.sim.cut.contour_file import read_contour, rounded
-from armside.sim.cut.path import Circle
 
 HOUSE = np.array([[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]) * 1e-3
 CORNER = 1.5e-3

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import square
-from armside.sim.cut.path import Circle, CuttingPath, Plane
+from armside.sim.cut.contour import Circle, square
+from armside.sim.cut.path import CuttingPath, Plane
 
 TILTED = Plane.perpendicular_to([0.98, 0.01, -0.2], [1.3, 0.1, 1.6])
 

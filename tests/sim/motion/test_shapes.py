@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armside.sim.cell import TOOL_QUATERNION
-from armside.sim.cut.contour import ArcsAndLines, hexagon, regular_polygon, slot, square
-from armside.sim.cut.deviation import fit, signed_distance
-from armside.sim.motion import Circle, CuttingPath, Plane, cut
+from armside.sim.cut.contour import ArcsAndLines, Circle, hexagon, regular_polygon, slot, square
+from armside.sim.cut.path import CuttingPath, Plane
+from armside.sim.cut.tool_motion import cut
+from armside.sim.evaluation.tool_error import fit, signed_distance
 
 SHAPES = {
     "circle": Circle(0.005),
@@ -102,7 +103,7 @@ def test_a_moved_and_turned_contour_is_fitted_back(x, y, angle, name):
 
 def test_a_fit_moves_a_circle_to_its_least_squares_centre_and_keeps_its_size():
     p = Circle(0.0051).point(np.linspace(0.0, 2 * np.pi * 0.0051, 300, endpoint=False))
-    found = fit(Circle(0.005), p + np.array([2e-4, -1e-4]), turn=False)
+    found = fit(Circle(0.005), p + np.array([2e-4, -1e-4]))
     np.testing.assert_allclose(found.shift, [2e-4, -1e-4], rtol=0, atol=1e-12)
     np.testing.assert_allclose(found.deviation, 1e-4, rtol=0, atol=1e-12)
     assert found.angle == 0.0

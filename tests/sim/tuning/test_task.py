@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
-from armside.sim.laser.experiment import CircleTask
+from armside.sim.cut.task import CircleTask
 from armside.sim.robot.individual import with_payload
 from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics
 from armside.sim.tuning import task
 from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 
@@ -46,7 +47,7 @@ def test_every_draw_is_within_reach(robot):
     for drawn in _drawn(robot, n=12):
         model = nominal if drawn.payload is None else with_payload(nominal, drawn.payload)
         path = CircleTask(pose=drawn.pose, speed=drawn.speed).path
-        plan(cell, model, path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
+        plan(cell, Statics(model), path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
 
 
 def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what_it_knows():
