@@ -1,4 +1,4 @@
-"""Programs as TOML, so that a person writes one without Python: degrees, mm, mm/s and percent.
+"""Motion programs as TOML files, in degrees, mm, mm/s and percent.
 
     start = [0, 0, 0, 0, 0, 0]                # motor angles, deg; the zero pose if left out
 
@@ -44,7 +44,7 @@ MM, MS, DEG = 1e-3, 1e-3, np.pi / 180.0
 
 
 def read_program(path: Path) -> Program:
-    """The program in a file.
+    """Program of a file.
 
     Raises:
         ProgramError: file, line and reason.
@@ -54,7 +54,7 @@ def read_program(path: Path) -> Program:
 
 
 def parse_program(text: str, *, source: str = "program") -> Program:
-    """The program in a text; see the module for its form."""
+    """Program of a text; the module docstring describes its form."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -63,7 +63,7 @@ def parse_program(text: str, *, source: str = "program") -> Program:
 
 
 class _Reader:
-    """One text, to find lines in."""
+    """Reader of one text, with the lines of its tables for messages."""
 
     def __init__(self, text: str, source: str) -> None:
         self.source = source
@@ -105,14 +105,14 @@ class _Reader:
         return table
 
     def _named(self, *names: str) -> tuple[int, int]:
-        """The lines of a table, the whole text if it is written in another way."""
+        """Lines of a table; the whole text if it has no header of its own."""
         for head, a, b in self.blocks:
             if re.sub(r"[\s\"']", "", head).strip("[]") == ".".join(names):
                 return a, b
         return 0, len(self.text_lines)
 
     def _in(self, place: tuple[int, int], make: Callable[[], Any]) -> Any:
-        """What `make` gives; its errors get file and line: that of the key they begin with."""
+        """Result of `make`; errors get file and line, that of the key they begin with."""
         try:
             return make()
         except ValueError as error:
@@ -195,7 +195,7 @@ def _speed(value: Any) -> Speed:
         percent = re.fullmatch(r"\s*([0-9.]+)\s*%\s*", value)
         if not percent:
             raise ValueError(f'speed must be mm/s or a percentage like "80 %", got {value!r}')
-        return Speed(share=_number("speed", float(percent.group(1))) / 100.0)
+        return Speed(fraction=_number("speed", float(percent.group(1))) / 100.0)
     return Speed(path=_number("speed", value) * MM)
 
 
