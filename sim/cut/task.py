@@ -1,4 +1,4 @@
-"""What is to be cut: a contour, where, how it is entered and how fast."""
+"""Cutting tasks: a contour, its pose, lead-in and speed."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from .path import CuttingPath, Plane
 from .timing import PathLimits
 
 SPIRAL_START = 0.6
-"""Share of its size on which a contour's spiral starts."""
+"""Scale of the contour on which a spiral starts."""
 SPIRAL_LEAD = 0.25
-"""Length of a spiral in turns: long enough to bend with 0.4 of a circle's radius."""
+"""Length of a spiral over that of the contour: its smallest radius is 0.4 of a circle's."""
 
 
 class LeadIn(Enum):
-    """How the cut reaches its contour."""
+    """Kind of the lead-in."""
 
     ARC = "arc"
     """Along the contour itself."""
@@ -28,26 +28,26 @@ class LeadIn(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class CutTask(ABC):
-    """A contour to be cut."""
+    """Contour to be cut."""
 
     pose: ToolPose
-    """Its position is the contour's centre; its orientation is kept."""
+    """Centre of the contour, and constant orientation of the tool."""
     speed: float = 0.040
     """Programmed [m/s]."""
     across_tool: bool = False
-    """In the plane perpendicular to the tool axis instead of the base x-y plane."""
+    """True for the plane perpendicular to the tool axis, False for the base x-y plane."""
     lead_in: LeadIn = LeadIn.ARC
     limits: PathLimits | None = None
-    """Of the controller, for acceleration and jerk along the path; its own if None."""
+    """Path limits of the controller; its defaults if None."""
 
     @property
     @abstractmethod
     def curve(self) -> ClosedCurve:
-        """The contour, around the origin of its plane."""
+        """Contour around the origin of its plane."""
 
     @property
     def path(self) -> CuttingPath:
-        """Lead-in, one turn and lead-out."""
+        """Path with lead-in, contour and lead-out."""
         origin = np.array(self.pose.position)
         plane = Plane(origin)
         if self.across_tool:
@@ -59,7 +59,7 @@ class CutTask(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class CircleTask(CutTask):
-    """A circle to be cut: where, how large, how fast."""
+    """Circle to be cut."""
 
     radius: float = 0.005
     """Programmed [m]."""
@@ -72,7 +72,7 @@ class CircleTask(CutTask):
 
 @dataclass(frozen=True, kw_only=True)
 class ContourTask(CutTask):
-    """Any closed contour to be cut."""
+    """Closed contour of any shape to be cut."""
 
     contour: ClosedCurve
 

@@ -1,4 +1,4 @@
-"""Time-optimal path parametrisation of one curve under limits that vary along it, from rest to rest.
+"""Time-optimal path parametrisation of one curve, rest to rest, with limits that vary along it.
 
 A forward and a backward pass find the highest speed within the limits of speed and acceleration,
 which are symmetric. A moving average over the jerk time then limits the jerk.
