@@ -180,8 +180,8 @@ class CuttingPath:
     lead_out: float
     """[m], along the contour."""
     spiral: float | None = None
-    """Scale of the contour on which a spiral lead-in starts, in (0, 1): the first hole is cut in the
-    waste. The contour then starts at the end of a lead-in of the same length along it."""
+    """Scale of the contour on which a spiral lead-in starts, in (0, 1). The contour then starts at
+    the end of an equally long lead-in along it."""
 
     def __post_init__(self) -> None:
         for name in ("lead_in", "lead_out"):

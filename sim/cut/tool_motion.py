@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, freeze_rows
 from armside.kinematics import Limits, Robot, inverse_path
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
@@ -49,11 +49,7 @@ class ToolMotion:
     """[s]."""
 
     def __post_init__(self) -> None:
-        for name in ("time", "position", "quaternion", "arc_length", "on_contour"):
-            value = getattr(self, name)
-            if len(value) != len(self.time):
-                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
-            value.setflags(write=False)
+        freeze_rows(self, "time", "position", "quaternion", "arc_length", "on_contour")
 
     @property
     def plane(self) -> Plane:
@@ -82,7 +78,7 @@ def cut(
     rest_after: float = 0.35,
     step: float = 0.004,
 ) -> ToolMotion:
-    """Motion along `path` at `speed` [m/s] with constant tool orientation, at rest before and after.
+    """Motion along `path` at `speed` [m/s] with constant tool orientation, from rest to rest.
 
     The speed is lowered to the limit of the smallest radius; leads that are too short for the ramps
     are lengthened, so that the whole contour is cut at constant speed. The default rests are those

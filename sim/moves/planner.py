@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, freeze_rows
 from armside.kinematics import CompiledRobot, Limits, Robot
 from armside.kinematics import compile as compile_robot
 
@@ -56,11 +56,7 @@ class JointMotion:
     reports: tuple[MoveReport, ...]
 
     def __post_init__(self) -> None:
-        for name in ("time", "phi", "instruction"):
-            value = getattr(self, name)
-            if len(value) != len(self.time):
-                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
-            value.setflags(write=False)
+        freeze_rows(self, "time", "phi", "instruction")
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,15 @@ A run is open loop for the program: reference r and correction u are known befor
 run, servo included, is one call of `mujoco.rollout` with no Python in the step loop.
 """
 
+import copy
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
 from armside.arrays import Array
 
 from .drives import friction_torque
-from .individual import braked_at
 from .model import RobotModel
 from .recording import Recording
 from .run import LoadedReference, checked_signal
@@ -67,7 +69,7 @@ class VirtualRobot:
         torque += start.holding_torque - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
-            model = braked_at(model, position[0])
+            model = _braked_at(model, position[0])
             torque[~powered] = 0.0
         if model.implicit:
             hinge_speed = at_step_end(hinge_speed)
@@ -101,6 +103,15 @@ class VirtualRobot:
         if drives.friction_feedforward > 0.0:
             torque += friction_torque(drives, velocity)
         return drives.torque_feedforward * torque
+
+
+def _braked_at(model: RobotModel, phi: Array) -> RobotModel:
+    """Robot model whose brakes, once engaged, hold the motors at phi (6,) [rad]."""
+    if not len(model.brakes):
+        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
+    mj = copy.copy(model.mj)
+    mj.eq_data[model.brakes, 0] = phi
+    return replace(model, mj=mj)
 
 
 def _check_holds(model: RobotModel, torque: Array) -> None:
