@@ -68,10 +68,6 @@ class Fit:
     """(N, 2) [m], after the motion."""
     deviation: Array
     """(N,) [m], signed distance from the contour, above 0 outside."""
-    shift: Array
-    """(2,) [m], origin of the contour in the axes of the points as given."""
-    angle: float
-    """Rotation of the points [rad]."""
 
 
 def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
@@ -80,7 +76,7 @@ def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
     The rotation of a circle is undetermined: it is only moved.
     """
     rotate = not isinstance(contour, Circle)
-    moved, angle = np.array(p, dtype=np.float64), 0.0
+    moved = np.array(p, dtype=np.float64)
     for _ in range(iterations):
         distance, normal = _distance(contour, moved)
         lever = moved[:, 0] * normal[:, 1] - moved[:, 1] * normal[:, 0]
@@ -89,12 +85,9 @@ def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
         rotation = float(step[2]) if rotate else 0.0
         c, s = np.cos(rotation), np.sin(rotation)
         moved = moved @ np.array([[c, s], [-s, c]]) + step[:2]
-        angle += rotation
         if np.abs(step).max() < CONVERGED:
             break
-    c, s = np.cos(angle), np.sin(angle)
-    shift = np.mean(p, axis=0) - np.mean(moved, axis=0) @ np.array([[c, -s], [s, c]])
-    return Fit(points=moved, deviation=signed_distance(contour, moved), shift=shift, angle=angle)
+    return Fit(points=moved, deviation=signed_distance(contour, moved))
 
 
 def signed_distance(contour: ClosedCurve, p: Array) -> Array:
