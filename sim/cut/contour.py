@@ -19,7 +19,7 @@ class ClosedCurve(Protocol):
 
     @property
     def length(self) -> float:
-        """Once around [m]."""
+        """Length of one turn [m]."""
         ...
 
     @property
@@ -52,12 +52,10 @@ class Circle:
 
     @property
     def length(self) -> float:
-        """Circumference [m]."""
         return 2.0 * np.pi * self.radius
 
     @property
     def smallest_radius(self) -> float:
-        """The radius [m]."""
         return self.radius
 
     def point(self, s: ArrayLike) -> Array:
@@ -98,29 +96,24 @@ class ArcsAndLines:
 
     @property
     def length(self) -> float:
-        """Once around [m]."""
         return float(self._ends[-1])
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest radius of curvature [m]."""
         return 1.0 / max(abs(curvature) for _, curvature in self.elements)
 
     def point(self, s: ArrayLike) -> Array:
-        """Shape (..., 2) [m]."""
         element, along = self._locate(s)
         return self._corners[element] + chord(
             along, self._curvature[element], self._heading[element]
         )
 
     def tangent(self, s: ArrayLike) -> Array:
-        """Unit vector along increasing s, shape (..., 2)."""
         element, along = self._locate(s)
         angle = self._heading[element] + self._curvature[element] * along
         return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
     def nearest(self, p: Array) -> Array:
-        """Arc length of the nearest point of the contour to each of p (N, 2)."""
         best, s = np.full(len(p), np.inf), np.zeros(len(p))
         for i, (length, curvature) in enumerate(self.elements):
             along = self._foot(p, i, length, curvature)
@@ -183,6 +176,11 @@ def chord(along: ArrayLike, curvature: ArrayLike, heading: ArrayLike) -> Array:
     half = 0.5 * along * curvature
     length = along * np.sinc(half / np.pi)
     return length[..., np.newaxis] * np.stack([np.cos(heading + half), np.sin(heading + half)], -1)
+
+
+def outward_normal(tangent: Array) -> Array:
+    """Unit normal (N, 2) to the right of tangents (N, 2): outwards if counter-clockwise."""
+    return np.column_stack([tangent[:, 1], -tangent[:, 0]])
 
 
 def square(side: float, corner_radius: float) -> ArcsAndLines:

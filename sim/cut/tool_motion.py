@@ -181,8 +181,6 @@ def plan_cut(
     *,
     start: ArrayLike | None = None,
     path_limits: PathLimits | None = None,
-    rest_before: float = 0.28,
-    rest_after: float = 0.35,
     step: float = 0.004,
 ) -> tuple[ToolMotion, Array]:
     """Motion of a cut and its joint reference (N, 6) [rad], within path and joint limits.
@@ -191,15 +189,7 @@ def plan_cut(
     """
     reached, slowed = speed, ()
     while True:
-        motion = cut(
-            path,
-            tool_quaternion,
-            reached,
-            limits=path_limits,
-            rest_before=rest_before,
-            rest_after=rest_after,
-            step=step,
-        )
+        motion = cut(path, tool_quaternion, reached, limits=path_limits, step=step)
         phi = joint_reference(motion, robot, joint_limits, start=start)
         use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
         if use.max() <= 1.0:

@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.contour import ClosedCurve
+from ..cut.contour import ClosedCurve, outward_normal
 from .tool_error import fit, signed_distance
 
 POINTS = 720
@@ -37,7 +37,7 @@ class Kerf:
 
     def edge(self, offset: Array) -> Array:
         """Points (M, 2) [m] in the plane, `offset` outwards from the contour."""
-        normal = _outwards(self.curve.tangent(self.arc_length))
+        normal = outward_normal(self.curve.tangent(self.arc_length))
         return self.curve.point(self.arc_length) + offset[:, np.newaxis] * normal
 
     @property
@@ -76,7 +76,7 @@ def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -
         radius = 0.5 * beam
         discs = _resampled(path, radius / _DISCS_PER_RADIUS)
         foot, tangent = curve.point(s), curve.tangent(s)
-        normal = _outwards(tangent)
+        normal = outward_normal(tangent)
         nearest = np.rint(curve.nearest(discs) / step - 0.5).astype(int)
         for shift in _shifts(curve, path, radius, step):
             i = (nearest + shift) % n_points
@@ -100,10 +100,6 @@ def _shifts(curve: ClosedCurve, path: Array, radius: float, step: float) -> rang
     inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
     n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
     return range(-n, n + 1)
-
-
-def _outwards(tangent: Array) -> Array:
-    return np.column_stack([tangent[:, 1], -tangent[:, 0]])
 
 
 def _resampled(path: Array, step: float) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
-from ..cut.contour import Circle, ClosedCurve
+from ..cut.contour import Circle, ClosedCurve, outward_normal
 from ..cut.tool_motion import ToolMotion
 
 CONVERGED = 1e-12
@@ -98,6 +98,5 @@ def signed_distance(contour: ClosedCurve, p: Array) -> Array:
 def _distance(contour: ClosedCurve, p: Array) -> tuple[Array, Array]:
     """Signed distance of each point, and the outward normal at its nearest contour point."""
     s = contour.nearest(p)
-    tangent = contour.tangent(s)
-    outwards = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    outwards = outward_normal(contour.tangent(s))
     return np.einsum("ij,ij->i", p - contour.point(s), outwards), outwards

@@ -184,33 +184,18 @@ def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
 
 
 def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Generator) -> Array:
-    distance, azimuth, elevation = _to_polar(_in_tracker_frame(cfg, p_base))
-
     def reading(ideal: Array, std: float, resolution: float) -> Array:
         noisy = ideal + noise.white(rng, ideal.shape, std)
         return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
 
-    return _from_polar(
-        reading(distance * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution),
-        reading(azimuth + bias[1], cfg.angle_noise, cfg.angle_resolution),
-        reading(elevation + bias[2], cfg.angle_noise, cfg.angle_resolution),
-    )
-
-
-def _in_tracker_frame(cfg: LaserTrackerCfg, p_base: Array) -> Array:
     c, s = np.cos(cfg.heading), np.sin(cfg.heading)
     R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return (p_base - np.array(cfg.position)) @ R_base_tracker
-
-
-def _to_polar(p: Array) -> tuple[Array, Array, Array]:
-    """Distance, azimuth, elevation of points (..., 3)."""
-    x, y, z = np.moveaxis(p, -1, 0)
+    x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
     level = np.hypot(x, y)
-    return np.hypot(level, z), np.arctan2(y, x), np.arctan2(z, level)
-
-
-def _from_polar(distance: Array, azimuth: Array, elevation: Array) -> Array:
+    distance = np.hypot(level, z) * (1.0 + bias[0])
+    distance = reading(distance, cfg.range_noise, cfg.range_resolution)
+    azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
+    elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
     level = distance * np.cos(elevation)
     return np.stack(
         [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
@@ -242,11 +227,8 @@ def _sight(
         away = _rotated(w, x, y, z, (offset[0], offset[1], offset[2]))
         for j in range(3):
             reflector[i, j] = tool_position[i, j] + away[j]
-        beam = (
-            tracker[0] - reflector[i, 0],
-            tracker[1] - reflector[i, 1],
-            tracker[2] - reflector[i, 2],
-        )
+        to_tracker = tracker - reflector[i]
+        beam = (to_tracker[0], to_tracker[1], to_tracker[2])
         if i == 0 and not axis.any():
             looks = _rotated(w, -x, -y, -z, beam)
         sight = _rotated(w, x, y, z, looks)
@@ -267,11 +249,7 @@ def _rotated(
     a, b, c = v
     d, e, f = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
     twice = 2.0 / (w * w + x * x + y * y + z * z)
-    return (
-        a + twice * (y * f - z * e),
-        b + twice * (z * d - x * f),
-        c + twice * (x * e - y * d),
-    )
+    return a + twice * (y * f - z * e), b + twice * (z * d - x * f), c + twice * (x * e - y * d)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

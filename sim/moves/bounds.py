@@ -43,6 +43,16 @@ def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
     return full * speed.fraction**2 if speed.fraction else full
 
 
+def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Array | float:
+    """w' [1/s] at the programmed speed.
+
+    full: w' [1/s] at the joints' speed limits; tool_rate: [m] of tool path per unit of w.
+    """
+    if speed.fraction:
+        return speed.fraction * full
+    return (speed.path or 0.0) / np.maximum(tool_rate, TINY)
+
+
 def curve_bounds(
     curve: Curve, speed: Speed, robot: CompiledRobot, limits: Limits, dynamics: Dynamics, n: int
 ) -> Bounds:
@@ -54,11 +64,7 @@ def curve_bounds(
     of_path = float(curve.on_path) / dynamics.path_acceleration
     bend = np.column_stack([d2 / of_joints, of_path * x2])
     full = (np.array(limits.speed) / np.maximum(d1, TINY)).min(axis=1)
-    wanted = (
-        speed.fraction * full.min()
-        if speed.fraction
-        else (speed.path or 0.0) / np.maximum(x1, TINY)
-    )
+    wanted = programmed_rate(speed, full.min(), x1)
     bent = np.sqrt(CORNER_FRACTION / np.maximum(bend.max(axis=1), TINY))
     return Bounds(
         speed=np.minimum(np.minimum(full, wanted), bent),

@@ -14,7 +14,7 @@ from armside.arrays import Array
 from armside.kinematics import CompiledRobot, Limits
 
 from ..cut.timing import Timing, jerk_limited
-from .bounds import CORNER_FRACTION, TINY, joint_acceleration, tool_derivatives
+from .bounds import CORNER_FRACTION, TINY, joint_acceleration, programmed_rate, tool_derivatives
 from .curves import SAMPLES, Curve
 from .instructions import Dynamics, Speed
 
@@ -49,11 +49,7 @@ def piece_limits(
     of_joints = joint_acceleration(speed, dynamics)
     joint_bend = np.sqrt(CORNER_FRACTION * of_joints / np.maximum(d2.max(axis=0), TINY))
     full_speed = float(joint_speed.min())
-    wanted = (
-        speed.fraction * full_speed
-        if speed.fraction
-        else (speed.path or 0.0) / max(tool_rate, TINY)
-    )
+    wanted = float(programmed_rate(speed, full_speed, tool_rate))
     caps = {f"speed of motor {i + 1}": float(v) for i, v in enumerate(joint_speed)}
     caps |= {f"acceleration of motor {i + 1}": float(v) for i, v in enumerate(joint_bend)}
     if bend > TINY:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -84,8 +85,7 @@ def plan_program(
         ProgramError: a target out of reach, a joint limit that is passed, no circle through three
             points; the message names the place in the program.
     """
-    compiled = compile_robot(robot)
-    curves = _curves(program, compiled, limits)
+    planner = _Planner(program, compile_robot(robot), limits)
     clock = rest_before
     spans: list[tuple[float, float, int, Curve | None, Timing | None]] = []
     reports: list[MoveReport] = []
@@ -95,29 +95,13 @@ def plan_program(
             spans.append((clock, clock + instruction.seconds, chain[0], None, None))
             clock += instruction.seconds
             continue
-        pieces, timings = _fastest(program, chain, curves, compiled, limits)
+        pieces, timings = planner.fastest(chain)
         begun = clock
         for piece, timing in zip(pieces, timings, strict=True):
             spans.append((clock, clock + timing.duration, piece.instruction, piece.curve, timing))
             clock += timing.duration
         reports += _reports(program, pieces, timings, begun)
     return _sampled(program, spans, clock + rest_after, step, tuple(reports))
-
-
-def _curves(program: Program, robot: CompiledRobot, limits: Limits) -> dict[int, Curve]:
-    """Whole curve of each move."""
-    phi, curves = np.array(program.start), {}
-    for index, instruction in enumerate(program.instructions):
-        if isinstance(instruction, Wait):
-            continue
-        try:
-            curve = move_curve(instruction, phi, robot, limits)
-            check_limits(curve, limits)
-        except ValueError as error:
-            raise ProgramError(f"{program.place(index)}: {error}") from error
-        curves[index] = curve
-        phi = curve.at(1.0)
-    return curves
 
 
 def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
@@ -134,86 +118,88 @@ def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
     return chains
 
 
-def _fastest(
-    program: Program,
-    chain: Sequence[int],
-    curves: dict[int, Curve],
-    robot: CompiledRobot,
-    limits: Limits,
-) -> tuple[list[_Piece], list[Timing]]:
-    """The fastest of three timings: limits constant over whole moves, constant over parts of those
-    that are limited, or, between two stops, evaluated at each point.
+@dataclass(frozen=True)
+class _Planner:
+    """Geometry and timing of the moves of a program under the limits of a robot."""
 
-    With the latter two a move is slow only where a joint needs it, near a singularity.
-    """
-    whole = _pieces(program, chain, curves, robot, limits)
-    limited = any(piece.limits.limited_by for piece in whole)
-    options = [whole]
-    if limited:
-        options.append(_in_parts(program, whole, robot, limits))
-    timed = [
-        (
-            pieces,
-            time_chain(
-                [p.curve for p in pieces], [p.limits for p in pieces], program.dynamics.jerk_time
-            ),
-        )
-        for pieces in options
-    ]
-    if limited and len(whole) == 1:
-        speed = program.move(chain[0]).speed
-        bounds = curve_bounds(whole[0].curve, speed, robot, limits, program.dynamics, PLACES)
-        timed.append((whole, [fastest(bounds, program.dynamics.jerk_time)]))
-    return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
+    program: Program
+    robot: CompiledRobot
+    limits: Limits
 
-
-def _in_parts(
-    program: Program, pieces: Sequence[_Piece], robot: CompiledRobot, limits: Limits
-) -> list[_Piece]:
-    """Each limited move in equal parts, each with its own limits."""
-    parts = []
-    for piece in pieces:
-        if piece.corner or not piece.limits.limited_by:
-            parts.append(piece)
-            continue
-        speed = program.move(piece.instruction).speed
-        ends = np.linspace(piece.curve.first, piece.curve.last, N_PARTS + 1)
-        for first, last in pairwise(ends):
-            curve = replace(piece.curve, first=float(first), last=float(last))
-            of_part = piece_limits(curve, speed, robot, limits, program.dynamics)
-            parts.append(_Piece(piece.instruction, curve, of_part, corner=False))
-    return parts
-
-
-def _pieces(
-    program: Program,
-    chain: Sequence[int],
-    curves: dict[int, Curve],
-    robot: CompiledRobot,
-    limits: Limits,
-) -> list[_Piece]:
-    """Shortened moves and the corners between them, each with its limits."""
-    cut = [curves[index] for index in chain]
-    for j in range(len(chain) - 1):
-        zone = program.move(chain[j]).zone
-        taken = zone_fraction(curves[chain[j]], zone, robot, at_end=True)
-        given = zone_fraction(curves[chain[j + 1]], zone, robot, at_end=False)
-        cut[j], cut[j + 1] = replace(cut[j], last=1.0 - taken), replace(cut[j + 1], first=given)
-    pieces = []
-    for j, index in enumerate(chain):
-        speed = program.move(index).speed
-        of_piece = piece_limits(cut[j], speed, robot, limits, program.dynamics)
-        pieces.append(_Piece(index, cut[j], of_piece, corner=False))
-        if j + 1 < len(chain):
-            corner = blend(cut[j], cut[j + 1])
+    @cached_property
+    def curves(self) -> dict[int, Curve]:
+        """Whole curve of each move."""
+        phi, curves = np.array(self.program.start), {}
+        for index, instruction in enumerate(self.program.instructions):
+            if isinstance(instruction, Wait):
+                continue
             try:
-                check_limits(corner, limits)
+                curve = move_curve(instruction, phi, self.robot, self.limits)
+                check_limits(curve, self.limits)
             except ValueError as error:
-                raise ProgramError(f"{program.place(index)}, at its zone: {error}") from error
-            slower = _slower(speed, program.move(chain[j + 1]).speed)
-            of_corner = piece_limits(corner, slower, robot, limits, program.dynamics)
-            pieces.append(_Piece(index, corner, of_corner, corner=True))
-    return pieces
+                raise ProgramError(f"{self.program.place(index)}: {error}") from error
+            curves[index] = curve
+            phi = curve.at(1.0)
+        return curves
+
+    def fastest(self, chain: Sequence[int]) -> tuple[list[_Piece], list[Timing]]:
+        """The fastest of three timings: limits constant over whole moves, constant over parts of
+        those that are limited, or, between two stops, evaluated at each point.
+
+        With the latter two a move is slow only where a joint needs it, near a singularity.
+        """
+        dynamics, whole = self.program.dynamics, self._pieces(chain)
+        limited = any(piece.limits.limited_by for piece in whole)
+        timed = [
+            (p, time_chain([q.curve for q in p], [q.limits for q in p], dynamics.jerk_time))
+            for p in ([whole, self._in_parts(whole)] if limited else [whole])
+        ]
+        if limited and len(whole) == 1:
+            curve, speed = whole[0].curve, self.program.move(chain[0]).speed
+            bounds = curve_bounds(curve, speed, self.robot, self.limits, dynamics, PLACES)
+            timed.append((whole, [fastest(bounds, dynamics.jerk_time)]))
+        return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
+
+    def _piece(self, index: int, curve: Curve, speed: Speed, *, corner: bool = False) -> _Piece:
+        limits = piece_limits(curve, speed, self.robot, self.limits, self.program.dynamics)
+        return _Piece(index, curve, limits, corner)
+
+    def _in_parts(self, pieces: Sequence[_Piece]) -> list[_Piece]:
+        """Each limited move in equal parts, each with its own limits."""
+        parts = []
+        for piece in pieces:
+            if piece.corner or not piece.limits.limited_by:
+                parts.append(piece)
+                continue
+            speed = self.program.move(piece.instruction).speed
+            ends = np.linspace(piece.curve.first, piece.curve.last, N_PARTS + 1)
+            for first, last in pairwise(ends):
+                curve = replace(piece.curve, first=float(first), last=float(last))
+                parts.append(self._piece(piece.instruction, curve, speed))
+        return parts
+
+    def _pieces(self, chain: Sequence[int]) -> list[_Piece]:
+        """Shortened moves and the corners between them, each with its limits."""
+        cut = [self.curves[index] for index in chain]
+        for j, (index, following) in enumerate(pairwise(chain)):
+            zone = self.program.move(index).zone
+            taken = zone_fraction(self.curves[index], zone, self.robot, at_end=True)
+            given = zone_fraction(self.curves[following], zone, self.robot, at_end=False)
+            cut[j], cut[j + 1] = replace(cut[j], last=1.0 - taken), replace(cut[j + 1], first=given)
+        pieces = []
+        for j, index in enumerate(chain):
+            speed = self.program.move(index).speed
+            pieces.append(self._piece(index, cut[j], speed))
+            if j + 1 < len(chain):
+                corner = blend(cut[j], cut[j + 1])
+                try:
+                    check_limits(corner, self.limits)
+                except ValueError as error:
+                    place = self.program.place(index)
+                    raise ProgramError(f"{place}, at its zone: {error}") from error
+                slower = _slower(speed, self.program.move(chain[j + 1]).speed)
+                pieces.append(self._piece(index, corner, slower, corner=True))
+        return pieces
 
 
 def _slower(a: Speed, b: Speed) -> Speed:

@@ -73,7 +73,8 @@ class _Reader:
         self.blocks = [(self.text_lines[a].strip(), a, b) for a, b in zip(heads, ends, strict=True)]
 
     def program(self, data: Mapping[str, Any]) -> Program:
-        self._known(data, {"start", "targets", "dynamics", "program"}, 0, len(self.text_lines))
+        whole = (0, len(self.text_lines))
+        self._in(whole, lambda: _only(data, {"start", "targets", "dynamics", "program"}))
         targets = {
             name: self._in(self._named("targets", name), lambda t=table: _target(t))
             for name, table in self._table(data, "targets").items()
@@ -125,9 +126,6 @@ class _Reader:
             ]
             line = keys[0] if keys else first
             raise ProgramError(f"{self.source}, line {line + 1}: {error}") from error
-
-    def _known(self, table: Mapping[str, Any], names: set[str], first: int, last: int) -> None:
-        self._in((first, last), lambda: _only(table, names))
 
 
 def _only(table: Mapping[str, Any], names: set[str]) -> None:
@@ -202,13 +200,11 @@ def _speed(value: Any) -> Speed:
 def _dynamics(table: Mapping[str, Any]) -> Dynamics:
     _only(table, {"joint_acceleration", "path_acceleration", "jerk_time"})
     given: dict[str, Any] = {}
-    if "joint_acceleration" in table:
-        given["joint_acceleration"] = _numbers(
-            "joint_acceleration", table["joint_acceleration"], 6, 1.0
-        )
-    for name, unit in (("path_acceleration", 1.0), ("jerk_time", MS)):
-        if name in table:
-            given[name] = _number(name, table[name]) * unit
+    for name, value in table.items():
+        if name == "joint_acceleration":
+            given[name] = _numbers(name, value, 6, 1.0)
+        else:
+            given[name] = _number(name, value) * (MS if name == "jerk_time" else 1.0)
     return Dynamics(**given)
 
 

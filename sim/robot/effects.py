@@ -9,12 +9,13 @@ from collections.abc import Collection
 from dataclasses import replace
 from enum import Enum
 
+import mujoco
 import numpy as np
 
 from armside.arrays import Array
 
 from .drives import GearError
-from .mjcf import AXES, axis_actuators, numeric, scalar
+from .mjcf import AXES, axis_actuators, has, numeric, scalar
 from .model import RobotModel
 from .statics import Statics
 
@@ -45,8 +46,8 @@ _DATA = {
 
 def available(model: RobotModel) -> frozenset[Effect]:
     """Effects that a robot's file has data for."""
-    numerics = {model.mj.numeric(i).name for i in range(model.mj.nnumeric)}
-    return frozenset(effect for effect, name in _DATA.items() if name in numerics)
+    kind = mujoco.mjtObj.mjOBJ_NUMERIC
+    return frozenset(effect for effect, name in _DATA.items() if has(model.mj, kind, name))
 
 
 def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) -> RobotModel:

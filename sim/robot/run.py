@@ -124,8 +124,8 @@ def run_batch(
     controls = each[0][None] if len(each) == 1 else np.stack(each)
     states, sensors = _roll_out(references, controls, threads)
     return [
-        _recording(loaded, applied[i], controls[i], inputs[i][1], states[i], sensors[i])
-        for i, loaded in enumerate(references)
+        _recording(loaded, u, controls[i], noise, states[i], sensors[i])
+        for i, (loaded, u, (_, noise)) in enumerate(zip(references, applied, inputs, strict=True))
     ]
 
 
