@@ -170,10 +170,9 @@ class ArcsAndLines:
         return np.concatenate([[self.start], np.array(self.start) + np.cumsum(steps, axis=0)])
 
 
-def chord(along: ArrayLike, curvature: ArrayLike, heading: ArrayLike) -> Array:
+def chord(along: Array | float, curvature: Array | float, heading: Array | float) -> Array:
     """Vector (..., 2) [m] from the start of an element to a point on it; curvature 0 is a line."""
-    along, heading = np.asarray(along, dtype=np.float64), np.asarray(heading)
-    half = 0.5 * along * curvature
+    half = 0.5 * np.asarray(along) * curvature
     length = along * np.sinc(half / np.pi)
     return length[..., np.newaxis] * np.stack([np.cos(heading + half), np.sin(heading + half)], -1)
 

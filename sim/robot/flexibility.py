@@ -1,12 +1,12 @@
 """Variants of a robot with other flexibility: rigid, gears only, full, or with scaled stiffness."""
 
-from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
+
+from .individual import joints, stiffen
 
 
 class Flexibility(Enum):
@@ -61,18 +61,3 @@ def without(spec: mujoco.MjSpec, flexibility: Flexibility) -> None:
     for joint in list(spec.joints):
         if joint.name.startswith(prefixes):
             spec.delete(joint)
-
-
-def joints(mj: mujoco.MjModel, prefix: str) -> list[int]:
-    """Joints whose name starts with a prefix."""
-    return [i for i in range(mj.njnt) if mj.joint(i).name.startswith(prefix)]
-
-
-def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> None:
-    """Scale the stiffness of joint springs, and their damping with its square root.
-
-    The damping ratio of a spring under a given inertia stays.
-    """
-    factor = np.asarray(factor, dtype=np.float64)
-    mj.jnt_stiffness[springs] *= factor
-    mj.dof_damping[mj.jnt_dofadr[springs]] *= np.sqrt(factor)

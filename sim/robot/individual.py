@@ -1,6 +1,7 @@
 """Robot individuals: parameters of one robot that differ from the design, and its payload."""
 
 import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 
 import mujoco
@@ -9,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .flexibility import joints, stiffen
 from .mjcf import AXES, N_AXES, axis_actuators
 from .model import RobotModel
 
@@ -99,6 +99,21 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
 def structure_hinges(model: RobotModel) -> list[int]:
     """Joints that are hinges of the structure."""
     return joints(model.mj, "struct_")
+
+
+def joints(mj: mujoco.MjModel, prefix: str) -> list[int]:
+    """Joints whose name starts with a prefix."""
+    return [i for i in range(mj.njnt) if mj.joint(i).name.startswith(prefix)]
+
+
+def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> None:
+    """Scale the stiffness of joint springs, and their damping with its square root.
+
+    The damping ratio of a spring under a given inertia stays.
+    """
+    factor = np.asarray(factor, dtype=np.float64)
+    mj.jnt_stiffness[springs] *= factor
+    mj.dof_damping[mj.jnt_dofadr[springs]] *= np.sqrt(factor)
 
 
 def with_payload(model: RobotModel, mass: float) -> RobotModel:
