@@ -86,7 +86,7 @@ def test_a_line_is_straight_and_run_at_its_speed():
     assert report.limited_by == ""
 
 
-def test_a_circle_goes_through_its_three_points_the_way_they_are_ordered():
+def test_a_circle_goes_through_its_three_points_in_order():
     through = MoveC(via=C, to=Target(position=B), speed=Speed(path=0.2))
     p, _ = tool(plan(through))
     for point in (A, B, C):
@@ -159,7 +159,7 @@ def test_a_joint_move_is_straight_in_the_motor_angles():
     np.testing.assert_allclose(motion.phi[-1], [0.3, -0.2, 0.1, 0.4, -0.5, 0.6], rtol=0, atol=1e-12)
 
 
-def test_orientation_turns_evenly_with_the_way():
+def test_orientation_rotates_evenly_with_arc_length():
     q_end = tuple(np.array([0.75, 0.05, 0.65, 0.1]) / np.linalg.norm([0.75, 0.05, 0.65, 0.1]))
     move = MoveL(to=Target(position=B, quaternion=q_end), speed=Speed(path=0.1))
     p, R = tool(plan(move))
@@ -254,7 +254,7 @@ def test_a_move_too_fast_for_a_joint_names_it():
     assert report.reached < 3.0
 
 
-def test_a_share_slows_a_move_down_as_a_whole():
+def test_a_fraction_of_full_speed_slows_the_whole_move_down():
     target = (0.8, -0.2, 0.1, 0.4, -0.5, 0.6)
     full, half = plan(joints(*target, fraction=1.0)), plan(joints(*target, fraction=0.5))
     (fast,), (slow,) = full.reports, half.reports
@@ -264,7 +264,7 @@ def test_a_share_slows_a_move_down_as_a_whole():
     assert slow.end - slow.start == pytest.approx(2 * (fast.end - fast.start), abs=0.06)
 
 
-def test_waits_and_rests_are_stood_still():
+def test_the_robot_rests_during_waits_and_rests():
     move = joints(0.3, 0, 0, 0, 0, 0)
     motion = plan(
         move,
@@ -295,7 +295,7 @@ def test_a_target_out_of_reach_says_where_and_by_how_much():
         plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(fraction=1.0)))
 
 
-def test_a_joint_limit_on_the_way_names_the_motor_and_the_place():
+def test_a_joint_limit_on_the_path_names_the_motor_and_the_place():
     message = r"motor 2 leaves its range of -70 to 70 deg 8\d % of the way and reaches 80\.0 deg"
     with pytest.raises(ProgramError, match=message):
         plan(joints(0.0, np.radians(80.0), np.radians(30.0), 0.0, 0.0, 0.0), start=(0.0,) * 6)

@@ -1,4 +1,4 @@
-"""A person's program is read in degrees and millimetres; what is wrong in it has a line."""
+"""Program files are read in degrees and millimetres; errors name the line."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ seconds = 0.5
 """
 
 
-def test_units_are_turned_into_si():
+def test_units_are_converted_to_si():
     program = parse_program(GOOD, source="good.toml")
     joint, line, circle, wait = program.instructions
     assert isinstance(joint, MoveJ)

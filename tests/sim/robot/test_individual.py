@@ -1,4 +1,4 @@
-"""Individuals differ as told, payloads weigh what they weigh, and only copies change."""
+"""Individuals have their parameters, payloads their weight, and the design does not change."""
 
 from dataclasses import replace
 
@@ -92,7 +92,7 @@ def test_the_stiff_part_of_a_gear_with_lost_motion_scales_with_it(design):
     assert np.divide(stiff[6:], stiff[:6]) == pytest.approx(individual.gear_stiffness)
 
 
-def test_geometry_errors_move_the_tool_by_what_uncalibrated_robots_miss(design, reference):
+def test_geometry_errors_move_the_tool_by_millimetres(design, reference):
     """Millimetres at the tool, from half a millimetre and half a milliradian at each joint."""
     import mujoco
 
@@ -119,7 +119,7 @@ def test_phases_of_ripple_and_gear_error_are_the_individuals_own(design):
     assert robot.mj.actuator_biasprm[axis, 2] == full.mj.actuator_biasprm[axis, 2] + 0.5
 
 
-def test_a_payload_weighs_at_the_elbow_what_its_lever_says(design):
+def test_the_torque_of_a_payload_at_the_elbow_is_weight_times_lever(design):
     """Stretched forward in the zero pose: 0.25 m beyond the flange, gravity down."""
     heavy = with_payload(design, 140.0)
     forces = [
@@ -142,7 +142,7 @@ def test_a_payload_changes_the_tool_alone(design):
     assert ratio == pytest.approx(175.0 / 40.0)
 
 
-def test_the_controller_feeds_forward_what_it_knows_not_what_it_carries(design):
+def test_the_feedforward_is_that_of_the_nominal_model(design):
     task = CircleTask(pose=LARGE_CELL.poses["p1"])
     heavy = with_payload(design, 175.0)
 
@@ -172,7 +172,7 @@ def test_a_repetition_is_the_same_robot_with_other_noise(design):
 
 
 @pytest.mark.parametrize("mass", [-1.0, np.nan, np.inf])
-def test_a_payload_that_cannot_be_is_refused(design, mass):
+def test_a_negative_payload_is_refused(design, mass):
     with pytest.raises(ValueError, match="payload must be >= 0 kg"):
         with_payload(design, mass)
 

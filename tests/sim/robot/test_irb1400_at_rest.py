@@ -1,4 +1,4 @@
-"""The IRB1400 at rest: what its IMU feels with the motors off and on. Thesis 5.1.1, Fig. 5.2."""
+"""The IRB1400 at rest: IMU acceleration with the motors off and on. Thesis 5.1.1, Fig. 5.2."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The virtual robot is physics: it rests, repeats, follows, and tells what it hit."""
+"""The virtual robot rests, repeats bit by bit, follows its reference and reports limits."""
 
 from dataclasses import replace
 
@@ -47,16 +47,14 @@ def _ideal_encoder(model):
     return replace(model, drives=replace(model.drives, encoder_counts=0.0))
 
 
-def test_a_robot_that_is_told_to_stay_stays(model, cut):
+def test_a_robot_at_a_constant_reference_rests(model, cut):
     still = np.repeat(cut[1][:1], 120, axis=0)
     recording = VirtualRobot(model).load(still).run()
     moved = recording.truth.tool_position - recording.truth.tool_position[0]
     assert np.abs(moved).max() < 1e-7  # equilibrium is found to 1e-13 rad at each spring
 
 
-def test_a_run_that_falls_apart_is_not_finite_from_there_on_and_leaves_no_file(
-    job, monkeypatch, tmp_path
-):
+def test_an_unstable_run_is_not_finite_from_there_on_and_leaves_no_file(job, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     controls = job.controls.copy()
     controls[400:] = 1e300
@@ -181,7 +179,7 @@ def test_friction_factors_scale_coulomb_and_static_friction(model):
         (np.zeros(6), "shape"),
     ],
 )
-def test_references_that_are_none_are_refused(model, values, message):
+def test_invalid_references_are_refused(model, values, message):
     with pytest.raises(ValueError, match=message):
         VirtualRobot(model).load(values)
 
