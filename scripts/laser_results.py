@@ -61,9 +61,9 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
 
 def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
     """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
-    stride = experiment.job.ratio
+    stride = experiment.loaded.ratio
     runs = [it.trial.result.recording for it in iterations if not it.trial.diverged]
-    mj = experiment.job.model.mj
+    mj = experiment.loaded.model.mj
     return max((checked_loop_error(mj, run.truth.qpos[::stride]) for run in runs), default=0.0)
 
 
@@ -122,7 +122,7 @@ def write(
     ]
     config = outcome["config"]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
-    write_run(folder / "replay.rrd", outcome, experiment.job.model.mj, runs, experiment.motion)
+    write_run(folder / "replay.rrd", outcome, experiment.loaded.model.mj, runs, experiment.motion)
     rows = outcome["iterations"]
     curve = experiment.task.curve
     figures.circles(

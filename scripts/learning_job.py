@@ -67,7 +67,7 @@ class LearningJob:
             "diverged": np.array(missing > 0 or last_diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "motion_end": np.array(self._motion_end(experiment)),
-            "gear": experiment.job.model.drives.gear,
+            "gear": experiment.loaded.model.drives.gear,
         }
 
     def prepare(self) -> Experiment:

@@ -19,7 +19,7 @@ def estimation() -> Sequence[Row]:
     """One cut at p1, 40 mm/s, 100 Hz IMU; experiments of six runs."""
     case, cfg = Case(), ArmLearningCfg()
     experiment, arm = case.experiment(), case.arm()
-    first = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    first = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
     log = first.recording
     assert first.imu is not None
     samples = mended(first.imu, case.imu)

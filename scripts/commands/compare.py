@@ -167,4 +167,4 @@ def _write_replay(file: Path, case: Case, found: dict[str, list[Iteration]]) -> 
         Run(k=k, recording=it.trial.result.recording, tracker=it.trial.result.tracker)
         for k, it in enumerate(shown)
     ]
-    write_replay(file, experiment.job.model.mj, runs, experiment.motion, LARGE_CELL.robot)
+    write_replay(file, experiment.loaded.model.mj, runs, experiment.motion, LARGE_CELL.robot)

@@ -84,7 +84,7 @@ def run(cfg: IdentifyCfg, experiment: Experiment, robot: RobotModel, seed: int) 
 
     source = cfg.model or CELLS[cfg.robot].xml
     arm = believed_arm(cfg, seed)
-    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    made = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
     log, unit = made.recording, experiment.plant.imu
     assert made.imu is not None
     assert unit is not None

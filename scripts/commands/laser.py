@@ -39,7 +39,7 @@ def prepare(cfg: LaserCfg, seed: int) -> Experiment:
         without=[Effect(name) for name in cfg.without],
         imu=imu,
     )
-    learning_law(cfg).check(*experiment.job.reference.shape)
+    learning_law(cfg).check(*experiment.loaded.reference.shape)
     return experiment
 
 

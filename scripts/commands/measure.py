@@ -98,7 +98,7 @@ def _of_a_run(table: pa.Table, file: Path) -> list[Measured]:
         raise ValueError(f"{file.name} is of {signals.config.get('experiment')}, not of laser")
     stored = StoredRun(file, {"config": signals.config})
     experiment = laser.prepare(stored.configuration(laser.LaserCfg), signals.seed or 0)
-    gear = experiment.job.model.drives.gear
+    gear = experiment.loaded.model.drives.gear
     rows = []
     for motors, run in zip(measure_table(table, gear, None), signals.runs, strict=True):
         rms = maxdev = np.nan

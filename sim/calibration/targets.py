@@ -87,10 +87,10 @@ class Learned:
 
 @dataclass(frozen=True)
 class _Plant:
-    job: LoadedReference
+    loaded: LoadedReference
 
     def run(self, correction: Array, /) -> Recording:
-        return self.job.run(correction)
+        return self.loaded.run(correction)
 
 
 def learned(
@@ -106,10 +106,10 @@ def learned(
     """Run one experiment of the nominal robot, without noise."""
     task = CircleTask(pose=LARGE_CELL.poses[pose], speed=speed)
     motion, reference = plan(LARGE_CELL, Statics(model), task.path, task.pose.quaternion, speed)
-    job = VirtualRobot(with_effects(model, effects, phi=reference[0])).load(reference)
+    loaded = VirtualRobot(with_effects(model, effects, phi=reference[0])).load(reference)
     law = Heuristic(Q=ZeroPhaseButterworth(cutoff, LOG_PERIOD), gamma=0.9, delta=delta)
     trials = list(
-        learn(_Plant(job), law, reference, iterations, output_of=lambda run: run.motor_angle)
+        learn(_Plant(loaded), law, reference, iterations, output_of=lambda run: run.motor_angle)
     )
     sides = [_side(motion, trial) for trial in trials]
     errors = [trial.error * model.drives.gear for trial in trials]

@@ -312,7 +312,7 @@ def begin(
     Raises:
         ImuError: the IMU cannot be used, and `cfg.on_fault` refuses to go on.
     """
-    first = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    first = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
     known = commission(robot, arm, imu, first, cfg, springs)
     motion = experiment.motion
     turns = motion.programmed_speed / motion.path.curve.length

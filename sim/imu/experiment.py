@@ -40,13 +40,13 @@ class ImuRun:
     """The individual, for evaluation only."""
 
 
-def sense(job: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
-    """Run a job once with an IMU on the tool.
+def sense(loaded: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
+    """Run a loaded reference once with an IMU on the tool.
 
     seed: of the robot's noise and of the IMU individual, in separate streams.
     """
     of_robot, of_imu = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
-    recording = job.run(rng=of_robot)
+    recording = loaded.run(rng=of_robot)
     imu, truth = draw(cfg, of_imu), recording.truth
     samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, of_imu)
     return ImuRun(recording=recording, samples=samples, imu=imu)

@@ -30,7 +30,7 @@ class Experiment:
 
     task: CutTask
     motion: ToolMotion
-    job: LoadedReference
+    loaded: LoadedReference
     plant: CuttingPlant
 
 
@@ -86,23 +86,23 @@ def prepare(
     else:
         factor = np.random.default_rng(drawing).uniform(-friction_spread, friction_spread, 6)
         real = with_friction(real, 1.0 + factor)
-    job = VirtualRobot(real, nominal=known).load(reference)
+    loaded = VirtualRobot(real, nominal=known).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
     if imu is not None:
         drawn = draw(imu, np.random.default_rng(mounting))
         unit = MountedImu(drawn, np.random.default_rng(reading))
-    plant = CuttingPlant(job, tracker, np.random.default_rng(noise), unit)
-    return Experiment(task=task, motion=motion, job=job, plant=plant)
+    plant = CuttingPlant(loaded, tracker, np.random.default_rng(noise), unit)
+    return Experiment(task=task, motion=motion, loaded=loaded, plant=plant)
 
 
 def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Iteration]:
     """Run and learn, k = 0 .. iterations, until done or diverged."""
-    job = experiment.job
+    loaded = experiment.loaded
     trials = learning.learn(
         experiment.plant,
         law,
-        job.reference,
+        loaded.reference,
         iterations,
         output_of=lambda run: run.recording.motor_angle,
     )
@@ -112,12 +112,12 @@ def iterate(experiment: Experiment, law: Law, iterations: int) -> Iterator[Itera
 
 def judged(experiment: Experiment, trial: learning.Trial[Pass]) -> Iteration:
     """A trial with its measures on motor and arm side."""
-    job, motion = experiment.job, experiment.motion
-    stride = round(1.0 / (experiment.plant.tracker.cfg.rate * job.model.timestep))
+    loaded, motion = experiment.loaded, experiment.motion
+    stride = round(1.0 / (experiment.plant.tracker.cfg.rate * loaded.model.timestep))
     truth, seen = trial.result.recording.truth, trial.result.tracker
     return Iteration(
         trial=trial,
-        motor_error=trial.result.recording.error * job.model.drives.gear,
+        motor_error=trial.result.recording.error * loaded.model.drives.gear,
         arm=tool_error(motion, seen.time, seen.position),
         arm_true=tool_error(motion, truth.time[::stride], truth.tool_position[::stride]),
     )

@@ -78,9 +78,9 @@ class MountedImu:
 
 @dataclass(frozen=True)
 class CuttingPlant:
-    """A loaded job under a laser tracker, as the plant of a learning loop; an IMU if wanted."""
+    """Plant of a learning loop: a loaded reference under a laser tracker, with an IMU if wanted."""
 
-    job: LoadedReference
+    loaded: LoadedReference
     tracker: LaserTracker
     rng: np.random.Generator
     """Source of torque and tracker noise."""
@@ -88,7 +88,7 @@ class CuttingPlant:
 
     def run(self, correction: Array, /) -> Pass:
         """Cut once with a correction."""
-        recording = self.job.run(correction, self.rng)
+        recording = self.loaded.run(correction, self.rng)
         truth = recording.truth
         samples = self.tracker.measure(
             truth.time, truth.tool_position, truth.tool_quaternion, self.rng

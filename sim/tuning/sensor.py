@@ -111,7 +111,7 @@ class _Estimate:
         nominal = _nominal(self.robot)
         cfg = ArmLearningCfg(on_fault=OnFault.GO_ON)
         # The payload is known; the individual's springs are not.
-        added = experiment.job.model.mj.body("tool").mass[0] - nominal.mj.body("tool").mass[0]
+        added = experiment.loaded.model.mj.body("tool").mass[0] - nominal.mj.body("tool").mass[0]
         arm = nominal_arm(nominal, NominalCfg(payload=float(added)))
         known = commission(nominal, arm, ImuCfg(), first, cfg)
         return _EstimateReading(cfg, known, experiment.motion)

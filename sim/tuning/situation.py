@@ -50,7 +50,7 @@ class Situation:
 
 def begin(task: Task, experiment: Experiment, sensor: Sensor) -> Situation:
     """Run once without learning, k = 0, and set the sensor up by it."""
-    correction = np.zeros_like(experiment.job.reference)
+    correction = np.zeros_like(experiment.loaded.reference)
     cut = experiment.plant.run(correction)
     reading = sensor(experiment, cut)
     return _situation(task, experiment, reading, 0, correction, cut)
@@ -84,11 +84,11 @@ def _situation(
 ) -> Situation:
     truth = cut.recording.truth
     tracker_stride = round(
-        1.0 / (experiment.plant.tracker.cfg.rate * experiment.job.model.timestep)
+        1.0 / (experiment.plant.tracker.cfg.rate * experiment.loaded.model.timestep)
     )
     time, position = truth.time[::tracker_stride], truth.tool_position[::tracker_stride]
     error = cut.recording.error
-    motor_error = error * experiment.job.model.drives.gear
+    motor_error = error * experiment.loaded.model.drives.gear
     norm = two_norm(motor_error)
     first = norm if first is None else first
     return Situation(

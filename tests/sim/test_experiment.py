@@ -40,8 +40,8 @@ def test_motor_error_is_that_of_the_motor_shaft(model):
 def test_controller_knows_the_nominal_robot_only(model):
     """Individuals of other friction are asked for the same reference."""
     one, other = _experiment(model, seed=1), _experiment(model, seed=2)
-    assert np.array_equal(one.job.reference, other.job.reference)
-    friction = [e.job.model.mj.actuator_biasprm[:, 3] for e in (one, other)]
+    assert np.array_equal(one.loaded.reference, other.loaded.reference)
+    friction = [e.loaded.model.mj.actuator_biasprm[:, 3] for e in (one, other)]
     assert not np.array_equal(*friction)
 
 

@@ -32,7 +32,7 @@ CASE = Case(pose="p2", without=GEAR_EFFECTS)
 def first():
     """One cut before learning."""
     experiment = CASE.experiment()
-    return experiment.plant.run(np.zeros_like(experiment.job.reference))
+    return experiment.plant.run(np.zeros_like(experiment.loaded.reference))
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_linear_arm_with_its_curvature_reads_what_the_rollout_reads():
     # As soft as structure and gears together, so that its lowest modes are where the robot's are.
     arm = nominal_arm(load_model(LARGE_ROBOT_XML), NominalCfg(stiffness=0.4))
     experiment = case.experiment()
-    made = experiment.plant.run(np.zeros_like(experiment.job.reference))
+    made = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
     log = made.recording
     motion = observe(arm, log.motor_angle, float(log.time[1]))
     model = arm_filter(frozen(arm, log.motor_angle[0]), case.imu)

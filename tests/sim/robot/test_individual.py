@@ -33,7 +33,7 @@ def design():
 @pytest.fixture(scope="module")
 def reference(design):
     task = CircleTask(pose=LARGE_CELL.poses["p1"])
-    return prepare(LARGE_CELL, design, task, seed=0).job.reference
+    return prepare(LARGE_CELL, design, task, seed=0).loaded.reference
 
 
 def _individual(design, seed=0, **spread):
@@ -147,8 +147,8 @@ def test_the_feedforward_is_that_of_the_nominal_model(design):
     heavy = with_payload(design, 175.0)
 
     def fed_forward(known, hardware):
-        job = prepare(LARGE_CELL, known, task, seed=0, hardware=hardware).job
-        torque = job.controls.reshape(-1, 6, 3)[:, :, 2]
+        loaded = prepare(LARGE_CELL, known, task, seed=0, hardware=hardware).loaded
+        torque = loaded.controls.reshape(-1, 6, 3)[:, :, 2]
         return torque - torque[0]  # what holds the arm at rest is found by the servo
 
     unaware, unloaded, aware = (
@@ -164,8 +164,10 @@ def test_a_repetition_is_the_same_robot_with_other_noise(design):
     first, again, other = (
         prepare(LARGE_CELL, design, task, seed=3, repetition=r) for r in (0, 0, 1)
     )
-    assert np.array_equal(first.job.controls, other.job.controls)
-    assert np.array_equal(first.job.model.mj.actuator_biasprm, other.job.model.mj.actuator_biasprm)
+    assert np.array_equal(first.loaded.controls, other.loaded.controls)
+    assert np.array_equal(
+        first.loaded.model.mj.actuator_biasprm, other.loaded.model.mj.actuator_biasprm
+    )
     draws = [e.plant.rng.standard_normal(4) for e in (first, again, other)]
     assert np.array_equal(draws[0], draws[1])
     assert not np.array_equal(draws[0], draws[2])

@@ -15,7 +15,7 @@ def test_a_run_builds_the_statics_of_each_model_once(monkeypatch):
     monkeypatch.setattr(Statics, "__init__", lambda self, m: (models.append(m), build(self, m))[1])
     nominal = load_model(LARGE_CELL.xml)
     experiment = prepare(LARGE_CELL, nominal, CircleTask(pose=LARGE_CELL.poses["p1"]), seed=0)
-    experiment.plant.run(np.zeros_like(experiment.job.reference))
+    experiment.plant.run(np.zeros_like(experiment.loaded.reference))
     # Controller, robot without friction of its own, individual.
     assert len(models) == len({id(model) for model in models}) == 3
     assert models[0] is nominal

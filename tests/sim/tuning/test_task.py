@@ -57,10 +57,10 @@ def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what
         task.experiment(cell, nominal, draw("large", np.random.default_rng(1), given))
         for given in ({"payload": 20.0, "pose": "p1"}, {"payload": 80.0, "pose": "p1"})
     )
-    mass = [e.job.model.mj.body("tool").mass[0] for e in (light, heavy)]
+    mass = [e.loaded.model.mj.body("tool").mass[0] for e in (light, heavy)]
     assert mass == pytest.approx([20.0, 80.0])
-    assert not np.array_equal(light.job.reference, heavy.job.reference)
-    springs = [e.job.model.mj.jnt_stiffness for e in (light, heavy)]
+    assert not np.array_equal(light.loaded.reference, heavy.loaded.reference)
+    springs = [e.loaded.model.mj.jnt_stiffness for e in (light, heavy)]
     assert np.array_equal(*springs)  # one individual
     assert not np.allclose(springs[0], nominal.mj.jnt_stiffness, rtol=0.01)
 
