@@ -1,4 +1,7 @@
-"""Operating points: those of the large robot in thesis chapter 9, and three for the IRB1400."""
+"""Robot cells: a robot with its limits, named tool poses and motion programs.
+
+The large robot has the operating points of thesis chapter 9, the IRB1400 three of its own.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,7 +15,7 @@ from armside.arrays import Array
 
 @dataclass(frozen=True)
 class ToolPose:
-    """Where the tool is put: the centre of the contour and the tool's orientation."""
+    """Pose of the tool at the centre of a contour."""
 
     position: tuple[float, float, float]
     """[m], TCP0 in base axes."""
@@ -21,13 +24,13 @@ class ToolPose:
 
     @property
     def tool_axis(self) -> Array:
-        """Direction in which the tool points: its z axis in base axes, shape (3,)."""
+        """z axis of the tool in base axes, shape (3,)."""
         w, x, y, z = self.quaternion
         return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _normalised(*q: float) -> tuple[float, float, float, float]:
-    """(9.4) is printed with four decimals: its norm is 1.000004."""
+    # (9.4) is printed with four decimals: its norm is 1.000004.
     w, x, y, z = np.array(q) / np.linalg.norm(q)
     return float(w), float(x), float(y), float(z)
 
@@ -50,12 +53,12 @@ IRB1400_POSES = {
     "p2": ToolPose((1.2500, 0.1000, 1.1000), _TO_THE_LEFT),
     "p3": ToolPose((1.3000, 0.2500, 0.9500), _TO_THE_LEFT),
 }
-"""Near, far and stretched, within the reach of the IRB1400; the thesis has none. The tool is turned
-so that every motor moves: one that stays within its stiction cannot be improved."""
+"""Near, far and stretched, within the reach of the IRB1400; the thesis has none. With these
+orientations every motor moves: one that stays within its stiction cannot be improved."""
 
 
 def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
-    """The pose of that name.
+    """Pose by name.
 
     Raises:
         ValueError: unknown name; the message lists those that exist.
@@ -67,23 +70,22 @@ def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPo
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One kind of robot at its place: data only."""
+    """Robot type with its limits, poses and programs: data only."""
 
     xml: Path
     """MJCF of the virtual hardware."""
     robot: kinematics.Robot
-    """Its D-H model, as the controller knows it."""
+    """Nominal D-H model of the controller."""
     with_imu: kinematics.Robot
-    """The same down to the IMU."""
+    """D-H model with the IMU as its last frame."""
     limits: kinematics.Limits
     poses: Mapping[str, ToolPose]
     """Named poses of the tool."""
     programs: Mapping[str, tuple[Path, ...]]
-    """Motions of the IMU experiment by name: the programs they consist of."""
+    """Program files of each motion of the IMU experiment, by name."""
 
 
 _PROGRAMS = assets.IRB1400_XML.parent / "programs"
-
 
 LARGE_CELL = Cell(
     xml=assets.LARGE_ROBOT_XML,

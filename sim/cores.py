@@ -1,4 +1,4 @@
-"""How many cores there are to work on."""
+"""Number of processor cores."""
 
 import os
 

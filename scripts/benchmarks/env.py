@@ -49,10 +49,10 @@ def env() -> Sequence[Row]:
 
 
 def _bare(cells: IlcTuningVectorEnv) -> Callable[[], None]:
-    jobs = [situation.experiment.job for situation in cells.situations]
-    models = [job.model.mj for job in jobs]
-    controls = np.stack([job.controls for job in jobs])
-    initial = np.stack([job.initial_state for job in jobs])
+    references = [situation.experiment.loaded for situation in cells.situations]
+    models = [loaded.model.mj for loaded in references]
+    controls = np.stack([loaded.controls for loaded in references])
+    initial = np.stack([loaded.initial_state for loaded in references])
     data = [mujoco.MjData(models[0]) for _ in range(cores())]
 
     def run() -> None:

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from armside.sim.robot.virtual_robot import Job
+from armside.sim.robot.run import LoadedReference
 
 from ..commands import imu as command
 from ..shell.options import Common
@@ -21,9 +21,9 @@ def imu() -> Sequence[Row]:
     rows: list[Row] = []
     for form in ("full", "gears", "rigid"):
         cfg = replace(command.ImuExperimentCfg(), flexibility=form)
-        job = command.prepare(cfg)[0].job
-        run, bare = interleaved([run_of(job), bare_rollout_of(job)], repeats=5)
-        seconds = float(len(job.powered) * job.model.timestep)
+        loaded = command.prepare(cfg)[0].loaded
+        run, bare = interleaved([run_of(loaded), bare_rollout_of(loaded)], repeats=5)
+        seconds = float(len(loaded.powered) * loaded.model.timestep)
         name = f"{form}: one run, {seconds / run:.0f} times real time"
         rows.append(Row(name, run, "bare mujoco.rollout", bare))
     with tempfile.TemporaryDirectory() as folder:
@@ -31,24 +31,24 @@ def imu() -> Sequence[Row]:
     return [*rows, Row("simultaneous experiment: planned, run, processed, drawn", whole)]
 
 
-def run_of(job: Job) -> Callable[[], None]:
-    """One run of a job, noise and recording included."""
+def run_of(loaded: LoadedReference) -> Callable[[], None]:
+    """One run of a loaded reference, noise and recording included."""
     rng = np.random.default_rng(0)
 
     def run() -> None:
-        job.run(rng=rng)
+        loaded.run(rng=rng)
 
     return run
 
 
-def bare_rollout_of(job: Job) -> Callable[[], None]:
+def bare_rollout_of(loaded: LoadedReference) -> Callable[[], None]:
     """The same steps and nothing else."""
-    controls = job.controls_with(np.zeros_like(job.reference), None)[0][None]
-    state, data = job.initial_state[None], [mujoco.MjData(job.model.mj)]
+    controls = loaded.controls_with(np.zeros_like(loaded.reference), None)[0][None]
+    state, data = loaded.initial_state[None], [mujoco.MjData(loaded.model.mj)]
 
     def roll_out() -> None:
         with Rollout(nthread=0) as rollout:
-            rollout.rollout([job.model.mj], data, state, controls)
+            rollout.rollout([loaded.model.mj], data, state, controls)
 
     return roll_out
 

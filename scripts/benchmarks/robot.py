@@ -18,17 +18,17 @@ N_EXPERIMENTS = 12
 def robot() -> Sequence[Row]:
     """One run against a bare rollout of the same steps; then the default experiment."""
     experiment = laser.prepare(laser.LaserCfg(), seed=0)
-    job = experiment.job
-    correction = np.zeros_like(job.reference)
-    controls = job.controls_with(correction, None)[0][None]
-    state, data = job.initial_state[None], [mujoco.MjData(job.model.mj)]
+    loaded = experiment.loaded
+    correction = np.zeros_like(loaded.reference)
+    controls = loaded.controls_with(correction, None)[0][None]
+    state, data = loaded.initial_state[None], [mujoco.MjData(loaded.model.mj)]
     rng = np.random.default_rng(0)
 
     def bare() -> None:
         with Rollout(nthread=0) as rollout:
-            rollout.rollout([job.model.mj], data, state, controls)
+            rollout.rollout([loaded.model.mj], data, state, controls)
 
-    run, rollout = interleaved([lambda: job.run(correction, rng), bare])
+    run, rollout = interleaved([lambda: loaded.run(correction, rng), bare])
     (whole,) = interleaved([lambda: laser.run(laser.LaserCfg(), 0)], repeats=5)
     return [
         Row("VirtualRobot run", run, "bare mujoco.rollout", rollout),

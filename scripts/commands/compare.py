@@ -171,4 +171,4 @@ def _write_replay(file: Path, case: Case, found: dict[str, list[Iteration]]) -> 
     runs = [
         Run(k=k, recording=it.run.recording, tracker=it.run.tracker) for k, it in enumerate(shown)
     ]
-    write_replay(file, experiment.job.model.mj, runs, experiment.motion, LARGE_CELL.robot)
+    write_replay(file, experiment.loaded.model.mj, runs, experiment.motion, LARGE_CELL.robot)

@@ -32,7 +32,8 @@ from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.linkage import checked_loop_error
 from armside.sim.robot.model import RobotModel, load_model
 from armside.sim.robot.recording import Recording
-from armside.sim.robot.virtual_robot import LOG_PERIOD, Job, VirtualRobot
+from armside.sim.robot.run import LoadedReference
+from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot
 
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -96,7 +97,7 @@ class Prepared:
     """One program, loaded into the robot."""
 
     name: str
-    job: Job
+    loaded: LoadedReference
     since: float
     """End of the synchronisation [s]."""
     motion: JointMotion
@@ -151,7 +152,7 @@ def _prepared(path: Path, cell: Cell, robot: VirtualRobot) -> Prepared:
     motion = plan_program(program, cell.robot, cell.limits, step=LOG_PERIOD)
     return Prepared(
         name=path.stem,
-        job=robot.load(motion.phi),
+        loaded=robot.load(motion.phi),
         since=synchronised_at(program, motion),
         motion=motion,
     )
@@ -160,9 +161,9 @@ def _prepared(path: Path, cell: Cell, robot: VirtualRobot) -> Prepared:
 def run_one(cfg: ImuExperimentCfg, prepared: Prepared, seed: int) -> Done:
     """Run one program and evaluate it."""
     cell = CELLS[cfg.robot]
-    run = sense(prepared.job, ImuCfg(), seed)
+    run = sense(prepared.loaded, ImuCfg(), seed)
     evaluation = evaluate(run, cell.robot, cell.with_imu, processing(cfg))
-    measures = measure(run, evaluation, prepared.job.model.mj, since=prepared.since)
+    measures = measure(run, evaluation, prepared.loaded.model.mj, since=prepared.since)
     return Done(prepared=prepared, run=run, evaluation=evaluation, measures=measures)
 
 
@@ -226,7 +227,7 @@ def processed_again(cfg: ImuExperimentCfg, done: Done) -> Done:
     """A run, processed by other options."""
     cell, prepared = CELLS[cfg.robot], done.prepared
     evaluation = evaluate(done.run, cell.robot, cell.with_imu, processing(cfg))
-    measures = measure(done.run, evaluation, prepared.job.model.mj, since=prepared.since)
+    measures = measure(done.run, evaluation, prepared.loaded.model.mj, since=prepared.since)
     return replace(done, evaluation=evaluation, measures=measures)
 
 
@@ -283,7 +284,7 @@ def _write(
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
     pairs = [(one.run, one.evaluation) for one in done]
     write_imu_signals(folder / "imu.parquet", pairs, config=config)
-    write_imu_replay(folder / "replay.rrd", done[0].prepared.job.model.mj, pairs)
+    write_imu_replay(folder / "replay.rrd", done[0].prepared.loaded.model.mj, pairs)
     for one in done:
         suffix = f"-{one.prepared.name}" if len(done) > 1 else ""
         _draw(folder, cfg, one, suffix)
@@ -363,9 +364,9 @@ def _print(report: Report, done: list[Done]) -> None:
 def run_rest(cfg: ImuExperimentCfg, seed: int) -> tuple[ImuRun, Rest]:
     """The robot in its zero pose: motors off, then on."""
     n = round((cfg.off + cfg.on) / LOG_PERIOD) + 1
-    job = VirtualRobot(robot_model(cfg)).load(np.tile(REST_POSE, (n, 1)), motors_on_at=cfg.off)
+    loaded = VirtualRobot(robot_model(cfg)).load(np.tile(REST_POSE, (n, 1)), motors_on_at=cfg.off)
     sensor = replace(ImuCfg(), clock_offset=0.0)
-    run = sense(job, sensor, seed)
+    run = sense(loaded, sensor, seed)
     return run, at_rest(run.samples, cfg.off, sensor.rate)
 
 

@@ -87,7 +87,7 @@ def cut(cfg: MeasureCfg) -> Cut | None:
 
 def _of_a_run(table: pa.Table, file: Path) -> list[Measured]:
     """As `armside laser` measured it, from the signals alone."""
-    from armside.sim.evaluation.tool_error import arm_side
+    from armside.sim.evaluation.tool_error import tool_error
     from armside.sim.records.signals import signals_of
     from armside.sim.records.stored_run import StoredRun
 
@@ -98,12 +98,12 @@ def _of_a_run(table: pa.Table, file: Path) -> list[Measured]:
         raise ValueError(f"{file.name} is of {signals.config.get('experiment')}, not of laser")
     stored = StoredRun(file, {"config": signals.config})
     experiment = laser.prepare(stored.configuration(laser.LaserCfg), signals.seed or 0)
-    gear = experiment.job.model.drives.gear
+    gear = experiment.loaded.model.drives.gear
     rows = []
     for motors, run in zip(measure_table(table, gear, None), signals.runs, strict=True):
         rms = maxdev = np.nan
         if run.tracker is not None:
-            arm = arm_side(experiment.motion, run.tracker.time, run.tracker.position)
+            arm = tool_error(experiment.motion, run.tracker.time, run.tracker.position)
             rms, maxdev = arm.rms, arm.maxdev
         rows.append(
             Measured(

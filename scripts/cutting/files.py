@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.records.run_folder import RunFolder
@@ -26,7 +26,7 @@ def write(
     runs = [Run(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations]
     config = outcome["config"]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
-    write_run(folder / "replay.rrd", outcome, experiment.job.model.mj, runs, experiment.motion)
+    write_run(folder / "replay.rrd", outcome, experiment.loaded.model.mj, runs, experiment.motion)
     rows = outcome["iterations"]
     curve = experiment.cut.curve
     figures.circles(

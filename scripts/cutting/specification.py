@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from armside.sim.cell import CELLS, ToolPose, pose
-from armside.sim.cut.contour import ClosedCurve, hexagon, slot, square
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import Design

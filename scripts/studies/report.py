@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.sim.robot.model import N_AXES
-from armside.sim.tuning.action import VARIABLES
+from armside.sim.tuning.design import VARIABLES
+
+from armside.sim.robot.mjcf import N_AXES
 from armside.sim.tuning.sensor import Sees
 
 from ..shell.console import Report

@@ -106,7 +106,7 @@ class ImuJob:
                 "tool": done.evaluation.tool,
                 "tool_predicted": done.evaluation.tool_predicted,
                 "imu_position": imu_position(self.cfg, recording),
-                "gear": done.prepared.job.model.drives.gear,
+                "gear": done.prepared.loaded.model.drives.gear,
                 "clock_errors": clock_errors(self.cfg, recording, rngs),
             }
         )

@@ -21,5 +21,5 @@ def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
     with checking_input():
         cfg = run.configuration(laser.LaserCfg)
         experiment = laser.prepare(cfg, run.summary["config"]["seed"])
-    mj = experiment.job.model.mj
+    mj = experiment.loaded.model.mj
     return scene(run.summary, mj, run.signals.runs, experiment.motion, name=name)

@@ -16,14 +16,16 @@ from armside.ilc.learning import Trial, learn
 from armside.ilc.measures import norms as measures
 
 from ..cell import LARGE_CELL
+from ..cut.task import CircleTask
 from ..cut.tool_motion import ToolMotion
-from ..evaluation.tool_error import ArmSide, arm_side
-from ..laser.experiment import CircleTask
+from ..evaluation.tool_error import ToolError, tool_error
 from ..laser.plant import plan
 from ..robot.effects import Effect, with_effects
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.virtual_robot import LOG_PERIOD, Job, VirtualRobot
+from ..robot.run import LoadedReference
+from ..robot.statics import Statics
+from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 
 POSES = ("p1", "p2", "p3")
 _TRACKER_STRIDE = 2  # physics steps per tracker sample
@@ -85,10 +87,10 @@ class Learned:
 
 @dataclass(frozen=True)
 class _Plant:
-    job: Job
+    loaded: LoadedReference
 
     def run(self, correction: Array, /) -> Recording:
-        return self.job.run(correction)
+        return self.loaded.run(correction)
 
 
 def learned(
@@ -103,11 +105,11 @@ def learned(
 ) -> Learned:
     """Run one experiment of the nominal robot, without noise."""
     task = CircleTask(pose=LARGE_CELL.poses[pose], speed=speed)
-    motion, reference = plan(LARGE_CELL, model, task.path, task.pose.quaternion, speed)
-    job = VirtualRobot(with_effects(model, effects, phi=reference[0])).load(reference)
+    motion, reference = plan(LARGE_CELL, Statics(model), task.path, task.pose.quaternion, speed)
+    loaded = VirtualRobot(with_effects(model, effects, phi=reference[0])).load(reference)
     law = Heuristic(Q=ZeroPhaseButterworth(cutoff, LOG_PERIOD), gamma=0.9, delta=delta)
     trials = list(
-        learn(_Plant(job), law, reference, iterations, output_of=lambda run: run.motor_angle)
+        learn(_Plant(loaded), law, reference, iterations, output_of=lambda run: run.motor_angle)
     )
     sides = [_side(motion, trial) for trial in trials]
     errors = [trial.error * model.drives.gear for trial in trials]
@@ -122,10 +124,10 @@ def learned(
     )
 
 
-def _side(motion: ToolMotion, trial: Trial[Recording]) -> ArmSide:
+def _side(motion: ToolMotion, trial: Trial[Recording]) -> ToolError:
     truth = trial.result.truth
     every = slice(None, None, _TRACKER_STRIDE)
-    return arm_side(motion, truth.time[every], truth.tool_position[every])
+    return tool_error(motion, truth.time[every], truth.tool_position[every])
 
 
 def learning_findings(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Finding]:

@@ -1,4 +1,8 @@
-"""What a closed contour in a plane is."""
+"""Closed contours in a plane: circles, and chains of arcs and lines such as squares and slots.
+
+A `ClosedCurve` is anything with length, curvature radius, point, tangent and nearest point by arc
+length; own contours are read by `armside.sim.cut.contour_file`.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,11 +15,11 @@ from armside.arrays import Array
 
 
 class ClosedCurve(Protocol):
-    """A closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
+    """Closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
 
     @property
     def length(self) -> float:
-        """Once around [m]."""
+        """Length of one turn [m]."""
         ...
 
     @property
@@ -32,17 +36,47 @@ class ClosedCurve(Protocol):
         ...
 
     def nearest(self, p: Array) -> Array:
-        """Arc length of the point of the curve that is nearest to each of p (N, 2)."""
+        """Arc length of the nearest point of the curve to each of p (N, 2)."""
         ...
 
 
+@dataclass(frozen=True)
+class Circle:
+    """Circle around the origin of its plane; s = 0 on the plane's +x axis."""
+
+    radius: float
+    """[m]."""
+
+    def __post_init__(self) -> None:
+        _require_positive("radius", self.radius)
+
+    @property
+    def length(self) -> float:
+        return 2.0 * np.pi * self.radius
+
+    @property
+    def smallest_radius(self) -> float:
+        return self.radius
+
+    def point(self, s: ArrayLike) -> Array:
+        angle = np.asarray(s) / self.radius
+        return self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    def tangent(self, s: ArrayLike) -> Array:
+        angle = np.asarray(s) / self.radius
+        return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+    def nearest(self, p: Array) -> Array:
+        return self.radius * np.mod(np.arctan2(p[:, 1], p[:, 0]), 2.0 * np.pi)
+
+
 CLOSURE = 1e-9
-"""How far the end of a chain may lie from its start, relative to its length."""
+"""Largest gap between end and start of a chain, relative to its length."""
 
 
 @dataclass(frozen=True)
 class ArcsAndLines:
-    """A smooth closed chain of arcs and lines."""
+    """Smooth closed chain of arcs and lines."""
 
     start: tuple[float, float]
     """[m]."""
@@ -53,41 +87,37 @@ class ArcsAndLines:
         if not self.elements or not all(length > 0.0 for length, _ in self.elements):
             raise ValueError("every element of a contour must be longer than 0 m")
         gap = np.linalg.norm(self._corners[-1] - self._corners[0])
-        turn = sum(length * curvature for length, curvature in self.elements)
-        if gap > CLOSURE * self.length or abs(turn - 2.0 * np.pi) > 1e-9:
+        angle = sum(length * curvature for length, curvature in self.elements)
+        if gap > CLOSURE * self.length or abs(angle - 2.0 * np.pi) > 1e-9:
             raise ValueError(
                 f"the contour does not close: its end is {gap:g} m from its start and it turns by "
-                f"{np.degrees(turn):g} deg"
+                f"{np.degrees(angle):g} deg"
             )
 
     @property
     def length(self) -> float:
-        """Once around [m]."""
         return float(self._ends[-1])
 
     @property
     def smallest_radius(self) -> float:
-        """Smallest radius of curvature [m]."""
         return 1.0 / max(abs(curvature) for _, curvature in self.elements)
 
     def point(self, s: ArrayLike) -> Array:
-        """Shape (..., 2) [m]."""
         element, along = self._locate(s)
-        chord = _chord(along, self._curvature[element], self._heading[element])
-        return self._corners[element] + chord
+        return self._corners[element] + chord(
+            along, self._curvature[element], self._heading[element]
+        )
 
     def tangent(self, s: ArrayLike) -> Array:
-        """Unit vector along increasing s, shape (..., 2)."""
         element, along = self._locate(s)
         angle = self._heading[element] + self._curvature[element] * along
         return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
     def nearest(self, p: Array) -> Array:
-        """Arc length of the point of the contour that is nearest to each of p (N, 2)."""
         best, s = np.full(len(p), np.inf), np.zeros(len(p))
         for i, (length, curvature) in enumerate(self.elements):
             along = self._foot(p, i, length, curvature)
-            at = self._corners[i] + _chord(along, curvature, self._heading[i])
+            at = self._corners[i] + chord(along, curvature, self._heading[i])
             distance = np.linalg.norm(p - at, axis=1)
             closer = distance < best
             best[closer], s[closer] = distance[closer], self._ends[i] + along[closer]
@@ -101,15 +131,15 @@ class ArcsAndLines:
         offset = p - self._corners[i]
         if curvature == 0.0:
             return np.clip(offset @ tangent, 0.0, length)
-        # Seen from the centre of the arc, angle 0 is where it starts.
+        # Angle about the centre of the arc, from its start.
         to_centre = offset @ normal - 1.0 / curvature
         angle = np.arctan2(offset @ tangent * np.sign(curvature), -to_centre * np.sign(curvature))
         along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
-        # Beyond its end another element is as near: the start of this one is the end of the last.
+        # Beyond its end another element is as near.
         return np.minimum(along, length)
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
-        """The element at each arc length, and how far along it."""
+        """Element at each arc length, and the length along it."""
         wrapped = np.mod(np.asarray(s, dtype=np.float64), self.length)
         element = np.searchsorted(self._ends, wrapped, side="right") - 1
         element = np.clip(element, 0, len(self.elements) - 1)
@@ -117,7 +147,7 @@ class ArcsAndLines:
 
     @cached_property
     def _ends(self) -> Array:
-        """(E + 1,): arc length at the start of each element, and at the end of the last."""
+        """(E + 1,) [m], arc length at the start of each element and at the end of the last."""
         return np.concatenate([[0.0], np.cumsum([length for length, _ in self.elements])])
 
     @cached_property
@@ -126,46 +156,51 @@ class ArcsAndLines:
 
     @cached_property
     def _heading(self) -> Array:
-        """(E,): direction in which each element starts [rad]."""
-        turns = [length * curvature for length, curvature in self.elements]
-        return np.pi / 2 + np.concatenate([[0.0], np.cumsum(turns)[:-1]])
+        """(E,) [rad], direction of each element at its start."""
+        angles = [length * curvature for length, curvature in self.elements]
+        return np.pi / 2 + np.concatenate([[0.0], np.cumsum(angles)[:-1]])
 
     @cached_property
     def _corners(self) -> Array:
-        """(E + 1, 2): where each element starts, and the last one ends."""
+        """(E + 1, 2) [m], start of each element and end of the last."""
         steps = [
-            _chord(np.array(length), curvature, heading)
+            chord(length, curvature, heading)
             for (length, curvature), heading in zip(self.elements, self._heading, strict=True)
         ]
         return np.concatenate([[self.start], np.array(self.start) + np.cumsum(steps, axis=0)])
 
 
-def _chord(along: Array, curvature: Array | float, heading: Array | float) -> Array:
-    """From the start of an element to a point on it, (..., 2); a line is an arc of curvature 0."""
-    half = 0.5 * along * curvature
+def chord(along: Array | float, curvature: Array | float, heading: Array | float) -> Array:
+    """Vector (..., 2) [m] from the start of an element to a point on it; curvature 0 is a line."""
+    half = 0.5 * np.asarray(along) * curvature
     length = along * np.sinc(half / np.pi)
     return length[..., np.newaxis] * np.stack([np.cos(heading + half), np.sin(heading + half)], -1)
 
 
+def outward_normal(tangent: Array) -> Array:
+    """Unit normal (N, 2) to the right of tangents (N, 2): outwards if counter-clockwise."""
+    return np.column_stack([tangent[:, 1], -tangent[:, 0]])
+
+
 def square(side: float, corner_radius: float) -> ArcsAndLines:
-    """A square; it starts in the middle of its right side."""
+    """Square with rounded corners; it starts in the middle of its right side."""
     return regular_polygon(4, side, corner_radius)
 
 
 def hexagon(across_flats: float, corner_radius: float) -> ArcsAndLines:
-    """A regular hexagon with two sides along y, that far apart."""
+    """Regular hexagon with two sides along y, `across_flats` [m] apart."""
     return regular_polygon(6, across_flats, corner_radius)
 
 
 def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAndLines:
-    """n sides, each half of `across_flats` from the centre [m]; starts in the middle of a side.
+    """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side.
 
     Raises:
         ValueError: the corner radius does not fit: 0 < radius <= half of across_flats.
     """
     if n < 3:
         raise ValueError(f"a polygon has 3 sides or more, got {n}")
-    _positive("size", across_flats)
+    _require_positive("size", across_flats)
     if not 0.0 < corner_radius <= across_flats / 2:
         raise ValueError(
             f"corner radius must be above 0 and at most {across_flats / 2:g} m, got {corner_radius}"
@@ -177,8 +212,8 @@ def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAn
 
 
 def slot(length: float, width: float) -> ArcsAndLines:
-    """Two half circles joined by lines along x; it starts at the tip."""
-    _positive("width", width)
+    """Slot: two half circles joined by lines along x; it starts at the tip."""
+    _require_positive("width", width)
     if not length > width:
         raise ValueError(f"a slot must be longer than wide, got {length} and {width} m")
     radius = width / 2
@@ -187,6 +222,6 @@ def slot(length: float, width: float) -> ArcsAndLines:
     return ArcsAndLines((length / 2, 0.0), (quarter, line, half, line, quarter))
 
 
-def _positive(name: str, value: float) -> None:
+def _require_positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise ValueError(f"{name} must be > 0 m, got {value}")

@@ -1,4 +1,4 @@
-"""Closed contours of your own: corner points in TOML, or a drawing (DXF).
+"""Contour files: corner points in TOML, or a drawing (DXF).
 
 TOML, in millimetres around the centre of the cut; corners are rounded:
 
@@ -19,29 +19,28 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .contour import ArcsAndLines, ClosedCurve
-from .path import Circle
+from .contour import ArcsAndLines, Circle, ClosedCurve, chord
 
 Element = tuple[float, float]
 """Length [m], curvature [1/m]."""
 
 MM = 1e-3
 CORNER = 1.5
-"""Radius of corners where a file does not say [mm]."""
+"""Default radius of corners [mm]."""
 SMOOTH = 1e-4
-"""Largest kink between elements that counts as none [rad]."""
+"""Largest angle between elements that join smoothly [rad]."""
 SHORTEST = 1e-9
-"""Elements shorter than this vanish [m]."""
+"""Length below which an element is left out [m]."""
 
 
 def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
-    """The contour of a file.
+    """Contour of a file.
 
     Args:
         corner: radius of its corners [m]; None takes the file's own, or 1.5 mm.
 
     Raises:
-        ValueError: what the file lacks, or where it cannot be cut.
+        ValueError: a file that is not as above, or a contour that cannot be cut.
         OSError: the file cannot be read.
         ImportError: a drawing without the package ezdxf.
     """
@@ -54,7 +53,7 @@ def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
 
 
 def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
-    """A polygon with rounded corners.
+    """Polygon with rounded corners.
 
     Args:
         points: (K, 2) [m], in either order; the last is joined to the first.
@@ -62,7 +61,7 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
 
     Raises:
         ValueError: fewer than three points, points that coincide, or a side too short for its
-            corners (which).
+            corners.
     """
     p = np.asarray(points, dtype=np.float64)
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3 or not np.isfinite(p).all():
@@ -152,13 +151,13 @@ def _from_dxf(file: Path, corner: float | None) -> ClosedCurve:
 
 
 def _as_drawn(points: Array, bulge: Array) -> ArcsAndLines:
-    """A polyline with arcs; a bulge is the tangent of a quarter of its arc's angle."""
-    turned = 4.0 * np.arctan(bulge)
+    """Polyline with arcs; a bulge is the tangent of a quarter of its arc's angle."""
+    angle = 4.0 * np.arctan(bulge)
     side = np.roll(points, -1, axis=0) - points
-    chord = np.linalg.norm(side, axis=1)
-    heading = np.arctan2(side[:, 1], side[:, 0]) - turned / 2.0
-    kink = _wrapped(np.roll(heading, -1) - heading - turned)
-    if np.sum(turned) + np.sum(kink) < 0.0:
+    distance = np.linalg.norm(side, axis=1)
+    heading = np.arctan2(side[:, 1], side[:, 0]) - angle / 2.0
+    kink = _wrapped(np.roll(heading, -1) - heading - angle)
+    if np.sum(angle) + np.sum(kink) < 0.0:
         return _as_drawn(points[::-1], -np.roll(bulge[::-1], -1))
     if (worst := np.abs(kink).max()) > SMOOTH:
         corner = points[(np.abs(kink).argmax() + 1) % len(points)]
@@ -167,49 +166,42 @@ def _as_drawn(points: Array, bulge: Array) -> ArcsAndLines:
             f"with arcs must be smooth"
         )
     elements: list[Element] = []
-    for length, angle in zip(chord, turned, strict=True):
-        if abs(angle) < 1e-12:
+    for length, a in zip(distance, angle, strict=True):
+        if abs(a) < 1e-12:
             elements.append((float(length), 0.0))
         else:
-            radius = length / (2.0 * np.sin(abs(angle) / 2.0))
-            elements.append((float(radius * abs(angle)), float(np.copysign(1.0 / radius, angle))))
+            radius = length / (2.0 * np.sin(abs(a) / 2.0))
+            elements.append((float(radius * abs(a)), float(np.copysign(1.0 / radius, a))))
     return _chain(points[0], float(heading[0]), elements)
 
 
 def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAndLines:
-    """The chain begun anew where it heads along +y on its right side, as contours start."""
-    ways = [e for e in elements if e[0] > SHORTEST]
+    """Chain that starts where it heads along +y on its right side, as all contours do."""
+    kept = [e for e in elements if e[0] > SHORTEST]
     place = np.array(first)
     best = (-np.inf, 0, 0.0, place)
-    for i, (length, curvature) in enumerate(ways):
+    for i, (length, curvature) in enumerate(kept):
         along = _where_north(heading, length, curvature)
         if along is not None:
-            there = place + _step(along, curvature, heading)
+            there = place + chord(along, curvature, heading)
             if there[0] > best[0] + SHORTEST:
                 best = (float(there[0]), i, along, there)
-        place = place + _step(length, curvature, heading)
+        place = place + chord(length, curvature, heading)
         heading += length * curvature
     _, i, along, start = best
-    length, curvature = ways[i]
-    begun = [(length - along, curvature), *ways[i + 1 :], *ways[:i], (along, curvature)]
+    length, curvature = kept[i]
+    begun = [(length - along, curvature), *kept[i + 1 :], *kept[:i], (along, curvature)]
     begun = [e for e in begun if e[0] > SHORTEST]
     return ArcsAndLines((float(start[0]), float(start[1])), tuple(begun))
 
 
 def _where_north(heading: float, length: float, curvature: float) -> float | None:
-    """How far along an element it heads along +y; None if nowhere. On a line: its middle."""
+    """Length along an element to where it heads along +y, on a line to its middle; or None."""
     off = float(_wrapped(np.array(np.pi / 2.0 - heading)))
     if curvature == 0.0:
         return length / 2.0 if abs(off) < 1e-9 else None
     along = np.mod(off * np.sign(curvature), 2.0 * np.pi) / abs(curvature)
     return float(along) if along <= length else None
-
-
-def _step(along: float, curvature: float, heading: float) -> Array:
-    """From the start of an element to a point on it."""
-    half = 0.5 * along * curvature
-    chord = along * np.sinc(half / np.pi)
-    return chord * np.array([np.cos(heading + half), np.sin(heading + half)])
 
 
 def _area(p: Array) -> float:
@@ -218,7 +210,7 @@ def _area(p: Array) -> float:
 
 
 def _wrapped(angle: Array) -> Array:
-    """Into (-pi, pi]."""
+    """Angle in (-pi, pi]."""
     return np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
 
 

@@ -1,4 +1,7 @@
-"""Paths of the tool by arc length: a plane contour placed in space, with leads."""
+"""Paths of the tool by arc length: a plane contour in space, with lead-in and lead-out.
+
+The lead-in follows the contour itself, or a `Spiral` from inside it.
+"""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,38 +12,6 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from .contour import ClosedCurve
-from .spiral import Spiral
-
-
-@dataclass(frozen=True)
-class Circle:
-    """A circle around the origin of its plane; s = 0 on the plane's +x axis."""
-
-    radius: float
-    """[m]."""
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.radius) and self.radius > 0.0):
-            raise ValueError(f"radius must be > 0 m, got {self.radius}")
-
-    @property
-    def length(self) -> float:
-        return 2.0 * np.pi * self.radius
-
-    @property
-    def smallest_radius(self) -> float:
-        return self.radius
-
-    def point(self, s: ArrayLike) -> Array:
-        angle = np.asarray(s) / self.radius
-        return self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-    def tangent(self, s: ArrayLike) -> Array:
-        angle = np.asarray(s) / self.radius
-        return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
-
-    def nearest(self, p: Array) -> Array:
-        return self.radius * np.mod(np.arctan2(p[:, 1], p[:, 0]), 2.0 * np.pi)
 
 
 def _unit(name: str, vector: ArrayLike) -> Array:
@@ -55,7 +26,7 @@ def _unit(name: str, vector: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane in base axes: p_base = origin + axes[:, :2] @ p.
+    """Plane in base axes: p_base = origin + axes[:, :2] @ p.
 
     Columns of `axes` are its x, its y and its normal.
     """
@@ -78,11 +49,10 @@ class Plane:
 
     @classmethod
     def perpendicular_to(cls, normal: ArrayLike, origin: ArrayLike) -> "Plane":
-        """The plane through `origin` with that normal; its +x is the base x axis projected into it.
+        """Plane through `origin` with that normal; its +x is the projected base x axis.
 
-        Where the normal is (nearly) the base x axis itself, the base y axis is projected instead.
-        The normal is turned upwards if it points down, so that counter-clockwise means the same as
-        in the base x-y plane.
+        Where the normal is (nearly) the base x axis itself, the base y axis is projected instead. A
+        normal that points down is reversed: counter-clockwise is as in the base x-y plane.
         """
         z = _unit("normal", normal)
         z = -z if z[2] < 0.0 else z
@@ -91,17 +61,112 @@ class Plane:
         return cls(np.asarray(origin, dtype=np.float64), np.stack([x, np.cross(z, x), z], axis=1))
 
     def to_base(self, p: Array) -> Array:
-        """Points of the plane (..., 2) as points in base axes (..., 3)."""
+        """Points (..., 3) in base axes of points (..., 2) of the plane."""
         return self.origin + p @ self.axes[:, :2].T
 
     def from_base(self, p_base: Array) -> Array:
-        """Points in base axes (..., 3) as (x, y, height over the plane), (..., 3)."""
+        """Points (x, y, height over the plane), (..., 3), of points (..., 3) in base axes."""
         return (p_base - self.origin) @ self.axes
+
+
+NODES = 2001
+"""Nodes of the table of arc length over the parameter of the spiral."""
+
+
+@dataclass(frozen=True)
+class Spiral:
+    """Lead-in that spirals outwards: the contour under a scale that grows to 1.
+
+        p(x) = scale(x) contour(end - span (1 - x)),  scale(x) = 1 - (1 - inner) (1 - x)^3
+
+    for x from 0 to 1. The first two derivatives of the scale end at zero, so that position,
+    direction and curvature join those of the contour. `span` [m] is the part of the contour that is
+    passed; it follows from the length.
+    """
+
+    curve: ClosedCurve
+    end: float
+    """Arc length of the contour at the end of the spiral [m]."""
+    length: float
+    """[m], of the spiral."""
+    inner: float
+    """Scale at its start."""
+
+    def point(self, s: ArrayLike) -> Array:
+        """Shape (..., 2) [m], s from 0 to `length`."""
+        return self._at(self._parameter(np.asarray(s, dtype=np.float64)), self._span)
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit vector along increasing s, shape (..., 2)."""
+        x = self._parameter(np.asarray(s, dtype=np.float64))
+        velocity = self._velocity(x, self._span)
+        return velocity / np.linalg.norm(velocity, axis=-1, keepdims=True)
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest radius of curvature [m]."""
+        s = np.linspace(0.0, self.length, NODES)
+        heading = np.unwrap(np.arctan2(*self.tangent(s).T[::-1]))
+        return float(1.0 / np.max(np.abs(np.diff(heading) / np.diff(s))))
+
+    def _at(self, x: Array, span: float) -> Array:
+        scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
+        return scale[..., np.newaxis] * self.curve.point(self.end - span * (1.0 - x))
+
+    def _velocity(self, x: Array, span: float) -> Array:
+        """Derivative by x."""
+        on_contour = self.end - span * (1.0 - x)
+        scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
+        growth = 3.0 * (1.0 - self.inner) * (1.0 - x) ** 2
+        along = (span * scale)[..., np.newaxis] * self.curve.tangent(on_contour)
+        return along + growth[..., np.newaxis] * self.curve.point(on_contour)
+
+    def _arc_length(self, span: float) -> Array:
+        """(NODES,) [m], at even steps of x: Simpson's rule on each."""
+        x = np.linspace(0.0, 1.0, NODES)
+        h = x[1]
+        speed = np.linalg.norm(self._velocity(x, span), axis=1)
+        middle = np.linalg.norm(self._velocity(x[:-1] + h / 2, span), axis=1)
+        steps = (speed[:-1] + 4.0 * middle + speed[1:]) * h / 6.0
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @cached_property
+    def _span(self) -> float:
+        """Span at which the spiral has its length: bisection, the length grows with it."""
+        low, high = 0.0, self.length / self.inner
+        if self._arc_length(low)[-1] > self.length:
+            raise ValueError(
+                f"a lead-in of {self.length:g} m is too short to spiral from {self.inner:g} of the "
+                f"contour's size: it needs {self._arc_length(low)[-1]:g} m"
+            )
+        for _ in range(50):
+            span = 0.5 * (low + high)
+            low, high = (span, high) if self._arc_length(span)[-1] < self.length else (low, span)
+        return 0.5 * (low + high)
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        return self._arc_length(self._span), np.linspace(0.0, 1.0, NODES)
+
+    def _parameter(self, s: Array) -> Array:
+        """x at arc length s: the table, then two steps of Newton's method."""
+        arc_length, nodes = self._table
+        x = np.interp(s, arc_length, nodes)
+        for _ in range(2):
+            below = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, NODES - 2)
+            h = x - nodes[below]
+            speeds = [
+                np.linalg.norm(self._velocity(nodes[below] + h * part, self._span), axis=-1)
+                for part in (0.0, 0.5, 1.0)
+            ]
+            reached = arc_length[below] + (speeds[0] + 4.0 * speeds[1] + speeds[2]) * h / 6.0
+            x = np.clip(x - (reached - s) / speeds[2], 0.0, 1.0)
+        return x
 
 
 @dataclass(frozen=True, kw_only=True)
 class CuttingPath:
-    """A contour cut once, with a lead-in and a lead-out.
+    """Path over a contour once, with a lead-in and a lead-out.
 
     s = 0 is the start of the lead-in. Without a spiral the leads run along the contour itself and
     start at the curve's own s = 0 (on the circle: at +x), so the start pose of the robot does not
@@ -115,9 +180,8 @@ class CuttingPath:
     lead_out: float
     """[m], along the contour."""
     spiral: float | None = None
-    """The lead-in starts on the contour shrunk to this share of its size, in (0, 1), and spirals
-    outwards: the first hole is cut inside what is thrown away. The contour then starts where a
-    lead-in along it would have ended."""
+    """Scale of the contour on which a spiral lead-in starts, in (0, 1). The contour then starts at
+    the end of an equally long lead-in along it."""
 
     def __post_init__(self) -> None:
         for name in ("lead_in", "lead_out"):
@@ -131,18 +195,18 @@ class CuttingPath:
     def around(
         cls, curve: ClosedCurve, plane: Plane, *, lead: float = 0.1, spiral: float | None = None
     ) -> "CuttingPath":
-        """Lead-in and lead-out of the fraction `lead` of a turn each."""
+        """Path with lead-in and lead-out of `lead` times the length of the contour each."""
         length = lead * curve.length
         return cls(curve=curve, plane=plane, lead_in=length, lead_out=length, spiral=spiral)
 
     @property
     def contour_start(self) -> float:
-        """Arc length where the cut begins [m]."""
+        """Arc length at the start of the contour [m]."""
         return self.lead_in
 
     @property
     def contour_end(self) -> float:
-        """Arc length where the cut is closed [m]."""
+        """Arc length at the end of the contour [m]."""
         return self.lead_in + self.curve.length
 
     @property
@@ -153,9 +217,8 @@ class CuttingPath:
     @property
     def smallest_radius(self) -> float:
         """Smallest radius of curvature [m], of contour and spiral."""
-        return min(
-            self.curve.smallest_radius, self._spiral.smallest_radius if self._spiral else np.inf
-        )
+        of_spiral = self._spiral.smallest_radius if self._spiral else np.inf
+        return min(self.curve.smallest_radius, of_spiral)
 
     def position(self, s: ArrayLike) -> Array:
         """Shape (..., 3) [m], base axes."""

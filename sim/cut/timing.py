@@ -1,4 +1,4 @@
-"""Jerk-limited timing along a path, from rest to rest, by ruckig; sampled from its seven phases."""
+"""Jerk-limited timing along a path by ruckig: phases of constant jerk."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from armside.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class PathLimits:
-    """What the motion planner allows the tool on its path."""
+    """Limits of the motion planner for the tool on its path."""
 
     acceleration: float = 1.3
     """[m/s^2], along the path and across it. A 5 mm circle is then capped at sqrt(1.3 * 0.005) = 81
@@ -31,7 +31,7 @@ class PathLimits:
         return float(np.sqrt(self.acceleration * radius))
 
     def ramp_length(self, speed: float) -> float:
-        """Way [m] from rest to `speed`: half of speed times the ramp's time, by symmetry."""
+        """Arc length [m] from rest to `speed`: half of speed times the ramp's time, by symmetry."""
         peak = min(self.acceleration, float(np.sqrt(self.jerk * speed)))
         return 0.5 * speed * (speed / peak + peak / self.jerk)
 
@@ -82,28 +82,27 @@ def rest_to_rest(length: float, speed: float, limits: PathLimits) -> Timing:
     for name, value in (("path length", length), ("speed", speed)):
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be > 0, got {value}")
-    wanted = ruckig.InputParameter(1)
-    wanted.target_position = [length]
-    wanted.max_velocity = [speed]
-    wanted.max_acceleration = [limits.acceleration]
-    wanted.max_jerk = [limits.jerk]
+    asked = ruckig.InputParameter(1)
+    asked.target_position = [length]
+    asked.max_velocity = [speed]
+    asked.max_acceleration = [limits.acceleration]
+    asked.max_jerk = [limits.jerk]
+    return jerk_limited(asked, f"over {length} m at {speed} m/s")
+
+
+def jerk_limited(asked: ruckig.InputParameter, description: str) -> Timing:
+    """Fastest timing of one degree of freedom under ruckig's limits, without empty phases.
+
+    Raises RuntimeError with the description where there is none.
+    """
     trajectory = ruckig.Trajectory(1)
-    result = ruckig.Ruckig(1).calculate(wanted, trajectory)
+    result = ruckig.Ruckig(1).calculate(asked, trajectory)
     if result not in (ruckig.Result.Finished, ruckig.Result.Working):
-        raise RuntimeError(f"no timing over {length} m at {speed} m/s: {result}")
-    return from_profile(trajectory.profiles[0][0], trajectory.duration)
-
-
-def from_profile(profile: ruckig.Profile, duration: float) -> Timing:
-    """The phases of a ruckig profile; empty ones are left out."""
+        raise RuntimeError(f"no timing {description}: {result}")
+    profile = trajectory.profiles[0][0]
     phase_time = np.asarray(profile.t)
     start = np.concatenate([[0.0], np.cumsum(phase_time)[:-1]])
-    state = np.stack(
-        [
-            np.asarray(row)[: len(phase_time)]
-            for row in (profile.p, profile.v, profile.a, profile.j)
-        ],
-        axis=1,
-    )
+    rows = (profile.p, profile.v, profile.a, profile.j)
+    state = np.stack([np.asarray(row)[: len(phase_time)] for row in rows], axis=1)
     used = phase_time > 0.0
-    return Timing(start[used], state[used], float(duration))
+    return Timing(start[used], state[used], float(trajectory.duration))

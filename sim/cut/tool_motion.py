@@ -1,11 +1,18 @@
-"""The motion of the tool during one run, sampled at the log rate: what the robot is asked to do."""
+"""Motion of the tool over a cutting path, and the joint reference that produces it.
+
+`cut` times a path and samples it at the log rate. `joint_reference` is its inverse kinematics under
+joint limits. `plan_cut` does both, at the highest speed that path and joint limits allow.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, freeze_rows
+from armside.kinematics import Limits, Robot, inverse_path
+from armside.kinematics.rigid import transform
+from armside.kinematics.rotation import from_quaternion
 
 from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
@@ -16,7 +23,7 @@ LimitHit = tuple[str, int, float]
 
 @dataclass(frozen=True, kw_only=True)
 class ToolMotion:
-    """A tool path in time, with rest at both ends. Row i of the arrays belongs to time[i]."""
+    """Tool path in time, at rest at both ends. Row i of the arrays belongs to time[i]."""
 
     time: Array
     """(N,) [s], from 0."""
@@ -27,7 +34,7 @@ class ToolMotion:
     arc_length: Array
     """(N,) [m]."""
     on_contour: NDArray[np.bool_]
-    """(N,), the contour at constant speed: one full turn, without leads."""
+    """(N,), True on the contour, at constant speed and without leads."""
     contour_time: tuple[float, float]
     """Exact start and end of the contour [s], between samples."""
     programmed_speed: float
@@ -36,22 +43,17 @@ class ToolMotion:
     """[m/s], on the contour."""
     limits_hit: tuple[LimitHit, ...]
     path: CuttingPath
-    """The path run; its leads may be longer than those asked for, to hold the speed on the
-    contour."""
+    """Path with leads that are long enough to reach the speed before the contour."""
     timing: Timing
     rest_before: float
     """[s]."""
 
     def __post_init__(self) -> None:
-        for name in ("time", "position", "quaternion", "arc_length", "on_contour"):
-            value = getattr(self, name)
-            if len(value) != len(self.time):
-                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
-            value.setflags(write=False)
+        freeze_rows(self, "time", "position", "quaternion", "arc_length", "on_contour")
 
     @property
     def plane(self) -> Plane:
-        """The plane the contour lies in."""
+        """Plane of the contour."""
         return self.path.plane
 
     def position_at(self, time: ArrayLike) -> Array:
@@ -60,7 +62,7 @@ class ToolMotion:
         return self.path.position(s)
 
     def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the times [s] belong to the contour, e.g. those of the laser tracker."""
+        """Mask of the times [s] on the contour, such as those of the laser tracker."""
         first, last = self.contour_time
         t = np.asarray(time, dtype=np.float64)
         return (t >= first) & (t < last)
@@ -76,12 +78,11 @@ def cut(
     rest_after: float = 0.35,
     step: float = 0.004,
 ) -> ToolMotion:
-    """Run along `path` at `speed` [m/s], at rest before and after, with a constant tool
-    orientation.
+    """Motion along `path` at `speed` [m/s] with constant tool orientation, from rest to rest.
 
-    The speed is lowered to what the sharpest bend allows; leads that are too short to ramp up or
-    down are lengthened, so that the whole contour is cut at constant speed. The default rests are
-    those of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
+    The speed is lowered to the limit of the smallest radius; leads that are too short for the ramps
+    are lengthened, so that the whole contour is cut at constant speed. The default rests are those
+    of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
 
     Raises:
         ValueError: speed, step or rest out of range, or a quaternion of zero length.
@@ -94,7 +95,8 @@ def cut(
         )
     limits = limits or PathLimits()
     reached = min(float(speed), limits.cornering_speed(path.smallest_radius))
-    path = _with_room_to_ramp(path, limits.ramp_length(reached))
+    ramp = limits.ramp_length(reached)
+    path = replace(path, lead_in=max(path.lead_in, ramp), lead_out=max(path.lead_out, ramp))
     timing = rest_to_rest(path.length, reached, limits)
     contour_time = _contour_time(path, timing, rest_before)
 
@@ -117,12 +119,8 @@ def cut(
     )
 
 
-def _with_room_to_ramp(path: CuttingPath, ramp: float) -> CuttingPath:
-    return replace(path, lead_in=max(path.lead_in, ramp), lead_out=max(path.lead_out, ramp))
-
-
 def _contour_time(path: CuttingPath, timing: Timing, rest_before: float) -> tuple[float, float]:
-    """When the contour starts and ends; both lie in the phase of constant speed."""
+    """Start and end of the contour [s], both in the phase of constant speed."""
     cruise, _ = timing.cruise
     s_cruise, speed, _ = timing.at(cruise)
     first = float(rest_before + cruise + (path.contour_start - s_cruise) / speed)
@@ -132,7 +130,7 @@ def _contour_time(path: CuttingPath, timing: Timing, rest_before: float) -> tupl
 def _limits_hit(
     timing: Timing, limits: PathLimits, programmed: float, reached: float, rest_before: float
 ) -> tuple[LimitHit, ...]:
-    """Acceleration across the path (the speed was lowered) and along it (the ramp was longer)."""
+    """Limits of acceleration reached: across the path (lower speed) and along it (longer ramp)."""
     hits: list[LimitHit] = []
     if reached < programmed:
         hits.append(("centripetal_acceleration", 0, rest_before + timing.cruise[0]))
@@ -148,3 +146,61 @@ def _unit_quaternion(quaternion: ArrayLike) -> Array:
     if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
         raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
     return q / np.linalg.norm(q)
+
+
+def joint_reference(
+    motion: ToolMotion,
+    robot: Robot,
+    limits: Limits,
+    *,
+    start: ArrayLike | None = None,
+    shift: Array | None = None,
+) -> Array:
+    """Joint reference (N, 6) [rad], arm side, of a tool motion: one branch of solutions throughout.
+
+    Args:
+        start: (6,) [rad], selects the nearest solution; zero pose by default.
+        shift: (N, 3) [m], subtracted from the programmed positions, such as an anticipated
+            deflection.
+
+    Raises:
+        UnreachableError: a position is out of reach; says by how much.
+        ValueError: a pose is outside of the joint limits, or the path leaves them.
+    """
+    position = motion.position if shift is None else motion.position - shift
+    T_base_tool = transform(from_quaternion(motion.quaternion), position)
+    return inverse_path(robot, T_base_tool, start, limits)
+
+
+def plan_cut(
+    path: CuttingPath,
+    tool_quaternion: ArrayLike,
+    speed: float,
+    robot: Robot,
+    joint_limits: Limits,
+    *,
+    start: ArrayLike | None = None,
+    path_limits: PathLimits | None = None,
+    step: float = 0.004,
+) -> tuple[ToolMotion, Array]:
+    """Motion of a cut and its joint reference (N, 6) [rad], within path and joint limits.
+
+    Where a joint would be too fast, the whole cut is slowed down and `limits_hit` names the joint.
+    """
+    reached, slowed = speed, ()
+    while True:
+        motion = cut(path, tool_quaternion, reached, limits=path_limits, step=step)
+        phi = joint_reference(motion, robot, joint_limits, start=start)
+        use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
+        if use.max() <= 1.0:
+            break
+        slowed = _first_hit(use, motion.time)
+        reached = motion.reached_speed / use.max() * (1.0 - 1e-6)
+    hits = motion.limits_hit + slowed
+    return replace(motion, programmed_speed=float(speed), limits_hit=hits), phi
+
+
+def _first_hit(use: Array, time: Array) -> tuple[LimitHit, ...]:
+    """Joint with the highest ratio of speed to limit, and the time at which it passes it."""
+    axis = int(np.argmax(use.max(axis=0)))
+    return (("joint_speed", axis + 1, float(time[np.argmax(use[:, axis] > 1.0)])),)

@@ -16,7 +16,7 @@ from armside.ilc.estimation.prediction_error import Fit, Whitened, fit
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..robot.model import N_AXES
+from ..robot.mjcf import N_AXES
 from ..robot.servo import interpolate
 from .arm_filter import ArmFilter, ProcessNoise, arm_filter
 from .arm_springs import SpringPrior, Springs, springs_at

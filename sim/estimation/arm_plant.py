@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.models.system import Complex
 
-from ..robot.model import AXES, RobotModel
+from ..robot.mjcf import AXES
+from ..robot.model import RobotModel
 from .linearised_arm import LinearisedArm
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..robot.model import N_AXES
+from ..robot.mjcf import N_AXES
 from .nominal import NominalArm
 
 COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))

@@ -1,16 +1,16 @@
 """The arm as its owner assumes it: nominal data with stiffnesses that are wrong."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..robot.model import RobotModel
 from .nominal import NominalArm, NominalCfg, nominal_arm
 
 _STREAM = 0xA2  # of this draw, apart from those of individual and instruments
 
 
-def assumed_arm(source: Path, stiffness_error: float, seed: int, **known: Any) -> NominalArm:
+def assumed_arm(robot: RobotModel, stiffness_error: float, seed: int, **known: Any) -> NominalArm:
     """Nominal arm with the stiffness of each gear wrong by a uniform factor.
 
     Args:
@@ -19,4 +19,4 @@ def assumed_arm(source: Path, stiffness_error: float, seed: int, **known: Any) -
     """
     rng = np.random.default_rng([seed, _STREAM])
     factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, 6)
-    return nominal_arm(source, NominalCfg(stiffness=tuple(factors), **known))
+    return nominal_arm(robot, NominalCfg(stiffness=tuple(factors), **known))

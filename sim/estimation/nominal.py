@@ -15,7 +15,6 @@ nominal robot does not know, couples the axes: its elasticity shows as entries o
 import copy
 import itertools
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -24,7 +23,8 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..robot.flexibility import Flexibility, without
-from ..robot.model import AXES, N_AXES, ModelError
+from ..robot.mjcf import AXES, N_AXES, ModelError
+from ..robot.model import RobotModel
 
 PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
 """The couplings of two axes."""
@@ -96,15 +96,17 @@ class NominalArm:
         return np.concatenate((axes, np.stack(pairs, axis=-1)), axis=-1)
 
 
-def nominal_arm(source: Path | str, cfg: NominalCfg = NominalCfg()) -> NominalArm:
-    """The nominal arm of a robot's MJCF file.
+def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm:
+    """Nominal arm of a robot loaded from its MJCF file, as the file has it: payload and all.
 
     Raises:
         ModelError: the robot's arm has loops, or lacks a gear spring or the body of the tool.
     """
-    spec = mujoco.MjSpec.from_file(str(source))
+    spec = robot.parsed()
     if spec.equalities:
-        raise ModelError(f"an estimator needs an open chain; {source} closes loops by equalities")
+        raise ModelError(
+            f"an estimator needs an open chain; {spec.modelname} closes loops by equalities"
+        )
     missing = [f"flex_{i}" for i in AXES if spec.joint(f"flex_{i}") is None]
     if missing:
         raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")

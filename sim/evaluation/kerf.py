@@ -1,4 +1,4 @@
-"""The kerf: what a round beam removes along its path, and how true the edges are that it leaves."""
+"""Kerf: the material that a round beam removes along its path, and the shape of its edges."""
 
 from dataclasses import dataclass
 
@@ -6,19 +6,18 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.contour import ClosedCurve
-from ..cut.deviation import fit, signed_distance
-from ..cut.path import Circle
+from ..cut.contour import ClosedCurve, outward_normal
+from .tool_error import fit, signed_distance
 
 POINTS = 720
-"""Along the contour, at which the edges are found."""
-_DISCS_PER_RADIUS = 20  # the beam moves on by so little that scallops are 1/3000 of its radius
-_MOST_INSIDE = 0.9  # of a bend's radius: a path farther off is not followed into its centre
+"""Points along the contour at which the edges are computed."""
+_DISCS_PER_RADIUS = 20  # steps of the beam so small that scallops are 1/3000 of its radius
+_MOST_INSIDE = 0.9  # largest distance of a path inside a bend, over its radius
 
 
 @dataclass(frozen=True, kw_only=True)
 class Kerf:
-    """The two edges of a cut around a contour, at points along it."""
+    """Edges of a cut around a contour, at points along it."""
 
     curve: ClosedCurve
     """The programmed contour."""
@@ -38,20 +37,19 @@ class Kerf:
 
     def edge(self, offset: Array) -> Array:
         """Points (M, 2) [m] in the plane, `offset` outwards from the contour."""
-        normal = _outwards(self.curve.tangent(self.arc_length))
+        normal = outward_normal(self.curve.tangent(self.arc_length))
         return self.curve.point(self.arc_length) + offset[:, np.newaxis] * normal
 
     @property
     def hole_deviation(self) -> Array:
-        """(M,) [m], the hole's edge from where the programmed path would have it, best fit."""
-        # The programmed edge lies half a beam outside the contour. Taken off along the normals, the
-        # edge becomes a path that can be fitted to the contour itself.
+        """(M,) [m], deviation of the hole's edge from the programmed edge, best fit."""
+        # The programmed edge lies half a beam outside the contour: subtracted along the normals.
         shifted = self.edge(self.outer - 0.5 * self.beam)
-        return fit(self.curve, shifted, turn=not isinstance(self.curve, Circle)).deviation
+        return fit(self.curve, shifted).deviation
 
     @property
     def roundness(self) -> float:
-        """[m], width of the band around the hole's programmed edge that holds its real one.
+        """Width [m] of the band around the hole's programmed edge that contains the actual one.
 
         For a circle: largest minus smallest distance from the least-squares centre. NaN where the
         path has gaps.
@@ -62,12 +60,12 @@ class Kerf:
 
 
 def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -> Kerf:
-    """What a disc of diameter `beam` [m] sweeps around one turn.
+    """Edges of the area that a disc of diameter `beam` [m] sweeps along a closed path.
 
     Args:
         curve: the programmed contour.
         path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
-            point is joined to the first. A path that is not finite leaves no edge: NaN.
+            point is joined to the first. The edges are NaN for a path that is not finite.
     """
     if not beam > 0.0:
         raise ValueError(f"beam must be > 0 m, got {beam}")
@@ -78,7 +76,7 @@ def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -
         radius = 0.5 * beam
         discs = _resampled(path, radius / _DISCS_PER_RADIUS)
         foot, tangent = curve.point(s), curve.tangent(s)
-        normal = _outwards(tangent)
+        normal = outward_normal(tangent)
         nearest = np.rint(curve.nearest(discs) / step - 0.5).astype(int)
         for shift in _shifts(curve, path, radius, step):
             i = (nearest + shift) % n_points
@@ -95,22 +93,18 @@ def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -
 
 
 def _shifts(curve: ClosedCurve, path: Array, radius: float, step: float) -> range:
-    """Which points beside the nearest one have normals that a disc can meet.
+    """Offsets from the nearest contour point to those whose normals a disc can meet.
 
-    Normals lie closer together inside a bend, so a disc there meets more of them.
+    Inside a bend the normals are closer together: a disc meets more of them.
     """
     inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
     n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
     return range(-n, n + 1)
 
 
-def _outwards(tangent: Array) -> Array:
-    return np.column_stack([tangent[:, 1], -tangent[:, 0]])
-
-
 def _resampled(path: Array, step: float) -> Array:
     """The closed polyline through (K, 2) points, at most `step` [m] apart."""
     closed = np.vstack([path, path[:1]])
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    at = np.linspace(0.0, way[-1], int(np.ceil(way[-1] / step)) + 1)
-    return np.column_stack([np.interp(at, way, column) for column in closed.T])
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / step)) + 1)
+    return np.column_stack([np.interp(at, s, column) for column in closed.T])

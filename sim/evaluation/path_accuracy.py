@@ -1,4 +1,4 @@
-"""What runs over a contour look like to ISO 9283: attained positions at points along the path."""
+"""Path accuracy and repeatability after ISO 9283, of runs over a contour."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,17 +8,16 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 
-from ..cut.deviation import fit
-from ..cut.path import Circle
 from ..cut.tool_motion import ToolMotion
+from .tool_error import fit
 
 POINTS = 100
-"""Along the contour."""
+"""Points along the contour."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PathMeasures:
-    """Of n runs over one contour, each NaN where samples are missing."""
+    """Path accuracy and repeatability of n runs; NaN where samples are missing."""
 
     accuracy: float
     """AT_p [m], height over the plane included."""
@@ -32,28 +31,28 @@ class PathMeasures:
 
 def path_measures(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> PathMeasures:
     """Path accuracy and repeatability of runs over the contour of `motion`; see `attained`."""
-    asked, came = commanded(motion), attained(motion, runs)
+    wanted, reached = commanded(motion), attained(motion, runs)
     several = len(runs) > 1
     return PathMeasures(
-        accuracy=path_accuracy(asked, came),
-        accuracy_in_plane=path_accuracy(asked[:, :2], came[..., :2]),
-        repeatability=path_repeatability(came) if several else np.nan,
-        repeatability_in_plane=path_repeatability(came[..., :2]) if several else np.nan,
+        accuracy=path_accuracy(wanted, reached),
+        accuracy_in_plane=path_accuracy(wanted[:, :2], reached[..., :2]),
+        repeatability=path_repeatability(reached) if several else np.nan,
+        repeatability_in_plane=path_repeatability(reached[..., :2]) if several else np.nan,
     )
 
 
 def commanded(motion: ToolMotion) -> Array:
-    """(M, 3) [m], points of the contour in its plane: x, y and a height of zero."""
+    """Commanded points (M, 3) [m] of the contour in its plane: x, y and a height of zero."""
     curve = motion.path.curve
     return _flat(curve.point(_arc_length(curve.length)))
 
 
 def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
-    """(n, M, 3) [m], where each run crossed the planes of the commanded points.
+    """Attained points (n, M, 3) [m]: each run at the normal planes of the commanded points.
 
-    All runs are moved by the same rigid motion in the plane, the one that brings all of them
-    together onto the contour, and by their mean height: how runs differ stays. All NaN where a
-    sample of the contour is missing.
+    All runs are moved by one rigid motion in the plane, which fits all of them together to the
+    contour, and by their mean height: differences between runs stay. All NaN where a sample of the
+    contour is missing.
 
     Args:
         runs: for each run (K,) time [s] and (K, 3) position [m] in base axes.
@@ -65,14 +64,14 @@ def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
     if len(stacked) < 3 * len(turns) or not np.isfinite(stacked).all():
         return np.full((len(turns), *points.shape), np.nan)
     moved = stacked - stacked.mean(axis=0)
-    moved[:, :2] = fit(curve, moved[:, :2], turn=not isinstance(curve, Circle)).points
+    moved[:, :2] = fit(curve, moved[:, :2]).points
     tangent = _flat(curve.tangent(_arc_length(curve.length)))
     each = np.split(moved, np.cumsum([len(turn) for turn in turns])[:-1])
     return np.array([crossings(points, tangent, run) for run in each])
 
 
 def _arc_length(length: float) -> Array:
-    """Away from the seam, where one turn meets the next."""
+    # Away from the seam between the end of the contour and its start.
     return (np.arange(POINTS) + 0.5) * length / POINTS
 
 

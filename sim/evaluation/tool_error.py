@@ -1,4 +1,8 @@
-"""How true the tool's contour was: its distance from the programmed one, after the best fit."""
+"""Tool error: distance of the tool's path from the programmed contour, after a best fit.
+
+A circle is moved to its least-squares centre, as thesis 9.3 does; any other contour is moved and
+rotated onto the programmed one.
+"""
 
 from dataclasses import dataclass
 
@@ -7,30 +11,30 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
-from ..cut.deviation import fit
-from ..cut.path import Circle
+from ..cut.contour import Circle, ClosedCurve, outward_normal
 from ..cut.tool_motion import ToolMotion
+
+CONVERGED = 1e-12
+"""[m] and [rad]: largest last step of a fit."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmSide:
-    """How true the tool's contour was, as thesis 9.3 measures it for a circle."""
+class ToolError:
+    """Error of the tool on one turn of the contour."""
 
     rms: float
     """[m], (9.6)."""
     maxdev: float
     """[m], (9.7)."""
     path: Array
-    """(M, 2) [m], the contour in its plane, moved onto the programmed one: a circle to its own
-    least-squares centre."""
+    """(M, 2) [m], the measured contour in its plane, fitted to the programmed one."""
 
 
-def arm_side(motion: ToolMotion, time: Array, position: Array) -> ArmSide:
-    """Measures of one turn of the contour.
+def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
+    """Error of the tool on one turn of the contour, (9.6) and (9.7).
 
-    A circle is moved to its least-squares centre, (9.6) and (9.7); any other contour is moved and
-    turned onto the programmed one, and its distance from it takes the place of r_ref - r_meas.
-    A turn with samples missing has no measure: rms and maxdev are NaN, the path is what is left.
+    On a contour that is no circle, the distance from it takes the place of r_ref - r_meas. Where
+    samples are missing, rms and maxdev are NaN and the path has the samples that exist.
 
     Args:
         time: (K,) [s].
@@ -38,10 +42,10 @@ def arm_side(motion: ToolMotion, time: Array, position: Array) -> ArmSide:
     """
     turn = position[motion.is_on_contour(time)]
     points = motion.plane.from_base(turn)[:, :2]
-    whole = np.isfinite(points)
-    if len(turn) < 3 or not whole.all():
-        seen = points[whole.all(axis=1)]
-        return ArmSide(rms=np.nan, maxdev=np.nan, path=seen - seen.mean(axis=0))
+    finite = np.isfinite(points)
+    if len(turn) < 3 or not finite.all():
+        seen = points[finite.all(axis=1)]
+        return ToolError(rms=np.nan, maxdev=np.nan, path=seen - seen.mean(axis=0))
     curve = motion.path.curve
     if isinstance(curve, Circle):
         path = points - measures.circle_centre(points)
@@ -49,8 +53,50 @@ def arm_side(motion: ToolMotion, time: Array, position: Array) -> ArmSide:
     else:
         fitted = fit(curve, points)
         path, deviation = fitted.points, fitted.deviation
-    return ArmSide(
+    return ToolError(
         rms=float(np.sqrt(np.mean(deviation**2))),
         maxdev=float(np.abs(deviation).max()),
         path=path,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """Points in the plane of a contour after the rigid motion that fits them to it."""
+
+    points: Array
+    """(N, 2) [m], after the motion."""
+    deviation: Array
+    """(N,) [m], signed distance from the contour, above 0 outside."""
+
+
+def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
+    """Least-squares registration of points (N, 2) [m] on a contour, by Gauss-Newton.
+
+    The rotation of a circle is undetermined: it is only moved.
+    """
+    rotate = not isinstance(contour, Circle)
+    moved = np.array(p, dtype=np.float64)
+    for _ in range(iterations):
+        distance, normal = _distance(contour, moved)
+        lever = moved[:, 0] * normal[:, 1] - moved[:, 1] * normal[:, 0]
+        J = np.column_stack([normal, lever]) if rotate else normal
+        step, *_ = np.linalg.lstsq(J, -distance, rcond=1e-6)
+        rotation = float(step[2]) if rotate else 0.0
+        c, s = np.cos(rotation), np.sin(rotation)
+        moved = moved @ np.array([[c, s], [-s, c]]) + step[:2]
+        if np.abs(step).max() < CONVERGED:
+            break
+    return Fit(points=moved, deviation=signed_distance(contour, moved))
+
+
+def signed_distance(contour: ClosedCurve, p: Array) -> Array:
+    """(N,) [m], above 0 to the right of the contour: outside if it is counter-clockwise."""
+    return _distance(contour, p)[0]
+
+
+def _distance(contour: ClosedCurve, p: Array) -> tuple[Array, Array]:
+    """Signed distance of each point, and the outward normal at its nearest contour point."""
+    s = contour.nearest(p)
+    outwards = outward_normal(contour.tangent(s))
+    return np.einsum("ij,ij->i", p - contour.point(s), outwards), outwards

@@ -19,7 +19,7 @@ from ..moves.planner import JointMotion
 from ..robot.linkage import checked_loop_error
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.virtual_robot import Job
+from ..robot.run import LoadedReference
 from . import Comparison, ProcessingCfg, compare, moving_rms
 
 WINDOW = 0.5
@@ -40,13 +40,13 @@ class ImuRun:
     """The individual, for evaluation only."""
 
 
-def sense(job: Job, cfg: ImuCfg, seed: int) -> ImuRun:
-    """Run a job once with an IMU on the tool.
+def sense(loaded: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
+    """Run a loaded reference once with an IMU on the tool.
 
     seed: of the robot's noise and of the IMU individual, in separate streams.
     """
     of_robot, of_imu = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
-    recording = job.run(rng=of_robot)
+    recording = loaded.run(rng=of_robot)
     imu, truth = draw(cfg, of_imu), recording.truth
     samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, of_imu)
     return ImuRun(recording=recording, samples=samples, imu=imu)

@@ -1,4 +1,4 @@
-"""Motor encoder: the motor turns n times faster than the arm, and the encoder counts its turns."""
+"""Motor encoder: quantisation of the motor angle, at n times the arm-side angle."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -7,7 +7,7 @@ from armside.arrays import Array
 
 
 def resolution(counts: float, gear_ratio: ArrayLike) -> Array:
-    """One count as an arm-side angle [rad]: 2 pi / (counts per motor turn * gear ratio)."""
+    """One count as an arm-side angle [rad]: 2 pi / (counts per motor revolution * gear ratio)."""
     ratio = np.abs(np.asarray(gear_ratio, dtype=np.float64))
     if not (counts > 0 and np.all(ratio > 0.0)):
         raise ValueError(
@@ -17,6 +17,6 @@ def resolution(counts: float, gear_ratio: ArrayLike) -> Array:
 
 
 def quantise(angle: ArrayLike, counts: float, gear_ratio: ArrayLike) -> Array:
-    """The nearest count of arm-side angles (..., n) [rad], as arm-side angles. Thesis 5.3.1."""
+    """Arm-side angles (..., n) [rad], rounded to whole encoder counts. Thesis 5.3.1."""
     q = resolution(counts, gear_ratio)
     return np.rint(np.asarray(angle, dtype=np.float64) / q) * q

@@ -1,8 +1,8 @@
-"""A strap-down inertial measurement unit of the Xsens MTx kind, on its own clock.
+"""Strap-down inertial measurement unit of the Xsens MTx kind, on its own clock.
 
 Ideal reading in the frame of the site -> mounting error -> scale and misalignment -> noise ->
 bandwidth -> bias and its walk -> range -> quantisation -> samples on the unit's clock. Noise passes
-the sensor's low-pass like the signal does: 0.002 m/s^2/sqrt(Hz) through 30 Hz is 0.012 m/s^2 rms.
+the sensor's low-pass as the signal does: 0.002 m/s^2/sqrt(Hz) through 30 Hz is 0.012 m/s^2 rms.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from . import noise
 from .sampling import rate_of
 
 WARM_UP = 0.5
-"""For which the unit is on before the record, so that its filters and noise are stationary [s]."""
+"""Time before the record in which filters and noise become stationary [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class TriadCfg:
     range: float
     """Readings are clipped at +-range [unit]."""
     bits: int = 16
-    """Of the converter, over the whole range; 0 does not quantise."""
+    """Resolution of the converter over the whole range; 0 does not quantise."""
 
     def __post_init__(self) -> None:
         for name in ("noise_density", "bias", "bias_walk", "scale_error", "misalignment", "bits"):
@@ -57,7 +57,7 @@ class TriadCfg:
 
     @property
     def delay(self) -> float:
-        """By which the low-pass holds slow signals back [s]: sqrt(2) / (2 pi bandwidth)."""
+        """Delay [s] of slow signals by the low-pass: sqrt(2) / (2 pi bandwidth)."""
         return float(np.sqrt(2.0) / (2.0 * np.pi * self.bandwidth))
 
 
@@ -83,15 +83,15 @@ GYROSCOPE = TriadCfg(
 
 @dataclass(frozen=True, kw_only=True)
 class ImuCfg:
-    """The unit as sold and as screwed on."""
+    """IMU with its mounting and clock."""
 
     accelerometer: TriadCfg = ACCELEROMETER
     gyroscope: TriadCfg = GYROSCOPE
     rate: float = 100.0
-    """Of the output [Hz]. Thesis 5.1.1."""
+    """Output rate [Hz]. Thesis 5.1.1."""
     mounting_error: float = np.deg2rad(0.7)
-    """One standard deviation of the housing's turn about each axis of the site [rad]. ESTIMATE: the
-    mean of -0.2 m/s^2 in thesis Fig. 5.2 is a tilt of 1.2 deg."""
+    """One standard deviation of the housing's rotation about each axis of the site [rad]. ESTIMATE:
+    the mean of -0.2 m/s^2 in thesis Fig. 5.2 is a tilt of 1.2 deg."""
     clock_offset: float = 0.010
     """The unit's clock starts within +- this of the robot's [s]. ESTIMATE."""
     clock_drift: float = 0.0
@@ -107,7 +107,7 @@ class ImuCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSamples:
-    """What the unit sent, in its own frame and by its own clock."""
+    """Samples of an IMU, in its own frame and on its own clock."""
 
     time: Array
     """(K,) [s], the unit's clock."""
@@ -116,14 +116,14 @@ class ImuSamples:
     angular_velocity: Array
     """(K, 3) [rad/s]."""
     acceleration_clipped: NDArray[np.bool_]
-    """(K, 3), the reading is at the end of its range: the true one was beyond."""
+    """(K, 3), True for a reading at the end of its range."""
     angular_velocity_clipped: NDArray[np.bool_]
     """(K, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Triad:
-    """One individual triad: y = sensitivity @ x + bias."""
+    """Individual triad: y = sensitivity @ x + bias."""
 
     cfg: TriadCfg
     sensitivity: Array
@@ -132,7 +132,7 @@ class Triad:
     """(3,) [unit], at the start."""
 
     def filtered(self, ideal: Array, step: float, rng: np.random.Generator) -> Array:
-        """Noise and low-pass at the rate of the record; (M, 3) as if the unit had long been on."""
+        """Noise and low-pass at the rate of the record, stationary from the start; (M, 3)."""
         n_warm = round(WARM_UP / step)
         x = np.concatenate([np.repeat(ideal[:1], n_warm, axis=0), ideal]) @ self.sensitivity.T
         y = x + noise.from_density(rng, x.shape, self.cfg.noise_density, 1.0 / step)
@@ -143,7 +143,7 @@ class Triad:
     def digitised(
         self, samples: Array, period: float, rng: np.random.Generator
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Bias, range and converter at the output rate: readings and which of them are clipped."""
+        """Bias, range and converter at the output rate: readings, and a mask of clipped ones."""
         cfg = self.cfg
         walk = noise.random_walk(rng, (len(samples), 3), cfg.bias_walk, period)
         y = samples + self.bias + walk
@@ -156,7 +156,7 @@ class Triad:
 
 @dataclass(frozen=True, kw_only=True)
 class Imu:
-    """One individual unit, screwed on: `draw` makes it."""
+    """Individual IMU, mounted on the robot; see `draw`."""
 
     cfg: ImuCfg
     accelerometer: Triad
@@ -205,7 +205,7 @@ class Imu:
         )
 
     def _instants(self, time: Array) -> tuple[Array, Array]:
-        """The samples within a record: by the unit's clock and by the robot's."""
+        """Sample times within a record: on the unit's clock and on the robot's."""
         pace = 1.0 + self.clock_drift
         first, last = ((time[[0, -1]] - self.clock_offset) / pace) * self.cfg.rate
         own = np.arange(np.ceil(first - 1e-9), np.floor(last + 1e-9) + 1) / self.cfg.rate
@@ -213,7 +213,7 @@ class Imu:
 
 
 def draw(cfg: ImuCfg, rng: np.random.Generator) -> Imu:
-    """One unit of the kind, with the errors it keeps for a day."""
+    """Random individual of an IMU, with errors that are constant over an experiment."""
     return Imu(
         cfg=cfg,
         accelerometer=_draw_triad(cfg.accelerometer, rng),

@@ -1,17 +1,17 @@
-"""A laser tracker: polar readings of a reflector at the tool, in the tracker's own frame.
+"""Laser tracker: polar readings of a reflector at the tool, in the tracker's own frame.
 
 Ideal distance and two angles -> set-up error -> noise -> quantisation -> Cartesian -> base axes by
-best-fit registration on reference targets. The beam is lost where the reflector turns too far away;
-lost samples are NaN and marked, never interpolated.
+best-fit registration on reference targets. The beam is lost where the reflector points too far away
+from the tracker; lost samples are NaN and marked, never interpolated.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, freeze_rows
 
 from . import noise
 from .sampling import rate_of, stride
@@ -22,13 +22,12 @@ ARCSEC = np.pi / 180.0 / 3600.0
 
 @dataclass(frozen=True, kw_only=True)
 class LaserTrackerCfg:
-    """A tracker of the Leica LTD500 kind; unmarked figures are its data sheet's, from memory."""
+    """Tracker of the Leica LTD500 kind; unmarked figures are of its data sheet, from memory."""
 
     position: tuple[float, float, float] = (4.6, -2.4, 1.2)
     """[m], base axes: about 4 m from the poses of thesis (9.3), in front of the robot. ESTIMATE."""
     heading: float = 2.5
-    """Turn of the tracker's frame about the vertical, which nobody knows before registration
-    [rad]."""
+    """Rotation of the tracker's frame about the vertical, unknown before registration [rad]."""
     rate: float = 1000.0
     """[Hz]; must divide the physics rate."""
     range_noise: float = 5e-6
@@ -36,10 +35,9 @@ class LaserTrackerCfg:
     angle_noise: float = 1.25e-6
     """White, one standard deviation [rad]. ESTIMATE: 5 um a coordinate at 4 m."""
     range_scale_error: float = 5e-6
-    """One standard deviation of an error of scale that lasts for a set-up: half of 10 ppm (2
-    sigma)."""
+    """One standard deviation of the scale error of a set-up: half of 10 ppm (2 sigma)."""
     angle_bias: float = 5e-6
-    """One standard deviation of a bias of each angle that lasts for a set-up [rad]. ESTIMATE."""
+    """One standard deviation of the bias of each angle in a set-up [rad]. ESTIMATE."""
     range_resolution: float = 1.26e-6
     """[m], interferometer."""
     angle_resolution: float = 0.14 * ARCSEC
@@ -65,14 +63,8 @@ class LaserTrackerCfg:
     def __post_init__(self) -> None:
         if self.rate <= 0.0:
             raise ValueError(f"tracker rate must be > 0 Hz, got {self.rate}")
-        for name in (
-            "range_noise",
-            "angle_noise",
-            "range_scale_error",
-            "angle_bias",
-            "range_resolution",
-            "angle_resolution",
-        ):
+        errors = ("noise", "resolution", "scale_error", "bias")
+        for name in (f.name for f in fields(self) if f.name.endswith(errors)):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
         if not 0.0 < self.acceptance_angle <= np.pi:
@@ -83,7 +75,7 @@ class LaserTrackerCfg:
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerSamples:
-    """What the tracker reported of one run."""
+    """Tracker samples of one run."""
 
     time: Array
     """(K,) [s]."""
@@ -93,11 +85,7 @@ class TrackerSamples:
     """(K,), False where the beam is lost."""
 
     def __post_init__(self) -> None:
-        for name in ("time", "position", "valid"):
-            value = getattr(self, name)
-            if len(value) != len(self.time):
-                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
-            value.setflags(write=False)
+        freeze_rows(self, "time", "position", "valid")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +103,7 @@ class Registration:
 
 
 def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
-    """The rigid motion that brings points (M, 3) closest to their targets, least squares (Kabsch).
+    """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch).
 
     Raises:
         ValueError: fewer than three points, or all on one line.
@@ -135,7 +123,7 @@ def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
 
 @dataclass(frozen=True, kw_only=True)
 class LaserTracker:
-    """One tracker, set up and registered: `set_up` makes it."""
+    """Tracker in place and registered; see `set_up`."""
 
     cfg: LaserTrackerCfg
     bias: Array
@@ -155,18 +143,17 @@ class LaserTracker:
         *,
         target_axis: ArrayLike | None = None,
     ) -> TrackerSamples:
-        """Follow a tool through a run.
+        """Samples of a tool during a run.
 
         Args:
             time: (M,) [s], uniform, at a rate that is a multiple of the tracker's.
             tool_position: (M, 3) [m], TCP0 in base axes.
             tool_quaternion: (M, 4), base to tool.
-            rng: what the noise is drawn from.
-            target_axis: (3,), where the reflector looks, in tool axes. Left out, an operator has
-                turned it towards the tracker at the first sample. Zero raises ValueError.
+            target_axis: (3,), direction of the reflector in tool axes; None points it at the
+                tracker at the first sample. Zero raises ValueError.
 
-        The offset of the reflector is taken off with the orientation of the first sample, the one
-        that is programmed: the tracker does not see how the tool tilts.
+        The offset of the reflector is subtracted with the orientation of the first sample, which is
+        the programmed one: the tracker does not measure the tilt of the tool.
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
@@ -188,7 +175,7 @@ class LaserTracker:
 
 
 def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
-    """Place a tracker, with the lasting errors of this set-up, and register it on its targets."""
+    """Tracker with the constant errors of a set-up, registered on its targets."""
     one_sigma = np.array([cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
     bias = rng.standard_normal(3) * one_sigma
     targets = np.repeat(np.array(cfg.reference_targets), cfg.readings_per_target, axis=0)
@@ -197,33 +184,18 @@ def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
 
 
 def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Generator) -> Array:
-    distance, azimuth, elevation = _to_polar(_in_tracker_frame(cfg, p_base))
-
     def reading(ideal: Array, std: float, resolution: float) -> Array:
         noisy = ideal + noise.white(rng, ideal.shape, std)
         return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
 
-    return _from_polar(
-        reading(distance * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution),
-        reading(azimuth + bias[1], cfg.angle_noise, cfg.angle_resolution),
-        reading(elevation + bias[2], cfg.angle_noise, cfg.angle_resolution),
-    )
-
-
-def _in_tracker_frame(cfg: LaserTrackerCfg, p_base: Array) -> Array:
     c, s = np.cos(cfg.heading), np.sin(cfg.heading)
     R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return (p_base - np.array(cfg.position)) @ R_base_tracker
-
-
-def _to_polar(p: Array) -> tuple[Array, Array, Array]:
-    """Distance, azimuth, elevation of points (..., 3)."""
-    x, y, z = np.moveaxis(p, -1, 0)
+    x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
     level = np.hypot(x, y)
-    return np.hypot(level, z), np.arctan2(y, x), np.arctan2(z, level)
-
-
-def _from_polar(distance: Array, azimuth: Array, elevation: Array) -> Array:
+    distance = np.hypot(level, z) * (1.0 + bias[0])
+    distance = reading(distance, cfg.range_noise, cfg.range_resolution)
+    azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
+    elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
     level = distance * np.cos(elevation)
     return np.stack(
         [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
@@ -239,12 +211,12 @@ def _sight(
     tracker: Array,
     least_cosine: float,
 ) -> tuple[Array, NDArray[np.bool_]]:  # pragma: no cover - compiled
-    """Where the reflector is, (K, 3) [m] in base axes, and whether the beam holds, (K,).
+    """Position of the reflector (K, 3) [m] in base axes, and a mask of samples with beam (K,).
 
-    The beam holds until the reflector first leaves the cone: a lost interferometer stays lost.
+    Once the reflector has left the cone the beam stays lost: an interferometer counts.
 
     Args:
-        axis: where the reflector looks, in tool axes; zero for straight at the tracker at first.
+        axis: direction of the reflector in tool axes; zero for the tracker at the first sample.
     """
     reflector = np.empty_like(tool_position)
     holds = np.zeros(len(tool_position), dtype=np.bool_)
@@ -252,17 +224,14 @@ def _sight(
     held = True
     for i in range(len(tool_position)):
         w, x, y, z = tool_quaternion[i]
-        away = _turned(w, x, y, z, (offset[0], offset[1], offset[2]))
+        away = _rotated(w, x, y, z, (offset[0], offset[1], offset[2]))
         for j in range(3):
             reflector[i, j] = tool_position[i, j] + away[j]
-        beam = (
-            tracker[0] - reflector[i, 0],
-            tracker[1] - reflector[i, 1],
-            tracker[2] - reflector[i, 2],
-        )
+        to_tracker = tracker - reflector[i]
+        beam = (to_tracker[0], to_tracker[1], to_tracker[2])
         if i == 0 and not axis.any():
-            looks = _turned(w, -x, -y, -z, beam)
-        sight = _turned(w, x, y, z, looks)
+            looks = _rotated(w, -x, -y, -z, beam)
+        sight = _rotated(w, x, y, z, looks)
         cosine = _dot(sight, beam) / np.sqrt(_dot(sight, sight) * _dot(beam, beam))
         held = held and cosine >= least_cosine  # false for NaN too
         holds[i] = held
@@ -273,18 +242,14 @@ Vector = tuple[float, float, float]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _turned(
+def _rotated(
     w: float, x: float, y: float, z: float, v: Vector
 ) -> Vector:  # pragma: no cover - compiled
-    """A vector turned by a quaternion of any length: v + 2 r x (w v + r x v), r = (x, y, z)."""
+    """Vector rotated by a quaternion of any length: v + 2 r x (w v + r x v), r = (x, y, z)."""
     a, b, c = v
     d, e, f = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
     twice = 2.0 / (w * w + x * x + y * y + z * z)
-    return (
-        a + twice * (y * f - z * e),
-        b + twice * (z * d - x * f),
-        c + twice * (x * e - y * d),
-    )
+    return a + twice * (y * f - z * e), b + twice * (z * d - x * f), c + twice * (x * e - y * d)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

@@ -55,7 +55,7 @@ def _correlate(x: Array, c: float, fresh: float) -> None:  # pragma: no cover - 
 def random_walk(
     rng: np.random.Generator, shape: tuple[int, int], density: ArrayLike, step: float
 ) -> Array:
-    """A bias that wanders from 0: variance density^2 t; `density` in units/sqrt(s)."""
+    """Random walk from 0 with variance density^2 t; `density` in units/sqrt(s)."""
     steps = white(rng, shape, np.asarray(density) * np.sqrt(step))
     steps[:1] = 0.0
     return np.cumsum(steps, axis=0)

@@ -1,10 +1,10 @@
-"""From a fine record to the samples of a slower instrument."""
+"""Sampling of a fine record by a slower instrument."""
 
 from armside.arrays import Array
 
 
 def stride(record_rate: float, rate: float) -> int:
-    """Every how many rows of a record an instrument of `rate` [Hz] takes one.
+    """Rows of a record per sample of an instrument of `rate` [Hz].
 
     Raises:
         ValueError: the rate does not divide the rate of the record.

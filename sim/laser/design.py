@@ -8,7 +8,7 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 
-from ..robot.model import N_AXES
+from ..robot.mjcf import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 
 

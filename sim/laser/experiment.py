@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.learning import Trial
 
 from ..cut.tool_motion import ToolMotion
-from ..evaluation.tool_error import ArmSide, arm_side
+from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..robot.effects import available, with_effects
@@ -22,7 +22,9 @@ from ..robot.individual import (
     with_payload,
 )
 from ..robot.model import RobotModel, load_model
-from ..robot.virtual_robot import Job, VirtualRobot
+from ..robot.run import LoadedReference
+from ..robot.statics import Statics
+from ..robot.virtual_robot import VirtualRobot
 from .plant import CuttingPlant, MountedImu, Pass, plan
 from .specification import Cut
 
@@ -38,7 +40,7 @@ class Experiment:
     added_payload: float = 0.0
     """Mass of the tool beside that of the robot's file [kg], as far as the controller knows it."""
     motion: ToolMotion = field(repr=False)
-    job: Job = field(repr=False)
+    loaded: LoadedReference = field(repr=False)
     plant: CuttingPlant = field(repr=False)
 
     @property
@@ -61,9 +63,9 @@ class Iteration:
     run: Pass = field(repr=False)
     motor_error: Array = field(repr=False)
     """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
-    tool: ArmSide
+    tool: ToolError
     """Tool error from tracker samples."""
-    tool_true: ArmSide
+    tool_true: ToolError
     """Tool error from the ground truth."""
     diverged: bool
 
@@ -86,12 +88,13 @@ def prepare(
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
     design = load_model(cut.model or cut.cell.xml) if nominal is None else nominal
-    loaded = design if cut.payload is None else with_payload(design, cut.payload)
-    known = _as_known(cut, loaded if cut.payload_known else design)
+    carrying = design if cut.payload is None else with_payload(design, cut.payload)
+    known = _as_known(cut, carrying if cut.payload_known else design)
+    statics = Statics(known)
     motion, reference = plan(
-        cut.cell, known, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
+        cut.cell, statics, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
     )
-    real = with_effects(loaded, available(loaded) - frozenset(cut.without), phi=reference[0])
+    real = with_effects(carrying, available(carrying) - frozenset(cut.without), phi=reference[0])
     individual = _individual(cut, design)
     if individual is not None:
         real = with_individual(real, individual)
@@ -99,20 +102,20 @@ def prepare(
         spread = cut.friction_spread
         factor = np.random.default_rng(drawing).uniform(-spread, spread, 6)
         real = with_friction(real, 1.0 + factor)
-    job = VirtualRobot(real, nominal=known).load(reference)
+    loaded = VirtualRobot(real, nominal=statics).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
     if cut.imu is not None:
         drawn = draw_imu(cut.imu, np.random.default_rng(mounting))
         unit = MountedImu(drawn, np.random.default_rng(reading))
-    plant = CuttingPlant(job, tracker, np.random.default_rng(noise), unit)
+    plant = CuttingPlant(loaded, tracker, np.random.default_rng(noise), unit)
     return Experiment(
         cut=cut,
         seed=seed,
         nominal=known,
         added_payload=_added_payload(cut, design),
         motion=motion,
-        job=job,
+        loaded=loaded,
         plant=plant,
     )
 
@@ -144,15 +147,15 @@ def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration
         correction=trial.correction,
         error=trial.error,
         run=run,
-        motor_error=run.recording.error * experiment.job.model.drives.gear,
-        tool=arm_side(motion, run.tracker.time, run.tracker.position),
+        motor_error=run.recording.error * experiment.loaded.model.drives.gear,
+        tool=tool_error(motion, run.tracker.time, run.tracker.position),
         tool_true=true_tool_error(motion, run),
         diverged=trial.diverged,
     )
 
 
-def true_tool_error(motion: ToolMotion, run: Pass) -> ArmSide:
+def true_tool_error(motion: ToolMotion, run: Pass) -> ToolError:
     """Tool error from the ground truth, at the rate of the tracker."""
     truth, seen = run.recording.truth, run.tracker.time
     every = slice(None, None, round(float((seen[1] - seen[0]) / (truth.time[1] - truth.time[0]))))
-    return arm_side(motion, truth.time[every], truth.tool_position[every])
+    return tool_error(motion, truth.time[every], truth.tool_position[every])

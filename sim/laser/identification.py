@@ -40,7 +40,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     found = identify(arm, measured, rest, imu, prior=prior)
 
     truth = NominalCfg(structure=True, payload=experiment.added_payload)
-    true_arm = nominal_arm(experiment.cut.model or experiment.cut.cell.xml, truth)
+    true_arm = nominal_arm(experiment.nominal, truth)
     gear = np.diag(true_arm.stiffness)
     deviations = found.fit.standard_deviation
     return {

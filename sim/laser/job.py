@@ -60,7 +60,7 @@ class LearningJob:
             "diverged": np.array(missing > 0 or diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "motion_end": np.array(experiment.motion_end),
-            "gear": experiment.job.model.drives.gear,
+            "gear": experiment.loaded.model.drives.gear,
         }
 
     def _row(self, iteration: Iteration, experiment: Experiment) -> dict[str, Array]:

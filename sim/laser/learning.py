@@ -66,7 +66,7 @@ def iterate(
 def first_run(experiment: Experiment, plant: Plant[Pass] | None = None) -> Pass:
     """The run without correction, k = 0."""
     plant = experiment.plant if plant is None else plant
-    return plant.run(np.zeros_like(experiment.job.reference))
+    return plant.run(np.zeros_like(experiment.loaded.reference))
 
 
 def learned(

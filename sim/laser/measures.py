@@ -68,7 +68,7 @@ class MotorAngles:
 
     def prepare(self, experiment: Experiment) -> SetUp:
         design = self.design or DEFAULT_DESIGN.get(str(experiment.cut.robot), THESIS)
-        reference = experiment.job.reference
+        reference = experiment.loaded.reference
         design.law.check(*reference.shape)
         return lambda first: _MotorOutput(reference, design.law)
 

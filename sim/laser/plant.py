@@ -10,20 +10,19 @@ from armside.arrays import Array
 from ..cell import Cell
 from ..cut.contour import ArcsAndLines
 from ..cut.path import CuttingPath
-from ..cut.reference import joint_reference, plan_cut
 from ..cut.timing import PathLimits
-from ..cut.tool_motion import ToolMotion
+from ..cut.tool_motion import ToolMotion, joint_reference, plan_cut
 from ..instruments.imu import Imu, ImuSamples
 from ..instruments.laser_tracker import LaserTracker, TrackerSamples
-from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.statics import anticipated_shift, smoothed
-from ..robot.virtual_robot import LOG_PERIOD, Job
+from ..robot.run import LoadedReference
+from ..robot.statics import Statics, anticipated_shift, smoothed
+from ..robot.virtual_robot import LOG_PERIOD
 
 
 def plan(
     cell: Cell,
-    model: RobotModel,
+    nominal: Statics,
     path: CuttingPath,
     quaternion: ArrayLike,
     speed: float,
@@ -46,7 +45,7 @@ def plan(
         path_limits=path_limits,
         step=LOG_PERIOD,
     )
-    shift = anticipated_shift(model, phi, LOG_PERIOD)
+    shift = anticipated_shift(nominal, phi, LOG_PERIOD)
     if isinstance(path.curve, ArcsAndLines):
         shift = smoothed(shift)
     return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
@@ -79,9 +78,9 @@ class MountedImu:
 
 @dataclass(frozen=True)
 class CuttingPlant:
-    """A loaded job under a laser tracker, as the plant of a learning loop; an IMU if wanted."""
+    """Plant of a learning loop: a loaded reference under a laser tracker, with an IMU if wanted."""
 
-    job: Job
+    loaded: LoadedReference
     tracker: LaserTracker
     rng: np.random.Generator
     """Source of torque and tracker noise."""
@@ -89,7 +88,7 @@ class CuttingPlant:
 
     def run(self, correction: Array, /) -> Pass:
         """Cut once with a correction."""
-        recording = self.job.run(correction, self.rng)
+        recording = self.loaded.run(correction, self.rng)
         truth = recording.truth
         samples = self.tracker.measure(
             truth.time, truth.tool_position, truth.tool_quaternion, self.rng

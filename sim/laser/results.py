@@ -55,9 +55,9 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
 
 def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
     """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
-    stride = experiment.job.ratio
+    stride = experiment.loaded.ratio
     runs = [it.run.recording for it in iterations if not it.diverged]
-    mj = experiment.job.model.mj
+    mj = experiment.loaded.model.mj
     return max((checked_loop_error(mj, run.truth.qpos[::stride]) for run in runs), default=0.0)
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..cell import CELLS, Cell, ToolPose, pose
-from ..cut.contour import ClosedCurve
-from ..cut.path import Circle, CuttingPath, Plane
+from ..cut.contour import Circle, ClosedCurve
+from ..cut.path import CuttingPath, Plane
 from ..cut.timing import PathLimits
 from ..instruments.imu import ImuCfg
 from ..robot.effects import Effect

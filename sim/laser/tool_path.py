@@ -59,10 +59,8 @@ class ToolPath:
 
     def assumed(self, experiment: Experiment) -> NominalArm:
         """The assumed arm. Raises ValueError for a robot with closed loops."""
-        cut = experiment.cut
-        source = cut.model or cut.cell.xml
         return assumed_arm(
-            source,
+            experiment.nominal,
             self.stiffness_error,
             experiment.seed,
             damping=self.damping_factor,

@@ -1,4 +1,4 @@
-"""What joints and path allow at each place of a curve of motor angles phi(w)."""
+"""Limits of joints and path along a curve of motor angles phi(w)."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,8 @@ from armside.kinematics import CompiledRobot, Limits
 from .curves import Curve
 from .instructions import Dynamics, Speed
 
-CORNER_SHARE = 0.8
-"""Of an acceleration limit that following a bend may use; the rest is left for changing speed."""
+CORNER_FRACTION = 0.8
+"""Fraction of an acceleration limit for following a bend; the rest is for changing speed."""
 TINY = 1e-12
 
 
@@ -38,9 +38,19 @@ def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Arra
 
 
 def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
-    """(6,) [rad/s^2]: a move at a share of full speed is slower in its ramps, too."""
+    """(6,) [rad/s^2], reduced with the square of the programmed fraction of full speed."""
     full = np.array(dynamics.joint_acceleration)
-    return full * speed.share**2 if speed.share else full
+    return full * speed.fraction**2 if speed.fraction else full
+
+
+def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Array | float:
+    """w' [1/s] at the programmed speed.
+
+    full: w' [1/s] at the joints' speed limits; tool_rate: [m] of tool path per unit of w.
+    """
+    if speed.fraction:
+        return speed.fraction * full
+    return (speed.path or 0.0) / np.maximum(tool_rate, TINY)
 
 
 def curve_bounds(
@@ -54,8 +64,8 @@ def curve_bounds(
     of_path = float(curve.on_path) / dynamics.path_acceleration
     bend = np.column_stack([d2 / of_joints, of_path * x2])
     full = (np.array(limits.speed) / np.maximum(d1, TINY)).min(axis=1)
-    wanted = speed.share * full.min() if speed.share else (speed.path or 0.0) / np.maximum(x1, TINY)
-    bent = np.sqrt(CORNER_SHARE / np.maximum(bend.max(axis=1), TINY))
+    wanted = programmed_rate(speed, full.min(), x1)
+    bent = np.sqrt(CORNER_FRACTION / np.maximum(bend.max(axis=1), TINY))
     return Bounds(
         speed=np.minimum(np.minimum(full, wanted), bent),
         along=np.column_stack([d1 / of_joints, of_path * x1]),

@@ -13,26 +13,26 @@ import ruckig
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot, Limits
 
-from ..cut.timing import Timing, from_profile
-from .bounds import CORNER_SHARE, TINY, joint_acceleration, tool_derivatives
+from ..cut.timing import Timing, jerk_limited
+from .bounds import CORNER_FRACTION, TINY, joint_acceleration, programmed_rate, tool_derivatives
 from .curves import SAMPLES, Curve
 from .instructions import Dynamics, Speed
 
 
 @dataclass(frozen=True, kw_only=True)
 class PieceLimits:
-    """What holds everywhere on one curve, in its parameter w."""
+    """Constant limits of one curve, in its parameter w."""
 
     speed: float
     """[1/s]."""
     acceleration: float
     """[1/s^2]."""
     limited_by: str
-    """What keeps the speed below the programmed one; empty if nothing does."""
-    tool_way: float
+    """Limit that keeps the speed below the programmed one; empty if none does."""
+    tool_rate: float
     """[m] of tool path per unit of w, the largest on the curve."""
     full_speed: float
-    """At which the joints are at their speed limits [1/s]."""
+    """Speed at which a joint reaches its speed limit [1/s]."""
 
 
 def piece_limits(
@@ -42,18 +42,20 @@ def piece_limits(
     w = np.linspace(0.0, 1.0, SAMPLES)
     d1, d2 = np.abs(curve.at(w, 1)), np.abs(curve.at(w, 2))
     x1, x2 = tool_derivatives(curve, w, robot)
-    tool_way = float(np.linalg.norm(x1, axis=1).max())
+    tool_rate = float(np.linalg.norm(x1, axis=1).max())
     bend = float(np.linalg.norm(x2, axis=1).max()) if curve.on_path else 0.0
 
     joint_speed = np.array(limits.speed) / np.maximum(d1.max(axis=0), TINY)
     of_joints = joint_acceleration(speed, dynamics)
-    joint_bend = np.sqrt(CORNER_SHARE * of_joints / np.maximum(d2.max(axis=0), TINY))
+    joint_bend = np.sqrt(CORNER_FRACTION * of_joints / np.maximum(d2.max(axis=0), TINY))
     full_speed = float(joint_speed.min())
-    wanted = speed.share * full_speed if speed.share else (speed.path or 0.0) / max(tool_way, TINY)
+    wanted = float(programmed_rate(speed, full_speed, tool_rate))
     caps = {f"speed of motor {i + 1}": float(v) for i, v in enumerate(joint_speed)}
     caps |= {f"acceleration of motor {i + 1}": float(v) for i, v in enumerate(joint_bend)}
     if bend > TINY:
-        caps["path acceleration"] = float(np.sqrt(CORNER_SHARE * dynamics.path_acceleration / bend))
+        caps["path acceleration"] = float(
+            np.sqrt(CORNER_FRACTION * dynamics.path_acceleration / bend)
+        )
     name, cap = min(caps.items(), key=lambda item: item[1])
     top = min(wanted, cap)
 
@@ -61,12 +63,12 @@ def piece_limits(
     acceleration = float(left.min())
     if curve.on_path:
         along = np.sqrt(dynamics.path_acceleration**2 - (bend * top**2) ** 2)
-        acceleration = min(acceleration, float(along) / max(tool_way, TINY))
+        acceleration = min(acceleration, float(along) / max(tool_rate, TINY))
     return PieceLimits(
         speed=top,
         acceleration=acceleration,
         limited_by="" if wanted <= cap else name,
-        tool_way=tool_way,
+        tool_rate=tool_rate,
         full_speed=full_speed,
     )
 
@@ -86,50 +88,48 @@ def _end_speeds(
 ) -> tuple[Array, Array]:
     """Speed in w at the start and at the end of each piece: a forward and a backward pass."""
     n = len(curves)
-    way_first = np.array([np.linalg.norm(c.at(0.0, 1)) for c in curves])
-    way_last = np.array([np.linalg.norm(c.at(1.0, 1)) for c in curves])
+    rate_first = np.array([np.linalg.norm(c.at(0.0, 1)) for c in curves])
+    rate_last = np.array([np.linalg.norm(c.at(1.0, 1)) for c in curves])
     # Joint-space speed |dphi/dt| at the joints between pieces, common to both sides.
     junction = np.zeros(n + 1)
     for j in range(1, n):
-        before, after = limits[j - 1].speed * way_last[j - 1], limits[j].speed * way_first[j]
+        before, after = limits[j - 1].speed * rate_last[j - 1], limits[j].speed * rate_first[j]
         junction[j] = min(before, after)
     for j in range(n):
-        start = junction[j] / max(way_first[j], 1e-12)
-        reach = _reachable(start, limits[j], jerk_time) * way_last[j]
+        start = junction[j] / max(rate_first[j], 1e-12)
+        reach = _reachable(start, limits[j], jerk_time) * rate_last[j]
         junction[j + 1] = min(junction[j + 1], reach)
     for j in reversed(range(n)):
-        end = junction[j + 1] / max(way_last[j], 1e-12)
-        junction[j] = min(junction[j], _reachable(end, limits[j], jerk_time) * way_first[j])
-    return junction[:-1] / np.maximum(way_first, 1e-12), junction[1:] / np.maximum(way_last, 1e-12)
+        end = junction[j + 1] / max(rate_last[j], 1e-12)
+        junction[j] = min(junction[j], _reachable(end, limits[j], jerk_time) * rate_first[j])
+    return junction[:-1] / np.maximum(rate_first, 1e-12), junction[1:] / np.maximum(
+        rate_last, 1e-12
+    )
 
 
 def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
     """Highest speed at the other end of a piece (length 1) without acceleration at either end."""
     jerk = limits.acceleration / jerk_time
 
-    def way(end: float) -> float:
+    def length(end: float) -> float:
         change = end - speed
         peak = min(limits.acceleration, np.sqrt(jerk * change))
         return 0.5 * (speed + end) * (change / peak + peak / jerk) if change > 0.0 else 0.0
 
     low, high = speed, max(limits.speed, speed)
-    if way(high) <= 1.0:
+    if length(high) <= 1.0:
         return high
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if way(middle) <= 1.0 else (low, middle)
+        low, high = (middle, high) if length(middle) <= 1.0 else (low, middle)
     return low * (1.0 - 1e-9)
 
 
 def _timed(limits: PieceLimits, first: float, last: float, jerk_time: float) -> Timing:
-    wanted = ruckig.InputParameter(1)
-    wanted.current_velocity, wanted.target_velocity = [first], [last]
-    wanted.target_position = [1.0]
-    wanted.max_velocity = [max(limits.speed, first, last)]
-    wanted.max_acceleration = [limits.acceleration]
-    wanted.max_jerk = [limits.acceleration / jerk_time]
-    trajectory = ruckig.Trajectory(1)
-    result = ruckig.Ruckig(1).calculate(wanted, trajectory)
-    if result not in (ruckig.Result.Finished, ruckig.Result.Working):
-        raise RuntimeError(f"no timing from {first} to {last} 1/s: {result}")
-    return from_profile(trajectory.profiles[0][0], trajectory.duration)
+    asked = ruckig.InputParameter(1)
+    asked.current_velocity, asked.target_velocity = [first], [last]
+    asked.target_position = [1.0]
+    asked.max_velocity = [max(limits.speed, first, last)]
+    asked.max_acceleration = [limits.acceleration]
+    asked.max_jerk = [limits.acceleration / jerk_time]
+    return jerk_limited(asked, f"from {first} to {last} 1/s")

@@ -1,4 +1,4 @@
-"""The geometry of moves as curves of motor angles phi(w), w from 0 to 1."""
+"""Geometry of moves as curves of motor angles phi(w), w from 0 to 1."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ from armside.kinematics.rotation import from_quaternion, slerp, to_quaternion
 from .instructions import MoveC, MoveJ, MoveL, Target
 
 NODE_DISTANCE = 0.002
-"""Between solutions of the inverse kinematics along a path [m]; a cubic spline joins them."""
+"""Distance between solutions of the inverse kinematics on a path [m]; a spline joins them."""
 NODE_ANGLE = np.deg2rad(0.5)
-"""And between orientations [rad]."""
-LARGEST_SHARE = 0.49
-"""Of a move that a zone may take at either end."""
+"""Angle between the orientations of two solutions [rad]."""
+LARGEST_FRACTION = 0.49
+"""Largest fraction of a move that a zone takes at either end."""
 SAMPLES = 201
-"""Of a curve wherever its extremes are looked for."""
+"""Points of a curve at which its extremes are looked for."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Curve:
     first: float = 0.0
     last: float = 1.0
     on_path: bool = False
-    """The tool follows a line or circle: limits of the path apply."""
+    """True where the tool follows a line or circle: limits of the path apply."""
 
     def at(self, w: ArrayLike, derivative: int = 0) -> Array:
         """phi or a derivative by w, shape (..., 6)."""
@@ -51,9 +51,9 @@ class Curve:
 def move_curve(
     move: MoveJ | MoveL | MoveC, start: Array, robot: CompiledRobot, limits: Limits
 ) -> Curve:
-    """The curve of a move from motor angles `start`, zones not yet cut off.
+    """Curve of a move from motor angles `start`, zones included.
 
-    Raises ValueError where it cannot be followed, and says where.
+    Raises ValueError where it cannot be followed, with the place.
     """
     if isinstance(move, MoveJ):
         return _straight(start, _motors(move.to, start, robot, limits))
@@ -93,7 +93,7 @@ def _end_rotation(T_start: Array, to: Target) -> Array:
 class _Path:
     length: float
     point: Callable[[Array], Array]
-    """(N,) shares of the way -> (N, 3) [m]."""
+    """(N,) fractions of the length -> (N, 3) [m]."""
 
 
 def _line(T: Array, move: MoveL) -> _Path:
@@ -114,27 +114,27 @@ def _arc(T: Array, move: MoveC) -> _Path:
     n = normal / area
     a, b = via - start, end - start
     c = np.cross((a @ a) * b - (b @ b) * a, np.cross(a, b))
-    c = c / (2.0 * np.sum(np.cross(a, b) ** 2))  # the centre, seen from the start
+    c = c / (2.0 * np.sum(np.cross(a, b) ** 2))  # centre of the circle, from the start
     x = -c / np.linalg.norm(c)
     y, radius = np.cross(n, x), float(np.linalg.norm(c))
     to_end = b - c
     angle = float(np.arctan2(to_end @ y, to_end @ x) % (2.0 * np.pi))
 
     def point(u: Array) -> Array:
-        turn = (u * angle)[:, np.newaxis]
-        return start + c + radius * (np.cos(turn) * x + np.sin(turn) * y)
+        at = (u * angle)[:, np.newaxis]
+        return start + c + radius * (np.cos(at) * x + np.sin(at) * y)
 
     return _Path(radius * angle, point)
 
 
 def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
-    """Motor angles along a path, the orientation turned evenly with the way."""
+    """Motor angles along a path, rotated at an even rate over its length."""
     q_start = to_quaternion(T[:3, :3])
     q_end = to_quaternion(_end_rotation(T, to))
-    turn = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
-    if path.length < 1e-6 and turn < 1e-6:
+    rotation = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
+    if path.length < 1e-6 and rotation < 1e-6:
         raise ValueError("the move ends where it starts")
-    n = 1 + int(np.ceil(max(path.length / NODE_DISTANCE, turn / NODE_ANGLE, 50)))
+    n = 1 + int(np.ceil(max(path.length / NODE_DISTANCE, rotation / NODE_ANGLE, 50)))
     u = np.linspace(0.0, 1.0, n)
     poses = transform(from_quaternion(slerp(q_start, q_end, u)), path.point(u))
     try:
@@ -146,7 +146,7 @@ def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRo
 
 
 def check_limits(curve: Curve, limits: Limits) -> None:
-    """Raise ValueError where a curve leaves a joint's range: which, how far, where on the way."""
+    """Raise ValueError where a curve leaves a joint's range, with joint, angle and place."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     phi = curve.at(w)
     ranges = [
@@ -169,18 +169,17 @@ def check_limits(curve: Curve, limits: Limits) -> None:
 
 
 def _combination(c: Array) -> str:
-    """ "motor 3 - motor 2"."""
+    """Name of a combination of joints, such as "motor 3 - motor 2"."""
     order = sorted(np.flatnonzero(c), key=lambda i: -c[i])
     text = " ".join(f"{'+' if c[i] > 0 else '-'} motor {i + 1}" for i in order)
     return text.removeprefix("+ ")
 
 
 def blend(before: Curve, after: Curve) -> Curve:
-    """A corner rounded: from the end of one cut-off curve to the start of the next.
+    """Rounded corner from the end of one shortened curve to the start of the next.
 
-    A quintic whose ends match angle, first and second derivative. Its parameter runs so that the
-    corner's legs count double, as on a parabola: speed and acceleration are continuous where the
-    timing neither speeds up nor slows down.
+    A quintic whose ends match angle, first and second derivative. The removed ends are scaled by
+    two, as on a parabola: at constant w', speed and acceleration are continuous.
     """
     leg_in = 2.0 * (1.0 - before.last) / (before.last - before.first)
     leg_out = 2.0 * after.first / (after.last - after.first)
@@ -192,14 +191,14 @@ def blend(before: Curve, after: Curve) -> Curve:
     return Curve(polynomial, on_path=before.on_path and after.on_path)
 
 
-def zone_share(curve: Curve, zone: float, robot: CompiledRobot, *, at_end: bool) -> float:
-    """Share of an uncut curve within `zone` [m] of one end; below half of it."""
+def zone_fraction(curve: Curve, zone: float, robot: CompiledRobot, *, at_end: bool) -> float:
+    """Fraction of a whole curve within `zone` [m] of one end; below half of it."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     w_of = 1.0 - w if at_end else w
     p = robot.pose(np.ascontiguousarray(curve.at(w_of)))[:, :3, 3]
     distance = np.linalg.norm(p - p[0], axis=1)
     beyond = np.flatnonzero(distance >= zone)
     if not len(beyond):
-        return LARGEST_SHARE
+        return LARGEST_FRACTION
     i = int(beyond[0])
-    return min(float(np.interp(zone, distance[i - 1 : i + 1], w[i - 1 : i + 1])), LARGEST_SHARE)
+    return min(float(np.interp(zone, distance[i - 1 : i + 1], w[i - 1 : i + 1])), LARGEST_FRACTION)

@@ -1,8 +1,7 @@
-"""The fastest way along one curve, from rest to rest, where its limits differ from place to place.
+"""Time-optimal path parametrisation of one curve, rest to rest, with limits that vary along it.
 
-A pass forwards and one backwards find the highest speed that every place allows and that can be
-reached and left again (time-optimal path parametrisation; the bounds on acceleration are the same
-for both signs). A moving average over the jerk time then limits the jerk.
+A forward and a backward pass find the highest speed within the limits of speed and acceleration,
+which are symmetric. A moving average over the jerk time then limits the jerk.
 """
 
 import numpy as np
@@ -13,13 +12,13 @@ from ..cut.timing import Timing
 from .bounds import TINY, Bounds
 
 CHECKS = 1000
-"""Instants at which a timing is held against its limits."""
+"""Instants at which a timing is compared with its limits."""
 
 
 def fastest(bounds: Bounds, jerk_time: float) -> Timing:
-    """Time w from 0 to 1, at rest at both ends.
+    """Fastest timing of w from 0 to 1, at rest at both ends.
 
-    jerk_time: [s], in which the acceleration builds up, falls or turns round.
+    jerk_time: [s], in which the acceleration builds up, falls or changes sign.
     """
     x = bounds.speed**2
     x[[0, -1]] = 0.0
@@ -42,7 +41,7 @@ def _reached(x: Array, along: Array, bend: Array) -> Array:
 
 
 def averaged(x: Array, window: float) -> Timing:
-    """The motion of w'^2 = x on an even grid, linear between, averaged over `window` [s] of time.
+    """Motion of w'^2 = x on an even grid, linear between, averaged over `window` [s] of time.
 
     Its acceleration is constant in each interval, its average linear: phases of constant jerk.
     """
@@ -66,14 +65,14 @@ def averaged(x: Array, window: float) -> Timing:
 
 
 def _held(values: Array, knots: Array, time: Array) -> Array:
-    """Constant between knots, zero outside."""
+    """Zero-order hold between knots, zero outside."""
     k = np.searchsorted(knots, time, side="right") - 1
     inside = (k >= 0) & (k < len(values))
     return np.where(inside, values[np.clip(k, 0, len(values) - 1)], 0.0)
 
 
 def _excess(timing: Timing, bounds: Bounds) -> float:
-    """How many times longer it must take to keep all limits."""
+    """Factor on the duration with which a timing keeps all limits."""
     w, v, a = timing.at(np.linspace(0.0, timing.duration, CHECKS))
     grid = np.linspace(0.0, 1.0, len(bounds.speed))
     along, bend = (
@@ -85,6 +84,6 @@ def _excess(timing: Timing, bounds: Bounds) -> float:
 
 
 def _stretched(timing: Timing, factor: float) -> Timing:
-    """The same way in `factor` times the time."""
+    """Timing over the same length in `factor` times the time."""
     scale = factor ** -np.arange(4.0)
     return Timing(timing.start * factor, timing.state * scale, timing.duration * factor)

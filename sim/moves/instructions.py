@@ -11,17 +11,17 @@ class ProgramError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Target:
-    """Where a move ends: motor angles, or a tool pose."""
+    """End of a move: motor angles, or a tool pose."""
 
     motors: tuple[float, ...] | None = None
     """(6,) [rad], arm side."""
     position: tuple[float, float, float] | None = None
     """[m], TCP0 in base axes."""
     quaternion: tuple[float, float, float, float] | None = None
-    """Base to tool; left out, the orientation is kept."""
+    """Base to tool; None keeps the orientation."""
     near: tuple[float, ...] | None = None
-    """(6,) [rad]: of all solutions for a pose, MoveJ takes the nearest to these motor angles. Left
-    out, the nearest to where it starts."""
+    """(6,) [rad]: MoveJ takes the solution for a pose that is nearest to these motor angles, or to
+    its start if None."""
 
     def __post_init__(self) -> None:
         if (self.motors is None) == (self.position is None):
@@ -38,21 +38,23 @@ class Target:
 
 @dataclass(frozen=True, kw_only=True)
 class Speed:
-    """Of the tool along its path, or a share of what the joints can do."""
+    """Speed of the tool along its path, or fraction of the highest speed of the joints."""
 
     path: float | None = None
     """[m/s]."""
-    share: float | None = None
-    """Of the highest speed that the joint limits allow on this move, in (0, 1]. The move is slowed
-    as a whole: its accelerations by the square of the share."""
+    fraction: float | None = None
+    """Fraction of the highest speed that the joint limits allow on this move, in (0, 1]. The whole
+    move is slowed down: its accelerations fall with the square."""
 
     def __post_init__(self) -> None:
-        if (self.path is None) == (self.share is None):
-            raise ValueError("a speed is either along the path or a share of the joints'")
+        if (self.path is None) == (self.fraction is None):
+            raise ValueError("a speed is either along the path or a fraction of the joints'")
         if self.path is not None and not (np.isfinite(self.path) and self.path > 0.0):
             raise ValueError(f"speed must be > 0, got {self.path:g} m/s")
-        if self.share is not None and not 0.0 < self.share <= 1.0:
-            raise ValueError(f"speed must be above 0 and at most 100 %, got {100 * self.share:g} %")
+        if self.fraction is not None and not 0.0 < self.fraction <= 1.0:
+            raise ValueError(
+                f"speed must be above 0 and at most 100 %, got {100 * self.fraction:g} %"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +62,7 @@ class _Move:
     to: Target
     speed: Speed
     zone: float = 0.0
-    """Within this distance of its end the move is blended into the next [m]; 0 is a stop point."""
+    """Distance from its end at which the move is blended into the next [m]; 0 is a stop point."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.zone) and self.zone >= 0.0):
@@ -69,12 +71,12 @@ class _Move:
 
 @dataclass(frozen=True, kw_only=True)
 class MoveJ(_Move):
-    """Linear in the motor angles."""
+    """Move that is linear in the motor angles."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MoveL(_Move):
-    """The tool on a straight line, its orientation turned at an even rate about one axis."""
+    """Straight line of the tool, rotated at an even rate about one axis."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -83,7 +85,7 @@ class MoveL(_Move):
 
 @dataclass(frozen=True, kw_only=True)
 class MoveC(_Move):
-    """The tool on a circle from where it is, through `via`, to the target."""
+    """Arc of the tool from its start through `via` to the target."""
 
     via: tuple[float, float, float]
     """[m], base axes."""
@@ -104,7 +106,7 @@ def _needs_pose(name: str, to: Target, speed: Speed) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Wait:
-    """Stand still."""
+    """Rest for a time."""
 
     seconds: float
 
@@ -113,20 +115,21 @@ class Wait:
             raise ValueError(f"seconds must be > 0, got {self.seconds}")
 
 
-Instruction = MoveJ | MoveL | MoveC | Wait
+Move = MoveJ | MoveL | MoveC
+Instruction = Move | Wait
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dynamics:
-    """How fast a program may change speed."""
+    """Limits of acceleration and jerk of a program."""
 
     joint_acceleration: tuple[float, ...] = (14.0, 12.0, 12.0, 50.0, 50.0, 70.0)
     """(6,) [rad/s^2]. ESTIMATE for the IRB1400, from its peak torques."""
     path_acceleration: float = 9.0
-    """Of the tool in MoveL and MoveC, along and across its path [m/s^2]. ESTIMATE."""
+    """Acceleration of the tool in MoveL and MoveC, along and across its path [m/s^2]. ESTIMATE."""
     jerk_time: float = 0.05
-    """In which the full acceleration is built up [s]; between two stops, where limits differ along
-    the way, also turned round. ESTIMATE."""
+    """Time in which the acceleration rises to its limit [s]; between two stops with limits that
+    vary along the path, also changes sign. ESTIMATE."""
 
     def __post_init__(self) -> None:
         limits = np.array([*self.joint_acceleration, self.path_acceleration, self.jerk_time])
@@ -143,9 +146,9 @@ class Program:
     """(6,) [rad], motor angles."""
     dynamics: Dynamics = Dynamics()
     source: str = "program"
-    """Where it was written: the name of a file."""
+    """Name of the file it was read from."""
     lines: tuple[int, ...] = ()
-    """The line of each instruction in it."""
+    """Line of each instruction in that file."""
 
     def __post_init__(self) -> None:
         if not any(not isinstance(i, Wait) for i in self.instructions):
@@ -153,8 +156,14 @@ class Program:
         if len(self.start) != 6 or not np.isfinite(self.start).all():
             raise ProgramError(f"{self.source}: start must be 6 finite motor angles")
 
+    def move(self, index: int) -> Move:
+        """The instruction of that index, which is a move."""
+        instruction = self.instructions[index]
+        assert not isinstance(instruction, Wait)
+        return instruction
+
     def place(self, index: int) -> str:
-        """Where an instruction stands, for a message."""
+        """File, line and name of an instruction, for a message."""
         name = type(self.instructions[index]).__name__
         where = f"line {self.lines[index]}" if self.lines else f"instruction {index + 1}"
         return f"{self.source}, {where} ({name})"

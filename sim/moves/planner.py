@@ -1,34 +1,35 @@
-"""A program of moves as motor angles in time, with a report of what each move reached."""
+"""Planner of motion programs: motor angles in time, with a report of the speed of each move."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, freeze_rows
 from armside.kinematics import CompiledRobot, Limits, Robot
 from armside.kinematics import compile as compile_robot
 
 from ..cut.timing import Timing
 from .bounds import curve_bounds
 from .chain_timing import PieceLimits, piece_limits, time_chain
-from .curves import Curve, blend, check_limits, move_curve, zone_share
+from .curves import Curve, blend, check_limits, move_curve, zone_fraction
 from .fastest import fastest
 from .instructions import Instruction, Program, ProgramError, Speed, Wait
 
 N_PARTS = 8
-"""Of a move that is limited somewhere."""
+"""Parts into which a move that is limited somewhere is divided."""
 PLACES = 201
-"""On a move between two stops at which its limits are looked at."""
+"""Points of a move between two stops at which its limits are evaluated."""
 SLACK = 1e-3
-"""A speed within this share of the programmed one counts as reached."""
+"""Relative difference from the programmed speed at which it counts as reached."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MoveReport:
-    """What became of one move."""
+    """Time and speed of one move."""
 
     instruction: int
     """Index in the program."""
@@ -38,9 +39,9 @@ class MoveReport:
     """[s]."""
     programmed: Speed
     reached: float
-    """Highest tool speed [m/s], or the highest share of the joints' where that was programmed."""
+    """Highest tool speed [m/s], or fraction of the joints' where that was programmed."""
     limited_by: str
-    """What kept the move below its speed, throughout or on a part of it; empty if nothing did."""
+    """Limit that kept the move, or a part of it, below its speed; empty if none did."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,20 +53,16 @@ class JointMotion:
     phi: Array
     """(N, 6) [rad], arm side."""
     instruction: NDArray[np.int64]
-    """(N,), index of the instruction under way; that of the last one after the end."""
+    """(N,), index of the current instruction; that of the last one after the end."""
     reports: tuple[MoveReport, ...]
 
     def __post_init__(self) -> None:
-        for name in ("time", "phi", "instruction"):
-            value = getattr(self, name)
-            if len(value) != len(self.time):
-                raise ValueError(f"{name} must have {len(self.time)} rows, got {len(value)}")
-            value.setflags(write=False)
+        freeze_rows(self, "time", "phi", "instruction")
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """A curve with its time: a move's, or half of the corner to the next."""
+    """A curve with its limits: a move, a part of one, or the corner to the next."""
 
     instruction: int
     curve: Curve
@@ -85,11 +82,10 @@ def plan_program(
     """Plan a program: geometry, corners, then the fastest timing the limits allow.
 
     Raises:
-        ProgramError: a target out of reach (by how much), a joint limit on the way (which one,
-            where), no circle through three points; the message names the place in the program.
+        ProgramError: a target out of reach, a joint limit that is passed, no circle through three
+            points; the message names the place in the program.
     """
-    compiled = compile_robot(robot)
-    curves = _curves(program, compiled, limits)
+    planner = _Planner(program, compile_robot(robot), limits)
     clock = rest_before
     spans: list[tuple[float, float, int, Curve | None, Timing | None]] = []
     reports: list[MoveReport] = []
@@ -99,7 +95,7 @@ def plan_program(
             spans.append((clock, clock + instruction.seconds, chain[0], None, None))
             clock += instruction.seconds
             continue
-        pieces, timings = _fastest(program, chain, curves, compiled, limits)
+        pieces, timings = planner.fastest(chain)
         begun = clock
         for piece, timing in zip(pieces, timings, strict=True):
             spans.append((clock, clock + timing.duration, piece.instruction, piece.curve, timing))
@@ -108,24 +104,8 @@ def plan_program(
     return _sampled(program, spans, clock + rest_after, step, tuple(reports))
 
 
-def _curves(program: Program, robot: CompiledRobot, limits: Limits) -> dict[int, Curve]:
-    """The uncut curve of each move."""
-    phi, curves = np.array(program.start), {}
-    for index, instruction in enumerate(program.instructions):
-        if isinstance(instruction, Wait):
-            continue
-        try:
-            curve = move_curve(instruction, phi, robot, limits)
-            check_limits(curve, limits)
-        except ValueError as error:
-            raise ProgramError(f"{program.place(index)}: {error}") from error
-        curves[index] = curve
-        phi = curve.at(1.0)
-    return curves
-
-
 def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
-    """Indices of moves that run into each other; a wait is a chain of its own."""
+    """Indices of moves that follow without a stop; a wait is a chain of its own."""
     chains: list[list[int]] = []
     running = False
     for index, instruction in enumerate(instructions):
@@ -138,102 +118,103 @@ def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
     return chains
 
 
-def _fastest(
-    program: Program,
-    chain: Sequence[int],
-    curves: dict[int, Curve],
-    robot: CompiledRobot,
-    limits: Limits,
-) -> tuple[list[_Piece], list[Timing]]:
-    """Limits that hold on whole moves, on parts of those that are limited, or, between two stops,
-    at each place: what is fastest.
+@dataclass(frozen=True)
+class _Planner:
+    """Geometry and timing of the moves of a program under the limits of a robot."""
 
-    A move then is slow only where a joint needs it, near a singularity. Each change of speed has to
-    fit between parts, so that a chain of moves gains less than a move by itself.
-    """
-    whole = _pieces(program, chain, curves, robot, limits)
-    limited = any(piece.limits.limited_by for piece in whole)
-    options = [whole]
-    if limited:
-        options.append(_in_parts(program, whole, robot, limits))
-    timed = [
-        (
-            pieces,
-            time_chain(
-                [p.curve for p in pieces], [p.limits for p in pieces], program.dynamics.jerk_time
-            ),
-        )
-        for pieces in options
-    ]
-    if limited and len(whole) == 1:
-        speed = program.instructions[chain[0]].speed  # type: ignore[union-attr]
-        bounds = curve_bounds(whole[0].curve, speed, robot, limits, program.dynamics, PLACES)
-        timed.append((whole, [fastest(bounds, program.dynamics.jerk_time)]))
-    return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
+    program: Program
+    robot: CompiledRobot
+    limits: Limits
 
-
-def _in_parts(
-    program: Program, pieces: Sequence[_Piece], robot: CompiledRobot, limits: Limits
-) -> list[_Piece]:
-    """Each limited move in equal parts with limits of their own."""
-    parts = []
-    for piece in pieces:
-        if piece.corner or not piece.limits.limited_by:
-            parts.append(piece)
-            continue
-        speed = program.instructions[piece.instruction].speed  # type: ignore[union-attr]
-        ends = np.linspace(piece.curve.first, piece.curve.last, N_PARTS + 1)
-        for first, last in pairwise(ends):
-            curve = replace(piece.curve, first=float(first), last=float(last))
-            of_part = piece_limits(curve, speed, robot, limits, program.dynamics)
-            parts.append(_Piece(piece.instruction, curve, of_part, corner=False))
-    return parts
-
-
-def _pieces(
-    program: Program,
-    chain: Sequence[int],
-    curves: dict[int, Curve],
-    robot: CompiledRobot,
-    limits: Limits,
-) -> list[_Piece]:
-    """Cut-off moves and the corners between them, each with its limits."""
-    cut = [curves[index] for index in chain]
-    for j in range(len(chain) - 1):
-        zone = program.instructions[chain[j]].zone  # type: ignore[union-attr]
-        taken = zone_share(curves[chain[j]], zone, robot, at_end=True)
-        given = zone_share(curves[chain[j + 1]], zone, robot, at_end=False)
-        cut[j], cut[j + 1] = replace(cut[j], last=1.0 - taken), replace(cut[j + 1], first=given)
-    pieces = []
-    for j, index in enumerate(chain):
-        speed = program.instructions[index].speed  # type: ignore[union-attr]
-        of_piece = piece_limits(cut[j], speed, robot, limits, program.dynamics)
-        pieces.append(_Piece(index, cut[j], of_piece, corner=False))
-        if j + 1 < len(chain):
-            corner = blend(cut[j], cut[j + 1])
+    @cached_property
+    def curves(self) -> dict[int, Curve]:
+        """Whole curve of each move."""
+        phi, curves = np.array(self.program.start), {}
+        for index, instruction in enumerate(self.program.instructions):
+            if isinstance(instruction, Wait):
+                continue
             try:
-                check_limits(corner, limits)
+                curve = move_curve(instruction, phi, self.robot, self.limits)
+                check_limits(curve, self.limits)
             except ValueError as error:
-                raise ProgramError(f"{program.place(index)}, at its zone: {error}") from error
-            slower = _slower(speed, program.instructions[chain[j + 1]].speed)  # type: ignore[union-attr]
-            of_corner = piece_limits(corner, slower, robot, limits, program.dynamics)
-            pieces.append(_Piece(index, corner, of_corner, corner=True))
-    return pieces
+                raise ProgramError(f"{self.program.place(index)}: {error}") from error
+            curves[index] = curve
+            phi = curve.at(1.0)
+        return curves
+
+    def fastest(self, chain: Sequence[int]) -> tuple[list[_Piece], list[Timing]]:
+        """The fastest of three timings: limits constant over whole moves, constant over parts of
+        those that are limited, or, between two stops, evaluated at each point.
+
+        With the latter two a move is slow only where a joint needs it, near a singularity.
+        """
+        dynamics, whole = self.program.dynamics, self._pieces(chain)
+        limited = any(piece.limits.limited_by for piece in whole)
+        timed = [
+            (p, time_chain([q.curve for q in p], [q.limits for q in p], dynamics.jerk_time))
+            for p in ([whole, self._in_parts(whole)] if limited else [whole])
+        ]
+        if limited and len(whole) == 1:
+            curve, speed = whole[0].curve, self.program.move(chain[0]).speed
+            bounds = curve_bounds(curve, speed, self.robot, self.limits, dynamics, PLACES)
+            timed.append((whole, [fastest(bounds, dynamics.jerk_time)]))
+        return min(timed, key=lambda option: sum(timing.duration for timing in option[1]))
+
+    def _piece(self, index: int, curve: Curve, speed: Speed, *, corner: bool = False) -> _Piece:
+        limits = piece_limits(curve, speed, self.robot, self.limits, self.program.dynamics)
+        return _Piece(index, curve, limits, corner)
+
+    def _in_parts(self, pieces: Sequence[_Piece]) -> list[_Piece]:
+        """Each limited move in equal parts, each with its own limits."""
+        parts = []
+        for piece in pieces:
+            if piece.corner or not piece.limits.limited_by:
+                parts.append(piece)
+                continue
+            speed = self.program.move(piece.instruction).speed
+            ends = np.linspace(piece.curve.first, piece.curve.last, N_PARTS + 1)
+            for first, last in pairwise(ends):
+                curve = replace(piece.curve, first=float(first), last=float(last))
+                parts.append(self._piece(piece.instruction, curve, speed))
+        return parts
+
+    def _pieces(self, chain: Sequence[int]) -> list[_Piece]:
+        """Shortened moves and the corners between them, each with its limits."""
+        cut = [self.curves[index] for index in chain]
+        for j, (index, following) in enumerate(pairwise(chain)):
+            zone = self.program.move(index).zone
+            taken = zone_fraction(self.curves[index], zone, self.robot, at_end=True)
+            given = zone_fraction(self.curves[following], zone, self.robot, at_end=False)
+            cut[j], cut[j + 1] = replace(cut[j], last=1.0 - taken), replace(cut[j + 1], first=given)
+        pieces = []
+        for j, index in enumerate(chain):
+            speed = self.program.move(index).speed
+            pieces.append(self._piece(index, cut[j], speed))
+            if j + 1 < len(chain):
+                corner = blend(cut[j], cut[j + 1])
+                try:
+                    check_limits(corner, self.limits)
+                except ValueError as error:
+                    place = self.program.place(index)
+                    raise ProgramError(f"{place}, at its zone: {error}") from error
+                slower = _slower(speed, self.program.move(chain[j + 1]).speed)
+                pieces.append(self._piece(index, corner, slower, corner=True))
+        return pieces
 
 
 def _slower(a: Speed, b: Speed) -> Speed:
-    """The speed through a corner: the slower of two of a kind, else the one along the path."""
+    """Speed through a corner: the slower of two of a kind, else the one along the path."""
     if a.path and b.path:
         return a if a.path <= b.path else b
-    if a.share and b.share:
-        return a if a.share <= b.share else b
+    if a.fraction and b.fraction:
+        return a if a.fraction <= b.fraction else b
     return a if a.path else b
 
 
 def _reports(
     program: Program, pieces: Sequence[_Piece], timings: Sequence[Timing], begun: float
 ) -> list[MoveReport]:
-    """One for each move: from its first part to its last."""
+    """Report of each move, from its first part to its last."""
     ends = begun + np.cumsum([t.duration for t in timings])
     starts = np.concatenate([[begun], ends[:-1]])
     reports = []
@@ -241,9 +222,9 @@ def _reports(
         parts = [
             j for j, piece in enumerate(pieces) if piece.instruction == index and not piece.corner
         ]
-        programmed = program.instructions[index].speed  # type: ignore[union-attr]
+        programmed = program.move(index).speed
         reached = [_reached(pieces[j].limits, timings[j], programmed) for j in parts]
-        wanted = programmed.share or programmed.path or 0.0
+        wanted = programmed.fraction or programmed.path or 0.0
         slow = [j for j, top in zip(parts, reached, strict=True) if top < wanted * (1.0 - SLACK)]
         reports.append(
             MoveReport(
@@ -259,17 +240,17 @@ def _reports(
 
 
 def _reached(limits: PieceLimits, timing: Timing, programmed: Speed) -> float:
-    """Highest speed on a piece, in the kind of the programmed one."""
+    """Highest speed on a piece, in [m/s] or as a fraction, as programmed."""
     _, ending, _ = timing.at(timing.duration * (1.0 - 1e-12))
     top = max(timing.top_speed, float(ending))
-    return top / limits.full_speed if programmed.share else top * limits.tool_way
+    return top / limits.full_speed if programmed.fraction else top * limits.tool_rate
 
 
 def _reason(slow: Sequence[PieceLimits], throughout: bool) -> str:
-    """The limit of the slowest part that has one; without any, there was no room to speed up."""
+    """Limit of the slowest part that has one; without any, the move was too short."""
     limited = [piece for piece in slow if piece.limited_by]
     if limited:
-        return min(limited, key=lambda piece: piece.speed * piece.tool_way).limited_by
+        return min(limited, key=lambda piece: piece.speed * piece.tool_rate).limited_by
     return "length of the move" if throughout else ""
 
 
@@ -280,7 +261,7 @@ def _sampled(
     step: float,
     reports: tuple[MoveReport, ...],
 ) -> JointMotion:
-    """Motor angles on the grid of the log; between spans the robot rests."""
+    """Motor angles at the log rate; between spans the robot rests."""
     time: Array = np.arange(int(np.ceil(end / step - 1e-9)) + 1, dtype=np.float64) * step
     phi = np.tile(np.array(program.start), (len(time), 1))
     instruction = np.zeros(len(time), dtype=np.int64)

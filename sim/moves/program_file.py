@@ -1,4 +1,4 @@
-"""Programs as TOML, so that a person writes one without Python: degrees, mm, mm/s and percent.
+"""Motion programs as TOML files, in degrees, mm, mm/s and percent.
 
     start = [0, 0, 0, 0, 0, 0]                # motor angles, deg; the zero pose if left out
 
@@ -44,7 +44,7 @@ MM, MS, DEG = 1e-3, 1e-3, np.pi / 180.0
 
 
 def read_program(path: Path) -> Program:
-    """The program in a file.
+    """Program of a file.
 
     Raises:
         ProgramError: file, line and reason.
@@ -54,7 +54,7 @@ def read_program(path: Path) -> Program:
 
 
 def parse_program(text: str, *, source: str = "program") -> Program:
-    """The program in a text; see the module for its form."""
+    """Program of a text; the module docstring describes its form."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -63,7 +63,7 @@ def parse_program(text: str, *, source: str = "program") -> Program:
 
 
 class _Reader:
-    """One text, to find lines in."""
+    """Reader of one text, with the lines of its tables for messages."""
 
     def __init__(self, text: str, source: str) -> None:
         self.source = source
@@ -73,7 +73,8 @@ class _Reader:
         self.blocks = [(self.text_lines[a].strip(), a, b) for a, b in zip(heads, ends, strict=True)]
 
     def program(self, data: Mapping[str, Any]) -> Program:
-        self._known(data, {"start", "targets", "dynamics", "program"}, 0, len(self.text_lines))
+        whole = (0, len(self.text_lines))
+        self._in(whole, lambda: _only(data, {"start", "targets", "dynamics", "program"}))
         targets = {
             name: self._in(self._named("targets", name), lambda t=table: _target(t))
             for name, table in self._table(data, "targets").items()
@@ -105,14 +106,14 @@ class _Reader:
         return table
 
     def _named(self, *names: str) -> tuple[int, int]:
-        """The lines of a table, the whole text if it is written in another way."""
+        """Lines of a table; the whole text if it has no header of its own."""
         for head, a, b in self.blocks:
             if re.sub(r"[\s\"']", "", head).strip("[]") == ".".join(names):
                 return a, b
         return 0, len(self.text_lines)
 
     def _in(self, place: tuple[int, int], make: Callable[[], Any]) -> Any:
-        """What `make` gives; its errors get file and line: that of the key they begin with."""
+        """Result of `make`; errors get file and line, that of the key they begin with."""
         try:
             return make()
         except ValueError as error:
@@ -125,9 +126,6 @@ class _Reader:
             ]
             line = keys[0] if keys else first
             raise ProgramError(f"{self.source}, line {line + 1}: {error}") from error
-
-    def _known(self, table: Mapping[str, Any], names: set[str], first: int, last: int) -> None:
-        self._in((first, last), lambda: _only(table, names))
 
 
 def _only(table: Mapping[str, Any], names: set[str]) -> None:
@@ -195,20 +193,18 @@ def _speed(value: Any) -> Speed:
         percent = re.fullmatch(r"\s*([0-9.]+)\s*%\s*", value)
         if not percent:
             raise ValueError(f'speed must be mm/s or a percentage like "80 %", got {value!r}')
-        return Speed(share=_number("speed", float(percent.group(1))) / 100.0)
+        return Speed(fraction=_number("speed", float(percent.group(1))) / 100.0)
     return Speed(path=_number("speed", value) * MM)
 
 
 def _dynamics(table: Mapping[str, Any]) -> Dynamics:
     _only(table, {"joint_acceleration", "path_acceleration", "jerk_time"})
     given: dict[str, Any] = {}
-    if "joint_acceleration" in table:
-        given["joint_acceleration"] = _numbers(
-            "joint_acceleration", table["joint_acceleration"], 6, 1.0
-        )
-    for name, unit in (("path_acceleration", 1.0), ("jerk_time", MS)):
-        if name in table:
-            given[name] = _number(name, table[name]) * unit
+    for name, value in table.items():
+        if name == "joint_acceleration":
+            given[name] = _numbers(name, value, 6, 1.0)
+        else:
+            given[name] = _number(name, value) * (MS if name == "jerk_time" else 1.0)
     return Dynamics(**given)
 
 

@@ -22,7 +22,7 @@ from armside.arrays import Array
 
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.sampling import rate_of, stride
-from ..robot.gear_error import EXACT
+from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
 

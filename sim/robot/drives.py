@@ -1,29 +1,160 @@
-"""Friction as a controller anticipates it: a share of what it knows of its drives' friction."""
+"""Drive trains as the controller knows them: motors, gears with their transmission error, friction.
 
+`Drives` is read from the custom numerics and actuators of the MJCF. `GearError` is the transmission
+error of the gears; `friction_torque` is the friction that the torque feedforward contains.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
 import numpy as np
+from numba import njit
 
 from armside.arrays import Array
 
-from .model import Drives
+from .mjcf import N_AXES, axis_actuators, numeric, scalar
 
 FRICTION_SPEED = 0.02
 """[rad/s], arm side: below it, friction feedforward fades to zero. ESTIMATE."""
 
 
-def friction_torque(drives: Drives, velocity: Array) -> Array:
-    """(M, 6) [N m], arm side: the share of friction that the controller anticipates.
+@dataclass(frozen=True, kw_only=True)
+class Drives:
+    """Nominal parameters of the six drives. Motor units: before the gear."""
 
-    Coulomb friction; for a controller that knows the whole curve of its drives also
-    (F_s - F_c) exp(-(v / v_s)^2) in addition to it, and viscous friction.
+    gear: Array
+    """(6,) gear ratio, motor angle over arm-side angle."""
+    kp: Array
+    """(6,) [N m/rad]."""
+    ki: Array
+    """(6,) [N m/(rad s)]."""
+    kd: Array
+    """(6,) [N m s/rad]."""
+    torque_limit: Array
+    """(6,) [N m]."""
+    speed_limit: Array
+    """(6,) [rad/s], arm side."""
+    encoder_counts: float
+    """Counts per motor revolution; 0 for an ideal encoder."""
+    encoder_noise: float
+    """[counts rms], white at the rate of the servo."""
+    velocity_feedforward: Array
+    """(6,) gain of the velocity feedforward."""
+    torque_feedforward: float
+    """Gain of the feedforward of rigid computed torque and friction."""
+    friction_feedforward: float
+    """Gain of the friction feedforward."""
+    friction_curve: bool
+    """Friction feedforward has Stribeck and viscous friction too, not Coulomb friction alone."""
+    coulomb_friction: Array
+    """(6,) [N m]."""
+    static_friction: Array
+    """(6,) [N m]."""
+    stribeck_speed: Array
+    """(6,) [rad/s]."""
+    viscous_friction: Array
+    """(6,) [N m s/rad]."""
+    correction_delay: float
+    """[s], before a correction reaches the servo."""
+    correction_lag: float
+    """[Hz], corner of the first-order lag of a correction."""
+    elastic_compensation: float
+    """Fraction of the quasi-static elastic deflection that the reference compensates."""
+    torque_noise: float
+    """Non-repeatable torque, rms relative to the torque limit."""
+    torque_noise_bandwidth: float
+    """[Hz]."""
+
+
+def read_drives(mj: mujoco.MjModel) -> Drives:
+    """Drives of a robot's model. Raises ModelError for a numeric of the wrong size."""
+    actuators = axis_actuators(mj)
+    noise, bandwidth = numeric(mj, "torque_noise", 2)
+    gain, bias = mj.actuator_gainprm[actuators], mj.actuator_biasprm[actuators]
+    return Drives(
+        gear=numeric(mj, "gear_ratio", N_AXES),
+        kp=gain[:, 4].copy(),
+        ki=gain[:, 5].copy(),
+        kd=gain[:, 6].copy(),
+        torque_limit=mj.actuator_forcerange[actuators, 1].copy(),
+        speed_limit=numeric(mj, "speed_limit", N_AXES),
+        encoder_counts=scalar(mj, "encoder_counts"),
+        encoder_noise=scalar(mj, "encoder_noise", 0.0),
+        velocity_feedforward=numeric(mj, "velocity_feedforward", N_AXES),
+        torque_feedforward=scalar(mj, "torque_feedforward", 1.0),
+        friction_feedforward=scalar(mj, "friction_feedforward", 0.0),
+        friction_curve=bool(scalar(mj, "friction_curve", 0.0)),
+        coulomb_friction=bias[:, 3].copy(),
+        static_friction=bias[:, 4].copy(),
+        stribeck_speed=bias[:, 5].copy(),
+        viscous_friction=mj.actuator_damping[actuators].copy(),
+        correction_delay=scalar(mj, "correction_delay"),
+        correction_lag=scalar(mj, "correction_lag"),
+        elastic_compensation=scalar(mj, "elastic_compensation"),
+        torque_noise=float(noise),
+        torque_noise_bandwidth=float(bandwidth),
+    )
+
+
+def friction_torque(drives: Drives, velocity: Array) -> Array:
+    """(M, 6) [N m], arm side: friction feedforward.
+
+    Coulomb friction; with `friction_curve` also (F_s - F_c) exp(-(v / v_s)^2) and viscous friction.
 
     velocity: (M, 6) [rad/s], of the reference.
     """
-    share = drives.friction_feedforward
+    gain = drives.friction_feedforward
     fade = np.tanh(velocity / FRICTION_SPEED)
-    torque = share * drives.coulomb_friction * drives.gear * fade
+    torque = gain * drives.coulomb_friction * drives.gear * fade
     if not drives.friction_curve:
         return torque
-    of_motor = drives.gear * velocity
+    motor_speed = drives.gear * velocity
     excess = drives.static_friction - drives.coulomb_friction
-    stribeck = excess * np.exp(-((of_motor / drives.stribeck_speed) ** 2))
-    return torque + share * drives.gear * (stribeck * fade + drives.viscous_friction * of_motor)
+    stribeck = excess * np.exp(-((motor_speed / drives.stribeck_speed) ** 2))
+    return torque + gain * drives.gear * (stribeck * fade + drives.viscous_friction * motor_speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearError:
+    """Transmission error of the gears: input angle minus output angle, arm side.
+
+    epsilon(phi) = sum_h amplitude_h sin(order_h phi + phase_h), each axis.
+    """
+
+    amplitude: Array
+    """(6, H) [rad], arm side."""
+    order: Array
+    """(6, H), periods per revolution of the output."""
+    phase: Array
+    """(6, H) [rad]."""
+
+    def __call__(self, phi: Array) -> Array:
+        """epsilon, shape (M, 6) [rad], at arm-side angles phi (M, 6)."""
+        return _error(np.ascontiguousarray(phi), self.amplitude, self.order, self.phase)
+
+    def rate(self, phi: Array, phi_dot: Array) -> Array:
+        """Time derivative of epsilon, shape (M, 6) [rad/s]."""
+        # sin(x + pi/2) = cos(x): the derivative is an error of other amplitudes and phases
+        slope = self.amplitude * self.order
+        phase = self.phase + 0.5 * np.pi
+        return _error(np.ascontiguousarray(phi), slope, self.order, phase) * phi_dot
+
+
+EXACT = GearError(amplitude=np.zeros((6, 0)), order=np.zeros((6, 0)), phase=np.zeros((6, 0)))
+"""Gears without transmission error."""
+
+
+@njit(cache=True, nogil=True)
+def _error(phi: Array, amplitude: Array, order: Array, phase: Array) -> Array:  # pragma: no cover
+    of_sine, of_cosine = amplitude * np.cos(phase), amplitude * np.sin(phase)
+    error = np.zeros_like(phi)
+    for i in range(phi.shape[0]):
+        for j in range(phi.shape[1]):
+            s = c = 0.0
+            for h in range(order.shape[1]):
+                if h > 0 and order[j, h] == 2.0 * order[j, h - 1]:
+                    s, c = 2.0 * s * c, 1.0 - 2.0 * s * s  # of twice the angle
+                else:
+                    s, c = np.sin(order[j, h] * phi[i, j]), np.cos(order[j, h] * phi[i, j])
+                error[i, j] += of_sine[j, h] * s + of_cosine[j, h] * c
+    return error

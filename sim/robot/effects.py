@@ -1,6 +1,7 @@
-"""What real gears and drives do beyond linear springs and one friction curve, switched on by name.
+"""Nonlinear effects of gears and drives, switched on by name.
 
-The MJCF carries the data of each effect; a loaded model has none of them, as its controller does.
+The MJCF contains the data of each effect. A loaded model has none of them: it is the nominal model
+of the controller, with linear springs and one friction curve.
 """
 
 import copy
@@ -8,11 +9,14 @@ from collections.abc import Collection
 from dataclasses import replace
 from enum import Enum
 
+import mujoco
 import numpy as np
 
 from armside.arrays import Array
 
-from .model import AXES, GearError, RobotModel, numeric
+from .drives import GearError
+from .mjcf import AXES, axis_actuators, has, numeric, scalar
+from .model import RobotModel
 from .statics import Statics
 
 _COGGING = slice(0, 3)  # dcmotor: amplitude [N m], order, phase [rad]
@@ -20,16 +24,16 @@ _COULOMB, _STATIC, _STRIBECK = 3, 4, 5  # dcmotor: LuGre [N m], [N m], [rad/s]
 
 
 class Effect(Enum):
-    """An effect that a reproduction can be run with and without."""
+    """Nonlinear effect of a gear or drive."""
 
     LOST_MOTION = "lost-motion"
-    """Gears are soft in the middle and stiff outside."""
+    """Gear springs that are soft in the middle and stiff outside."""
     GEAR_ERROR = "gear-error"
-    """The output of a gear is not exactly its input over its ratio."""
+    """Transmission error of the gears."""
     RIPPLE = "ripple"
-    """Torque of a motor depends on its angle."""
+    """Motor torque that depends on the motor angle."""
     LOAD_FRICTION = "load-friction"
-    """Friction follows from holding torque and temperature. Frozen per pose."""
+    """Friction as a function of holding torque and temperature, constant over a run."""
 
 
 _DATA = {
@@ -41,42 +45,30 @@ _DATA = {
 
 
 def available(model: RobotModel) -> frozenset[Effect]:
-    """The effects that a robot's file has data for."""
-    numerics = {model.mj.numeric(i).name for i in range(model.mj.nnumeric)}
-    return frozenset(effect for effect, name in _DATA.items() if name in numerics)
+    """Effects that a robot's file has data for."""
+    kind = mujoco.mjtObj.mjOBJ_NUMERIC
+    return frozenset(effect for effect, name in _DATA.items() if has(model.mj, kind, name))
 
 
 def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) -> RobotModel:
     """The robot with these effects added.
 
-    Args:
-        phi: (6,) [rad], pose that friction is frozen at.
+    phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
     """
-    mj = copy.copy(model.mj)
-    model = replace(model, mj=mj)
+    model = replace(model, mj=copy.copy(model.mj))
     if Effect.LOST_MOTION in effects:
-        _soften(model)
+        _set_lost_motion(model)
     if Effect.RIPPLE in effects:
-        amplitude, order = numeric(mj, "torque_ripple", 2)
-        for i in range(len(AXES)):
-            mj.actuator_biasprm[_axis(model, i), _COGGING] = (
-                amplitude * model.drives.torque_limit[i],
-                order,
-                0.0,
-            )
+        _set_ripple(model)
     if Effect.GEAR_ERROR in effects:
         model = replace(model, gear_error=_gear_error(model))
     if Effect.LOAD_FRICTION in effects:
-        model = _loaded(model, phi)
+        _set_load_friction(model, phi)
     return model
 
 
-def _axis(model: RobotModel, i: int) -> int:
-    return model.mj.actuator(f"axis_{i + 1}").id
-
-
-def _soften(model: RobotModel) -> None:
-    """Joint spring soft; the tendon adds the rest outside the lost motion (a deadband)."""
+def _set_lost_motion(model: RobotModel) -> None:
+    """Set soft joint springs; a tendon adds the rest of the stiffness outside the lost motion."""
     mj = model.mj
     soft, half = numeric(mj, "gear_soft_stiffness", 6), numeric(mj, "gear_lost_motion", 6)
     for i in range(len(AXES)):
@@ -84,6 +76,12 @@ def _soften(model: RobotModel) -> None:
         mj.tendon_stiffness[tendon] = mj.jnt_stiffness[joint] - soft[i]
         mj.tendon_lengthspring[tendon] = (-half[i], half[i])
         mj.jnt_stiffness[joint] = soft[i]
+
+
+def _set_ripple(model: RobotModel) -> None:
+    amplitude, order = numeric(model.mj, "torque_ripple", 2)
+    for axis, limit in zip(axis_actuators(model.mj), model.drives.torque_limit, strict=True):
+        model.mj.actuator_biasprm[axis, _COGGING] = (amplitude * limit, order, 0.0)
 
 
 def _gear_error(model: RobotModel) -> GearError:
@@ -96,13 +94,15 @@ def _gear_error(model: RobotModel) -> GearError:
     )
 
 
-# Bittencourt's model of an ABB axis, identified on axis 2 of an IRB6620 (26 N m), in parts of the
+# Bittencourt's model of an ABB axis, identified on axis 2 of an IRB6620 (26 N m), relative to the
 # peak torque: robot-data 3.3 after Yan, Li, Meng 2020.
 _FC0, _FCL, _FSL, _FS0, _FST, _FV0, _FVT = 0.0311, 0.0234, 0.126, -0.025, 0.0016, 1.3e-4, 1.32e-3
 
 
 def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float, float]:
-    """Friction in parts of the peak torque at a load, also in parts of the peak torque.
+    """Friction of a drive at a load, both relative to the peak torque.
+
+    temperature: [deg C], of the gear.
 
     Returns:
         Coulomb and static friction, shape of `load`; viscous [s/rad]; Stribeck speed [rad/s].
@@ -114,19 +114,14 @@ def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float,
     return coulomb, static, viscous, -24.81 + 0.98 * temperature
 
 
-def _loaded(model: RobotModel, phi: Array) -> RobotModel:
-    limit, gear = model.drives.torque_limit, model.drives.gear
-    load = Statics(model).equilibrium(phi).holding_torque / gear / limit
-    (temperature,) = numeric(model.mj, "gear_temperature", 1)
-    coulomb, static, viscous, stribeck = load_friction(load, temperature)
-    scale = numeric(model.mj, "load_friction_scale", 6)
-    (excess,) = numeric(model.mj, "load_friction_static", 1)
-    static = coulomb + excess * (static - coulomb)
-    mj = model.mj
-    for i in range(len(AXES)):
-        axis = _axis(model, i)
+def _set_load_friction(model: RobotModel, phi: Array) -> None:
+    mj, limit = model.mj, model.drives.torque_limit
+    load = Statics(model).equilibrium(phi).holding_torque / model.drives.gear / limit
+    coulomb, static, viscous, stribeck = load_friction(load, scalar(mj, "gear_temperature"))
+    scale = numeric(mj, "load_friction_scale", 6)
+    static = coulomb + scalar(mj, "load_friction_static") * (static - coulomb)
+    for i, axis in enumerate(axis_actuators(mj)):
         mj.actuator_biasprm[axis, _COULOMB] = scale[i] * coulomb[i] * limit[i]
         mj.actuator_biasprm[axis, _STATIC] = scale[i] * static[i] * limit[i]
         mj.actuator_biasprm[axis, _STRIBECK] = stribeck
         mj.actuator_damping[axis] = viscous * limit[i]
-    return replace(model, mj=mj)

@@ -1,5 +1,4 @@
-"""The same robot with other flexibilities, edited from its one MJCF file: rigid, gears only,
-full."""
+"""Variants of a robot with other flexibility: rigid, gears only, full, or with scaled stiffness."""
 
 from enum import Enum
 from pathlib import Path
@@ -7,22 +6,23 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from .individual import joints, stiffen
+
 
 class Flexibility(Enum):
-    """What of a robot gives way. Each form contains the one before."""
+    """Flexible parts of a robot; each form contains the one before."""
 
     RIGID = "rigid"
     GEARS = "gears"
     FULL = "full"
 
 
+# The ball end of a linkage (link_rod_x) only follows the deflection of the structure.
 _REMOVED = {
-    Flexibility.RIGID: ("flex_", "struct_"),
-    Flexibility.GEARS: ("struct_",),
+    Flexibility.RIGID: ("flex_", "struct_", "link_rod_x"),
+    Flexibility.GEARS: ("struct_", "link_rod_x"),
     Flexibility.FULL: (),
 }
-# Ball ends of a linkage only follow a bending structure; in a plane mechanism they are loose.
-_LOOSE_WITHOUT_STRUCTURE = ("link_rod_x",)
 
 
 def variant(
@@ -32,16 +32,15 @@ def variant(
     gear_stiffness: float = 1.0,
     structure_stiffness: float = 1.0,
 ) -> mujoco.MjModel:
-    """Compile a robot with some of its springs taken out or scaled.
+    """Compiled model of a robot's MJCF file without some springs, or with scaled ones.
 
-    The time step stays the file's; shorten it where the highest mode [Hz] times the step [s]
-    passes 0.3, beyond which an explicit integrator loses it.
+    The time step stays that of the file; shorten it where the highest mode [Hz] times the step [s]
+    passes 0.3, beyond which an explicit integrator is unstable.
 
     Args:
         source: MJCF file.
-        gear_stiffness: factor on the springs of flex_1..6. Damping follows with its square root, so
-            that the damping ratio of a spring under a given inertia stays.
-        structure_stiffness: the same for struct_*.
+        gear_stiffness: factor on the springs of flex_1..6; see `stiffen`.
+        structure_stiffness: factor on those of struct_*.
 
     Raises ValueError for a factor that is not positive.
     """
@@ -51,22 +50,14 @@ def variant(
     spec = mujoco.MjSpec.from_file(str(source))
     without(spec, flexibility)
     mj = spec.compile()
-    _scale(mj, "flex_", gear_stiffness)
-    _scale(mj, "struct_", structure_stiffness)
+    stiffen(mj, joints(mj, "flex_"), gear_stiffness)
+    stiffen(mj, joints(mj, "struct_"), structure_stiffness)
     return mj
 
 
 def without(spec: mujoco.MjSpec, flexibility: Flexibility) -> None:
-    """Take the springs out of a specification that this flexibility does not have."""
+    """Remove the springs from a parsed file that this flexibility does not have."""
     prefixes = _REMOVED[flexibility]
     for joint in list(spec.joints):
-        stiffens = joint.name.startswith(prefixes) if prefixes else False
-        if stiffens or (prefixes and joint.name in _LOOSE_WITHOUT_STRUCTURE):
+        if joint.name.startswith(prefixes):
             spec.delete(joint)
-
-
-def _scale(mj: mujoco.MjModel, prefix: str, factor: float) -> None:
-    for i in range(mj.njnt):
-        if mj.joint(i).name.startswith(prefix):
-            mj.jnt_stiffness[i] *= factor
-            mj.dof_damping[mj.jnt_dofadr[i]] *= np.sqrt(factor)

@@ -1,6 +1,7 @@
-"""Robot individuals: the same design with slightly other parameters, or another payload."""
+"""Robot individuals: parameters of one robot that differ from the design, and its payload."""
 
 import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 
 import mujoco
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .model import AXES, N_AXES, RobotModel
+from .mjcf import AXES, N_AXES, axis_actuators
+from .model import RobotModel
 
 # dcmotor keeps the phase of its cogging here, and Coulomb and static LuGre friction (checked by a
 # test against the MJCF).
@@ -18,18 +20,18 @@ _COGGING_PHASE, _COULOMB, _STATIC = 2, 3, 4
 
 @dataclass(frozen=True, kw_only=True)
 class Spread:
-    """How much robots of one design differ: standard deviations, all of them ESTIMATES."""
+    """Standard deviations between robots of one design, all of them ESTIMATES."""
 
     friction: float = 0.10
-    """Of log(factor), each axis: run-in, grease and temperature."""
+    """log(factor) on each axis: run-in, grease and temperature."""
     gear_stiffness: float = 0.10
-    """Of log(factor), each axis."""
+    """log(factor) on each axis."""
     structure_stiffness: float = 0.10
-    """Of log(factor), each hinge of the structure."""
+    """log(factor) on each hinge of the structure."""
     position: float = 0.5e-3
-    """[m], of each joint's place on the link before it, each direction."""
+    """[m], position of each joint on the link before it, each direction."""
     orientation: float = 0.5e-3
-    """[rad], of each joint's axis and zero, about each direction."""
+    """[rad], rotation of each joint's axis and zero, about each direction."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -40,7 +42,7 @@ class Spread:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Individual:
-    """One robot of a design: what is its own. The defaults are the design itself."""
+    """Parameters of one robot relative to its design. The defaults are the design itself."""
 
     friction: Array = field(default_factory=lambda: np.ones(N_AXES))
     """(6,) factor on Coulomb and static friction."""
@@ -51,15 +53,15 @@ class Individual:
     ripple_phase: Array = field(default_factory=lambda: np.zeros(N_AXES))
     """(6,) [rad], added to the phase of each motor's torque ripple and gear error."""
     position: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
-    """(6, 3) [m], of each joint's body in its parent, beside the design."""
+    """(6, 3) [m], added to the position of each joint's body in its parent."""
     orientation: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
-    """(6, 3) [rad], rotation vector of each joint's body, beside the design."""
+    """(6, 3) [rad], rotation vector added to the orientation of each joint's body."""
 
 
 def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) -> Individual:
-    """An individual: factors log-normal, geometry normal, phases uniform over a turn.
+    """Random individual: factors log-normal, geometry normal, phases uniform.
 
-    n_structure: hinges of the structure, `structure_hinges(model)` of them.
+    n_structure: number of `structure_hinges` of the model.
     """
     return Individual(
         friction=np.exp(spread.friction * rng.standard_normal(N_AXES)),
@@ -72,21 +74,17 @@ def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) 
 
 
 def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
-    """That individual of the design `model`; effects of gears and drives are switched on before.
-
-    Damping of a spring follows its stiffness with the square root, so that its damping ratio stays.
-    """
+    """Robot model of an individual of the design `model`, which has its effects already."""
     model = with_friction(model, individual.friction)
     mj = model.mj
     gears = [mj.joint(f"flex_{i}").id for i in AXES] if len(model.flex) else []
-    _stiffen(mj, gears, individual.gear_stiffness)
-    _stiffen(mj, structure_hinges(model), individual.structure_stiffness)
+    stiffen(mj, gears, individual.gear_stiffness)
+    stiffen(mj, structure_hinges(model), individual.structure_stiffness)
     for i in AXES:  # the stiff part of a gear with lost motion is a tendon over its joint
         tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
         if tendon >= 0:
             mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
-    axes = [mj.actuator(f"axis_{i}").id for i in AXES]
-    mj.actuator_biasprm[axes, _COGGING_PHASE] += individual.ripple_phase
+    mj.actuator_biasprm[axis_actuators(mj), _COGGING_PHASE] += individual.ripple_phase
     for i in AXES:
         body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
         mj.body_pos[body] += individual.position[i - 1]
@@ -99,19 +97,27 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
 
 
 def structure_hinges(model: RobotModel) -> list[int]:
-    """The joints that are hinges of the structure."""
-    mj = model.mj
-    return [i for i in range(mj.njnt) if mj.joint(i).name.startswith("struct_")]
+    """Joints that are hinges of the structure."""
+    return joints(model.mj, "struct_")
 
 
-def _stiffen(mj: mujoco.MjModel, joints: list[int], factor: ArrayLike) -> None:
+def joints(mj: mujoco.MjModel, prefix: str) -> list[int]:
+    """Joints whose name starts with a prefix."""
+    return [i for i in range(mj.njnt) if mj.joint(i).name.startswith(prefix)]
+
+
+def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> None:
+    """Scale the stiffness of joint springs, and their damping with its square root.
+
+    The damping ratio of a spring under a given inertia stays.
+    """
     factor = np.asarray(factor, dtype=np.float64)
-    mj.jnt_stiffness[joints] *= factor
-    mj.dof_damping[mj.jnt_dofadr[joints]] *= np.sqrt(factor)
+    mj.jnt_stiffness[springs] *= factor
+    mj.dof_damping[mj.jnt_dofadr[springs]] *= np.sqrt(factor)
 
 
 def with_payload(model: RobotModel, mass: float) -> RobotModel:
-    """The robot with a tool of that mass [kg]: same centre of mass, inertia in proportion.
+    """Robot model with a tool of that mass [kg]: same centre of mass, inertia in proportion.
 
     Raises ValueError for a negative mass, or a robot whose model has no body `tool` of its own.
     """
@@ -128,7 +134,7 @@ def with_payload(model: RobotModel, mass: float) -> RobotModel:
 
 
 def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
-    """The robot with Coulomb and static friction scaled.
+    """Robot model with scaled Coulomb and static friction.
 
     factor: one for all axes or (6,), > 0.
     """
@@ -136,19 +142,7 @@ def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
     if not (np.isfinite(factor).all() and (factor > 0.0).all()):
         raise ValueError(f"friction factors must be > 0, got {factor.tolist()}")
     mj = copy.copy(model.mj)
-    axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+    axes = axis_actuators(mj)
     mj.actuator_biasprm[axes, _COULOMB] *= factor
     mj.actuator_biasprm[axes, _STATIC] *= factor
-    return replace(model, mj=mj)
-
-
-def braked_at(model: RobotModel, phi: ArrayLike) -> RobotModel:
-    """The robot with its brakes set to hold the motors at phi, (6,) [rad], once they engage.
-
-    Raises ValueError for a robot without brakes.
-    """
-    if not len(model.brakes):
-        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
-    mj = copy.copy(model.mj)
-    mj.eq_data[model.brakes, 0] = phi
     return replace(model, mj=mj)

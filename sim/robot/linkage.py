@@ -1,9 +1,9 @@
-"""Closed chains: how the passive joints of a linkage follow the others.
+"""Closed chains: motion of the passive joints of a linkage.
 
 A closed chain is an open tree whose cut is held together by `connect` constraints between two
-sites. Its passive joints (link_*) are no freedoms of the mechanism: a motion dq of the other joints
-moves them along, so that the cut stays closed. `Linkage` finds that motion from the geometry alone,
-without the constraint solver.
+sites. Its passive joints (link_*) are no degrees of freedom of the mechanism: they follow a motion
+dq of the other joints so that the cut stays closed. `Linkage` computes that motion from the
+geometry, without the constraint solver.
 """
 
 import mujoco
@@ -12,13 +12,13 @@ import numpy as np
 from armside.arrays import Array
 
 LARGEST_GAP = 1e-6
-"""Of a cut in a run that can be trusted [m]."""
+"""Largest opening of a cut in a valid run [m]."""
 _CLOSING_STEPS = 20
 _CLOSED = 1e-14  # [m]; rounding of coordinates of the order of a metre
 
 
 class Linkage:
-    """The cuts and passive joints of one model; no cuts: every joint is free."""
+    """Cuts and passive joints of one model; without cuts every joint is free."""
 
     def __init__(self, mj: mujoco.MjModel) -> None:
         self._mj = mj
@@ -31,15 +31,15 @@ class Linkage:
 
     @property
     def is_open(self) -> bool:
-        """Whether the model is a tree without cuts."""
+        """True for a tree without cuts."""
         return not self._cuts
 
     def gap(self, data: mujoco.MjData) -> Array:
-        """(3 * number of cuts,) [m], base axes, at the positions of the last kinematics."""
+        """Opening of the cuts, (3 * number of cuts,) [m], base axes, after mj_kinematics."""
         return np.concatenate([data.site_xpos[a] - data.site_xpos[b] for a, b in self._cuts])
 
     def jacobian(self, data: mujoco.MjData) -> Array:
-        """Of `gap`, (3 * number of cuts, nv) [m/rad]; after mj_kinematics and mj_comPos."""
+        """Jacobian of `gap`, (3 * number of cuts, nv) [m/rad], after mj_comPos too."""
         rows = np.empty((3 * len(self._cuts), self._mj.nv))
         other = np.empty((3, self._mj.nv))
         for i, (a, b) in enumerate(self._cuts):
@@ -70,7 +70,7 @@ class Linkage:
     def tangent(self, data: mujoco.MjData) -> Array:
         """Z (nv, nv): dq = Z dq keeps the cuts closed; Z has zero columns at the passive joints.
 
-        Forces are seen by the free joints as Z.T @ force.
+        Forces act on the free joints as Z.T @ force.
         """
         Z = np.eye(self._mj.nv)
         if self.is_open:
@@ -102,7 +102,7 @@ def loop_error(mj: mujoco.MjModel, qpos: Array) -> float:
 
 
 def checked_loop_error(mj: mujoco.MjModel, qpos: Array) -> float:
-    """The same. Raises RuntimeError above `LARGEST_GAP`: that was no linkage any more."""
+    """`loop_error`. Raises RuntimeError above `LARGEST_GAP`, where the run is not valid."""
     widest = loop_error(mj, qpos)
     if widest > LARGEST_GAP:
         raise RuntimeError(

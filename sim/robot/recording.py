@@ -1,7 +1,7 @@
-"""What one run leaves behind, as plain arrays: the log of the robot cell, and the truth beside it.
+"""Record of one run: the log of the robot cell, and the ground truth.
 
-Angles are arm-side radians unless a name says otherwise. The log is what a robot cell knows;
-`Truth` is for evaluation only and is never handed to a law or an estimator.
+Angles are arm-side radians unless a name says otherwise. `Truth` is for evaluation only and never
+given to a law or an estimator.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -11,25 +11,23 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .gear_error import EXACT, GearError
+from .drives import EXACT, GearError
 
 
-def _freeze(record: object, n_rows: int, per_sample: dict[str, tuple[int, ...]]) -> None:
-    """Check the shape of each array of a record and make it read-only."""
-    for field in fields(record):  # type: ignore[arg-type]
-        if field.name not in per_sample:
-            continue
-        value = np.asarray(getattr(record, field.name), dtype=np.float64)
-        expected = (n_rows, *per_sample[field.name])
+def _freeze(record: "Truth | Recording", **shape_of_row: tuple[int, ...]) -> None:
+    """Check the shape of the arrays of a record and make them read-only."""
+    for name, shape in shape_of_row.items():
+        value = np.asarray(getattr(record, name), dtype=np.float64)
+        expected = (len(record.time), *shape)
         if value.shape != expected:
-            raise ValueError(f"{field.name} must have shape {expected}, got {value.shape}")
+            raise ValueError(f"{name} must have shape {expected}, got {value.shape}")
         value.setflags(write=False)
-        object.__setattr__(record, field.name, value)
+        object.__setattr__(record, name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Truth:
-    """True state of the virtual robot, sampled at `time` (every physics step).
+    """Ground truth of the virtual robot at each physics step.
 
     All rows belong to the same instant: positions and IMU readings alike.
     """
@@ -37,11 +35,11 @@ class Truth:
     time: Array
     """(M,) [s]."""
     gear_angle: Array
-    """(M, 6) [rad], arm side: what the gears make of the motor angles, before their springs."""
+    """(M, 6) [rad], arm side, output angles of the gears before their springs."""
     spring_angle: Array
     """(M, 6) [rad], wind-up of the gear springs."""
     motor_torque: Array
-    """(M, 6) [N m], motor side, what the drive delivers."""
+    """(M, 6) [N m], motor side, delivered by the drives."""
     tool_position: Array
     """(M, 3) [m], TCP0 in base axes."""
     tool_quaternion: Array
@@ -53,22 +51,13 @@ class Truth:
     qpos: Array
     """(M, nq), MuJoCo joint positions, for replay."""
     gear_error: GearError = EXACT
-    """Of the gears, where `gear_angle` has one."""
+    """Transmission error contained in `gear_angle`."""
 
     def __post_init__(self) -> None:
-        six, three = (6,), (3,)
-        shapes = {
-            "time": (),
-            "gear_angle": six,
-            "spring_angle": six,
-            "motor_torque": six,
-            "tool_position": three,
-            "tool_quaternion": (4,),
-            "imu_acceleration": three,
-            "imu_angular_velocity": three,
-            "qpos": np.asarray(self.qpos).shape[1:],
-        }
-        _freeze(self, len(self.time), shapes)
+        motors = dict.fromkeys(("gear_angle", "spring_angle", "motor_torque"), (6,))
+        vectors = dict.fromkeys(("tool_position", "imu_acceleration", "imu_angular_velocity"), (3,))
+        qpos = np.shape(self.qpos)[1:]
+        _freeze(self, time=(), **motors, **vectors, tool_quaternion=(4,), qpos=qpos)
 
     @cached_property
     def motor_angle(self) -> Array:
@@ -81,7 +70,7 @@ class Truth:
         return self.spring_angle + self.gear_error(self.gear_angle)
 
     def every(self, stride: int) -> "Truth":
-        """Every how many rows of it."""
+        """Every `stride`-th sample."""
         rows = {
             field.name: getattr(self, field.name)[::stride]
             for field in fields(self)
@@ -92,7 +81,7 @@ class Truth:
 
 @dataclass(frozen=True, kw_only=True)
 class Recording:
-    """One run of the virtual robot: the motor-side log at the log rate, and the truth.
+    """Record of one run of the virtual robot: motor-side log at the log rate, and ground truth.
 
     `limits_hit` names each limit that the run touched, as (limit, axis, first time [s]).
     """
@@ -100,26 +89,19 @@ class Recording:
     time: Array
     """(N,) [s], log instants."""
     reference: Array
-    """(N, 6) [rad], r, arm-side motor angles asked for."""
+    """(N, 6) [rad], r, arm-side motor angles."""
     correction: Array
     """(N, 6) [rad], u, the ILC input."""
     motor_angle: Array
     """(N, 6) [rad], y, measured: quantised encoder."""
     motor_torque: Array
-    """(N, 6) [N m], motor side, as the drive reports it."""
+    """(N, 6) [N m], motor side, reported by the drives."""
     truth: Truth
     limits_hit: tuple[tuple[str, int, float], ...] = ()
 
     def __post_init__(self) -> None:
-        six = (6,)
-        shapes = {
-            "time": (),
-            "reference": six,
-            "correction": six,
-            "motor_angle": six,
-            "motor_torque": six,
-        }
-        _freeze(self, len(self.time), shapes)
+        names = ("reference", "correction", "motor_angle", "motor_torque")
+        _freeze(self, time=(), **dict.fromkeys(names, (6,)))
 
     @property
     def error(self) -> Array:

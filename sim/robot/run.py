@@ -1,4 +1,10 @@
-"""A reference loaded into a robot, run with one correction after the other."""
+"""Runs of a loaded reference: controls, one rollout of the physics, and the record of the run.
+
+`LoadedReference.run` adds a correction and noise to the controls of the servo. `run_batch` does so
+for several robots at once and rolls the physics out in one call. `truth` then turns states and
+sensors into a `Truth`, with the torque of the servo computed again from the states, and
+`measured_angle` into encoder readings.
+"""
 
 import logging
 import threading
@@ -14,22 +20,23 @@ from armside.arrays import Array
 
 from ..instruments.encoder import quantise
 from ..instruments.noise import band_limited, white
-from .gear_error import EXACT
-from .model import N_AXES, RobotModel
+from .drives import EXACT
+from .mjcf import N_AXES
+from .model import RobotModel
 from .recording import Recording, Truth
 from .servo import at_step_end, correction_path, encoder_perturbation
 
 _log = logging.getLogger(__name__)
 
 if mujoco.get_mju_user_warning() is None:
-    # MuJoCo itself would write a file into the current folder. A run that fell apart says so by
-    # samples that are not finite.
+    # MuJoCo itself would write a file into the current folder. An unstable run is recognised by its
+    # samples, which are not finite.
     mujoco.set_mju_user_warning(_log.info)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Job:
-    """A reference loaded into a robot: everything of a run that the correction does not change."""
+class LoadedReference:
+    """A reference loaded into a robot: all inputs of a run but correction and noise."""
 
     model: RobotModel
     log_period: float
@@ -52,7 +59,7 @@ class Job:
             correction: (N, 6) [rad], u; zero if None.
             rng: source of the non-repeatable torque; without it the run is noise-free.
         """
-        return run_jobs([self], [correction], [rng])[0]
+        return run_batch([self], [correction], [rng])[0]
 
     def controls_with(
         self, correction: Array, rng: np.random.Generator | None
@@ -92,70 +99,75 @@ class Job:
         return controls.reshape(len(controls), -1), encoder_noise
 
 
-def run_jobs(
-    jobs: Sequence[Job],
+def run_batch(
+    references: Sequence[LoadedReference],
     corrections: Sequence[Array | None],
     rngs: Sequence[np.random.Generator | None],
     *,
     threads: int = 1,
 ) -> list[Recording]:
-    """Run several jobs of equal length, each on its own model, in one call of the physics.
+    """Run several loaded references of equal length, each on its own model, in one rollout.
 
     The result does not depend on the number of threads.
     """
-    wanted = [
-        np.zeros_like(job.reference)
+    applied = [
+        np.zeros_like(loaded.reference)
         if u is None
-        else checked_signal(u, "correction", job.reference)
-        for job, u in zip(jobs, corrections, strict=True)
+        else checked_signal(u, "correction", loaded.reference)
+        for loaded, u in zip(references, corrections, strict=True)
     ]
-    inputs = [job.controls_with(u, rng) for job, u, rng in zip(jobs, wanted, rngs, strict=True)]
-    of_jobs = [of_job for of_job, _ in inputs]
-    controls = of_jobs[0][None] if len(jobs) == 1 else np.stack(of_jobs)
-    states, sensors = _roll_out(jobs, controls, threads)
+    inputs = [
+        loaded.controls_with(u, rng)
+        for loaded, u, rng in zip(references, applied, rngs, strict=True)
+    ]
+    each = [controls for controls, _ in inputs]
+    controls = each[0][None] if len(each) == 1 else np.stack(each)
+    states, sensors = _roll_out(references, controls, threads)
     return [
-        _recording(job, wanted[i], controls[i], inputs[i][1], states[i], sensors[i])
-        for i, job in enumerate(jobs)
+        _recording(loaded, u, controls[i], noise, states[i], sensors[i])
+        for i, (loaded, u, (_, noise)) in enumerate(zip(references, applied, inputs, strict=True))
     ]
 
 
 def _recording(
-    job: Job,
+    loaded: LoadedReference,
     correction: Array,
     controls: Array,
     encoder_noise: Array | None,
     states: Array,
     sensors: Array,
 ) -> Recording:
-    happened, limits = truth(job.model, job.initial_state, controls, states, sensors)
-    log = slice(None, None, job.ratio)
+    happened, limits = truth(loaded.model, loaded.initial_state, controls, states, sensors)
+    log = slice(None, None, loaded.ratio)
     noise = None if encoder_noise is None else encoder_noise[log]
     return Recording(
         time=happened.time[log],
-        reference=job.reference,
+        reference=loaded.reference,
         correction=correction,
-        motor_angle=measured_angle(job.model, happened.gear_angle[log], noise),
+        motor_angle=measured_angle(loaded.model, happened.gear_angle[log], noise),
         motor_torque=happened.motor_torque[log],
         truth=happened,
         limits_hit=limits,
     )
 
 
-def _roll_out(jobs: Sequence[Job], controls: Array, threads: int) -> tuple[Array, Array]:
-    models = [job.model.mj for job in jobs]
-    initial = np.stack([job.initial_state for job in jobs])
-    n_data = min(threads, len(jobs))
+def _roll_out(
+    references: Sequence[LoadedReference], controls: Array, threads: int
+) -> tuple[Array, Array]:
+    models = [loaded.model.mj for loaded in references]
+    initial = np.stack([loaded.initial_state for loaded in references])
+    n_data = min(threads, len(references))
     data = _data(models[0], n_data)
-    what = mujoco.mjtState.mjSTATE_CTRL
-    if not all(job.powered.all() for job in jobs):
-        what |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
-        closed = np.stack([_closed_constraints(job) for job in jobs])
+    inputs = mujoco.mjtState.mjSTATE_CTRL
+    if not all(loaded.powered.all() for loaded in references):
+        inputs |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
+        closed = np.stack([_active_constraints(loaded) for loaded in references])
         controls = np.concatenate((controls, closed), axis=2)
     with Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
-        result = rollout.rollout(models, data, initial, controls, control_spec=int(what))
+        result = rollout.rollout(models, data, initial, controls, control_spec=int(inputs))
     states, sensors = (np.asarray(part, dtype=np.float64) for part in result)
-    for i, job in enumerate(jobs):
-        _blank_after_instability(states[i], sensors[i], job.model.timestep)
+    for i, loaded in enumerate(references):
+        _blank_after_instability(states[i], sensors[i], loaded.model.timestep)
     return states, sensors
 
 
@@ -163,7 +175,7 @@ _kept = threading.local()
 
 
 def _data(mj: mujoco.MjModel, count: int) -> list[mujoco.MjData]:
-    """As new, but those of the thread's last run if they fit: making one takes 0.4 ms."""
+    """Reset simulation data, those of the thread's last run if they fit: a new one takes 0.4 ms."""
     kept: list[mujoco.MjData] = getattr(_kept, "data", [])
     if not kept or kept[0].signature != mj.signature:
         kept = []
@@ -174,16 +186,16 @@ def _data(mj: mujoco.MjModel, count: int) -> list[mujoco.MjData]:
     return kept[:count]
 
 
-def _closed_constraints(job: Job) -> Array:
+def _active_constraints(loaded: LoadedReference) -> Array:
     """(M, neq): those of the model throughout, and its brakes while the drives are off."""
-    mj = job.model.mj
-    closed = np.tile(mj.eq_active0.astype(np.float64), (len(job.powered), 1))
-    closed[:, job.model.brakes] = ~job.powered[:, None]
-    return closed
+    mj = loaded.model.mj
+    active = np.tile(mj.eq_active0.astype(np.float64), (len(loaded.powered), 1))
+    active[:, loaded.model.brakes] = ~loaded.powered[:, None]
+    return active
 
 
 def _blank_after_instability(states: Array, sensors: Array, step: float) -> None:
-    """Where the physics gave up, the rollout repeats its last state: time stands still there."""
+    """NaN from the first unstable step on, where the rollout repeats its last state and time."""
     if states[-1, 0] < (len(states) - 0.5) * step:
         unstable = int(np.argmax(np.diff(states[:, 0]) < 0.5 * step)) + 1
         states[unstable:] = np.nan
@@ -207,12 +219,13 @@ Limits = tuple[tuple[str, int, float], ...]
 """Each limit that a run touched, as (limit, axis 1..6, first time [s])."""
 
 WATCHED = ("torque", "speed", "joint")
+"""Limits that a run is checked against."""
 
 
 def truth(
     model: RobotModel, initial_state: Array, controls: Array, states: Array, sensors: Array
 ) -> tuple[Truth, Limits]:
-    """The truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
+    """Ground truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
     Args:
         initial_state: full physics state.
@@ -253,7 +266,7 @@ def truth(
 
 
 def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | None) -> Array:
-    """What the encoders report, (N, 6) [rad] arm side, where the gears stand at (N, 6).
+    """Encoder readings (N, 6) [rad], arm side, at gear angles (N, 6).
 
     encoder_noise: (N, 6) [motor rad], None where there is none.
     """
@@ -268,10 +281,7 @@ def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | 
 
 
 def _columns(model: RobotModel) -> np.ndarray:
-    """(4, 6), where a state has each motor's angle and speed, its integral and its gear spring.
-
-    -1 where a robot has no such thing.
-    """
+    """(4, 6), columns of a state: motor angle, motor speed, integral, gear spring; -1 for none."""
     nq, nv = model.mj.nq, model.mj.nv
     columns = np.full((4, N_AXES), -1)
     columns[0], columns[1] = 1 + model.motor, 1 + nq + model.motor
@@ -305,12 +315,12 @@ def _motors(
     limits: Array,
     out: tuple[Array, Array, Array],
 ) -> np.ndarray:  # pragma: no cover - compiled
-    """One pass over a run: angle, spring and torque of each axis, each (M, 6), into `out`.
+    """Angle, spring wind-up and torque of each axis, each (M, 6), written into `out`.
 
-    The drives deliver the servo's law, limited; it feeds back the speed at the start of a step.
+    The torque is that of the servo law, limited, with the speed at the start of a step.
 
     Returns:
-        (3, 6), the first row at which each limit is not kept, in the order of WATCHED; or -1.
+        (3, 6), first row at which each limit is reached, in the order of WATCHED; or -1.
     """
     angle, spring, torque = out
     first = np.full((len(limits), columns.shape[1]), -1)
@@ -319,14 +329,14 @@ def _motors(
         for j in range(columns.shape[1]):
             gear, kp, kd, ki, limit = servo[:, j]
             q, speed = state[columns[0, j]], state[columns[1, j]]
-            asked = (
+            wanted = (
                 kp * (controls[i, 3 * j] - gear * q)
                 + kd * (controls[i, 3 * j + 1] - gear * speed)
                 + controls[i, 3 * j + 2]
             )
             if columns[2, j] >= 0:
-                asked += ki * state[columns[2, j]]
-            torque[i, j] = min(max(asked, -limit), limit)
+                wanted += ki * state[columns[2, j]]
+            torque[i, j] = min(max(wanted, -limit), limit)
             angle[i, j] = q
             spring[i, j] = 0.0 if columns[3, j] < 0 else state[columns[3, j]]
             for k, value in enumerate((torque[i, j], speed, q)):

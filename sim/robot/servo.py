@@ -1,4 +1,4 @@
-"""The servo's inputs over a whole run, as arrays: known before the run, so the run is one call.
+"""Servo inputs of a whole run, as arrays known before the run.
 
 The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the physics (the
 `dcmotor` controller). What enters it is formed here, arm side, at the physics rate:
@@ -6,8 +6,8 @@ The feedback itself, tau = kp (pos - q) + kd (vel - q') + ff, runs inside the ph
     pos = r + u_f        vel = g (r' + u_f')        ff = rigid inverse dynamics of r
 
 where g is the velocity feedforward and u_f the correction after its delay and first-order lag.
-u_f does not enter the torque feedforward. Where a robot's data ask for it, ff also carries a share
-of friction (`armside.sim.robot.drives`), and encoder noise enters as a perturbation of pos and vel.
+u_f does not enter the torque feedforward. ff may contain friction (`armside.sim.robot.drives`);
+encoder noise enters as a perturbation of pos and vel.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ VELOCITY_FILTER = 200.0
 
 @dataclass(frozen=True, kw_only=True)
 class Setpoints:
-    """Position and velocity at the physics rate, arm side."""
+    """Position and velocity set points at the physics rate, arm side."""
 
     position: Array
     """(M, 6) [rad]."""
@@ -63,10 +63,9 @@ def interpolate(samples: Array, period: float, ratio: int) -> tuple[Array, Array
 def correction_path(
     correction: Array, period: float, ratio: int, delay: float, lag: float
 ) -> Setpoints:
-    """A correction on its way to the servo: first-order hold, pure delay, first-order lag.
+    """Correction at the input of the servo: first-order hold, pure delay, first-order lag.
 
-    The first-order hold makes it continuous, so that its derivative after the lag,
-    u_f' = 2 pi lag (u - u_f), is free of impulses.
+    With the hold, the derivative after the lag, u_f' = 2 pi lag (u - u_f), is free of impulses.
 
     Args:
         correction: (N, 6) [rad], u at the log rate.
@@ -90,7 +89,7 @@ def _held_and_lagged(
     position: Array,
     velocity: Array,
 ) -> None:  # pragma: no cover - compiled
-    """The lag x' = omega (signal - x), exact for a signal that is linear between steps."""
+    """First-order lag x' = omega (signal - x), exact for a signal that is linear between steps."""
     n = len(samples)
     decay = np.exp(-omega * step)
     last = np.empty(samples.shape[1])
@@ -113,12 +112,12 @@ def _held_and_lagged(
 
 
 def at_step_end(signal: Array) -> Array:
-    """Each row replaced by the next: a set point for feedback that is taken at the step's end."""
+    """Set points shifted by one step, for feedback that is evaluated at the end of the step."""
     return np.concatenate((signal[1:], signal[-1:]))
 
 
 def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
-    """Interleave arm-side set points into the control array of the MJCF, in motor units.
+    """Control array of the MJCF, in motor units, from arm-side set points.
 
     Args:
         position: (M, 6) [rad], arm side.
@@ -137,8 +136,7 @@ def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: 
 
 
 def encoder_perturbation(noise: Array, step: float) -> Array:
-    """What noise (M, 6) [rad] of an encoder adds to the speed [rad/s] that the servo feeds back:
-    its difference quotient, low-passed."""
+    """Speed error [rad/s] by encoder noise (M, 6) [rad]: its difference quotient, low-passed."""
     c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
     gain = (1.0 - c) / step
     return recursion(np.array([gain, -gain]), np.array([1.0, -c]), noise)

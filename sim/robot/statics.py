@@ -1,4 +1,9 @@
-"""Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model."""
+"""Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model.
+
+`Statics` computes the forces of a motion without friction, damping and closed-chain constraint
+forces, and how far the springs yield to them. A controller uses it with the nominal model: for the
+torque feedforward, and for `anticipated_shift`, its compensation of the elastic deflection.
+"""
 
 import copy
 from dataclasses import dataclass
@@ -18,7 +23,7 @@ _REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the soft
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibrium:
-    """Rest of the flexible robot with its motors held."""
+    """Static equilibrium of the flexible robot with its motors held."""
 
     qpos: Array
     """(nq,) [rad]."""
@@ -27,12 +32,11 @@ class Equilibrium:
 
 
 class Statics:
-    """Forces and deflections along a motion. Holds scratch data: one object per thread."""
+    """Forces and deflections of one model along a motion. Holds scratch data: one a thread."""
 
     def __init__(self, model: RobotModel) -> None:
-        self._model = model
+        self.model = model
         self._mj = copy.copy(model.mj)
-        # A controller's rigid model: no friction, no damping, and no closed-loop constraint forces.
         flags = mujoco.mjtDisableBit.mjDSBL_DAMPER | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         self._mj.opt.disableflags |= int(flags)
         self._data = mujoco.MjData(self._mj)
@@ -49,7 +53,7 @@ class Statics:
             (N, nv) [N m]: what each joint would have to deliver if the chain were cut open;
             `motor_torque` closes it. In an open chain a spring carries its entry.
         """
-        data, posture = self._data, self._model.posture.T
+        data, posture = self._data, self.model.posture.T
         forces = np.empty((len(phi), self._mj.nv))
         q, q_dot, q_ddot = phi @ posture, phi_dot @ posture, phi_ddot @ posture
         for i in range(len(phi)):
@@ -62,7 +66,7 @@ class Statics:
 
     def motor_torque(self, forces: Array) -> Array:
         """(..., 6) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""
-        return forces @ self._model.posture
+        return forces @ self.model.posture
 
     def deflection(self, phi: Array, forces: Array) -> Array:
         """Quasi-static displacement of the tool by the springs that carry `forces`.
@@ -74,12 +78,11 @@ class Statics:
         Returns:
             (N, 3) [m], base axes, from the rigid tool position.
         """
-        data, springs = self._data, self._model.springs
-        stiffness = self._stiffness
+        data, springs = self._data, self.model.springs
         site = self._mj.site("tool0").id
         jacobian = np.empty((3, self._mj.nv))
         moved = np.empty((len(phi), 3))
-        q = phi @ self._model.posture.T
+        q = phi @ self.model.posture.T
         for i in range(len(phi)):
             data.qpos[:] = q[i]
             mujoco.mj_kinematics(self._mj, data)
@@ -87,18 +90,17 @@ class Statics:
             mujoco.mj_jacSite(self._mj, data, jacobian, None, site)
             Z = self._linkage.tangent(data)
             carried = (Z.T @ forces[i])[springs]
-            moved[i] = (jacobian @ Z)[:, springs] @ (-carried / stiffness)
+            moved[i] = (jacobian @ Z)[:, springs] @ (-carried / self._stiffness)
         return moved
 
     def equilibrium(self, phi: Array) -> Equilibrium:
-        """Rest with the motors held at phi: springs balance gravity and each other.
+        """Static equilibrium with the motors held at phi, (6,) [rad].
 
         Raises RuntimeError when the springs cannot balance the load.
         """
-        data, motor, springs = self._data, self._model.motor, self._model.springs
-        stiffness = self._stiffness
+        data, motor, springs = self._data, self.model.motor, self.model.springs
         data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
-        data.qpos[:] = self._model.posture @ phi
+        data.qpos[:] = self.model.posture @ phi
         for _ in range(_NEWTON_STEPS):
             self._linkage.close(data)
             mujoco.mj_inverse(self._mj, data)
@@ -106,12 +108,12 @@ class Statics:
             residual = force[springs]
             if np.abs(residual).max(initial=0.0) < _REST_TORQUE:
                 return Equilibrium(qpos=data.qpos.copy(), holding_torque=force[motor])
-            data.qpos[springs] -= residual / stiffness
+            data.qpos[springs] -= residual / self._stiffness
         raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
 
 
 def spring_stiffness(model: RobotModel) -> Array:
-    """[N m/rad] of each of `model.springs` under load: a gear's soft and stiff part together."""
+    """Stiffness [N m/rad] of each of `model.springs` under load: soft and stiff part of a gear."""
     mj = model.mj
     stiffness = mj.jnt_stiffness[mj.dof_jntid[model.springs]].copy()
     for tendon in range(mj.ntendon):
@@ -123,33 +125,32 @@ def spring_stiffness(model: RobotModel) -> Array:
 
 
 BOX = 5
-"""Samples of the moving average that `smoothed` takes twice: that of the study which calibrated the
-large robot, 20 ms at the log rate. ESTIMATE."""
+"""Samples of the moving average that `smoothed` takes twice: 20 ms at the log rate, as in the
+calibration of the large robot. ESTIMATE."""
 
 
-def anticipated_shift(model: RobotModel, phi: Array, period: float) -> Array:
-    """The share of the quasi-static elastic deflection that the reference is to counteract.
+def anticipated_shift(nominal: Statics, phi: Array, period: float) -> Array:
+    """Elastic deflection of the tool that the reference compensates.
 
-    The controller of the robot knows its elasticity with too stiff a model: it expects only
-    `Drives.elastic_compensation` of the deflection that gravity and the rigid motion cause.
+    The controller's model is too stiff: it has the fraction `Drives.elastic_compensation` of the
+    quasi-static deflection by gravity and the rigid motion.
 
     Args:
-        model: the robot as its controller knows it.
+        nominal: of the robot as its controller knows it.
         phi: (N, 6) [rad], motor angles of the programmed path, every `period` [s].
 
     Returns:
         (N, 3) [m], base axes, to be subtracted from the programmed tool positions.
     """
     _, phi_dot, phi_ddot = interpolate(phi, period, 1)
-    statics = Statics(model)
-    forces = statics.rigid_forces(phi, phi_dot, phi_ddot)
-    return model.drives.elastic_compensation * statics.deflection(phi, forces)
+    forces = nominal.rigid_forces(phi, phi_dot, phi_ddot)
+    return nominal.model.drives.elastic_compensation * nominal.deflection(phi, forces)
 
 
 def smoothed(shift: Array) -> Array:
-    """A shift (N, 3) [m] without the steps it makes where the curvature of a contour jumps.
+    """Moving average of a shift (N, 3) [m], taken twice.
 
-    There the acceleration jumps, and with it the expected deflection. No controller has its motors
+    Where the curvature of a contour jumps, acceleration and deflection jump too; motors cannot
     follow that within one sample.
     """
     kernel = np.convolve(np.ones(BOX), np.ones(BOX)) / BOX**2

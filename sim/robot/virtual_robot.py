@@ -1,8 +1,11 @@
-"""The virtual robot: a flexible arm with its servo, run as one rollout of the physics.
+"""Virtual robot: a flexible arm with its servo, run as one rollout of the physics.
 
 A run is open loop for the program: reference r and correction u are known before it, so the whole
 run, servo included, is one call of `mujoco.rollout` with no Python in the step loop.
 """
+
+import copy
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -10,12 +13,9 @@ import numpy as np
 from armside.arrays import Array
 
 from .drives import friction_torque
-from .individual import braked_at
 from .model import RobotModel
 from .recording import Recording
-from .run import Job as Job
-from .run import checked_signal
-from .run import run_jobs as run_jobs
+from .run import LoadedReference, checked_signal
 from .servo import at_step_end, interpolate, motor_controls, substeps
 from .statics import Statics
 
@@ -26,37 +26,37 @@ _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 class VirtualRobot:
-    """One robot individual. `load` a reference, then `run` it as often as needed."""
+    """A robot individual with its controller. `load` a reference, then run it repeatedly."""
 
     def __init__(
         self,
         model: RobotModel,
         *,
-        nominal: RobotModel | None = None,
+        nominal: Statics | None = None,
         log_period: float = LOG_PERIOD,
     ) -> None:
         """Args:
-        nominal: what its controller computes torques with; the robot itself if None.
+        nominal: model of the controller's torque feedforward; that of the robot itself if None.
         log_period: [s], a whole number of physics steps.
         """
         self.model = model
-        self.nominal = nominal or model
         self.log_period = log_period
+        self._statics = Statics(model)
+        self._nominal = nominal or self._statics
         self._ratio = substeps(model.timestep, log_period)
 
-    def load(self, reference: Array, *, motors_on_at: float = 0.0) -> Job:
+    def load(self, reference: Array, *, motors_on_at: float = 0.0) -> LoadedReference:
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
         Args:
             reference: (N, 6) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
             motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
 
-        Raises ValueError for a wrong shape, values that are not finite, brakes the robot lacks, or
-        a load at the tool that its drives cannot hold.
+        Raises ValueError for a wrong shape, values that are not finite, a robot without the brakes
+        asked for, or a load at the tool that its drives cannot hold.
         """
         reference = checked_signal(reference, "reference")
         model, drives = self.model, self.model.drives
-        statics = Statics(model)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
         torque = self._feedforward(reference, velocity)
         hinge_speed = drives.velocity_feedforward * velocity
@@ -64,16 +64,16 @@ class VirtualRobot:
             # The servo brings the measured angle q - epsilon(q) to the reference.
             hinge_speed += model.gear_error.rate(position, velocity)
             position = position + model.gear_error(position)
-        start = statics.equilibrium(position[0])
+        start = self._statics.equilibrium(position[0])
         _check_holds(model, start.holding_torque)
         torque += start.holding_torque - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
-            model = braked_at(model, position[0])
+            model = _braked_at(model, position[0])
             torque[~powered] = 0.0
         if model.implicit:
             hinge_speed = at_step_end(hinge_speed)
-        return Job(
+        return LoadedReference(
             model=model,
             log_period=self.log_period,
             ratio=self._ratio,
@@ -89,12 +89,12 @@ class VirtualRobot:
         correction: Array | None = None,
         rng: np.random.Generator | None = None,
     ) -> Recording:
-        """Load a reference and run it once. See `Job.run`."""
+        """Load a reference and run it once; see `LoadedReference.run`."""
         return self.load(reference).run(correction, rng)
 
     def _feedforward(self, reference: Array, velocity: Array) -> Array:
         """(M, 6) [N m], arm side: rigid computed torque, evaluated at the log rate and splined."""
-        statics, drives = Statics(self.nominal), self.nominal.drives
+        statics, drives = self._nominal, self._nominal.model.drives
         if drives.torque_feedforward == 0.0:
             return np.zeros_like(velocity)
         _, phi_dot, phi_ddot = interpolate(reference, self.log_period, 1)
@@ -105,8 +105,17 @@ class VirtualRobot:
         return drives.torque_feedforward * torque
 
 
+def _braked_at(model: RobotModel, phi: Array) -> RobotModel:
+    """Robot model whose brakes, once engaged, hold the motors at phi (6,) [rad]."""
+    if not len(model.brakes):
+        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
+    mj = copy.copy(model.mj)
+    mj.eq_data[model.brakes, 0] = phi
+    return replace(model, mj=mj)
+
+
 def _check_holds(model: RobotModel, torque: Array) -> None:
-    """torque: (6,) [N m], arm side, at rest."""
+    """Raise ValueError for a holding torque (6,) [N m], arm side, above the drives' limit."""
     limit = np.abs(model.drives.gear) * model.drives.torque_limit
     axis = int((np.abs(torque) / limit).argmax())
     if not abs(torque[axis]) < limit[axis]:

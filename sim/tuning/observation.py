@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.norms import two_norm
 
-from ..robot.model import N_AXES
+from ..robot.mjcf import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .situation import Situation
 
@@ -79,13 +79,13 @@ def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...
 
 def observation(situation: Situation) -> np.ndarray:
     """(50,) float32 in [-1, 1], as `FEATURES` says."""
-    job = situation.experiment.job
+    loaded = situation.experiment.loaded
     values = (
         situation.two_norm,
         situation.inf_norm,
         *band_rms(situation.motor_error, LOG_PERIOD, BANDS),
-        two_norm(situation.correction * job.model.drives.gear),
-        job.reference[0],
+        two_norm(situation.correction * loaded.model.drives.gear),
+        loaded.reference[0],
         np.array([situation.experiment.motion.programmed_speed]),
         np.array([float(situation.k)]),
     )

@@ -95,10 +95,10 @@ def _robot(situation: Situation, xml: Path) -> np.ndarray:
 
     from ..replay.offscreen import Offscreen, drawn_model, named_camera
 
-    job = situation.experiment.job
-    mj = drawn_model(job.model.mj, xml)
+    loaded = situation.experiment.loaded
+    mj = drawn_model(loaded.model.mj, xml)
     data = mujoco.MjData(mj)
-    data.qpos[:] = job.initial_state[1 : 1 + mj.nq]
+    data.qpos[:] = loaded.initial_state[1 : 1 + mj.nq]
     mujoco.mj_forward(mj, data)
     with Offscreen(mj, WIDTH, HEIGHT) as camera:
         return camera.draw(data, named_camera(mj, "whole"))

@@ -14,7 +14,7 @@ from armside.kinematics import compile as compile_robot
 
 from ..cell import CELLS
 from ..cut.tool_motion import ToolMotion
-from ..evaluation.tool_error import ArmSide, arm_side
+from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment
 from ..laser.plant import Pass
@@ -22,7 +22,7 @@ from ..laser.plant import Pass
 if TYPE_CHECKING:
     from ..laser.tool_path import ToolOutput
 
-Reading = Callable[[Pass], ArmSide]
+Reading = Callable[[Pass], ToolError]
 Sensor = Callable[[Experiment, Pass], Reading]
 
 
@@ -68,8 +68,8 @@ class _TrackerReading:
     def set_up(cls, experiment: Experiment, _first: Pass) -> Reading:
         return cls(experiment.motion)
 
-    def __call__(self, cut: Pass) -> ArmSide:
-        return arm_side(self.motion, cut.tracker.time, cut.tracker.position)
+    def __call__(self, cut: Pass) -> ToolError:
+        return tool_error(self.motion, cut.tracker.time, cut.tracker.position)
 
 
 @dataclass(frozen=True)
@@ -85,12 +85,12 @@ class _MotorReading:
     robot: str
     motion: ToolMotion
 
-    def __call__(self, cut: Pass) -> ArmSide:
+    def __call__(self, cut: Pass) -> ToolError:
         arm, log = _arm(self.robot), cut.recording
         asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
         # r is shifted against the deflection that the controller expects: compare with r, not
         # with the programmed path.
-        return arm_side(self.motion, log.time, self.motion.position + got - asked)
+        return tool_error(self.motion, log.time, self.motion.position + got - asked)
 
 
 @lru_cache
@@ -117,6 +117,6 @@ class _EstimateReading:
     output: "ToolOutput"
     motion: ToolMotion
 
-    def __call__(self, cut: Pass) -> ArmSide:
+    def __call__(self, cut: Pass) -> ToolError:
         moved = self.output(cut)[:, :3]
-        return arm_side(self.motion, cut.recording.time, self.motion.position[0] + moved)
+        return tool_error(self.motion, cut.recording.time, self.motion.position[0] + moved)

@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.divergence import has_diverged
 from armside.ilc.measures.norms import inf_norm, two_norm
 
-from ..evaluation.tool_error import ArmSide
+from ..evaluation.tool_error import ToolError
 from ..laser.design import Design
 from ..laser.experiment import Experiment, true_tool_error
 from ..laser.plant import Pass
@@ -39,16 +39,16 @@ class Situation:
     """(6,) [rad], of `motor_error`."""
     first_norm: Array
     """(6,) [rad], `two_norm` at k = 0."""
-    seen: ArmSide
+    seen: ToolError
     """The tool as the configured sensor has it."""
-    true: ArmSide
+    true: ToolError
     """The tool as it was: for evaluation only."""
     diverged: bool
 
 
 def begin(task: Task, experiment: Experiment, sensor: Sensor) -> Situation:
     """Run once without learning, k = 0, and set the sensor up by it."""
-    correction = np.zeros_like(experiment.job.reference)
+    correction = np.zeros_like(experiment.loaded.reference)
     cut = experiment.plant.run(correction)
     reading = sensor(experiment, cut)
     return _situation(task, experiment, reading, 0, correction, cut)
@@ -81,7 +81,7 @@ def _situation(
     first: Array | None = None,
 ) -> Situation:
     error = cut.recording.error
-    motor_error = error * experiment.job.model.drives.gear
+    motor_error = error * experiment.loaded.model.drives.gear
     norm = two_norm(motor_error)
     first = norm if first is None else first
     return Situation(

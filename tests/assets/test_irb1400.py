@@ -15,7 +15,8 @@ import scipy.linalg
 from armside import assets, kinematics
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.linkage import Linkage, checked_loop_error, loop_error
-from armside.sim.robot.model import AXES, load_model
+from armside.sim.robot.mjcf import AXES
+from armside.sim.robot.model import load_model
 from armside.sim.robot.virtual_robot import VirtualRobot
 
 LOG_PERIOD = 0.004

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from armside.scripts.learning_job import LearningJob
 
 from armside.ilc.models.system import System
 from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.workers import Workers
-from armside.scripts.learning_job import LearningJob
 from armside.scripts.shell.registry import load
 from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
 from armside.scripts.thesis.chapter9.sections import bands, figures
@@ -76,7 +76,7 @@ def holding(checks):
 def test_the_story_of_the_thesis_is_inside_the_bands():
     base = {pose: result(pose) for pose in POSES}
     assert all(holding(bands.motor_side(base)).values())
-    assert all(holding(bands.arm_side(base)).values())
+    assert all(holding(bands.tool_error(base)).values())
     assert all(holding(bands.criterion_of()).values())
 
 
@@ -94,7 +94,7 @@ def test_the_story_of_the_thesis_is_inside_the_bands():
 def test_another_story_on_the_arm_side_fails_where_it_differs(pose, rms, fails):
     base = {p: result(p) for p in POSES}
     base[pose]["arm_rms"] = 3e-4 * np.array(rms)
-    assert {name for name, holds in holding(bands.arm_side(base)).items() if not holds} == fails
+    assert {name for name, holds in holding(bands.tool_error(base)).items() if not holds} == fails
 
 
 def test_motors_that_do_not_learn_fail():

@@ -120,8 +120,8 @@ def test_alignment_order_and_elasticity_each_have_their_part_of_the_error(found)
 def test_soft_gears_and_misaligned_clocks_raise_the_error_alike(done):
     """A level of error is no evidence of either: agreement with 0.8 m/s^2 validates nothing."""
     soft = load_model(variant(assets.IRB1400_XML, gear_stiffness=0.19))
-    job = VirtualRobot(soft).load(done.prepared.motion.phi)
-    measures = run_one(ImuExperimentCfg(), replace(done.prepared, job=job), seed=0).measures
+    loaded = VirtualRobot(soft).load(done.prepared.motion.phi)
+    measures = run_one(ImuExperimentCfg(), replace(done.prepared, loaded=loaded), seed=0).measures
     assert measures.acceleration_window_max.max() > 2 * done.measures.acceleration_window_max.max()
     late = replace(ImuExperimentCfg(), accelerometer_delay=25.0)
     cell = CELLS["irb1400"]
@@ -169,12 +169,12 @@ def test_a_stopped_motor_creeps_by_noise_and_integral_and_sticks_without():
     """What moves idle motors is their own stop, not the others: the root of the peaks of 5.3.2."""
     cfg = ImuExperimentCfg(motion="sequential")
     wrist = prepare(cfg)[1]
-    mj = copy.copy(wrist.job.model.mj)
+    mj = copy.copy(wrist.loaded.model.mj)
     axes = [mj.actuator(f"axis_{i}").id for i in range(1, 7)]
     mj.actuator_gainprm[axes, KI] *= 1e-6
-    drives = replace(wrist.job.model.drives, torque_noise=0.0, encoder_noise=0.0)
-    model = replace(wrist.job.model, mj=mj, drives=drives)
-    stuck = replace(wrist, job=replace(wrist.job, model=model))
+    drives = replace(wrist.loaded.model.drives, torque_noise=0.0, encoder_noise=0.0)
+    model = replace(wrist.loaded.model, mj=mj, drives=drives)
+    stuck = replace(wrist, loaded=replace(wrist.loaded, model=model))
     count = 2 * np.pi / 4095 / 50
     assert np.nanmax(run_one(cfg, stuck, seed=0).measures.idle_peaks) < 1.01 * count
     assert np.nanmax(run_one(cfg, wrist, seed=0).measures.idle_peaks) > 4 * count
@@ -350,10 +350,10 @@ def test_bad_options_are_bad_input(options, words, tmp_path, capsys):
 
 def test_it_is_faster_than_real_time_by_more_than_the_promise_over_three():
     """20 times on one core, taken with a bound three times as wide; the benchmark has the rest."""
-    job = prepare(ImuExperimentCfg())[0].job
-    job.run(rng=np.random.default_rng(0))
+    loaded = prepare(ImuExperimentCfg())[0].loaded
+    loaded.run(rng=np.random.default_rng(0))
     start = perf_counter()
-    recording = job.run(rng=np.random.default_rng(0))
+    recording = loaded.run(rng=np.random.default_rng(0))
     assert recording.time[-1] / (perf_counter() - start) > 20 / 3
 
 
@@ -366,6 +366,8 @@ def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
 
 def test_a_run_costs_little_more_than_its_physics():
     """1.3 times a bare rollout, taken in turns; the margin is for a machine that others use too."""
-    job = prepare(ImuExperimentCfg())[0].job
-    run, bare = interleaved([bench_imu.run_of(job), bench_imu.bare_rollout_of(job)], repeats=5)
+    loaded = prepare(ImuExperimentCfg())[0].loaded
+    run, bare = interleaved(
+        [bench_imu.run_of(loaded), bench_imu.bare_rollout_of(loaded)], repeats=5
+    )
     assert run / bare < 1.5

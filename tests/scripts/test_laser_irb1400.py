@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from armside.scripts.laser_options import OF_ROBOT, THESIS, learning_law
+from armside.scripts.robot_design import asked_for
 
 from armside.ilc.measures import norms as measures
 from armside.scripts.commands.laser import LaserCfg, run
-from armside.scripts.laser_options import OF_ROBOT, THESIS, learning_law
-from armside.scripts.robot_design import asked_for
 from armside.scripts.verifications.irb1400_laser import design as design_claim
 from armside.scripts.verifications.irb1400_laser import laser as laser_claim
 from armside.sim.robot.virtual_robot import LOG_PERIOD

@@ -12,7 +12,7 @@ from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.shell.errors import InputError
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle
 from armside.sim.estimation.springs_file import read_springs
 
 
@@ -75,9 +75,9 @@ def test_without_repetitions_there_is_no_repeatability(tmp_path):
 
 
 def test_a_place_can_be_given_by_its_numbers():
-    named = prepare(LaserCfg(iterations=0)).job.reference
+    named = prepare(LaserCfg(iterations=0)).loaded.reference
     numbers = LaserCfg(position=(1316.6, 1.4, 1599.2), quaternion=(0.6322, 0.0353, 0.7732, 0.0353))
-    np.testing.assert_allclose(prepare(numbers).job.reference, named, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(prepare(numbers).loaded.reference, named, rtol=0, atol=1e-9)
     moved = prepare(LaserCfg(position=(1700.0, -300.0, 1400.0)))
     assert moved.cut.tool_pose.position == pytest.approx((1.7, -0.3, 1.4))
     assert moved.cut.tool_pose.quaternion == prepare(LaserCfg()).cut.tool_pose.quaternion
@@ -85,11 +85,11 @@ def test_a_place_can_be_given_by_its_numbers():
 
 def test_the_controller_knows_a_payload():
     light, heavy = (prepare(LaserCfg(payload=mass)) for mass in (0.0, 175.0))
-    assert heavy.job.model.mj.body("tool").mass[0] == 175.0
+    assert heavy.loaded.model.mj.body("tool").mass[0] == 175.0
     # What the controller anticipates of gravity grows with what it knows to carry.
-    assert not np.allclose(light.job.reference, heavy.job.reference, atol=1e-5)
-    default = prepare(LaserCfg()).job.reference
-    assert np.array_equal(prepare(LaserCfg(payload=40.0)).job.reference, default)
+    assert not np.allclose(light.loaded.reference, heavy.loaded.reference, atol=1e-5)
+    default = prepare(LaserCfg()).loaded.reference
+    assert np.array_equal(prepare(LaserCfg(payload=40.0)).loaded.reference, default)
 
 
 def test_sizes_have_defaults_that_can_be_cut_at_the_default_speed():

@@ -9,7 +9,9 @@ import pytest
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
 from armside.sim.cell import TOOL_QUATERNION, pose
-from armside.sim.motion import Circle, CuttingPath, Plane, plan_cut
+from armside.sim.cut.contour import Circle
+from armside.sim.cut.path import CuttingPath, Plane
+from armside.sim.cut.tool_motion import plan_cut
 from armside.sim.records.signals import Run
 from armside.sim.robot.recording import Recording, Truth
 

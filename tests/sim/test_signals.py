@@ -7,9 +7,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from armside.sim.instruments import TrackerSamples
+from armside.sim.instruments.laser_tracker import TrackerSamples
 from armside.sim.records.signals import Run, read_signals, write_signals
-from armside.sim.robot.gear_error import GearError
+from armside.sim.robot.drives import GearError
 from armside.sim.robot.recording import Recording, Truth
 
 CONFIG = {"pose": "p1", "speed": 0.04}

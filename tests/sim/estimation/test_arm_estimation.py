@@ -26,7 +26,8 @@ from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.robot.effects import Effect
-from armside.sim.robot.model import ModelError, load_model
+from armside.sim.robot.mjcf import ModelError
+from armside.sim.robot.model import load_model
 
 IMU = ImuCfg()
 CUT = Cut(pose="p2", without=tuple(Effect), imu=IMU)
@@ -62,7 +63,7 @@ def spread(a, b):
 
 def test_observer_with_true_structure_and_exact_angles_is_the_truth(first):
     truth = first.recording.truth
-    arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True))
+    arm = nominal_arm(load_model(LARGE_ROBOT_XML), NominalCfg(structure=True))
     rate = np.gradient(truth.motor_angle, truth.time[1], axis=0)
     motion = dragged(arm, truth.motor_angle, rate)
     every = 8
@@ -73,7 +74,7 @@ def test_observer_with_true_structure_and_exact_angles_is_the_truth(first):
 
 def test_linearised_arm_is_the_rollout_linearised():
     """Same springs, coupled; a motion of 0.1 mrad."""
-    arm = nominal_arm(LARGE_ROBOT_XML)
+    arm = nominal_arm(load_model(LARGE_ROBOT_XML))
     K = arm.stiffness.copy()
     K[1, 2] = K[2, 1] = -0.1 * K[2, 2]
     arm = arm.with_springs(K, arm.damping)
@@ -93,7 +94,7 @@ def test_linear_arm_with_its_nonlinear_residual_reads_what_the_rollout_reads():
     """A circle of the robot at 100 mm/s: at twice its frequency, where linear models are blind."""
     cut = replace(CUT, speed=0.1, limits=PathLimits(acceleration=2.2))
     # As soft as structure and gears together, so that its lowest modes are where the robot's are.
-    arm = nominal_arm(LARGE_ROBOT_XML, NominalCfg(stiffness=0.4))
+    arm = nominal_arm(load_model(LARGE_ROBOT_XML), NominalCfg(stiffness=0.4))
     made = first_run(prepare(cut))
     log = made.recording
     motion = observe(arm, log.motor_angle, float(log.time[1]))
@@ -168,7 +169,7 @@ def test_identification_makes_the_estimate_five_times_better_than_the_motors(fir
 
 def test_identified_modes_are_those_of_the_true_arm(first, known):
     rest = first.recording.motor_angle[0]
-    true = linearised(nominal_arm(LARGE_ROBOT_XML, NominalCfg(structure=True)), rest)
+    true = linearised(nominal_arm(load_model(LARGE_ROBOT_XML), NominalCfg(structure=True)), rest)
     found = known.estimator.model.arm.locked_modes()[:2]
     assert found == pytest.approx(true.locked_modes()[:2], rel=0.10)
     assert linearised(assumed(), rest).locked_modes()[0] > 1.2 * true.locked_modes()[0]
@@ -294,7 +295,7 @@ def test_a_model_of_another_robot_is_refused(turn, first):
 
 def test_an_arm_with_loops_is_refused():
     with pytest.raises(ModelError, match="open chain"):
-        nominal_arm(IRB1400_XML)
+        nominal_arm(load_model(IRB1400_XML))
 
 
 @pytest.mark.parametrize(

@@ -132,7 +132,7 @@ def test_a_beam_outside_the_acceptance_angle_is_lost_marked_and_stays_lost():
     assert np.isfinite(samples.position[: lost[0]]).all()
 
 
-def test_a_reflector_that_looks_away_from_the_start_gives_no_sample():
+def test_a_reflector_that_points_away_from_the_start_gives_no_sample():
     time = np.arange(101) * 5e-4
     samples = set_up(SILENT, rng()).measure(
         time,
@@ -144,7 +144,7 @@ def test_a_reflector_that_looks_away_from_the_start_gives_no_sample():
     assert not samples.valid.any()
 
 
-def test_an_offset_target_sees_the_tilt_of_the_tool_times_its_lever():
+def test_an_offset_target_moves_by_the_tilt_of_the_tool_times_its_lever():
     time = np.arange(2001) * 5e-4
     tilt = 1e-3 * np.sin(2 * np.pi * time)
     cfg = replace(SILENT, target_offset=(0.1, 0.0, 0.0))

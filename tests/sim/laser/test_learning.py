@@ -8,7 +8,7 @@ import pytest
 from armside.ilc.laws.law import FirstOrderLaw
 from armside.ilc.measures.norms import two_norm
 from armside.sim.cell import CELLS, LARGE_CELL
-from armside.sim.evaluation.tool_error import arm_side
+from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, ToolPath, learn, prepare
 from armside.sim.laser.design import DEFAULT_DESIGN
 from armside.sim.laser.learning import MEASURES, first_run, iterate
@@ -27,15 +27,15 @@ def test_tracker_and_truth_agree_on_the_circle(first):
 
 
 def test_motor_error_is_that_of_the_motor_shaft(first):
-    gear = prepare(Cut()).job.model.drives.gear
+    gear = prepare(Cut()).loaded.model.drives.gear
     assert first.motor_error == pytest.approx(first.error * gear)
 
 
 def test_controller_knows_the_nominal_robot_only():
     """Individuals of other friction are asked for the same reference."""
     one, other = prepare(Cut(), seed=1), prepare(Cut(), seed=2)
-    assert np.array_equal(one.job.reference, other.job.reference)
-    friction = [e.job.model.mj.actuator_biasprm[:, 3] for e in (one, other)]
+    assert np.array_equal(one.loaded.reference, other.loaded.reference)
+    friction = [e.loaded.model.mj.actuator_biasprm[:, 3] for e in (one, other)]
     assert not np.array_equal(*friction)
 
 
@@ -43,7 +43,7 @@ def test_a_turn_with_a_lost_beam_has_no_measure(first):
     seen = first.run.tracker
     position = seen.position.copy()
     position[len(position) // 2 :] = np.nan
-    error = arm_side(prepare(Cut()).motion, seen.time, position)
+    error = tool_error(prepare(Cut()).motion, seen.time, position)
     assert np.isnan(error.rms)
     assert np.isnan(error.maxdev)
     assert np.isfinite(error.path).all()
@@ -94,7 +94,7 @@ class FirstMotors:
     imu = None
 
     def prepare(self, experiment):
-        return lambda first: FirstMotorsOutput(experiment.job.reference)
+        return lambda first: FirstMotorsOutput(experiment.loaded.reference)
 
 
 @dataclass(frozen=True)
@@ -167,4 +167,4 @@ def test_measures_are_known_by_name():
         if name in ("motor", "truth")
     }
     motor = next(iterate(experiment, reads["motor"], 0))
-    assert motor.error.shape == experiment.job.reference.shape
+    assert motor.error.shape == experiment.loaded.reference.shape

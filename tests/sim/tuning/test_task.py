@@ -7,6 +7,7 @@ from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
 from armside.sim.laser import Cut
 from armside.sim.robot.individual import with_payload
 from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics
 from armside.sim.tuning import task
 from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 
@@ -46,7 +47,7 @@ def test_every_draw_is_within_reach(robot):
     for drawn in _drawn(robot, n=12):
         model = nominal if drawn.payload is None else with_payload(nominal, drawn.payload)
         path = Cut(pose=drawn.pose, speed=drawn.speed).path
-        plan(cell, model, path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
+        plan(cell, Statics(model), path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
 
 
 def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what_it_knows():
@@ -56,10 +57,10 @@ def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what
         task.experiment("large", nominal, draw("large", np.random.default_rng(1), given))
         for given in ({"payload": 20.0, "pose": "p1"}, {"payload": 80.0, "pose": "p1"})
     )
-    mass = [e.job.model.mj.body("tool").mass[0] for e in (light, heavy)]
+    mass = [e.loaded.model.mj.body("tool").mass[0] for e in (light, heavy)]
     assert mass == pytest.approx([20.0, 80.0])
-    assert not np.array_equal(light.job.reference, heavy.job.reference)
-    springs = [e.job.model.mj.jnt_stiffness for e in (light, heavy)]
+    assert not np.array_equal(light.loaded.reference, heavy.loaded.reference)
+    springs = [e.loaded.model.mj.jnt_stiffness for e in (light, heavy)]
     assert np.array_equal(*springs)  # one individual
     assert not np.allclose(springs[0], nominal.mj.jnt_stiffness, rtol=0.01)
 

@@ -10,7 +10,7 @@ from armside.sim.cut.timing import PathLimits, rest_to_rest
 
 @settings(deadline=None, max_examples=50)
 @given(length=st.floats(1e-3, 1.0), speed=st.floats(1e-3, 1.0))
-def test_every_limit_is_kept_and_the_whole_way_is_made(length, speed):
+def test_every_limit_is_kept_over_the_whole_length(length, speed):
     limits = PathLimits()
     timing = rest_to_rest(length, speed, limits)
     t = np.linspace(0.0, timing.duration, 2001)
@@ -57,7 +57,7 @@ def test_the_ramp_length_is_where_constant_speed_begins(speed):
     assert v == pytest.approx(speed, rel=1e-9)
 
 
-def test_a_way_too_short_never_reaches_the_speed():
+def test_a_path_too_short_never_reaches_the_speed():
     limits = PathLimits()
     timing = rest_to_rest(limits.ramp_length(0.04), 0.04, limits)
     assert timing.top_speed < 0.04

@@ -1,4 +1,4 @@
-"""What enters the servo: the reference, and the correction after delay and lag."""
+"""Servo inputs: the reference, and the correction after delay and lag."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The virtual robot is physics: it rests, repeats, follows, and tells what it hit."""
+"""The virtual robot rests, repeats bit by bit, follows its reference and reports limits."""
 
 from dataclasses import replace
 
@@ -8,13 +8,16 @@ import pytest
 
 from armside import assets
 from armside.sim.calibration.targets import learned
-from armside.sim.cell import LARGE_CELL, LARGE_ROBOT_POSES
-from armside.sim.laser.experiment import CircleTask
+from armside.sim.cell import LARGE_CELL
+from armside.sim.laser import Cut, prepare
 from armside.sim.laser.plant import plan
 from armside.sim.robot.effects import available, with_effects
 from armside.sim.robot.individual import with_friction
-from armside.sim.robot.model import ModelError, load_model
-from armside.sim.robot.virtual_robot import VirtualRobot, run_jobs
+from armside.sim.robot.mjcf import ModelError
+from armside.sim.robot.model import load_model
+from armside.sim.robot.run import run_batch
+from armside.sim.robot.statics import Statics
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 
 @pytest.fixture(scope="module")
@@ -24,12 +27,13 @@ def model():
 
 @pytest.fixture(scope="module")
 def cut(model):
-    task = CircleTask(pose=LARGE_ROBOT_POSES["p2"])
-    return plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
+    at_p2 = Cut(pose="p2")
+    pose = at_p2.tool_pose.quaternion
+    return plan(LARGE_CELL, Statics(model), at_p2.path, pose, at_p2.speed)
 
 
 @pytest.fixture(scope="module")
-def job(model, cut):
+def loaded(model, cut):
     return VirtualRobot(model).load(cut[1])
 
 
@@ -44,40 +48,42 @@ def _ideal_encoder(model):
     return replace(model, drives=replace(model.drives, encoder_counts=0.0))
 
 
-def test_a_robot_that_is_told_to_stay_stays(model, cut):
+def test_a_robot_at_a_constant_reference_rests(model, cut):
     still = np.repeat(cut[1][:1], 120, axis=0)
     recording = VirtualRobot(model).load(still).run()
     moved = recording.truth.tool_position - recording.truth.tool_position[0]
     assert np.abs(moved).max() < 1e-7  # equilibrium is found to 1e-13 rad at each spring
 
 
-def test_a_run_that_falls_apart_is_not_finite_from_there_on_and_leaves_no_file(
-    job, monkeypatch, tmp_path
+def test_an_unstable_run_is_not_finite_from_there_on_and_leaves_no_file(
+    loaded, monkeypatch, tmp_path
 ):
     monkeypatch.chdir(tmp_path)
-    controls = job.controls.copy()
+    controls = loaded.controls.copy()
     controls[400:] = 1e300
-    recordings = run_jobs([replace(job, controls=controls)] * 2, [None] * 2, [None] * 2, threads=2)
+    recordings = run_batch(
+        [replace(loaded, controls=controls)] * 2, [None] * 2, [None] * 2, threads=2
+    )
     for recording in recordings:
         assert np.isfinite(recording.error[:50]).all()
         assert np.isnan(recording.error[52:]).all()
     assert list(tmp_path.iterdir()) == []
-    assert np.isfinite(job.run().error).all()  # what is kept between runs is not spoilt
+    assert np.isfinite(loaded.run().error).all()  # what is kept between runs is not spoilt
 
 
-def test_same_seed_same_bits_and_another_seed_other_noise(job, correction):
-    first, again = (job.run(correction, np.random.default_rng(7)) for _ in range(2))
-    other = job.run(correction, np.random.default_rng(8))
+def test_same_seed_same_bits_and_another_seed_other_noise(loaded, correction):
+    first, again = (loaded.run(correction, np.random.default_rng(7)) for _ in range(2))
+    other = loaded.run(correction, np.random.default_rng(8))
     for name in ("motor_angle", "motor_torque"):
         assert np.array_equal(getattr(first, name), getattr(again, name))
     assert np.array_equal(first.truth.tool_position, again.truth.tool_position)
     assert not np.array_equal(first.truth.tool_position, other.truth.tool_position)
 
 
-def test_the_number_of_threads_changes_no_bit(job, correction):
+def test_the_number_of_threads_changes_no_bit(loaded, correction):
     def runs(threads):
         rngs = [np.random.default_rng(seed) for seed in range(4)]
-        return run_jobs([job] * 4, [correction] * 4, rngs, threads=threads)
+        return run_batch([loaded] * 4, [correction] * 4, rngs, threads=threads)
 
     for one, two in zip(runs(1), runs(2), strict=True):
         assert np.array_equal(one.motor_angle, two.motor_angle)
@@ -89,8 +95,7 @@ def test_the_number_of_threads_changes_no_bit(job, correction):
 def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose, k):
     """With the correction that learning found, gear effects on, noise and quantisation off."""
     run = learned(model, available(model), pose, iterations=k)
-    task = CircleTask(pose=LARGE_ROBOT_POSES[pose])
-    _, reference = plan(LARGE_CELL, model, task.path, task.pose.quaternion, task.speed)
+    reference = prepare(Cut(pose=pose), nominal=model).loaded.reference
     tools = []
     for step in (0.0005, 0.00025):
         mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
@@ -102,18 +107,18 @@ def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose,
     assert np.linalg.norm(tools[0] - tools[1], axis=1).max() < 10e-6
 
 
-def test_log_is_the_truth_counted_by_the_encoder(job, model):
-    recording = job.run()
-    true = recording.truth.motor_angle[:: job.ratio]
+def test_log_is_the_truth_counted_by_the_encoder(loaded, model):
+    recording = loaded.run()
+    true = recording.truth.motor_angle[:: loaded.ratio]
     count = 2 * np.pi / 16384 / model.drives.gear
     assert np.abs(recording.motor_angle - true).max() <= 0.5 * count.max() * (1 + 1e-9)
     turns = recording.motor_angle / count
     assert np.abs(turns - np.rint(turns)).max() < 1e-6
 
 
-def test_rows_of_the_truth_belong_to_one_instant(job, model):
+def test_rows_of_the_truth_belong_to_one_instant(loaded, model):
     """Sensors and states of a step are half a step apart in a rollout; the record aligns them."""
-    truth = job.run().truth
+    truth = loaded.run().truth
     data = mujoco.MjData(model.mj)
     for i in (0, 777, len(truth.time) - 1):
         data.qpos[:] = truth.qpos[i]
@@ -121,8 +126,8 @@ def test_rows_of_the_truth_belong_to_one_instant(job, model):
         assert data.site("tool0").xpos == pytest.approx(truth.tool_position[i], abs=1e-14)
 
 
-def test_accelerometer_is_the_second_difference_of_its_position(job, model):
-    truth = job.run().truth
+def test_accelerometer_is_the_second_difference_of_its_position(loaded, model):
+    truth = loaded.run().truth
     data, site = mujoco.MjData(model.mj), model.mj.site("imu").id
     position, R = [], []
     for q in truth.qpos:
@@ -139,25 +144,25 @@ def test_accelerometer_is_the_second_difference_of_its_position(job, model):
     assert np.sqrt(np.mean(difference**2)) < 0.1
 
 
-def test_a_constant_correction_moves_the_motors_by_itself(job):
+def test_a_constant_correction_moves_the_motors_by_itself(loaded):
     """The static gain from u to y is one."""
     shift = 2e-3
-    ramp = np.minimum(np.arange(len(job.reference)) / 100.0, 1.0)[:, None]
-    moved = job.run(shift * ramp * np.ones(6)).motor_angle - job.run().motor_angle
+    ramp = np.minimum(np.arange(len(loaded.reference)) / 100.0, 1.0)[:, None]
+    moved = loaded.run(shift * ramp * np.ones(6)).motor_angle - loaded.run().motor_angle
     # friction leaves each motor within Coulomb torque over kp of where it should be
     assert moved[-1] == pytest.approx(np.full(6, shift), abs=0.5e-3)
 
 
-def test_a_cut_hits_no_limit_and_an_impossible_correction_hits_them(job):
-    assert job.run().limits_hit == ()
-    hits = job.run(0.5 * np.sin(np.linspace(0, 40, len(job.reference)))[:, None] * np.ones(6))
+def test_a_cut_hits_no_limit_and_an_impossible_correction_hits_them(loaded):
+    assert loaded.run().limits_hit == ()
+    hits = loaded.run(0.5 * np.sin(np.linspace(0, 40, len(loaded.reference)))[:, None] * np.ones(6))
     assert {name for name, _, _ in hits.limits_hit} >= {"torque", "speed"}
     assert all(1 <= axis <= 6 and time > 0.0 for _, axis, time in hits.limits_hit)
 
 
-def test_more_friction_makes_a_larger_first_error(model, cut, job):
+def test_more_friction_makes_a_larger_first_error(model, cut, loaded):
     rough = VirtualRobot(with_friction(model, 1.5)).load(cut[1])
-    assert (np.abs(rough.run().error).max(axis=0) > np.abs(job.run().error).max(axis=0)).all()
+    assert (np.abs(rough.run().error).max(axis=0) > np.abs(loaded.run().error).max(axis=0)).all()
 
 
 def test_friction_factors_scale_coulomb_and_static_friction(model):
@@ -178,14 +183,14 @@ def test_friction_factors_scale_coulomb_and_static_friction(model):
         (np.zeros(6), "shape"),
     ],
 )
-def test_references_that_are_none_are_refused(model, values, message):
+def test_invalid_references_are_refused(model, values, message):
     with pytest.raises(ValueError, match=message):
         VirtualRobot(model).load(values)
 
 
-def test_a_correction_of_another_length_is_refused(job):
+def test_a_correction_of_another_length_is_refused(loaded):
     with pytest.raises(ValueError, match="samples"):
-        job.run(np.zeros((10, 6)))
+        loaded.run(np.zeros((10, 6)))
 
 
 def test_a_model_without_a_named_joint_is_refused_by_name(tmp_path):

@@ -1,4 +1,4 @@
-"""The IRB1400 at rest: what its IMU feels with the motors off and on. Thesis 5.1.1, Fig. 5.2."""
+"""The IRB1400 at rest: IMU acceleration with the motors off and on. Thesis 5.1.1, Fig. 5.2."""
 
 from dataclasses import replace
 
@@ -10,7 +10,8 @@ from armside import assets
 from armside.sim.instruments.imu import ImuCfg, draw
 from armside.sim.robot.flexibility import variant
 from armside.sim.robot.model import load_model
-from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot, run_jobs
+from armside.sim.robot.run import run_batch
+from armside.sim.robot.virtual_robot import LOG_PERIOD, VirtualRobot
 
 OFF, ON = 6.0, 12.0  # [s]
 SETTLED = 0.5  # [s], after the motors are switched on
@@ -36,10 +37,10 @@ def readings(recording, seed):
 
 def spectrum(model, seeds=SEEDS):
     """Power spectrum of the accelerometer at rest with motors on, averaged over seeds."""
-    job = VirtualRobot(model).load(reference(ON))
+    loaded = VirtualRobot(model).load(reference(ON))
     power = []
     for seed in seeds:
-        (recording,) = run_jobs([job], [None], [np.random.default_rng(seed)])
+        (recording,) = run_batch([loaded], [None], [np.random.default_rng(seed)])
         _, acceleration = readings(recording, seed)
         frequency, density = welch(acceleration, 100.0, nperseg=200, axis=0)
         power.append(density)
@@ -54,8 +55,8 @@ def peaks(frequency, density):
 
 
 def test_noise_at_rest_is_small_with_motors_off_and_three_times_larger_with_motors_on():
-    job = VirtualRobot(robot()).load(reference(OFF + ON), motors_on_at=OFF)
-    time, acceleration = readings(job.run(rng=np.random.default_rng(0)), seed=0)
+    loaded = VirtualRobot(robot()).load(reference(OFF + ON), motors_on_at=OFF)
+    time, acceleration = readings(loaded.run(rng=np.random.default_rng(0)), seed=0)
     off, on = acceleration[time < OFF], acceleration[time > OFF + SETTLED]
     assert ((off.std(axis=0) > 0.009) & (off.std(axis=0) < 0.014)).all()
     assert (on.std(axis=0)[1:] > 3.0 * off.std(axis=0)[1:]).all()

@@ -1,4 +1,4 @@
-"""Friction as a controller anticipates it."""
+"""Friction feedforward of the drives."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ def drives():
     return load_model(assets.IRB1400_XML).drives
 
 
-def test_a_controller_that_knows_the_curve_anticipates_its_share_of_all_of_it(drives):
+def test_the_feedforward_of_the_whole_friction_curve_is_scaled_by_its_gain(drives):
     v = np.array([[0.5] * 6])
     of_motor = v * drives.gear
     curve = (
@@ -27,14 +27,14 @@ def test_a_controller_that_knows_the_curve_anticipates_its_share_of_all_of_it(dr
     assert friction_torque(drives, v) == pytest.approx(0.7 * curve * drives.gear)
 
 
-def test_one_that_knows_coulomb_friction_anticipates_no_more(drives):
+def test_the_feedforward_of_coulomb_friction_has_no_other_part(drives):
     plain = replace(drives, friction_curve=False)
     v = np.array([[0.5] * 6, [2.0] * 6])
     expected = np.tile(0.7 * drives.coulomb_friction * drives.gear, (2, 1))
     assert friction_torque(plain, v) == pytest.approx(expected)
 
 
-def test_friction_is_odd_in_velocity_and_not_anticipated_at_standstill(drives):
+def test_friction_feedforward_is_odd_in_velocity_and_zero_at_rest(drives):
     v = np.array([[0.01, 0.03, 0.1, 0.3, 1.0, 3.0]])
     assert friction_torque(drives, -v) == pytest.approx(-friction_torque(drives, v))
     assert not friction_torque(drives, np.zeros((1, 6))).any()

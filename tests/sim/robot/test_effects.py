@@ -1,4 +1,4 @@
-"""Effects of gears and drives: each does what it says, none is there without being asked for."""
+"""Effects of gears and drives: each has its documented size, and a loaded model has none."""
 
 import mujoco
 import numpy as np
@@ -54,8 +54,8 @@ def test_a_gear_with_lost_motion_is_soft_inside_and_stiff_outside(model):
     assert spring_stiffness(soft) == pytest.approx(spring_stiffness(model))
 
 
-def test_with_a_gear_error_the_tool_wanders_while_the_encoder_sees_nothing(model):
-    """Slow motion of axis 1 by one turn of its motor: the tool leaves the line by the error."""
+def test_a_transmission_error_moves_the_tool_but_not_the_encoder(model):
+    """Slow motion of axis 1 by one motor revolution: the tool leaves the line by the error."""
     turn = 2 * np.pi / model.drives.gear[0]
     reference = _still(1500)
     reference[:, 0] += turn * 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, 1500)))

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
-from armside.sim.motion import Circle, CuttingPath, PathLimits, Plane, cut
+from armside.sim.cut.contour import Circle
+from armside.sim.cut.path import CuttingPath, Plane
+from armside.sim.cut.timing import PathLimits
+from armside.sim.cut.tool_motion import cut
 
 RADIUS = 0.005
 

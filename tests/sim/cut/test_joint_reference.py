@@ -9,7 +9,9 @@ from armside import kinematics
 from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS, UnreachableError
 from armside.kinematics.rotation import from_quaternion
 from armside.sim.cell import LARGE_ROBOT_POSES, TOOL_QUATERNION, pose
-from armside.sim.motion import Circle, CuttingPath, Plane, joint_reference, plan_cut
+from armside.sim.cut.contour import Circle
+from armside.sim.cut.path import CuttingPath, Plane
+from armside.sim.cut.tool_motion import joint_reference, plan_cut
 
 # Solutions found independently when the robot was chosen, rounded to 0.1 deg.
 PUBLISHED = {

@@ -1,4 +1,4 @@
-"""A person's program is read in degrees and millimetres; what is wrong in it has a line."""
+"""Program files are read in degrees and millimetres; errors name the line."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ seconds = 0.5
 """
 
 
-def test_units_are_turned_into_si():
+def test_units_are_converted_to_si():
     program = parse_program(GOOD, source="good.toml")
     joint, line, circle, wait = program.instructions
     assert isinstance(joint, MoveJ)
@@ -54,7 +54,7 @@ def test_units_are_turned_into_si():
     assert joint.to.position == pytest.approx((0.968, -0.127, 1.030))
     assert joint.to.quaternion == (0.7071, 0, 0.7071, 0)
     assert joint.to.near == pytest.approx((0, 0, 0, 0, -np.pi / 18, 0))
-    assert (joint.speed.share, joint.speed.path) == (0.8, None)
+    assert (joint.speed.fraction, joint.speed.path) == (0.8, None)
     assert joint.zone == pytest.approx(0.010)
     assert line.speed.path == pytest.approx(0.5)
     assert line.zone == 0.0

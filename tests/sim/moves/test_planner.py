@@ -11,7 +11,7 @@ from armside.assets import IRB1400_XML
 from armside.kinematics import IRB1400, IRB1400_LIMITS, LARGE_ROBOT, LARGE_ROBOT_LIMITS
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion, slerp
-from armside.sim.moves.curves import move_curve, zone_share
+from armside.sim.moves.curves import move_curve, zone_fraction
 from armside.sim.moves.instructions import (
     Dynamics,
     MoveC,
@@ -51,8 +51,8 @@ def line(to, speed=0.2, **options):
     return MoveL(to=Target(position=to), speed=Speed(path=speed), **options)
 
 
-def joints(*motors, share=0.5, **options):
-    return MoveJ(to=Target(motors=motors), speed=Speed(share=share), **options)
+def joints(*motors, fraction=0.5, **options):
+    return MoveJ(to=Target(motors=motors), speed=Speed(fraction=fraction), **options)
 
 
 def tool(motion):
@@ -86,7 +86,7 @@ def test_a_line_is_straight_and_run_at_its_speed():
     assert report.limited_by == ""
 
 
-def test_a_circle_goes_through_its_three_points_the_way_they_are_ordered():
+def test_a_circle_goes_through_its_three_points_in_order():
     through = MoveC(via=C, to=Target(position=B), speed=Speed(path=0.2))
     p, _ = tool(plan(through))
     for point in (A, B, C):
@@ -134,7 +134,7 @@ def test_circles_keep_the_joint_accelerations_while_they_speed_up():
 def test_a_pose_is_reached_in_the_configuration_asked_for():
     def wrist(near):
         to = Target(position=A, quaternion=FORWARD, near=near)
-        return plan(MoveJ(to=to, speed=Speed(share=1.0)), start=(0.0,) * 6).phi[-1, 4]
+        return plan(MoveJ(to=to, speed=Speed(fraction=1.0)), start=(0.0,) * 6).phi[-1, 4]
 
     assert wrist((0.0, 0.0, 0.0, 0.0, -0.3, 0.0)) < 0.0
     assert wrist((0.0, 0.0, 0.0, 2.5, 0.3, -2.5)) > 0.0
@@ -145,8 +145,8 @@ def test_a_zone_is_measured_at_the_tool_from_either_end():
     curve = move_curve(move, np.array(START), ROBOT, IRB1400_LIMITS)
     ends = ROBOT.pose(np.ascontiguousarray(curve.at([0.0, 1.0])))[:, :3, 3]
     for at_end in (False, True):
-        share = zone_share(curve, 0.05, ROBOT, at_end=at_end)
-        edge = ROBOT.pose(curve.at(1.0 - share if at_end else share))[:3, 3]
+        fraction = zone_fraction(curve, 0.05, ROBOT, at_end=at_end)
+        edge = ROBOT.pose(curve.at(1.0 - fraction if at_end else fraction))[:3, 3]
         assert np.linalg.norm(edge - ends[int(at_end)]) == pytest.approx(0.05, rel=1e-3)
 
 
@@ -154,17 +154,17 @@ def test_a_joint_move_is_straight_in_the_motor_angles():
     motion = plan(joints(0.3, -0.2, 0.1, 0.4, -0.5, 0.6))
     way = motion.phi - motion.phi[0]
     full = way[-1]
-    share = way @ full / (full @ full)
-    np.testing.assert_allclose(way, np.outer(share, full), rtol=0, atol=1e-12)
+    fraction = way @ full / (full @ full)
+    np.testing.assert_allclose(way, np.outer(fraction, full), rtol=0, atol=1e-12)
     np.testing.assert_allclose(motion.phi[-1], [0.3, -0.2, 0.1, 0.4, -0.5, 0.6], rtol=0, atol=1e-12)
 
 
-def test_orientation_turns_evenly_with_the_way():
+def test_orientation_rotates_evenly_with_arc_length():
     q_end = tuple(np.array([0.75, 0.05, 0.65, 0.1]) / np.linalg.norm([0.75, 0.05, 0.65, 0.1]))
     move = MoveL(to=Target(position=B, quaternion=q_end), speed=Speed(path=0.1))
     p, R = tool(plan(move))
-    share = np.clip((p[:, 1] + 0.15) / 0.3, 0.0, 1.0)
-    expected = from_quaternion(slerp(FORWARD, q_end, share))
+    fraction = np.clip((p[:, 1] + 0.15) / 0.3, 0.0, 1.0)
+    expected = from_quaternion(slerp(FORWARD, q_end, fraction))
     np.testing.assert_allclose(R, expected, rtol=0, atol=1e-6)
 
 
@@ -195,7 +195,7 @@ def test_a_corner_stays_within_its_zone_and_leaves_the_rest_of_the_lines():
 
 
 def test_through_a_corner_acceleration_is_continuous():
-    motion = plan(line(B, 0.3, zone=0.02), joints(*START, share=0.3))
+    motion = plan(line(B, 0.3, zone=0.02), joints(*START, fraction=0.3))
     _, acceleration = rates(motion)
     jumps = np.abs(np.diff(acceleration, axis=0)).max(axis=0)
     # Full acceleration is built up in 50 ms: in one sample of 4 ms at most a twelfth of it along
@@ -254,9 +254,9 @@ def test_a_move_too_fast_for_a_joint_names_it():
     assert report.reached < 3.0
 
 
-def test_a_share_slows_a_move_down_as_a_whole():
+def test_a_fraction_of_full_speed_slows_the_whole_move_down():
     target = (0.8, -0.2, 0.1, 0.4, -0.5, 0.6)
-    full, half = plan(joints(*target, share=1.0)), plan(joints(*target, share=0.5))
+    full, half = plan(joints(*target, fraction=1.0)), plan(joints(*target, fraction=0.5))
     (fast,), (slow,) = full.reports, half.reports
     assert fast.reached == pytest.approx(1.0)
     assert slow.reached == pytest.approx(0.5)
@@ -264,7 +264,7 @@ def test_a_share_slows_a_move_down_as_a_whole():
     assert slow.end - slow.start == pytest.approx(2 * (fast.end - fast.start), abs=0.06)
 
 
-def test_waits_and_rests_are_stood_still():
+def test_the_robot_rests_during_waits_and_rests():
     move = joints(0.3, 0, 0, 0, 0, 0)
     motion = plan(
         move,
@@ -292,10 +292,10 @@ def test_a_target_out_of_reach_says_where_and_by_how_much():
     with pytest.raises(ProgramError, match=r"MoveL\): \d+ % of the way the wrist.* mm outside"):
         plan(line((2.5, 0.0, 1.0)))
     with pytest.raises(ProgramError, match=r"MoveJ\): at its target .* mm outside the workspace"):
-        plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(share=1.0)))
+        plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(fraction=1.0)))
 
 
-def test_a_joint_limit_on_the_way_names_the_motor_and_the_place():
+def test_a_joint_limit_on_the_path_names_the_motor_and_the_place():
     message = r"motor 2 leaves its range of -70 to 70 deg 8\d % of the way and reaches 80\.0 deg"
     with pytest.raises(ProgramError, match=message):
         plan(joints(0.0, np.radians(80.0), np.radians(30.0), 0.0, 0.0, 0.0), start=(0.0,) * 6)

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from armside.sim.cell import TOOL_QUATERNION
-from armside.sim.cut.contour import ArcsAndLines, hexagon, regular_polygon, slot, square
-from armside.sim.cut.deviation import fit, signed_distance
-from armside.sim.motion import Circle, CuttingPath, Plane, cut
+from armside.sim.cut.contour import ArcsAndLines, Circle, hexagon, regular_polygon, slot, square
+from armside.sim.cut.path import CuttingPath, Plane
+from armside.sim.cut.tool_motion import cut
 
 SHAPES = {
     "circle": Circle(0.005),
@@ -61,17 +59,6 @@ def test_a_polygon_that_is_all_corner_is_a_circle():
 
 
 @EVERY_SHAPE
-def test_points_moved_off_along_the_normal_are_that_far_away(shape):
-    s = np.linspace(0.0, shape.length, 500, endpoint=False)
-    t = shape.tangent(s)
-    outwards = np.column_stack([t[:, 1], -t[:, 0]])
-    # Inwards by less than every radius, so that the foot stays the nearest point.
-    offset = np.random.default_rng(1).uniform(-0.5e-3, 1e-3, len(s))
-    p = shape.point(s) + offset[:, np.newaxis] * outwards
-    np.testing.assert_allclose(signed_distance(shape, p), offset, rtol=0, atol=1e-12)
-
-
-@EVERY_SHAPE
 def test_the_nearest_point_is_nearer_than_any_other(shape):
     p = np.random.default_rng(2).uniform(-0.02, 0.02, (300, 2))
     found = np.linalg.norm(p - shape.point(shape.nearest(p)), axis=1)
@@ -80,32 +67,6 @@ def test_the_nearest_point_is_nearer_than_any_other(shape):
     # The dense points are up to 20 um apart.
     np.testing.assert_allclose(found, brute, rtol=0, atol=2e-5)
     assert np.all(found <= brute + 1e-12)
-
-
-@settings(deadline=None, max_examples=30)
-@given(
-    x=st.floats(-1e-3, 1e-3),
-    y=st.floats(-1e-3, 1e-3),
-    angle=st.floats(-0.05, 0.05),
-    name=st.sampled_from(["square", "hexagon", "slot"]),
-)
-def test_a_moved_and_turned_contour_is_fitted_back(x, y, angle, name):
-    shape = SHAPES[name]
-    p = shape.point(np.linspace(0.0, shape.length, 400, endpoint=False))
-    c, s = np.cos(angle), np.sin(angle)
-    moved = p @ np.array([[c, s], [-s, c]]) + [x, y]
-    found = fit(shape, moved)
-    np.testing.assert_allclose(found.deviation, 0.0, rtol=0, atol=1e-12)
-    assert found.angle == pytest.approx(-angle, abs=1e-9)
-    np.testing.assert_allclose(found.points, p, rtol=0, atol=1e-10)
-
-
-def test_a_fit_moves_a_circle_to_its_least_squares_centre_and_keeps_its_size():
-    p = Circle(0.0051).point(np.linspace(0.0, 2 * np.pi * 0.0051, 300, endpoint=False))
-    found = fit(Circle(0.005), p + np.array([2e-4, -1e-4]), turn=False)
-    np.testing.assert_allclose(found.shift, [2e-4, -1e-4], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(found.deviation, 1e-4, rtol=0, atol=1e-12)
-    assert found.angle == 0.0
 
 
 @EVERY_SHAPE

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import hexagon, slot, square
-from armside.sim.cut.path import Circle
+from armside.sim.cut.contour import Circle, hexagon, slot, square
 from armside.sim.evaluation.kerf import kerf
 
 BEAM = 2e-4
@@ -26,7 +25,7 @@ def test_a_perfect_cut_is_as_wide_as_the_beam(shape):
     assert cut.roundness < 2 * SCALLOP
 
 
-def test_a_hole_that_is_large_or_beside_its_place_is_round_nonetheless():
+def test_an_enlarged_or_displaced_hole_is_round():
     circle = Circle(0.005)
     large = kerf(circle, turn(Circle(0.0051)), BEAM)
     np.testing.assert_allclose(large.outer, BEAM / 2 + 1e-4, rtol=0, atol=2 * SCALLOP)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import square
-from armside.sim.cut.path import Circle, CuttingPath, Plane
+from armside.sim.cut.contour import Circle, square
+from armside.sim.cut.path import CuttingPath, Plane
 
 TILTED = Plane.perpendicular_to([0.98, 0.01, -0.2], [1.3, 0.1, 1.6])
 
@@ -89,7 +89,7 @@ def test_a_spiral_lead_in_starts_inside_and_joins_the_contour_smoothly(curve):
         np.testing.assert_allclose(path.tangent(side), path.tangent(begin), rtol=0, atol=1e-6)
 
 
-def test_a_spiral_grows_from_the_share_asked_for():
+def test_a_spiral_starts_at_the_given_scale():
     path = CuttingPath.around(Circle(0.005), TILTED, lead=0.5, spiral=0.4)
     radius = np.linalg.norm(
         path.position(np.linspace(0.0, path.contour_start, 200)) - TILTED.origin, axis=1
@@ -99,7 +99,7 @@ def test_a_spiral_grows_from_the_share_asked_for():
     assert path.smallest_radius < 0.005
 
 
-def test_a_spiral_too_short_for_its_way_outwards_says_what_it_needs():
+def test_a_spiral_too_short_to_reach_the_contour_names_its_least_length():
     path = CuttingPath.around(Circle(0.005), TILTED, lead=0.05, spiral=0.4)
     with pytest.raises(ValueError, match=r"too short to spiral from 0\.4 .* it needs 0\.003 m"):
         path.position(0.0)

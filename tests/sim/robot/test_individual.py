@@ -1,4 +1,4 @@
-"""Individuals differ as told, payloads weigh what they weigh, and only copies change."""
+"""Individuals have their parameters, payloads their weight, and the design does not change."""
 
 from dataclasses import replace
 
@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.cell import LARGE_CELL
-from armside.sim.laser.experiment import CircleTask, prepare
+from armside.sim.laser import Cut, prepare
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
@@ -31,8 +30,7 @@ def design():
 
 @pytest.fixture(scope="module")
 def reference(design):
-    task = CircleTask(pose=LARGE_CELL.poses["p1"])
-    return prepare(LARGE_CELL, design, task, seed=0).job.reference
+    return prepare(Cut(), nominal=design).loaded.reference
 
 
 def _individual(design, seed=0, **spread):
@@ -91,7 +89,7 @@ def test_the_stiff_part_of_a_gear_with_lost_motion_scales_with_it(design):
     assert np.divide(stiff[6:], stiff[:6]) == pytest.approx(individual.gear_stiffness)
 
 
-def test_geometry_errors_move_the_tool_by_what_uncalibrated_robots_miss(design, reference):
+def test_geometry_errors_move_the_tool_by_millimetres(design, reference):
     """Millimetres at the tool, from half a millimetre and half a milliradian at each joint."""
     import mujoco
 
@@ -118,7 +116,7 @@ def test_phases_of_ripple_and_gear_error_are_the_individuals_own(design):
     assert robot.mj.actuator_biasprm[axis, 2] == full.mj.actuator_biasprm[axis, 2] + 0.5
 
 
-def test_a_payload_weighs_at_the_elbow_what_its_lever_says(design):
+def test_the_torque_of_a_payload_at_the_elbow_is_weight_times_lever(design):
     """Stretched forward in the zero pose: 0.25 m beyond the flange, gravity down."""
     heavy = with_payload(design, 140.0)
     forces = [
@@ -141,37 +139,33 @@ def test_a_payload_changes_the_tool_alone(design):
     assert ratio == pytest.approx(175.0 / 40.0)
 
 
-def test_the_controller_feeds_forward_what_it_knows_not_what_it_carries(design):
-    task = CircleTask(pose=LARGE_CELL.poses["p1"])
-    heavy = with_payload(design, 175.0)
-
-    def fed_forward(known, hardware):
-        job = prepare(LARGE_CELL, known, task, seed=0, hardware=hardware).job
-        torque = job.controls.reshape(-1, 6, 3)[:, :, 2]
+def test_the_feedforward_is_that_of_the_nominal_model(design):
+    def fed_forward(cut):
+        loaded = prepare(cut, nominal=design).loaded
+        torque = loaded.controls.reshape(-1, 6, 3)[:, :, 2]
         return torque - torque[0]  # what holds the arm at rest is found by the servo
 
     unaware, unloaded, aware = (
-        fed_forward(known, hardware)
-        for known, hardware in ((design, heavy), (design, design), (heavy, heavy))
+        fed_forward(cut)
+        for cut in (Cut(payload=175.0, payload_known=False), Cut(), Cut(payload=175.0))
     )
     assert unaware == pytest.approx(unloaded, abs=1e-9)
     assert (np.ptp(aware, axis=0)[1:] > 1.1 * np.ptp(unaware, axis=0)[1:]).all()
 
 
 def test_a_repetition_is_the_same_robot_with_other_noise(design):
-    task = CircleTask(pose=LARGE_CELL.poses["p1"])
-    first, again, other = (
-        prepare(LARGE_CELL, design, task, seed=3, repetition=r) for r in (0, 0, 1)
+    first, again, other = (prepare(Cut(), nominal=design, seed=3, repetition=r) for r in (0, 0, 1))
+    assert np.array_equal(first.loaded.controls, other.loaded.controls)
+    assert np.array_equal(
+        first.loaded.model.mj.actuator_biasprm, other.loaded.model.mj.actuator_biasprm
     )
-    assert np.array_equal(first.job.controls, other.job.controls)
-    assert np.array_equal(first.job.model.mj.actuator_biasprm, other.job.model.mj.actuator_biasprm)
     draws = [e.plant.rng.standard_normal(4) for e in (first, again, other)]
     assert np.array_equal(draws[0], draws[1])
     assert not np.array_equal(draws[0], draws[2])
 
 
 @pytest.mark.parametrize("mass", [-1.0, np.nan, np.inf])
-def test_a_payload_that_cannot_be_is_refused(design, mass):
+def test_a_negative_payload_is_refused(design, mass):
     with pytest.raises(ValueError, match="payload must be >= 0 kg"):
         with_payload(design, mass)
 

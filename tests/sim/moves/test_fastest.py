@@ -1,4 +1,4 @@
-"""Timing of one curve whose limits differ from place to place."""
+"""Timing of one curve whose limits vary along it."""
 
 import numpy as np
 import pytest
@@ -26,13 +26,13 @@ def sampled(timing, n=5000):
     return t, *timing.at(t)
 
 
-def test_between_even_limits_it_takes_what_a_ramp_up_and_down_takes_and_the_jerk_time():
+def test_under_constant_limits_the_duration_is_that_of_two_ramps_and_the_jerk_time():
     timing = fastest(bounds(speed=100.0, acceleration=9.0), JERK_TIME)
     assert timing.duration == pytest.approx(2.0 * np.sqrt(1.0 / 9.0) + JERK_TIME, rel=1e-3)
     assert np.abs(timing.state[:, 3]).max() <= 2.0 * 9.0 / JERK_TIME * (1 + 1e-6)
 
 
-def test_it_comes_to_rest_at_the_end_of_its_way():
+def test_it_rests_at_the_end():
     timing = fastest(bounds(speed=1.0 + W, acceleration=9.0), JERK_TIME)
     _, w, v, a = sampled(timing)
     assert w[[0, -1]] == pytest.approx([0.0, 1.0], abs=1e-9)
@@ -41,7 +41,7 @@ def test_it_comes_to_rest_at_the_end_of_its_way():
     assert np.abs(a).max() <= 9.0
 
 
-def test_speed_and_acceleration_are_the_derivatives_of_the_way():
+def test_speed_and_acceleration_are_the_derivatives_of_the_parameter():
     t, w, v, a = sampled(fastest(bounds(speed=2.0 - W, acceleration=9.0), JERK_TIME))
     assert np.gradient(w, t)[5:-5] == pytest.approx(v[5:-5], abs=2e-3)
     assert np.gradient(v, t)[5:-5] == pytest.approx(a[5:-5], abs=0.1)
@@ -58,7 +58,7 @@ def test_it_is_slow_only_where_it_must_be():
     assert timing.duration < 0.5 * whole.duration
 
 
-def test_following_a_bend_takes_its_part_of_the_acceleration():
+def test_following_a_bend_uses_part_of_the_acceleration():
     bent = bounds(speed=2.0, acceleration=9.0, bend=0.15)
     _, _, v, a = sampled(fastest(bent, JERK_TIME))
     assert np.all(0.15 * v**2 + np.abs(a) / 9.0 <= 1.0 + 1e-3)

@@ -1,10 +1,10 @@
-"""Contours of one's own: what is drawn is what is cut, and what cannot be cut is named."""
+"""Contour files have the drawn shape; an error names what cannot be cut."""
 
 import numpy as np
 import pytest
 
+from armside.sim.cut.contour import Circle
 from armside.sim.cut.contour_file import read_contour, rounded
-from armside.sim.cut.path import Circle
 
 HOUSE = np.array([[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]) * 1e-3
 CORNER = 1.5e-3
@@ -35,7 +35,7 @@ def test_a_rounded_polygon_touches_its_sides_and_misses_its_corners_as_radii_ask
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_it_starts_on_its_right_heading_up_and_turns_left_in_either_order(order):
+def test_it_starts_on_its_right_along_plus_y_and_is_counter_clockwise_in_either_order(order):
     contour = rounded(HOUSE[::order], CORNER)
     np.testing.assert_allclose(contour.tangent(0.0), [0.0, 1.0], atol=1e-12)
     assert contour.point(0.0)[0] == pytest.approx(0.010)

@@ -1,0 +1,65 @@
+"""Names and custom numerics that a robot's MJCF must have, and their lookup.
+
+The names are those listed in the `armside.assets` docstring. A model that lacks one is refused with
+the names that are missing.
+"""
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+
+N_AXES = 6
+AXES = range(1, N_AXES + 1)
+
+_REQUIRED = {
+    mujoco.mjtObj.mjOBJ_JOINT: [f"motor_{i}" for i in AXES],
+    mujoco.mjtObj.mjOBJ_ACTUATOR: [f"axis_{i}" for i in AXES],
+    mujoco.mjtObj.mjOBJ_SITE: ["tool0", "imu", "tracker_target"],
+    mujoco.mjtObj.mjOBJ_SENSOR: [
+        *(f"axis_{i}_{quantity}" for i in AXES for quantity in ("pos", "torque")),
+        *("imu_acc", "imu_gyro", "tool0_pos", "tool0_quat"),
+    ],
+    mujoco.mjtObj.mjOBJ_NUMERIC: [
+        *("gear_ratio", "encoder_counts", "speed_limit", "velocity_feedforward"),
+        *("correction_delay", "correction_lag", "elastic_compensation", "torque_noise"),
+    ],
+}
+
+
+class ModelError(ValueError):
+    """An MJCF file that cannot serve as a robot of this project."""
+
+
+def require_names(mj: mujoco.MjModel) -> None:
+    """Raise ModelError for a model that lacks a name that every robot has."""
+    for kind, names in _REQUIRED.items():
+        missing = [name for name in names if not has(mj, kind, name)]
+        if missing:
+            word = kind.name.removeprefix("mjOBJ_").lower()
+            raise ModelError(f"the robot model lacks the {word} {', '.join(missing)}")
+
+
+def has(mj: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> bool:
+    """True for a model with an element of that kind and name."""
+    return mujoco.mj_name2id(mj, kind, name) >= 0
+
+
+def axis_actuators(mj: mujoco.MjModel) -> list[int]:
+    """Actuator of each axis, axis_1..6."""
+    return [mj.actuator(f"axis_{i}").id for i in AXES]
+
+
+def numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:
+    """Values of a custom numeric of the file. Raises ModelError for another number of them."""
+    values = np.array(mj.numeric(name).data, dtype=np.float64)
+    if values.size != size:
+        raise ModelError(f"numeric {name} must hold {size} values, holds {values.size}")
+    return values
+
+
+def scalar(mj: mujoco.MjModel, name: str, default: float | None = None) -> float:
+    """Value of a custom numeric of one number; the default where the file has none."""
+    if default is not None and not has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
+        return default
+    return float(numeric(mj, name, 1)[0])

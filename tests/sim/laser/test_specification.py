@@ -1,0 +1,32 @@
+"""Specification of a cut: lead-in and defaults of its path."""
+
+import numpy as np
+import pytest
+
+from armside.sim.cell import LARGE_ROBOT_POSES
+from armside.sim.cut.contour import Circle
+from armside.sim.cut.tool_motion import cut
+from armside.sim.laser.specification import SPIRAL_START, Cut, LeadIn
+
+POSE = LARGE_ROBOT_POSES["p1"]
+
+
+def motion_of(specification):
+    return cut(specification.path, POSE.quaternion, specification.speed)
+
+
+def test_a_spiral_starts_inside_and_the_contour_is_the_same():
+    arc = Cut(pose=POSE)
+    spiral = Cut(pose=POSE, lead_in=LeadIn.SPIRAL)
+    centre = np.array(POSE.position)
+    assert np.linalg.norm(spiral.path.position(0.0) - centre) == pytest.approx(SPIRAL_START * 0.005)
+    motion = motion_of(spiral)
+    assert motion.reached_speed == 0.040
+    on_contour = np.linalg.norm(motion.position[motion.on_contour] - centre, axis=1)
+    np.testing.assert_allclose(on_contour, arc.radius, rtol=0, atol=1e-15)
+
+
+def test_a_circle_has_a_lead_in_of_a_tenth():
+    circle = Cut(pose=POSE, radius=0.007)
+    assert circle.curve == Circle(0.007)
+    assert circle.path.lead_in == pytest.approx(0.1 * 2 * np.pi * 0.007)
