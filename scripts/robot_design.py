@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from armside.arrays import Array
-from armside.ilc.analysis.proposal import Proposal, propose
-from armside.ilc.identification.first_order import FirstOrder, fit_first_order
-from armside.sim.laser.experiment import Experiment, Iteration, iterate
+from armside.ilc.analysis.proposal import Proposal, design_for
+from armside.ilc.identification.first_order import FirstOrderModel
+from armside.ilc.identification.learning_data import LearningRecord, identify
+from armside.sim.laser.experiment import Experiment, iterate
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 from .commands.laser import LaserCfg, learning_law, prepare
@@ -17,15 +17,13 @@ SPEEDS = (30.0, 40.0, 60.0)
 """[mm/s], of the identification, as in the thesis."""
 CUTOFFS = (10.0, 15.0, 20.0, 22.5)
 """[Hz], from the default of the thesis to the highest it tried."""
-FAST_ENOUGH = 0.5
-"""Contraction by which a design must shrink the distance to its limit in every iteration."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """A design for all motors of a robot, and the model it was made for."""
 
-    model: FirstOrder
+    model: FirstOrderModel
     proposal: Proposal
 
 
@@ -35,30 +33,19 @@ def asked_for(cfg: LaserCfg, seed: int) -> Asked:
     The model is identified from learning with the design of the thesis at three speeds.
     """
     model = identified(cfg, seed)
-    found = [propose(model.system, cutoff, deltas=range(13)) for cutoff in CUTOFFS]
-    quick = [proposal for proposal in found if proposal.contraction <= FAST_ENOUGH]
-    return Asked(model=model, proposal=quick[-1] if quick else found[0])
+    return Asked(model=model, proposal=design_for(model.system, CUTOFFS))
 
 
-def identified(cfg: LaserCfg, seed: int) -> FirstOrder:
-    """T_u of all motors together, from u_5 and y_5 - y_0 summed over the speeds."""
-    pairs = [_learned(replace(cfg, speed=speed, **THESIS._asdict()), seed) for speed in SPEEDS]
-    # At rest friction holds a motor wherever it stopped: that is no dynamics.
-    n = min(len(u) for u, _ in pairs)
-    u, y = (np.sum([pair[i][:n] for pair in pairs], axis=0) for i in range(2))
-    return fit_first_order(u, y, LOG_PERIOD)
+def identified(cfg: LaserCfg, seed: int) -> FirstOrderModel:
+    """T_u of all motors together, from learning with the design of the thesis at `SPEEDS`."""
+    records = [_learned(replace(cfg, speed=speed, **THESIS._asdict()), seed) for speed in SPEEDS]
+    return identify(records, LOG_PERIOD)
 
 
-def _learned(cfg: LaserCfg, seed: int) -> tuple[Array, Array]:
-    """u_5 and y_5 - y_0 until the end of the motion, (N, 6) each [rad]."""
+def _learned(cfg: LaserCfg, seed: int) -> LearningRecord:
     experiment = prepare(cfg, seed)
-    iterations = list(iterate(experiment, learning_law(cfg), cfg.iterations))
-    n = _motion_end(experiment)
-    return iterations[-1].trial.correction[:n], _moved(iterations)[:n]
-
-
-def _moved(iterations: list[Iteration]) -> Array:
-    return iterations[0].trial.error - iterations[-1].trial.error
+    first, *_, last = (it.trial for it in iterate(experiment, learning_law(cfg), cfg.iterations))
+    return LearningRecord(last.correction, first.error, last.error, _motion_end(experiment))
 
 
 def _motion_end(experiment: Experiment) -> int:

@@ -1,4 +1,4 @@
-"""Norm-optimal learning within limits of the correction: a quadratic programme an iteration."""
+"""Norm-optimal learning with bounds on the correction: one quadratic programme an iteration."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from .norm_optimal import NormOptimal, Weight
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Constrained(NormOptimal):
-    """The minimum of the criterion subject to |u| <= limit.
+    """Minimum of the criterion subject to |u| <= limit.
 
     The programme is convex with bounds only, so scipy's L-BFGS-B solves it; gradients are model
     runs forwards and backwards in time, O(N). Where no limit is active the result is that of
@@ -20,7 +20,7 @@ class Constrained(NormOptimal):
     """
 
     limit: Weight = np.inf
-    """Of |u|: one number, (N,) or (N, n)."""
+    """Largest |u|: one number, (N,) or (N, n)."""
     tolerance: float = 1e-5
     """Largest projected gradient at the solution, relative to the gradient at u = 0. Rounding
     keeps models with many slow poles from much less than 1e-6."""
@@ -55,15 +55,17 @@ class Constrained(NormOptimal):
         free_error = error + self.T_u.simulate(correction)
 
         def cost(u: Array) -> tuple[float, Array]:
-            left = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
-            weighted = problem.We * left
+            residual = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
+            weighted = problem.We * residual
             pulled = problem.Wu * u + problem.Wd * (u - u_k)
-            value = left @ weighted + u @ (problem.Wu * u) + (u - u_k) @ (problem.Wd * (u - u_k))
+            value = (
+                residual @ weighted + u @ (problem.Wu * u) + (u - u_k) @ (problem.Wd * (u - u_k))
+            )
             back = adjoint(self.T_u, (problem.F.T @ weighted).reshape(shape)).ravel()
             return 0.5 * float(value), pulled - back
 
         start = np.clip(free, -limit, limit).ravel()
-        # The correction that meets no resistance sets the scale of the gradient.
+        # The gradient at u = 0 sets the scale.
         scale = np.abs(cost(np.zeros_like(start))[1]).max()
         solution = minimize(
             cost,
@@ -81,9 +83,9 @@ class Constrained(NormOptimal):
         )
         gradient = cost(solution.x)[1]
         bounded = limit.ravel()
-        left_over = np.clip(solution.x - gradient, -bounded, bounded) - solution.x
-        if np.abs(left_over).max() > self.tolerance * scale:
-            reached = np.abs(left_over).max() / scale
+        residual = np.clip(solution.x - gradient, -bounded, bounded) - solution.x
+        if np.abs(residual).max() > self.tolerance * scale:
+            reached = np.abs(residual).max() / scale
             raise RuntimeError(
                 f"the quadratic programme stopped at a projected gradient of {reached:.2g}, not "
                 f"{self.tolerance:.2g}: {solution.message}"

@@ -1,4 +1,4 @@
-"""Steepest descent on ||e||^2: L = step T_u^T, the model run backwards in time."""
+"""Steepest descent on ||e||^2: L = step T_u^T, the adjoint of the model."""
 
 from dataclasses import dataclass
 
@@ -12,11 +12,11 @@ from ..models.system_matrix import Model, SystemMatrix, adjoint, largest_gain
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gradient:
-    """L = step T_u^T on the finite record. Converges for 0 < step < 2 / max |T_u|^2."""
+    """L = step T_u^T on the finite record; converges for 0 < step < 2 / max |T_u|^2."""
 
     T_u: Model
     step: float = 0.0
-    """0 chooses 1 / max |T_u|^2, for which no error grows."""
+    """0 chooses 1 / max |T_u|^2, for which no frequency of the error grows."""
 
     def __post_init__(self) -> None:
         require_stable(self.T_u, "T_u")

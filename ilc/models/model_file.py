@@ -1,4 +1,4 @@
-"""A model of T_u as a small JSON file."""
+"""JSON file with a model of T_u."""
 
 import json
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Linear, time-invariant, discrete systems in the backward shift: y = b(q^-1) / a(q^-1) u.
 
-This form says the delay (leading zeros of b) and filters records directly. Systems of the
-`control` package are taken by `as_system`.
+Leading zeros of b are the delay, and records are filtered directly. `as_system` converts systems
+of the `control` package.
 """
 
 from dataclasses import dataclass
@@ -81,7 +81,7 @@ class System:
 
     @property
     def delay(self) -> int:
-        """Samples before an input shows: the relative degree."""
+        """Relative degree [samples]."""
         return int(np.flatnonzero(self.b)[0]) if self.b.any() else 0
 
     def response(self, omega: ArrayLike) -> Complex:
@@ -123,7 +123,7 @@ class System:
 
 
 class HasPoles(Protocol):
-    """Anything whose stability can be judged."""
+    """Model with poles."""
 
     @property
     def poles(self) -> Complex: ...
@@ -135,7 +135,7 @@ Stable = TypeVar("Stable", bound=HasPoles)
 
 
 def require_stable(system: Stable, name: str) -> Stable:
-    """The system itself, or a ValueError that names it and its largest pole."""
+    """Return a stable system; raise ValueError with its name and largest pole otherwise."""
     if not system.is_stable:
         largest = np.abs(system.poles).max()
         raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")

@@ -1,4 +1,4 @@
-"""Several inputs and outputs: a matrix of systems, such as the servos of all motors."""
+"""Matrix of systems for several inputs and outputs, such as the servos of all motors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class SystemMatrix:
 
     @classmethod
     def diagonal(cls, systems: Sequence[System]) -> "SystemMatrix":
-        """Motors that do not disturb each other."""
+        """Diagonal matrix: motors without coupling."""
         zero = System(np.zeros(1), np.ones(1), systems[0].sample_time)
         n = len(systems)
         return cls(tuple(tuple(systems[i] if i == j else zero for j in range(n)) for i in range(n)))
@@ -66,11 +66,11 @@ class SystemMatrix:
 
 
 Model = System | SystemMatrix
-"""T_u: one system, used for each column on its own, or a matrix of them."""
+"""T_u: one system, used for each column, or a matrix of systems."""
 
 
 def adjoint(model: Model, signal: Array) -> Array:
-    """T^T e on the finite record, exactly: filter the time-reversed record, reverse again."""
+    """T^T e on the finite record: filter the time-reversed record, then reverse."""
     back = model.transposed if isinstance(model, SystemMatrix) else model
     return back.simulate(np.asarray(signal)[::-1])[::-1]
 

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy import signal
 
-from armside.ilc import Heuristic, ZeroPhaseButterworth, chapter8
+from armside.ilc import Heuristic, ZeroPhaseButterworth, two_mass_study
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.filters import butterworth
 from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
@@ -31,7 +31,7 @@ def _search() -> Row:
 
     def search() -> None:
         for T_u in sides:
-            largest_gamma(T_u, chapter8.SHIFTS, chapter8.SEARCHED_CUTOFFS)
+            largest_gamma(T_u, two_mass_study.SHIFTS, two_mass_study.SEARCHED_CUTOFFS)
 
     (ours,) = interleaved([search], REPEATS)
     return Row("Fig 8.7: 101 shifts x 99 cutoffs, both sides", ours)
@@ -41,7 +41,7 @@ def _five_hundred() -> Row:
     with TemporaryDirectory() as folder:
 
         def iterate() -> None:
-            chapter8.learned.cache_clear()
+            two_mass_study.learned.cache_clear()
             two_mass_figures.motor_signals(Path(folder) / "motor.png", 0)
             two_mass_figures.arm_signals(Path(folder) / "arm.png", 0)
 

@@ -67,7 +67,7 @@ def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:
 
     report = Report(common)
     with checking_input():
-        proposal = propose(load(cfg.model), cfg.bandwidth, share=cfg.share)
+        proposal = propose(load(cfg.model), cfg.bandwidth, fraction=cfg.share)
     result = {
         "gamma": proposal.gamma,
         "delta": proposal.delta,

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armside.arrays import Array
-from armside.ilc import chapter8
+from armside.ilc import two_mass_study as chapter8
 from armside.ilc.analysis import (
     frequency_grid,
     hertz,
@@ -18,7 +18,7 @@ from armside.ilc.analysis import (
     largest_gamma,
 )
 from armside.ilc.analysis.criterion import shift_response
-from armside.ilc.analysis.robustness import Design, contraction_map, monte_carlo
+from armside.ilc.analysis.robustness import contraction_map, monte_carlo
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.ilc.laws.heuristic import Heuristic
 from armside.ilc.models.system import unit_circle
@@ -397,7 +397,9 @@ def algorithms(file: Path, seed: int) -> Table:
 def robustness(file: Path, seed: int) -> Table:
     """Contraction over uncertain joints: a map and a Monte Carlo."""
     factors = np.geomspace(0.2, 5.0, 25)
-    design = Design(gamma=chapter8.GAMMA, delta=chapter8.DELTA, Q=ZeroPhaseButterworth(17.0, T_S))
+    design = Heuristic(
+        gamma=chapter8.GAMMA, delta=chapter8.DELTA, Q=ZeroPhaseButterworth(17.0, T_S)
+    )
     figure = new_figure(10.0, 4.2)
     left, right = figure.subplots(1, 2)
     grid = contraction_map(LOOP, design, ("Jm", factors), ("k", factors))
@@ -421,7 +423,7 @@ def robustness(file: Path, seed: int) -> Table:
         right.plot(
             x, np.linspace(0, 100, len(x)), color=color, label=f"factors up to {1 + spread:g}"
         )
-        converge = 100 * sampled.share_converging
+        converge = 100 * sampled.fraction_converging
         rows.append((f"{1 + spread:g}", converge, x[-1], sampled.most_harmful()))
     right.axvline(1.0, color=INK, lw=1.0)
     right.set_xlabel("worst |Q(1 − LTᵤ)|")
@@ -511,7 +513,7 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
     return first, last, float(size.max())
 
 
-def _signals(file: Path, runs: chapter8.Learning, side: str, title: str) -> Table:
+def _signals(file: Path, runs: chapter8.TwoMassLearning, side: str, title: str) -> Table:
     """Angle and error of one side at the iterations of `SHOWN`."""
     plant = runs.plant
     r = plant.motor_reference if side == "motor" else plant.arm_reference

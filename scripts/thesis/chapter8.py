@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from armside.ilc.analysis import largest_gamma
-from armside.ilc.chapter8 import SHIFTS
+from armside.ilc.two_mass_study import SHIFTS
 
 from ..figures.two_mass import (
     AS_STATED,

@@ -11,8 +11,12 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import Whiteness, whiteness
-from armside.ilc.estimation.kalman import SettledFilter
-from armside.ilc.estimation.prediction_error import Fit, Whitened, fit
+from armside.ilc.estimation.kalman import SteadyStateFilter
+from armside.ilc.estimation.prediction_error import (
+    ParameterEstimate,
+    Whitened,
+    estimate_parameters,
+)
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
@@ -49,7 +53,7 @@ class Identified:
     """Springs, how well they are known, and whether the filter then leaves white innovations."""
 
     springs: Springs
-    fit: Fit
+    fit: ParameterEstimate
     names: tuple[str, ...]
     """Of the entries of fit.theta."""
     whiteness: Whiteness
@@ -130,12 +134,12 @@ def identify(
     nominal, sd = frozen(arm, rest), prior.standard_deviation
     innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
     starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
-    rigid = fit(innovations, np.zeros(sd.size), sd, starts)
+    rigid = estimate_parameters(innovations, np.zeros(sd.size), sd, starts)
     springs = springs_at(arm, prior, rigid.theta, distrust.share)
     elastic = nominal.on_springs(springs.stiffness, springs.damping)
     run = bent_by(arm, arm_filter(elastic, imu, distrust), run)
     innovations = _Innovations(arm, nominal, run, imu, prior, distrust)
-    best = fit(innovations, np.zeros(sd.size), sd, [rigid.theta])
+    best = estimate_parameters(innovations, np.zeros(sd.size), sd, [rigid.theta])
     return Identified(
         springs=springs_at(arm, prior, best.theta, distrust.share),
         fit=replace(best, costs=rigid.costs),
@@ -219,11 +223,11 @@ class _Innovations:
             return None
         model = arm_filter(candidate, self.imu, replace(self.distrust, share=springs.distrust))
         return _Filter(
-            SettledFilter(model.sampled(1.0 / self.imu.rate)),
+            SteadyStateFilter(model.sampled(1.0 / self.imu.rate)),
             _explained(model, self.run),
         )
 
 
 class _Filter(NamedTuple):
-    settled: SettledFilter
+    settled: SteadyStateFilter
     explained: "CubicHermiteSpline"

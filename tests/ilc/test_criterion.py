@@ -19,13 +19,13 @@ from armside.ilc.analysis import (
     largest_cutoff,
     largest_gamma,
 )
-from armside.ilc.chapter8 import phase_error, rough_models
 from armside.ilc.laws.gains import MatrixGain, PType
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.discretise import zoh
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
+from armside.ilc.two_mass_study import phase_error, rough_models
 
 LOOP = TwoMassLoop()
 T_MOTOR, T_ARM = LOOP.T_motor, LOOP.T_arm
