@@ -10,15 +10,8 @@ from pathlib import Path
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.two_mass_study import SHIFTS
 
-from ..figures.two_mass import (
-    AS_STATED,
-    AT_THESIS_SHIFT,
-    FIGURES,
-    LOOP,
-    ONE_LESS,
-    THESIS_SHIFT,
-    Table,
-)
+from ..figures.two_mass import AS_STATED, AT_THESIS_SHIFT, FIGURES, ONE_LESS, THESIS_SHIFT
+from ..figures.two_mass_panels import LOOP, Table
 from ..jobs.store import Job, Result
 from .report import Check, Grid, Part, Section
 

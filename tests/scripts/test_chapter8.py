@@ -6,7 +6,7 @@ import pytest
 
 from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.figures.two_mass import Table
+from armside.scripts.figures.two_mass_panels import Table
 from armside.scripts.shell.registry import load
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "8"}
