@@ -15,7 +15,7 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop
 
-from ..figures import two_mass as two_mass_figures
+from ..figures.two_mass import FIGURES
 from .timing import Row, interleaved
 
 REPEATS = 5
@@ -42,8 +42,8 @@ def _five_hundred() -> Row:
 
         def iterate() -> None:
             two_mass_study.learned.cache_clear()
-            two_mass_figures.motor_signals(Path(folder) / "motor.png", 0)
-            two_mass_figures.arm_signals(Path(folder) / "arm.png", 0)
+            for name in ("8.9", "8.10"):
+                FIGURES[name](Path(folder) / f"{name}.png", 0)
 
         (ours,) = interleaved([iterate], REPEATS)
     return Row("500 iterations, Figs 8.9 and 8.10 drawn", ours)

@@ -1,5 +1,6 @@
 """Figures 8.3 to 8.12 of the thesis: each function draws one PNG and returns its table."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ FILTERS = (11.0, 22.0, 38.0)
 THESIS_SHIFT = {"motor": 5, "arm": 15}
 """The best shift of each side, as the thesis has it in 8.4.2."""
 AT_THESIS_SHIFT = "gamma, delta 5 (arm 15)"
+IDEAL, DOUBLED = "side, ideal F_r", "side, stiffness doubled in F_r"
 AS_STATED, ONE_LESS = "Q = 1, δ = 5 (as stated)", "Q = 1, δ = 4 (fits the figure)"
 
 
@@ -185,22 +187,6 @@ def learning_curves(file: Path, seed: int) -> Table:
     return Table("Fig 8.8: 2-norm of the motor error [rad]", columns, rows)
 
 
-def motor_signals(file: Path, seed: int) -> Table:
-    """Fig 8.9: motor angle over iterations."""
-    return _signals(file, study.learned(17.0), "motor", "Fig 8.9: motor side, ideal F_r")
-
-
-def arm_signals(file: Path, seed: int) -> Table:
-    """Fig 8.10: arm angle over iterations, ideal reference filter."""
-    return _signals(file, study.learned(17.0), "arm", "Fig 8.10: arm side, ideal F_r")
-
-
-def arm_signals_with_error(file: Path, seed: int) -> Table:
-    """Fig 8.12: arm angle over iterations, doubled stiffness in the reference filter."""
-    runs = study.learned(17.0, stiffness_factor=2.0)
-    return _signals(file, runs, "arm", "Fig 8.12: arm side, stiffness doubled in F_r")
-
-
 def model_error(file: Path, seed: int) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
     runs = {
@@ -220,8 +206,9 @@ def model_error(file: Path, seed: int) -> Table:
     return Table("Fig 8.11: 2-norms [rad]; model error: stiffness doubled in F_r", columns, rows)
 
 
-def _signals(file: Path, runs: study.TwoMassLearning, side: str, title: str) -> Table:
-    """Angle and error of one side at the iterations of `SHOWN`."""
+def signals(file: Path, seed: int, *, side: str, title: str, **changes: Any) -> Table:
+    """Figs 8.9, 8.10, 8.12: angle and error of one side at the iterations of `SHOWN`."""
+    runs = study.learned(17.0, **changes)
     plant, letter = runs.plant, side[0]
     r = plant.motor_reference if side == "motor" else plant.arm_reference
     t = np.arange(len(r)) * T_S
@@ -258,10 +245,10 @@ FIGURES = {
     "8.6": criterion_curves,
     "8.7": gamma_maps,
     "8.8": learning_curves,
-    "8.9": motor_signals,
-    "8.10": arm_signals,
+    "8.9": partial(signals, side="motor", title=f"Fig 8.9: motor {IDEAL}"),
+    "8.10": partial(signals, side="arm", title=f"Fig 8.10: arm {IDEAL}"),
     "8.11": model_error,
-    "8.12": arm_signals_with_error,
+    "8.12": partial(signals, side="arm", title=f"Fig 8.12: arm {DOUBLED}", stiffness_factor=2.0),
     "nyquist": designs.nyquist,
     "why-q": designs.why_q,
     "algorithms": designs.algorithms,

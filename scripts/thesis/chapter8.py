@@ -85,15 +85,13 @@ def _norm(id: str, statement: str, thesis: str, ours: float, value: float) -> Ch
     "poles tilt its curve.",
 )
 def joint(table: Table) -> list[Check]:
-    """Fig 8.3."""
-    at, notch = "frequency [Hz]", "notch of the motor, G_m"
-    depth, peak = table.value("magnitude [dB]", notch), table.value(at, "peak of the arm, G_a")
+    row, at = "notch of the motor, G_m", "frequency [Hz]"
+    notch, depth = table.value(at, row), table.value("magnitude [dB]", row)
+    peak = table.value(at, "peak of the arm, G_a")
     root = table.value(at, "zeros of G_m(s) = poles of G_a(s)")
     roots = "zeros of G_m(s) and poles of G_a(s) [Hz]"
     return [
-        _computed(
-            "S01.1", "notch of G_m [Hz]", "near 1", table.value(at, notch), 1.1978, GRID_STEP
-        ),
+        _computed("S01.1", "notch of G_m [Hz]", "near 1", notch, 1.1978, GRID_STEP),
         _computed("S01.2", "its magnitude [dB]", "a curve", depth, -19.5, 1e-3),
         _computed("S01.3", "peak of G_a [Hz]", "at the notch", peak, 1.0983, GRID_STEP),
         _computed("S01.4", roots, "the same", root, 1.1305, 1e-4),
@@ -107,7 +105,6 @@ def joint(table: Table) -> list[Check]:
     "neither its start nor its length; here it begins at 1 s and takes 0.8 s.",
 )
 def reference(table: Table) -> list[Check]:
-    """Fig 8.4."""
     largest = table.value("value", "largest speed [rad/s]")
     statement = "largest speed of the arm reference [rad/s]"
     return [Check("S02.1", statement, "between 2 and 3, by its axis", largest, 2.0, 3.0)]
@@ -120,7 +117,6 @@ def reference(table: Table) -> list[Check]:
     "as the arm, which is the gear ratio.",
 )
 def tracking(table: Table) -> list[Check]:
-    """Fig 8.5."""
     end = table.value("reference ends at [rad]", "motor")
     motor, arm = (table.value("2-norm of the error [rad]", side) for side in ("motor", "arm"))
     overshoot = table.value("overshoot [rad]", "arm")
@@ -142,7 +138,6 @@ def tracking(table: Table) -> list[Check]:
     "shifts of 2 and 4.",
 )
 def criterion(table: Table) -> list[Check]:
-    """Fig 8.6."""
     lowest = min(table.value("max |1-LTu| [dB]", delta) for delta in (0, 2, 4, 6))
     smallest = "smallest of four shifts: largest |1 - L T_u| [dB]"
     gain = float(largest_gamma(LOOP.T_motor, SHIFTS, None).max())
@@ -169,8 +164,6 @@ def criterion(table: Table) -> list[Check]:
     "more.",
 )
 def admissible_gain(table: Table) -> list[Check]:
-    """Fig 8.7."""
-
     def gain(side: str, cutoff: float) -> float:
         return table.value(AT_THESIS_SHIFT, side, cutoff)
 
@@ -210,7 +203,6 @@ def admissible_gain(table: Table) -> list[Check]:
     "in every iteration; the error itself may fall below the limit, at 1 Hz by 0.6 %.",
 )
 def learning_curves(table: Table) -> list[Check]:
-    """Fig 8.8."""
     last = {name: table.value("k = 500", name) for name in AFTER_500}
     rise = max(last[name] / table.value("smallest", name) - 1.0 for name in last)
     first = table.value("k = 0", "17 Hz")
@@ -224,32 +216,22 @@ def learning_curves(table: Table) -> list[Check]:
     for i, run, name in ((6, "Q = 1, shift 5", AS_STATED), (8, "Q = 1, shift 4", ONE_LESS)):
         early = table.value("k = 25", name) / last["17 Hz"]
         late = table.value("k = 500", name) / table.value("k = 0", name)
-        below, growth = (
-            "error at k = 25 over that of 17 Hz at k = 500",
-            "error at k = 500 over its first",
+        below = f"{run}: error at k = 25 over that of 17 Hz at k = 500"
+        growth, axis = (
+            f"{run}: error at k = 500 over its first",
+            "grows, to less than 100 by its axis",
         )
-        axis = "grows, to less than 100 by its axis"
         checks += [
-            Check(f"S05.{i}", f"{run}: {below}", "lower", early, high=1.0, reason=NOT_DELTA_5),
-            Check(f"S05.{i + 1}", f"{run}: {growth}", axis, late, 1.0, 100.0, NOT_DELTA_5),
+            Check(f"S05.{i}", below, "lower", early, high=1.0, reason=NOT_DELTA_5),
+            Check(f"S05.{i + 1}", growth, axis, late, 1.0, 100.0, NOT_DELTA_5),
         ]
     return checks
 
 
-def _signal_norms(
-    table: Table, side: str, says: str, values: dict[int, float], first: int
-) -> list[Check]:
-    """Error norms of one side after some iterations."""
-    return [
-        _norm(
-            f"S06.{i}",
-            f"{side} error at k = {k}, 2-norm [rad]",
-            says,
-            table.value("2-norm [rad]", k),
-            value,
-        )
-        for i, (k, value) in enumerate(values.items(), start=first)
-    ]
+def _signal(table: Table, id: str, side: str, k: int, says: str, value: float) -> Check:
+    """The error norm of one side after k iterations."""
+    ours = table.value("2-norm [rad]", k)
+    return _norm(id, f"{side} error at k = {k}, 2-norm [rad]", says, ours, value)
 
 
 @_section(
@@ -259,9 +241,12 @@ def _signal_norms(
     "two and five updates with a gain of 0.9, a shift of 5 and 17 Hz.",
 )
 def motor_signals(table: Table) -> list[Check]:
-    """Fig 8.9."""
     says = "follows well after a couple of iterations"
-    return _signal_norms(table, "motor", says, {1: 1.31447, 2: 0.6645, 5: 0.27668}, first=1)
+    return [
+        _signal(table, "S06.1", "motor", 1, says, 1.31447),
+        _signal(table, "S06.2", "motor", 2, says, 0.6645),
+        _signal(table, "S06.3", "motor", 5, says, 0.27668),
+    ]
 
 
 @_section(
@@ -272,8 +257,11 @@ def motor_signals(table: Table) -> list[Check]:
     "of that filter.",
 )
 def arm_signals(table: Table) -> list[Check]:
-    """Fig 8.10."""
-    return _signal_norms(table, "arm", "improved", {0: 1.46962, 1: 0.52199, 5: 0.13409}, first=4)
+    return [
+        _signal(table, "S06.4", "arm", 0, "improved", 1.46962),
+        _signal(table, "S06.5", "arm", 1, "improved", 0.52199),
+        _signal(table, "S06.6", "arm", 5, "improved", 0.13409),
+    ]
 
 
 @_section(
@@ -284,16 +272,12 @@ def arm_signals(table: Table) -> list[Check]:
     "estimates of the tool position in the rest of the thesis.",
 )
 def model_error(table: Table) -> list[Check]:
-    """Fig 8.11."""
-
     def value(k: int, side: str, model: str) -> float:
         return table.value(f"k = {k}", side, model)
 
-    def improved(
-        id: str, statement: str, says: str, model: str, first: float, last: float
-    ) -> Check:
+    def improved(id: str, statement: str, says: str, model: str, norms: tuple) -> Check:
         """The arm's error at k = 0 over that at k = 500."""
-        ours = value(0, "arm", model) / value(500, "arm", model)
+        ours, (first, last) = value(0, "arm", model) / value(500, "arm", model), norms
         return _computed(id, statement, says, ours, first / last, 2.0 * NORMS * first / last)
 
     over = value(500, "motor", "model error") / value(500, "motor", "ideal model")
@@ -302,8 +286,8 @@ def model_error(table: Table) -> list[Check]:
     wrong, smaller = "the same, doubled stiffness in the filter", "a smaller improvement"
     return [
         Check("S06.7", motor, "almost the same", over, 0.9, 1.1),
-        improved("S06.8", ideal, "improved", "ideal model", 1.46962, 0.12913),
-        improved("S06.9", wrong, smaller, "model error", 2.04878, 1.0285),
+        improved("S06.8", ideal, "improved", "ideal model", (1.46962, 0.12913)),
+        improved("S06.9", wrong, smaller, "model error", (2.04878, 1.0285)),
     ]
 
 
@@ -314,8 +298,6 @@ def model_error(table: Table) -> list[Check]:
     "error, and the oscillation does not appear in the motor angle.",
 )
 def arm_signals_with_error(table: Table) -> list[Check]:
-    """Fig 8.12."""
-
     def overshoot(id: str, k: int, says: str, value: float) -> Check:
         ours = table.value("overshoot [rad]", k)
         return _computed(id, f"overshoot of the arm at k = {k} [rad]", says, ours, value, 1e-4)

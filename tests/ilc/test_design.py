@@ -1,4 +1,4 @@
-"""The design helper keeps its word on the plant it was designed for."""
+"""A proposed design converges as predicted on its model; robustness to the joint's parameters."""
 
 import json
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_the_sentence_names_design_prediction_and_limit():
         assert part in sentence
 
 
-def test_an_infeasible_design_says_up_to_where_it_would_work():
+def test_an_infeasible_design_states_the_feasible_bandwidth():
     T_arm = TwoMassLoop().T_arm
     with pytest.raises(
         ValueError, match=r"infeasible design: with a cutoff of 45 Hz .* up to"
@@ -128,7 +128,7 @@ def test_the_nominal_joint_has_the_contraction_of_the_criterion():
     assert contraction(LOOP, CHAPTER_8) == pytest.approx(0.8142, abs=1e-3)
 
 
-def test_the_map_holds_the_nominal_value_at_factor_one_and_finds_where_learning_fails():
+def test_the_map_holds_the_nominal_value_at_factor_one_and_shows_divergence_far_from_it():
     grid = contraction_map(LOOP, CHAPTER_8, ("Jm", [0.5, 1.0, 4.5]), ("k", [1.0, 5.0]))
     assert grid.shape == (3, 2)
     assert grid[1, 0] == pytest.approx(0.8142, abs=2e-3)
@@ -159,6 +159,6 @@ def test_uncertainty_spreads_the_contraction_and_the_seed_fixes_it():
     assert wide.most_harmful() in ("k", "d", "Ja", "Jm", "fm", "kt")
 
 
-def test_an_unknown_parameter_is_refused_with_the_names_there_are():
+def test_an_unknown_parameter_is_refused_with_the_valid_names():
     with pytest.raises(ValueError, match=r"Unknown parameter 'stiffness'\. Parameters: k, d, Ja"):
         contraction_map(LOOP, CHAPTER_8, ("stiffness", [1.0]), ("k", [1.0]))

@@ -1,4 +1,4 @@
-"""ARX identification finds the model that made the data, and knows how well."""
+"""ARX identification recovers the model behind the data, with consistent uncertainty."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_the_servo_of_chapter_9_is_recovered_from_noisy_data():
     assert fit.noise_variance == pytest.approx(0.02**2, rel=0.1)
 
 
-def test_the_95_percent_intervals_hold_the_truth_95_percent_of_the_time():
+def test_the_95_percent_intervals_cover_the_ground_truth_95_percent_of_the_time():
     inside = []
     for seed in range(100):
         fit = fit_arx(*data(seed, n=300), T_S, na=1, nb=1, nk=5)
@@ -40,7 +40,7 @@ def test_the_95_percent_intervals_hold_the_truth_95_percent_of_the_time():
     assert 0.90 <= np.mean(inside) <= 0.99
 
 
-def test_the_deviation_of_the_response_is_what_repeated_fits_scatter():
+def test_the_deviation_of_the_response_is_the_scatter_of_repeated_fits():
     omega = np.array([0.1, 0.5, 1.5])
     fits = [fit_arx(*data(seed, n=400), T_S, na=1, nb=1, nk=5) for seed in range(150)]
     scatter = np.std([np.abs(fit.system.response(omega)) for fit in fits], axis=0)

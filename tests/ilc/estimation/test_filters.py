@@ -1,4 +1,4 @@
-"""Filters and smoothers on processes whose truth is known."""
+"""Filters and smoothers on simulated processes with known states."""
 
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def test_a_state_that_is_neither_seen_nor_stable_is_refused():
         steady_state_covariance(blind)
 
 
-def test_smoothing_beats_filtering_and_both_know_their_errors(process, record):
+def test_smoothing_beats_filtering_and_both_are_consistent(process, record):
     x, y = record
     smoother = Smoother(process, steady_state_covariance(process), np.ones(len(y), dtype=bool))
     result = smoother(y)

@@ -1,4 +1,4 @@
-"""Parameters come back from innovations, with the uncertainty they have."""
+"""The prediction-error method recovers parameters and their uncertainty from innovations."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def test_errors_of_the_parameters_are_as_large_as_said():
     assert np.mean(nees) == pytest.approx(2.0, abs=1.7)  # 3 sigma of a mean of 12
 
 
-def test_what_the_data_do_not_tell_stays_with_the_prior():
+def test_parameters_without_information_keep_their_prior():
     def model(theta):
         return Whitened(np.array([[theta[0] - 1.0]] * 100) / 0.1, 2.0 * np.log(0.1))
 
@@ -57,7 +57,7 @@ def test_what_the_data_do_not_tell_stays_with_the_prior():
     assert found.information == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
-def test_a_model_that_ends_nowhere_is_an_error():
+def test_a_prediction_error_without_a_finite_value_is_an_error():
     with pytest.raises(RuntimeError, match="not finite"):
         estimate_parameters(
             lambda theta: Whitened(np.full((10, 1), np.inf), 0.0),
