@@ -7,7 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system_matrix import adjoint
-from .norm_optimal import NormOptimal, Weight
+from .norm_optimal import NormOptimal, Weight, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,22 +27,13 @@ class Constrained(NormOptimal):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        limit = np.asarray(self.limit, dtype=np.float64)
-        if np.isnan(limit).any() or (limit <= 0.0).any():
+        if not (np.asarray(self.limit, dtype=np.float64) > 0.0).all():
             raise ValueError("limit must be > 0")
-        limit = limit[:, None] if limit.ndim == 1 else limit
-        try:
-            np.broadcast_to(limit, (self.n_samples, self.n_columns))
-        except ValueError:
-            raise ValueError(
-                f"limit must be a number, ({self.n_samples},) or "
-                f"({self.n_samples}, {self.n_columns}), got {np.shape(self.limit)}"
-            ) from None
+        per_sample(self.limit, self.n_samples, self.n_columns, "limit")
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free = super().__call__(correction, error)
-        limit = np.asarray(self.limit, dtype=np.float64)
-        limit = np.broadcast_to(limit[:, None] if limit.ndim == 1 else limit, free.shape)
+        limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")
         if (np.abs(free) <= limit).all():
             return free
         return self._within(limit, free, correction, error)

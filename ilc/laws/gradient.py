@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, SystemMatrix, adjoint, largest_gain
+from ..models.system_matrix import Model, adjoint, check_inputs, largest_gain
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,8 +29,7 @@ class Gradient:
             )
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
-            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+        check_inputs(self.T_u, n_columns)
 
     def __call__(self, signal: Array, /) -> Array:
         return self.step * adjoint(self.T_u, signal)

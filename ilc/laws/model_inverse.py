@@ -10,7 +10,7 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, SystemMatrix, largest_gain
+from ..models.system_matrix import Model, check_inputs, largest_gain
 
 
 class Beyond(Enum):
@@ -50,8 +50,7 @@ class ModelInverse:
     _rho: float = field(init=False, repr=False)
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
-            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+        check_inputs(self.T_u, n_columns)
 
     def response(self, omega: ArrayLike) -> Complex:
         """(M,), or (M, n, n) for a matrix of systems."""

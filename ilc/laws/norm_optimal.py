@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable
-from ..models.system_matrix import Model, SystemMatrix
+from ..models.system_matrix import Model, SystemMatrix, check_inputs
 from .law import FirstOrderLaw
 
 Weight = float | Array
@@ -76,9 +76,12 @@ class BandedProblem:
         F = _block_toeplitz(taps * np.eye(n_columns), n_samples)
         A = _block_toeplitz(a, n_samples)
         FB = F @ _block_toeplitz(b, n_samples)
-        We = _diagonal(criterion.error, n_samples, n_columns, "error")
-        Wu = _diagonal(criterion.correction, n_samples, n_columns, "correction")
-        Wd = _diagonal(criterion.change, n_samples, n_columns, "change")
+        We, Wu, Wd = (
+            per_sample(
+                getattr(criterion, name), n_samples, n_columns, f"the weight of the {name}"
+            ).ravel()
+            for name in ("error", "correction", "change")
+        )
         M = vstack((diags_array(np.sqrt(We)) @ FB, diags_array(np.sqrt(Wu + Wd)) @ A))
         return cls(A, csc_array(M), F, We, Wu, Wd)
 
@@ -184,8 +187,7 @@ def _common_denominators(T_u: Model, n: int) -> tuple[Array, Array]:
     """Coefficient matrices (lags, n, n): a of u = a(q) v, diagonal, and b of y = b(q) v."""
     if isinstance(T_u, System):
         T_u = SystemMatrix.diagonal([T_u] * n)
-    if len(T_u.entries) != n:
-        raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n}")
+    check_inputs(T_u, n)
     denominators, numerators = [], {}
     for j in range(n):
         column = [T_u.entries[i][j] for i in range(n)]
@@ -227,14 +229,15 @@ def _block_toeplitz(lags: Array, n_samples: int) -> Any:
     return csr_array(total)
 
 
-def _diagonal(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
+def per_sample(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
+    """Weight of each sample and column, (N, n); `name` is used in messages."""
     values = np.asarray(weight, dtype=np.float64)
-    if values.ndim == 1:
-        values = values[:, None]
     try:
-        return np.broadcast_to(values, (n_samples, n_columns)).ravel()
+        return np.broadcast_to(
+            values[:, None] if values.ndim == 1 else values, (n_samples, n_columns)
+        )
     except ValueError:
         raise ValueError(
-            f"the weight of the {name} must be a number, ({n_samples},) or "
-            f"({n_samples}, {n_columns}), got {np.shape(weight)}"
+            f"{name} must be a number, ({n_samples},) or ({n_samples}, {n_columns}), "
+            f"got {np.shape(weight)}"
         ) from None

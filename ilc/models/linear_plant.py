@@ -79,15 +79,8 @@ def _through(system: Model | None, signal: Array) -> Array:
 
 def with_direct_term(T_u: System, C: System) -> System:
     """T_u / (1 + T_u C): the effective T_u with a direct term C. Thesis (7.4)."""
-    loop = T_u * C
-    sensitivity_a = np.convolve(T_u.a, C.a)
-    length = max(len(loop.b), len(sensitivity_a))
-    a = np.pad(loop.b, (0, length - len(loop.b)))
-    a = a + np.pad(sensitivity_a, (0, length - len(sensitivity_a)))
-    return require_stable(
-        System(np.convolve(T_u.b, C.a), a, T_u.sample_time),
-        "the loop of T_u and the direct term C",
-    )
+    closed = System(np.convolve(T_u.b, C.a), (T_u * C).characteristic, T_u.sample_time)
+    return require_stable(closed, "the loop of T_u and the direct term C")
 
 
 Result = TypeVar("Result")

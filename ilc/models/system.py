@@ -100,13 +100,20 @@ class System:
 
     def __mul__(self, other: Union["System", float]) -> "System":
         if isinstance(other, System):
-            _same_sample_time(self, other)
-            return System(
-                np.convolve(self.b, other.b), np.convolve(self.a, other.a), self.sample_time
-            )
+            if not np.isclose(self.sample_time, other.sample_time, rtol=1e-12):
+                times = f"{self.sample_time} and {other.sample_time} s"
+                raise ValueError(f"systems must have one sample time, got {times}")
+            b, a = np.convolve(self.b, other.b), np.convolve(self.a, other.a)
+            return System(b, a, self.sample_time)
         return System(self.b * other, self.a, self.sample_time)
 
     __rmul__ = __mul__
+
+    @property
+    def characteristic(self) -> Array:
+        """a + b, characteristic polynomial of the closed loop in powers of q^-1."""
+        size = max(len(self.a), len(self.b))
+        return np.pad(self.a, (0, size - len(self.a))) + np.pad(self.b, (0, size - len(self.b)))
 
     def feedback(self, name: str = "the closed loop") -> "System":
         """The closed loop G / (1 + G), called `name` in messages. Thesis (8.15).
@@ -114,12 +121,10 @@ class System:
         Raises:
             ValueError: if the closed loop is unstable or has no solution.
         """
-        degree = max(len(self.a), len(self.b))
-        a = _padded(self.a, degree) + _padded(self.b, degree)
+        a = self.characteristic
         if a[0] == 0.0:
             raise ValueError(f"{name} has no solution: 1 + G is 0 at infinite frequency")
-        loop = System(self.b, a, self.sample_time)
-        return require_stable(loop, name)
+        return require_stable(System(self.b, a, self.sample_time), name)
 
 
 class HasPoles(Protocol):
@@ -167,14 +172,3 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
     if model.dt in (None, 0, True):
         raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
     return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))
-
-
-def _same_sample_time(one: System, other: System) -> None:
-    if not np.isclose(one.sample_time, other.sample_time, rtol=1e-12):
-        raise ValueError(
-            f"systems must share a sample time, got {one.sample_time} and {other.sample_time} s"
-        )
-
-
-def _padded(polynomial: Array, length: int) -> Array:
-    return np.pad(polynomial, (0, length - len(polynomial)))

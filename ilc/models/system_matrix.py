@@ -25,7 +25,7 @@ class SystemMatrix:
             )
         times = {system.sample_time for row in self.entries for system in row}
         if max(times) - min(times) > 1e-12 * max(times):
-            raise ValueError(f"entries must share a sample time, got {sorted(times)} s")
+            raise ValueError(f"entries must have one sample time, got {sorted(times)} s")
 
     @classmethod
     def diagonal(cls, systems: Sequence[System]) -> "SystemMatrix":
@@ -67,6 +67,12 @@ class SystemMatrix:
 
 Model = System | SystemMatrix
 """T_u: one system, used for each column, or a matrix of systems."""
+
+
+def check_inputs(T_u: Model, n_columns: int) -> None:
+    """Raise ValueError if a matrix of systems does not fit records with n columns."""
+    if isinstance(T_u, SystemMatrix) and len(T_u.entries) != n_columns:
+        raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n_columns}")
 
 
 def adjoint(model: Model, signal: Array) -> Array:

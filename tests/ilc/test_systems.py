@@ -63,7 +63,7 @@ def test_other_models_are_refused_with_the_reason():
         as_system("G")
     with pytest.raises(ValueError, match="with its sample_time"):
         as_system(([1], [1, 2]))
-    with pytest.raises(ValueError, match="share a sample time"):
+    with pytest.raises(ValueError, match="have one sample time"):
         SYSTEM * System([1], [1], 2 * T_S)
 
 
