@@ -24,8 +24,7 @@ from .plant import as_record
 class ByHand:
     """State between two runs; `record` returns the next state, nothing changes in place.
 
-    Corrections of laws with memory are recomputed from the logs, so a saved state needs the
-    arrays only.
+    The memory of a law is recomputed from the logs, so a saved state holds arrays only.
     """
 
     law: Law

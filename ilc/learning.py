@@ -101,12 +101,7 @@ def _trials(
         norm = two_norm(error)
         diverged = not np.isfinite(error).all() or bool((norm > limit).any())
         yield Trial(
-            k=k,
-            correction=correction,
-            output=output,
-            error=error,
-            result=result,
-            diverged=diverged,
+            k=k, correction=correction, output=output, error=error, result=result, diverged=diverged
         )
         if diverged or k == iterations:
             return

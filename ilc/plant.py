@@ -23,10 +23,9 @@ class Plant(Protocol[Result_co]):
 
 
 def as_record(signal: ArrayLike, name: str) -> Array:
-    """A finite signal of shape (N, n), time along the first axis.
+    """Signal as a non-empty, finite array of shape (N, n), time along the first axis.
 
-    Raises:
-        ValueError: wrong number of axes, an empty record or a value that is not finite.
+    Raises ValueError, with `name`, for any other signal.
     """
     values = np.asarray(signal, dtype=np.float64)
     if values.ndim != 2 or 0 in values.shape:

@@ -78,20 +78,14 @@ def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion
     q = q[:, None, None] if q.ndim == 1 else q[:, :, None]
     iteration = q * (np.eye(T_u.shape[1]) - T_u @ L)
     return Criterion(
-        omega=omega,
-        learning=np.linalg.norm(iteration, ord=2, axis=(1, 2)),
-        q=np.ones(len(omega)),
+        omega=omega, learning=np.linalg.norm(iteration, ord=2, axis=(1, 2)), q=np.ones(len(omega))
     )
 
 
 def heuristic_criterion(
     T_u: System, gamma: float, delta: int, Q: RecordFilter, omega: Array | None = None
 ) -> Criterion:
-    """Criterion for L = gamma q^delta.
-
-    Raises:
-        ValueError: for an unstable T_u.
-    """
+    """Criterion for L = gamma q^delta. Raises ValueError for an unstable T_u."""
     require_stable(T_u, "T_u")
     omega = frequency_grid() if omega is None else omega
     return criterion(

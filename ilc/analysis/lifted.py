@@ -70,11 +70,7 @@ class LiftedIteration:
         return float(np.linalg.norm(self.iteration, ord=2))
 
     def fixed_point(self, first_error: Array) -> tuple[Array, Array]:
-        """(u_inf, e_inf) for the error without correction, shape (N, n) each.
-
-        Raises:
-            ValueError: if the iteration has no fixed point.
-        """
+        """(u_inf, e_inf), (N, n) each, from e_0 with u = 0. ValueError if none exists."""
         matrix = np.eye(len(self.T)) - self.iteration
         e_0 = np.asarray(first_error).ravel()
         try:

@@ -132,10 +132,8 @@ def design_for(
 ) -> Proposal:
     """Proposal with the highest of the cutoffs [Hz, rising] up to which designs are fast enough.
 
-    fit: of T_u to its data; below `TRUSTED_FIT` only the lowest cutoff is offered.
-
-    Raises:
-        ValueError: if no shift contracts at the lowest cutoff.
+    fit: of T_u to its data; below `TRUSTED_FIT` only the lowest cutoff is offered. Raises
+    ValueError if no shift contracts at the lowest cutoff.
     """
     offered = cutoffs if fit >= TRUSTED_FIT else cutoffs[:1]
     best = propose(T_u, offered[0], deltas=deltas)

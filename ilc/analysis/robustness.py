@@ -26,10 +26,7 @@ def contraction(loop: TwoMassLoop, law: Heuristic, omega: Array | None = None) -
 
 
 def contraction_map(
-    loop: TwoMassLoop,
-    law: Heuristic,
-    first: tuple[str, ArrayLike],
-    second: tuple[str, ArrayLike],
+    loop: TwoMassLoop, law: Heuristic, first: tuple[str, ArrayLike], second: tuple[str, ArrayLike]
 ) -> Array:
     """Contraction over two parameters of the actual joint, each a name and factors on it.
 

@@ -53,10 +53,7 @@ class ParameterEstimate:
 
 
 def estimate_parameters(
-    model: Callable[[Array], Whitened],
-    prior: Array,
-    prior_sd: Array,
-    starts: Sequence[Array],
+    model: Callable[[Array], Whitened], prior: Array, prior_sd: Array, starts: Sequence[Array]
 ) -> ParameterEstimate:
     """Minimise the prediction error by damped Gauss-Newton from each start, then from the best.
 

@@ -124,8 +124,7 @@ _CONVERGED = 1e-10
 def steady_state_covariance(process: Process) -> Array:
     """Steady-state covariance P (n, n) of the one-step prediction error, by a doubling algorithm.
 
-    Raises:
-        RuntimeError: no steady state: a state is neither observable nor stable.
+    Raises RuntimeError if there is none: a state is neither observable nor stable.
     """
     R_C = np.linalg.solve(process.R, process.C)
     H, steps = _doubled(np.ascontiguousarray(process.A.T), process.C.T @ R_C, process.Q)

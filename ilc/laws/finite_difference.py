@@ -7,7 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .law import FirstOrderLaw
-from .model_free import Experiment
+from .model_free import PlantRun
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -18,7 +18,7 @@ class FiniteDifference(FirstOrderLaw):
     is the measured response to basis correction m.
     """
 
-    experiment: Experiment
+    experiment: PlantRun
     basis: Array
     """(N, m): corrections of one motor that may be combined, such as B-splines; each motor
     gets its own m coefficients."""

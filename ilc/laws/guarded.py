@@ -24,9 +24,8 @@ class Best(NamedTuple):
 class Guarded:
     """Law with backtracking: a step is kept only if the error does not grow.
 
-    After an iteration whose error exceeds `tolerance` times the smallest, the next one starts from
-    the best correction again with `back_off` times the last step. After `patience` such setbacks
-    learning stops: the best correction is repeated.
+    After an error above `tolerance` times the smallest, the next iteration starts from the best
+    correction with `back_off` times the last step; after `patience` of these it is repeated.
     """
 
     law: FirstOrderLaw

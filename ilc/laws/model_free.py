@@ -10,7 +10,7 @@ from armside.arrays import Array
 from ..filters import ALL_PASS, RecordFilter
 from .law import FirstOrderLaw
 
-Experiment = Callable[[Array], Array]
+PlantRun = Callable[[Array], Array]
 """Run of the plant: correction (N, n) in, output (N, n) back."""
 
 
@@ -23,7 +23,7 @@ class MeasuredGradient(FirstOrderLaw):
     needs one more run.
     """
 
-    experiment: Experiment
+    experiment: PlantRun
     coupled: bool = False
     """True for coupled motors: n^2 runs measure the gradient instead of one."""
     size: float = 1.0
@@ -55,7 +55,7 @@ class MeasuredGradient(FirstOrderLaw):
         step = float((seen * error).sum() / np.square(seen).sum()) if seen.any() else 0.0
         return self.Q(correction + step * gradient)
 
-    def _gradient(self, response: Experiment, error: Array) -> Array:
+    def _gradient(self, response: PlantRun, error: Array) -> Array:
         reversed_error = error[::-1]
         if not self.coupled:
             return response(reversed_error)[::-1]

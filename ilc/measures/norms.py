@@ -28,10 +28,7 @@ def normalise(measure: ArrayLike, without_learning: ArrayLike) -> Array:
     """Measure divided by the largest of its values at k = 0. Thesis (9.5), (9.8), (9.9).
 
     measure: any shape. without_learning: the same measure at k = 0 for all motors (9.5) and
-    experiments (9.5), (9.8), (9.9) that are compared, any shape.
-
-    Raises:
-        ValueError: if there is no error at k = 0.
+    experiments (9.5), (9.8), (9.9) that are compared, any shape. Raises ValueError if it is zero.
     """
     largest = np.max(without_learning)
     if not (np.isfinite(largest) and largest > 0.0):

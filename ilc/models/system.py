@@ -51,11 +51,7 @@ class System:
 
     @classmethod
     def from_z(cls, num: ArrayLike, den: ArrayLike, sample_time: float) -> "System":
-        """From polynomials in descending powers of z (or q).
-
-        Raises:
-            ValueError: if the numerator has the higher degree: such a model is not causal.
-        """
+        """From polynomials in descending powers of z (or q). ValueError if it is not causal."""
         b = np.trim_zeros(np.atleast_1d(np.array(num, dtype=np.float64)), "f")
         a = np.trim_zeros(np.atleast_1d(np.array(den, dtype=np.float64)), "f")
         if len(b) > len(a):
@@ -116,11 +112,7 @@ class System:
         return np.pad(self.a, (0, size - len(self.a))) + np.pad(self.b, (0, size - len(self.b)))
 
     def feedback(self, name: str = "the closed loop") -> "System":
-        """The closed loop G / (1 + G), called `name` in messages. Thesis (8.15).
-
-        Raises:
-            ValueError: if the closed loop is unstable or has no solution.
-        """
+        """Closed loop G / (1 + G), `name` in messages. Thesis (8.15). ValueError if unstable."""
         a = self.characteristic
         if a[0] == 0.0:
             raise ValueError(f"{name} has no solution: 1 + G is 0 at infinite frequency")
@@ -148,10 +140,9 @@ def require_stable(system: Stable, name: str) -> Stable:
 
 
 def as_system(model: Any, sample_time: float | None = None) -> System:
-    """A `System` as it is; a SISO, discrete system of `control`; or a pair (num, den) in z.
+    """System from a `System`, a SISO, discrete system of `control`, or a pair (num, den) in z.
 
-    Raises:
-        ValueError: for a model in continuous time, with several inputs, or not causal.
+    Raises ValueError for a model in continuous time, with several inputs, or not causal.
     """
     if isinstance(model, System):
         return model

@@ -74,11 +74,7 @@ def _updates() -> list[Row]:
     u, e = np.random.default_rng(0).standard_normal((2, 380, 6))
     ((b, a),) = butterworth(10.0, 0.004, 2)
     ours, theirs, update = interleaved(
-        [
-            lambda: Q(u),
-            lambda: signal.filtfilt(b, a, u, axis=0, padlen=6),
-            lambda: law(u, e),
-        ],
+        [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)],
         REPEATS,
     )
     return [

@@ -301,10 +301,7 @@ def test_without_an_active_limit_the_constrained_law_is_norm_optimal():
         ),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=0.0), "limit must be > 0"),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=np.ones(7)), "limit must be a number"),
-        (
-            lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N),
-            "T_u is unstable",
-        ),
+        (lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N), "T_u is unstable"),
     ],
 )
 def test_criteria_and_limits_that_make_no_sense_are_refused(build, message):
