@@ -1,4 +1,4 @@
-"""Learning where the program cannot run the plant: a person runs it and brings the log.
+"""Iterative learning on a plant that a person runs: the log in, the next correction out.
 
 ```
 state = ByHand(law=law, reference=r)       # k = 0: run the task without correction
@@ -7,7 +7,7 @@ state.save("learning.npz")                 # tomorrow: ByHand.load("learning.npz
 ```
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,10 +22,9 @@ from .plant import as_record
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ByHand:
-    """What is known between two runs; `record` returns the next state, nothing changes in place.
+    """State between two runs; `record` returns the next state, nothing changes in place.
 
-    Corrections of laws with memory are recomputed from the logs, so a saved state needs the
-    arrays only.
+    The memory of a law is recomputed from the logs, so a saved state holds arrays only.
     """
 
     law: Law
@@ -33,7 +32,7 @@ class ByHand:
     """r, shape (N, n)."""
     outputs: tuple[Array, ...] = ()
     """y_0 .. y_{k-1}, as recorded."""
-    corrections: tuple[Array, ...] = field(default=())
+    corrections: tuple[Array, ...] = ()
     """u_0 .. u_k; the last is the one to run next."""
 
     def __post_init__(self) -> None:
@@ -82,7 +81,7 @@ class ByHand:
         return "\n".join(lines)
 
     def save(self, file: str | Path) -> None:
-        """All arrays as .npz."""
+        """Write all arrays as .npz."""
         with open(file, "wb") as stream:
             np.savez(
                 stream,
@@ -93,7 +92,7 @@ class ByHand:
 
     @classmethod
     def load(cls, file: str | Path, law: Law) -> "ByHand":
-        """Continue a saved learning with the same law, or another one from here on."""
+        """Continue a saved state with the same law, or with another one from here on."""
         with np.load(file) as saved:
             missing = {"reference", "outputs", "corrections"} - set(saved.files)
             if missing:

@@ -1,10 +1,8 @@
 """Filters along a finished record: zero-phase low-pass Q, and the time shift q^delta.
 
-A record is known before it is filtered, so nothing here has to be causal. All signals have
-shape (N, n); a design variable is one number for all columns or one for each.
-
-Filters run as recursions, O(N) (see recursion.py). Multiplying by a dense N x N matrix would be
-faster for a short record and slower for a long one, with a table to keep for each cutoff.
+The whole record is available when it is filtered, so filters need not be causal. Signals have
+shape (N, n); a design variable is one number for all columns or one for each column. Filters run
+as recursions in O(N); importing this module does not import scipy.
 """
 
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ PerColumn = float | tuple[float, ...]
 
 
 class Edge(Enum):
-    """What a filter assumes beyond the ends of a record."""
+    """Extension of a record beyond its ends that a filter assumes."""
 
     ODD = "odd"
     """The record mirrored through its end points, 3 * order samples: MATLAB's filtfilt."""
@@ -30,7 +28,7 @@ class Edge(Enum):
 
 
 class End(Enum):
-    """What a shift moves in where the record has ended."""
+    """Samples that a shift moves in beyond the end of the record."""
 
     HOLD = "hold"
     """The last (first) value again. Keeps the iteration a contraction with `Edge.ODD`."""
@@ -64,7 +62,7 @@ class AllPass:
         return np.ones(np.shape(omega))
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        """Any record will do."""
+        """Accept every shape."""
 
 
 ALL_PASS: RecordFilter = AllPass()
@@ -74,8 +72,7 @@ ALL_PASS: RecordFilter = AllPass()
 class ZeroPhaseButterworth:
     """Butterworth low-pass applied forwards and backwards: no phase, magnitude |B|^2.
 
-    At the cutoff the gain is therefore 1/2, not 1/sqrt(2). Thesis 8.4.2 and 9.2.2; record ends
-    as numbers there need them, see `Edge`.
+    At the cutoff the gain is 1/2, not 1/sqrt(2). Thesis 8.4.2 and 9.2.2.
     """
 
     cutoff: PerColumn
@@ -83,7 +80,7 @@ class ZeroPhaseButterworth:
     sample_time: float
     """[s]."""
     order: int = 2
-    """Of one pass, 1 to 4."""
+    """Order of one pass, 1 to 4."""
     edge: Edge = Edge.ODD
 
     def __post_init__(self) -> None:
@@ -95,7 +92,7 @@ class ZeroPhaseButterworth:
             object.__setattr__(self, "cutoff", tuple(float(f) for f in np.ravel(self.cutoff)))
         nyquist = 0.5 / self.sample_time
         for cutoff in as_tuple(self.cutoff):
-            if not 0.0 < cutoff < nyquist:  # false for NaN too
+            if not 0.0 < cutoff < nyquist:  # NaN is refused as well
                 raise ValueError(
                     f"cutoff must be above 0 and below the Nyquist frequency {nyquist:g} Hz, "
                     f"got {cutoff:g}"
@@ -151,13 +148,13 @@ class ZeroPhaseButterworth:
 def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> Array:
     """q^delta: (q^delta e)(t) = e(t + delta), shape (N, n). Thesis (8.12), (9.2).
 
-    delta > 0 looks ahead. What is shifted in beyond the record is said by `end`.
+    delta > 0 looks ahead. `end` sets the samples that are moved in beyond the record.
     """
     n_samples = len(signal)
     deltas = as_tuple(delta)
     check_columns("delta", delta, signal.shape[1])
     check_shift(delta, n_samples)
-    # One gather serves all columns: row index for each (sample, column).
+    # Row index of each (sample, column).
     source = np.arange(n_samples)[:, None] + np.asarray(deltas)
     shifted = np.take_along_axis(
         signal, np.broadcast_to(source.clip(0, n_samples - 1), signal.shape), axis=0
@@ -168,7 +165,7 @@ def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> A
 
 
 def check_shift(delta: int | tuple[int, ...], n_samples: int) -> None:
-    """Raise ValueError if a shift leaves nothing of a record."""
+    """Raise ValueError if a shift is as long as the record."""
     for value in as_tuple(delta):
         if abs(value) >= n_samples:
             raise ValueError(
@@ -193,7 +190,7 @@ Section = tuple[Array, Array]
 
 
 def butterworth(cutoff: float, sample_time: float, order: int) -> list[Section]:
-    """A low-pass as sections of order 2 or 1: bilinear transform, prewarped at the cutoff.
+    """Low-pass as sections of order 2 or 1: bilinear transform, prewarped at the cutoff.
 
     Sections, because the coefficients of one high-order polynomial lose digits at low cutoffs.
     """
@@ -214,7 +211,7 @@ def butterworth(cutoff: float, sample_time: float, order: int) -> list[Section]:
 
 
 def _one_pass(sections: list[Section], signal: Array, from_steady_state: bool) -> Array:
-    """Filter forwards, from rest or as if the first sample had been there forever."""
+    """Filter forwards, from rest or from the steady state of the first sample."""
     offset = signal[0] if from_steady_state else 0.0
     filtered = signal - offset
     for b, a in sections:
@@ -226,9 +223,9 @@ def recursion(b: Array, a: Array, signal: Array) -> Array:
     """Filter b/a along the first axis of a signal (N, n); powers of q^-1, a[0] = 1.
 
     The recursion is a banded triangular system of equations, which LAPACK solves for all columns
-    at once in O(N). scipy.signal has the same but takes most of a second to import.
+    at once in O(N). scipy.signal has the same filter but imports in most of a second.
     """
-    from scipy.linalg import lapack  # here: 0.1 s that importing a law should not cost
+    from scipy.linalg import lapack  # imported here, for it costs 0.1 s
 
     n_samples = len(signal)
     moving_average = b[0] * signal

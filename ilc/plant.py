@@ -1,4 +1,4 @@
-"""What ILC knows of the world: something that runs a correction and returns what came out."""
+"""Interface between learning and a plant: a correction in, the measured output back."""
 
 from typing import Protocol, TypeVar
 
@@ -13,8 +13,8 @@ Result_co = TypeVar("Result_co", covariant=True)
 class Plant(Protocol[Result_co]):
     """One repetition of the task, always from the same initial state.
 
-    `run` returns the measured output, shape (N, n), or any record that holds it; in the second
-    case the learning loop is told how to read the output from the record.
+    `run` returns the measured output, shape (N, n), or a record that holds it; for a record, the
+    learning loop is given a function that reads the output from it.
     """
 
     def run(self, correction: Array, /) -> Result_co:
@@ -23,10 +23,9 @@ class Plant(Protocol[Result_co]):
 
 
 def as_record(signal: ArrayLike, name: str) -> Array:
-    """A finite signal of shape (N, n), time along the first axis.
+    """Signal as a non-empty, finite array of shape (N, n), time along the first axis.
 
-    Raises:
-        ValueError: wrong number of axes, an empty record or a value that is not finite.
+    Raises ValueError, with `name`, for any other signal.
     """
     values = np.asarray(signal, dtype=np.float64)
     if values.ndim != 2 or 0 in values.shape:

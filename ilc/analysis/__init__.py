@@ -1,4 +1,4 @@
-"""Will it converge, how fast, and to what: before the robot is touched."""
+"""Convergence analysis of a learning law: criterion, asymptotic error, finite records, design."""
 
 from .asymptotic import asymptotic_error as asymptotic_error
 from .criterion import Criterion as Criterion

@@ -1,4 +1,4 @@
-"""The error that learning leaves, in the frequency domain. Thesis (7.7), (8.17)."""
+"""Asymptotic error of learning in the frequency domain. Thesis (7.7), (8.17)."""
 
 import numpy as np
 
@@ -14,12 +14,11 @@ def asymptotic_error(
     """e_inf of u_{k+1} = Q(u_k + L e_k), shape (N, n), from e_0, the error without correction.
 
     E_inf = (1 - Q) E_0 / (1 - Q (1 - T_u L)). A repeating load w is part of e_0 = e - T_w w.
-    The record is taken for one period; n_padding zeros behind it stand for a record that begins
+    The record is treated as one period; n_padding zeros after it represent a record that begins
     and ends at rest.
 
     Raises:
-        ValueError: where the denominator vanishes, that is, where nothing is learned and nothing
-            forgotten.
+        ValueError: if the denominator vanishes at a frequency, which then has no limit.
     """
     n_samples = len(first_error)
     length = n_samples + n_padding

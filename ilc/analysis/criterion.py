@@ -1,7 +1,7 @@
-"""The frequency-domain criterion |1 - L T_u| < 1/|Q|, and the largest gamma and cutoff it admits.
+"""Frequency-domain convergence criterion |1 - L T_u| < 1/|Q|; largest admissible gamma and cutoff.
 
-It promises that ||e_k - e_inf|| shrinks in every iteration, on records without ends. (The
-thesis says e_k itself, which holds only for Q = 1.)  Thesis (7.5), (8.13), (9.13).
+It is sufficient for ||e_k - e_inf|| to shrink in every iteration on infinite records. (The thesis
+states this for e_k itself, which holds only for Q = 1.)  Thesis (7.5), (8.13), (9.13).
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from ..filters import RecordFilter, ZeroPhaseButterworth
 from ..models.system import Complex, System, require_stable, unit_circle
 
 LOWEST = 1e-4
-"""Lowest frequency of a grid, as a part of the Nyquist frequency."""
+"""Lowest frequency of a grid, relative to the Nyquist frequency."""
 
 
 def frequency_grid(n: int = 2000) -> Array:
@@ -36,7 +36,7 @@ def shift_response(gamma: float, delta: int, omega: ArrayLike) -> Complex:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Criterion:
-    """Both sides of the criterion over frequency, and the verdict."""
+    """Both sides of the criterion over frequency, and whether it is met."""
 
     omega: Array
     """(M,) [rad/sample]."""
@@ -67,7 +67,7 @@ class Criterion:
 
 
 def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion:
-    """The criterion from responses of T_u, L and Q at omega, shape (M,) each.
+    """Criterion from the responses of T_u, L and Q at omega, shape (M,) each.
 
     With several motors, responses of shape (M, n, n) (Q: (M,) or (M, n)): |.| becomes the largest
     singular value of Q (I - T_u L), and `q` is then 1.
@@ -78,20 +78,14 @@ def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion
     q = q[:, None, None] if q.ndim == 1 else q[:, :, None]
     iteration = q * (np.eye(T_u.shape[1]) - T_u @ L)
     return Criterion(
-        omega=omega,
-        learning=np.linalg.norm(iteration, ord=2, axis=(1, 2)),
-        q=np.ones(len(omega)),
+        omega=omega, learning=np.linalg.norm(iteration, ord=2, axis=(1, 2)), q=np.ones(len(omega))
     )
 
 
 def heuristic_criterion(
     T_u: System, gamma: float, delta: int, Q: RecordFilter, omega: Array | None = None
 ) -> Criterion:
-    """The criterion of L = gamma q^delta.
-
-    Raises:
-        ValueError: for an unstable T_u.
-    """
+    """Criterion for L = gamma q^delta. Raises ValueError for an unstable T_u."""
     require_stable(T_u, "T_u")
     omega = frequency_grid() if omega is None else omega
     return criterion(
@@ -109,8 +103,8 @@ def largest_gamma(
 ) -> Array:
     """Supremum of the gains that meet the criterion, shape (n_deltas, n_cutoffs).
 
-    cutoffs: [Hz] of a zero-phase Butterworth Q; None stands for Q = 1, one column. The admissible
-    gains are the interval from 0 to this value. 0: no gain at all does.
+    cutoffs: [Hz] of a zero-phase Butterworth Q; None: Q = 1, one column. The admissible gains are
+    the interval from 0 to this value; 0: no gain is admissible.
 
     With z = e^{j omega delta} T_u and r = 1/Q^2 - 1 >= 0, |1 - gamma z|^2 < 1 + r is a quadratic
     inequality in gamma, solved by 0 < gamma < (Re z + sqrt(Re^2 z + |z|^2 r)) / |z|^2; the
@@ -119,7 +113,7 @@ def largest_gamma(
     require_stable(T_u, "T_u")
     omega = frequency_grid(n_frequencies)
     response = T_u.response(omega)
-    size = np.maximum(np.abs(response), 1e-150)  # a zero on the unit circle bounds nothing
+    size = np.maximum(np.abs(response), 1e-150)  # a zero on the unit circle is no bound
     cosine = np.cos(np.angle(response) + np.multiply.outer(np.asarray(deltas, float), omega))
     if cutoffs is None:
         return np.maximum((cosine + np.abs(cosine)) / size, 0.0).min(axis=1)[:, None]
@@ -129,8 +123,8 @@ def largest_gamma(
     for column, cutoff in enumerate(np.atleast_1d(cutoffs)):
         Q = ZeroPhaseButterworth(float(cutoff), T_u.sample_time, order).response(omega)
         r = 1.0 / np.square(np.maximum(Q, 1e-150)) - 1.0
-        # Whatever delta, a frequency cannot bound gamma below (sqrt(1 + r) - 1) / |T_u|: where
-        # this exceeds the bound at rest, it need not be looked at.
+        # For any delta a frequency bounds gamma at (sqrt(1 + r) - 1) / |T_u| or above: frequencies
+        # for which this exceeds the bound at rest are skipped.
         near = np.flatnonzero((np.sqrt(1.0 + r) - 1.0) / size < at_rest)
         stop = near[-1] + 1 if near.size else 1
         gamma = squared[:, :stop] + r[:stop]
@@ -146,9 +140,9 @@ def largest_cutoff(
 ) -> float:
     """Supremum of the cutoffs [Hz] of a zero-phase Butterworth Q that meet the criterion.
 
-    Infinity if even Q = 1 does; 0 if no cutoff does. Closed form as well: at each frequency where
-    |1 - L T_u| > 1 the Butterworth's 1/|Q| = 1 + (t/t_c)^(2 order), t = tan(omega/2), must exceed
-    it, which bounds t_c.
+    Infinity if Q = 1 is admissible; 0 if no cutoff is. Closed form: at each frequency with
+    |1 - L T_u| > 1, 1/|Q| = 1 + (t/t_c)^(2 order), t = tan(omega/2), must exceed it, which bounds
+    t_c.
     """
     require_stable(T_u, "T_u")
     omega = frequency_grid(n_frequencies)[:-1]  # at the Nyquist frequency itself Q is 0

@@ -1,8 +1,7 @@
-"""The iteration on a finite record, with the real edges of its filters: plain matrices.
+"""Lifted (matrix) form of the iteration on a finite record, edges of its filters included.
 
-One record (N, n) is one vector of N n numbers, sample by sample, motors within a sample. T_u is
-then lower block-triangular Toeplitz and a law is a pair of matrices. For records up to a few
-thousand numbers.
+A record (N, n) is one vector of N n numbers, sample by sample, motors within a sample. T_u is
+lower block-triangular Toeplitz and a law is a pair of matrices. For up to a few thousand numbers.
 """
 
 from dataclasses import dataclass
@@ -30,10 +29,7 @@ def lifted_system(T_u: Model, n_samples: int, n_columns: int = 1) -> Array:
 
 
 def lifted_law(law: FirstOrderLaw, n_samples: int, n_columns: int = 1) -> tuple[Array, Array]:
-    """(M_u, M_e) with u_{k+1} = M_u u_k + M_e e_k, whatever the law does at its edges.
-
-    Column by column: what the law makes of a one at each sample of each motor.
-    """
+    """(M_u, M_e) with u_{k+1} = M_u u_k + M_e e_k, from the law's response to unit vectors."""
     size = n_samples * n_columns
     zero = np.zeros((n_samples, n_columns))
     units = np.eye(size).reshape(size, n_samples, n_columns)
@@ -60,12 +56,12 @@ class LiftedIteration:
 
     @property
     def iteration(self) -> Array:
-        """M_u - M_e T: what one iteration does to the distance from the fixed point."""
+        """M_u - M_e T: maps the distance from the fixed point over one iteration."""
         return self.M_u - self.M_e @ self.T
 
     @property
     def spectral_radius(self) -> float:
-        """Below 1: the iteration converges, perhaps after a long transient."""
+        """Spectral radius; below 1 the iteration converges, perhaps after a long transient."""
         return float(np.abs(np.linalg.eigvals(self.iteration)).max())
 
     @property
@@ -74,11 +70,7 @@ class LiftedIteration:
         return float(np.linalg.norm(self.iteration, ord=2))
 
     def fixed_point(self, first_error: Array) -> tuple[Array, Array]:
-        """(u_inf, e_inf) for the error without correction, shape (N, n) each.
-
-        Raises:
-            ValueError: if the iteration has no fixed point.
-        """
+        """(u_inf, e_inf), (N, n) each, from e_0 with u = 0. ValueError if none exists."""
         matrix = np.eye(len(self.T)) - self.iteration
         e_0 = np.asarray(first_error).ravel()
         try:
@@ -89,10 +81,9 @@ class LiftedIteration:
         return u.reshape(shape), (e_0 - self.T @ u).reshape(shape)
 
     def transient_growth(self, iterations: ArrayLike) -> Array:
-        """||iteration^k||_2 at the given k: how far a transient can lift the distance.
+        """Lower bound of ||iteration^k||_2 at the given k: the growth of a transient.
 
-        Bounded from above and below within a factor sqrt(N) by the Frobenius norm, which is what
-        is computed, divided by sqrt(N) so that it never overstates.
+        The Frobenius norm over sqrt(N), which is within a factor sqrt(N) of the 2-norm.
         """
         norms = [
             np.linalg.norm(np.linalg.matrix_power(self.iteration, int(k)))

@@ -1,6 +1,9 @@
-"""A first design from a model and a wanted bandwidth, with one sentence on what to expect."""
+"""Heuristic design proposed from a model of T_u: gain and shift for a bandwidth, or for the
+highest of several, with one sentence on the expected convergence."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,44 +22,58 @@ from .criterion import (
 
 SLOWEST = 0.99
 """Contraction an iteration beyond which a design counts as infeasible: 300 iterations to 5 %."""
+FAST_ENOUGH = 0.5
+"""Contraction an iteration at or below which `design_for` offers the next higher cutoff."""
+TRUSTED_FIT = 0.8
+"""Fit of a model below which `design_for` keeps to the lowest cutoff."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Proposal:
-    """Design variables of the heuristic law, and what the criterion says about them."""
+    """Design variables of the heuristic law with their convergence criterion."""
 
-    law: Heuristic
+    T_u: System
+    """Model that the design was made for."""
+    Q: ZeroPhaseButterworth
     gamma: float
     delta: int
-    cutoff: float
-    """[Hz]."""
-    T_u: System
-    """The model it was made for."""
     criterion: Criterion
     largest_gamma: float
-    """At this shift and cutoff."""
-    largest_cutoff: float
-    """At this gain and shift [Hz]; infinity: Q = 1 would do."""
+    """Supremum of the admissible gains at this shift and cutoff."""
+
+    @property
+    def law(self) -> Heuristic:
+        return Heuristic(Q=self.Q, gamma=self.gamma, delta=self.delta)
+
+    @property
+    def cutoff(self) -> float:
+        """Cutoff of Q [Hz]."""
+        return float(np.max(self.Q.cutoff))
+
+    @cached_property
+    def largest_cutoff(self) -> float:
+        """Supremum of the cutoffs at this gain and shift [Hz]; infinity: Q = 1 is admissible."""
+        return largest_cutoff(self.T_u, self.gamma, self.delta, order=self.Q.order)
 
     @property
     def contraction(self) -> float:
-        """||e_k - e_inf|| shrinks at least by this factor in every iteration."""
+        """Factor by which ||e_k - e_inf|| shrinks at least in every iteration."""
         return self.criterion.contraction
 
     @property
     def iterations_to_5_percent(self) -> int:
-        """After which the distance to the limit is at most 5 % of what it was."""
+        """Iterations after which ||e_k - e_inf|| is at most 5 % of its first value."""
         return max(1, int(np.ceil(np.log(0.05) / np.log(max(self.contraction, 1e-300)))))
 
-    def left_over(self, frequency: float) -> float:
-        """|e_inf| / |e_0| at a frequency [Hz], the part that is never learned."""
+    def residual(self, frequency: float) -> float:
+        """|e_inf| / |e_0| at a frequency [Hz]: the fraction of the error that is never learned."""
         omega = 2.0 * np.pi * frequency * self.T_u.sample_time
-        q = self.law.Q.response(omega)
+        q = self.Q.response(omega)
         LT = shift_response(self.gamma, self.delta, omega) * self.T_u.response(omega)
         return float(np.abs((1.0 - q) / (1.0 - q * (1.0 - LT))))
 
     def sentence(self) -> str:
-        """What is predicted, and what limits it."""
+        """Predicted convergence and the limit of the design, for a person."""
         at = float(hertz(self.criterion.limiting_omega, self.T_u.sample_time))
         half = 0.5 * self.cutoff
         limit = (
@@ -68,7 +85,7 @@ class Proposal:
             f"With gamma = {self.gamma:.3g}, delta = {self.delta} and a cutoff of "
             f"{self.cutoff:.3g} Hz the distance to the final error shrinks at least by "
             f"{self.contraction:.3g} in every iteration, to 5 % within "
-            f"{self.iterations_to_5_percent}, and {100 * self.left_over(half):.2g} % of the error "
+            f"{self.iterations_to_5_percent}, and {100 * self.residual(half):.2g} % of the error "
             f"at {half:.3g} Hz stays; the slowest frequency is {at:.3g} Hz, and {limit}."
         )
 
@@ -78,83 +95,86 @@ def propose(
     bandwidth: float,
     *,
     deltas: range = range(-5, 51),
-    share: float = 0.6,
+    fraction: float = 0.6,
     order: int = 2,
 ) -> Proposal:
     """Gain and shift for a zero-phase Butterworth Q with its cutoff at `bandwidth` [Hz].
 
     The shift is the one whose iteration contracts fastest; the gain is 1/|T_u(0)|, at most
-    `share` of the largest admissible one, so that a model error of 1/share in gain is survived.
+    `fraction` of the largest admissible one, which leaves a gain margin of 1/fraction.
 
     Raises:
         ValueError: an unstable T_u, a bandwidth beyond Nyquist, or an infeasible design: no
-            shift in `deltas` contracts by `SLOWEST`. The message says which bandwidth would do.
+            shift in `deltas` contracts by `SLOWEST`. The message states the feasible bandwidth.
     """
     require_stable(T_u, "T_u")
     if T_u.static_gain <= 0.0:
         raise ValueError(
             f"the static gain of T_u must be > 0, as gamma must, got {T_u.static_gain:.3g}"
         )
-    if not 0.0 < share < 1.0:
-        raise ValueError(f"share must be in (0, 1), got {share}")
-    found = _candidates(T_u, bandwidth, deltas, share, order)
+    if not 0.0 < fraction < 1.0:
+        raise ValueError(f"fraction must be in (0, 1), got {fraction}")
+    found = _candidates(T_u, bandwidth, deltas, fraction, order)
     if not found:
-        feasible = _largest_bandwidth(T_u, bandwidth, deltas, share, order)
+        feasible = _largest_bandwidth(T_u, bandwidth, deltas, fraction, order)
         raise ValueError(
             f"infeasible design: with a cutoff of {bandwidth:g} Hz no shift from {deltas[0]} to "
             f"{deltas[-1]} contracts by {SLOWEST:g} an iteration; up to {feasible:.3g} Hz one does"
         )
     # Fastest first; among nearly equal ones the shift with the widest admissible gain.
-    fastest = min(candidate.criterion.contraction for candidate in found)
-    near = [c for c in found if c.criterion.contraction <= fastest + 0.005]
-    best = max(near, key=lambda candidate: candidate.largest_gamma)
-    return Proposal(
-        law=Heuristic(
-            Q=ZeroPhaseButterworth(bandwidth, T_u.sample_time, order),
-            gamma=best.gamma,
-            delta=best.delta,
-        ),
-        gamma=best.gamma,
-        delta=best.delta,
-        cutoff=bandwidth,
-        T_u=T_u,
-        criterion=best.criterion,
-        largest_gamma=best.largest_gamma,
-        largest_cutoff=largest_cutoff(T_u, best.gamma, best.delta, order=order),
-    )
+    fastest = min(candidate.contraction for candidate in found)
+    near = [candidate for candidate in found if candidate.contraction <= fastest + 0.005]
+    return max(near, key=lambda candidate: candidate.largest_gamma)
 
 
-@dataclass(frozen=True, eq=False)
-class _Candidate:
-    gamma: float
-    delta: int
-    largest_gamma: float
-    criterion: Criterion
+def design_for(
+    T_u: System, cutoffs: Sequence[float], *, fit: float = 1.0, deltas: range = range(13)
+) -> Proposal:
+    """Proposal with the highest of the cutoffs [Hz, rising] up to which designs are fast enough.
+
+    fit: of T_u to its data; below `TRUSTED_FIT` only the lowest cutoff is offered. Raises
+    ValueError if no shift contracts at the lowest cutoff.
+    """
+    offered = cutoffs if fit >= TRUSTED_FIT else cutoffs[:1]
+    best = propose(T_u, offered[0], deltas=deltas)
+    for cutoff in offered[1:]:
+        try:
+            higher = propose(T_u, cutoff, deltas=deltas)
+        except ValueError:  # no shift contracts at this cutoff, nor at a higher one
+            break
+        if higher.contraction > FAST_ENOUGH:
+            break
+        best = higher
+    return best
 
 
 def _candidates(
-    T_u: System, bandwidth: float, deltas: range, share: float, order: int
-) -> list[_Candidate]:
-    """One for each shift that contracts fast enough."""
+    T_u: System, bandwidth: float, deltas: range, fraction: float, order: int
+) -> list[Proposal]:
+    """One proposal for each shift that contracts fast enough."""
     Q, omega = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order), frequency_grid()
     limits = largest_gamma(T_u, deltas, [bandwidth], order=order)[:, 0]
     found = []
-    for delta, limit in zip(deltas, limits, strict=True):
-        gamma = float(min(1.0 / T_u.static_gain, share * limit))
+    for delta, limit in zip(deltas, limits.tolist(), strict=True):
+        gamma = float(min(1.0 / T_u.static_gain, fraction * limit))
         result = heuristic_criterion(T_u, gamma, delta, Q, omega)
         if result.contraction <= SLOWEST:
-            found.append(_Candidate(gamma, delta, float(limit), result))
+            found.append(
+                Proposal(
+                    T_u=T_u, Q=Q, gamma=gamma, delta=delta, criterion=result, largest_gamma=limit
+                )
+            )
     return found
 
 
 def _largest_bandwidth(
-    T_u: System, infeasible: float, deltas: range, share: float, order: int
+    T_u: System, infeasible: float, deltas: range, fraction: float, order: int
 ) -> float:
-    """[Hz] below an infeasible bandwidth, to 1 %."""
+    """Largest feasible bandwidth [Hz] below an infeasible one, to 1 %."""
     low, high = 0.0, infeasible
     while high - low > 0.01 * high and high > 1e-3 * infeasible:
         middle = 0.5 * (low + high)
-        if _candidates(T_u, middle, deltas, share, order):
+        if _candidates(T_u, middle, deltas, fraction, order):
             low = middle
         else:
             high = middle

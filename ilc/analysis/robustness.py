@@ -1,61 +1,44 @@
-"""How far the two-mass joint may differ from its model before a design fails."""
+"""Robustness of a heuristic design to the parameters of the two-mass joint."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..filters import RecordFilter
-from ..models.two_mass import TwoMassJoint, TwoMassLoop
+from ..filters import as_tuple
+from ..laws.heuristic import Heuristic
+from ..models.two_mass import TwoMassLoop
 from .criterion import frequency_grid, heuristic_criterion
 
 PARAMETERS = ("k", "d", "Ja", "Jm", "fm", "kt")
-"""What is uncertain; the gear ratio is not."""
+"""Uncertain parameters of `TwoMassJoint`; the gear ratio is exact."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Design:
-    """Gain, shift and filter of the heuristic law."""
-
-    gamma: float
-    delta: int
-    Q: RecordFilter
-
-
-def contraction(loop: TwoMassLoop, design: Design, omega: Array | None = None) -> float:
+def contraction(loop: TwoMassLoop, law: Heuristic, omega: Array | None = None) -> float:
     """sup |Q| |1 - L T_u| on the motor side; infinity if the feedback loop itself is unstable."""
+    (gamma,), (delta,) = as_tuple(law.gamma), as_tuple(law.delta)
     try:
-        T_u = loop.T_motor
-        return heuristic_criterion(T_u, design.gamma, design.delta, design.Q, omega).contraction
+        return heuristic_criterion(loop.T_motor, gamma, int(delta), law.Q, omega).contraction
     except ValueError:
         return np.inf
 
 
 def contraction_map(
-    loop: TwoMassLoop,
-    design: Design,
-    first: tuple[str, ArrayLike],
-    second: tuple[str, ArrayLike],
+    loop: TwoMassLoop, law: Heuristic, first: tuple[str, ArrayLike], second: tuple[str, ArrayLike]
 ) -> Array:
-    """Contraction over two parameters of the true joint, each a name and factors on it.
+    """Contraction over two parameters of the actual joint, each a name and factors on it.
 
     Shape (factors of the first, factors of the second).
     """
     omega = frequency_grid(800)
-    (name_1, factors_1), (name_2, factors_2) = (
-        (name, np.asarray(factors, dtype=np.float64)) for name, factors in (first, second)
-    )
-    return np.array(
-        [
-            [
-                contraction(_scaled(loop, {name_1: f_1, name_2: f_2}), design, omega)
-                for f_2 in factors_2
-            ]
-            for f_1 in factors_1
-        ]
-    )
+
+    def at(factor_1: float, factor_2: float) -> float:
+        return contraction(_scaled(loop, {first[0]: factor_1, second[0]: factor_2}), law, omega)
+
+    rows, columns = (np.asarray(factors, dtype=np.float64) for _, factors in (first, second))
+    return np.array([[at(row, column) for column in columns] for row in rows])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,18 +51,18 @@ class MonteCarlo:
     """(n, number of parameters), in the order of `PARAMETERS`."""
 
     @property
-    def share_converging(self) -> float:
+    def fraction_converging(self) -> float:
         return float((self.contraction < 1.0).mean())
 
     def most_harmful(self) -> str:
-        """The parameter whose deviation goes along best with the contraction."""
+        """Parameter whose deviation has the largest rank correlation with the contraction."""
         order = np.argsort(np.argsort(self.contraction))
         deviations = np.abs(np.log(self.factors))
         return PARAMETERS[int(np.argmax(np.abs(np.corrcoef(deviations.T, order)[-1, :-1])))]
 
 
 def monte_carlo(
-    loop: TwoMassLoop, design: Design, spread: float, n: int, rng: np.random.Generator
+    loop: TwoMassLoop, law: Heuristic, spread: float, n: int, rng: np.random.Generator
 ) -> MonteCarlo:
     """n joints with every parameter multiplied by exp(uniform(-s, s)), s = log(1 + spread)."""
     if not spread > 0.0 or n < 1:
@@ -88,24 +71,18 @@ def monte_carlo(
     factors = np.exp(rng.uniform(-width, width, (n, len(PARAMETERS))))
     omega = frequency_grid(800)
     values = [
-        contraction(_scaled(loop, dict(zip(PARAMETERS, row, strict=True))), design, omega)
+        contraction(_scaled(loop, dict(zip(PARAMETERS, row, strict=True))), law, omega)
         for row in factors
     ]
     return MonteCarlo(contraction=np.array(values), factors=factors)
 
 
 def _scaled(loop: TwoMassLoop, factors: dict[str, float]) -> TwoMassLoop:
-    """The loop around another joint; controller and reference filter stay as designed."""
+    """Loop around another joint; controller and reference filter stay as designed."""
     for name in factors:
         if name not in PARAMETERS:
             raise ValueError(f"Unknown parameter {name!r}. Parameters: {', '.join(PARAMETERS)}")
     joint = loop.joint
-    values = {name: getattr(joint, name) * factors.get(name, 1.0) for name in PARAMETERS}
-    other = TwoMassJoint(rg=joint.rg, **values)
-    return TwoMassLoop(
-        joint=other,
-        controller=loop.controller,
-        reference_model=loop.reference_model or joint,
-        arm_reading=loop.arm_reading,
-        sample_time=loop.sample_time,
-    )
+    scaled = {name: getattr(joint, name) * factor for name, factor in factors.items()}
+    other = replace(joint, **scaled)
+    return replace(loop, joint=other, reference_model=loop.reference_model or joint)

@@ -1,6 +1,6 @@
-"""Estimation from noisy records: filters, smoothers, identification, consistency. Row F03.
+"""State estimation from noisy records: Kalman filters, smoothers, prediction error, consistency.
 
-Signals are records (N, p), time along the first axis; NaN rows are missing. Generic mathematics:
-what is estimated, and of which robot, is said by the models that are handed in. The modules are
-imported one by one, since filters bring numba and identification does not.
+Signals are records (N, p), time along the first axis; NaN rows are missing. The models passed in
+define the states and the robot. Modules are imported one by one: filters need numba,
+identification does not. Row F03 of docs/thesis.md.
 """

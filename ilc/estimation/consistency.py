@@ -1,8 +1,8 @@
-"""Whether a filter is right about its own errors: NEES, NIS and whiteness.
+"""Consistency tests of a Kalman filter: NEES, NIS and whiteness of the innovations.
 
-An innovation e of covariance S makes NIS = e^T S^-1 e, chi-squared with as many degrees of freedom
-as e has entries; an estimation error makes NEES the same way with the filter's P. Innovations of a
-correct model are white: no sample says anything of the next.
+NIS = e^T S^-1 e of an innovation e with covariance S is chi-squared with as many degrees of
+freedom as e has entries; NEES likewise of an estimation error with the filter's P. Innovations of
+a correct model are white.
 """
 
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from armside.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Whiteness:
-    """Verdict on whitened innovations."""
+    """Whiteness test of normalised innovations."""
 
     rms: Array
-    """(p,), 1 for a right model. Above: the model explains too little; below: too much trust."""
+    """(p,), 1 for a correct model; above 1 the filter is optimistic, below 1 conservative."""
     correlation: Array
     """(lags, p), autocorrelation at lags 1, 2, ..."""
     p_value: Array
-    """(p,), of the Ljung-Box test: small where the correlations are no accident."""
+    """(p,), p-value of the Ljung-Box test; small if the correlations are significant."""
 
     @property
     def is_white(self) -> bool:
-        """No channel fails at 1 %, shared among the channels, and none is off by more than half."""
+        """No channel rejected at 1 % (Bonferroni over channels), and every RMS at most 1.5."""
         enough = self.p_value.min() >= 0.01 / len(self.p_value)
         return bool(enough and self.rms.max() <= 1.5)
 
 
 def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
-    """Of whitened innovations (N, p); rows that are missing are left out."""
+    """Whiteness test of normalised innovations (N, p); missing rows are omitted."""
     from scipy.special import gammaincc
 
     e = innovation[np.isfinite(innovation).all(axis=1)]
@@ -51,12 +51,12 @@ def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
 
 
 def normalised_squared(error: Array, covariance: Array) -> Array:
-    """NEES or NIS of each sample, (N,): errors (N, p), covariances (N, p, p) or (1, p, p)."""
+    """NEES or NIS of each sample, (N,), from errors (N, p), covariances (N, p, p) or (1, p, p)."""
     return np.einsum("ij,ij->i", error, np.linalg.solve(covariance, error[:, :, None])[:, :, 0])
 
 
 def bounds(n_samples: int, n_entries: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Within which the mean of n_samples NEES or NIS lies, if the filter is consistent."""
+    """Confidence interval of the mean of n_samples NEES or NIS of a consistent filter."""
     from scipy.special import gammaincinv
 
     half_dof = 0.5 * n_samples * n_entries

@@ -1,4 +1,4 @@
-"""Extended Kalman filter and smoother: the model is linearised anew at every sample."""
+"""Extended Kalman filter and smoother, linearised at every sample."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,20 +8,20 @@ import numpy as np
 from armside.arrays import Array
 
 Step = Callable[[int, Array], tuple[Array, Array]]
-"""(i, x): the state one step after x at i, and its Jacobian (n, n)."""
+"""(i, x) to the state at i + 1 and its Jacobian (n, n)."""
 Measurement = Callable[[int, Array], tuple[Array, Array]]
-"""(i, x): what is read at i in state x, (p,), and its Jacobian (p, n)."""
+"""(i, x) to the measurement at i, (p,), and its Jacobian (p, n)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ExtendedResult:
-    """States (N, n) with covariances (N, n, n), filtered and smoothed."""
+    """Filtered and smoothed states (N, n), innovations and covariances."""
 
     filtered: Array
     filtered_covariance: Array
     smoothed: Array
     innovation: Array
-    """(N, p); NaN where nothing was measured."""
+    """(N, p); NaN where the measurement is missing."""
     innovation_covariance: Array
     """(N, p, p)."""
 
@@ -35,9 +35,9 @@ def extended(
     start: Array,
     start_covariance: Array,
 ) -> ExtendedResult:
-    """Filter forwards, then smooth backwards (Rauch, Tung, Striebel).
+    """Extended Kalman filter forwards, then Rauch-Tung-Striebel smoother backwards.
 
-    y: (N, p), a row of NaN where nothing was measured: readings may be slower than the steps.
+    y: (N, p), a row of NaN where the measurement is missing, such as between slower samples.
     """
     n_samples, n, p = len(y), len(start), y.shape[1]
     filtered, covariance = np.empty((n_samples, n)), np.empty((n_samples, n, n))
@@ -52,8 +52,8 @@ def extended(
             K = np.linalg.solve(S, C @ P).T
             innovation[i], S_all[i] = y[i] - predicted, S
             x = x + K @ innovation[i]
-            left = np.eye(n) - K @ C
-            P = left @ P @ left.T + K @ R @ K.T
+            I_KC = np.eye(n) - K @ C
+            P = I_KC @ P @ I_KC.T + K @ R @ K.T
         filtered[i], covariance[i] = x, P
         x, A = step(i, x)
         P = A @ P @ A.T + Q

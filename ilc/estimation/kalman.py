@@ -1,8 +1,8 @@
-"""Kalman filter and fixed-interval smoother (Rauch, Tung, Striebel) of a sampled linear process.
+"""Kalman filter and fixed-interval (Rauch-Tung-Striebel) smoother of a sampled linear process.
 
 The covariances do not depend on the data: `Smoother` computes all gains once and then costs one
-recursion forwards and one backwards a record. Samples that are missing are predicted over; which
-ones they are belongs to the set-up.
+recursion forwards and one backwards a record. Missing samples are predicted; they are fixed when
+the gains are computed.
 """
 
 from dataclasses import dataclass, field
@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .process import Process, settled
+from .process import Process, steady_state_covariance
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Filtered:
-    """What a filter leaves of a record of N samples."""
+    """Innovations of a record of N samples."""
 
     innovation: Array
-    """(N, p), measured minus predicted; NaN where nothing was measured."""
+    """(N, p), measured minus predicted; NaN where the measurement is missing."""
     innovation_covariance: Array
-    """(N, p, p), or (1, p, p) once settled."""
+    """(N, p, p), or (1, p, p) in steady state."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,13 +34,13 @@ class Smoothed(Filtered):
     smoothed: Array
 
 
-class SettledFilter:
-    """The filter with the gain at which it settles: one recursion, and the cheapest set-up."""
+class SteadyStateFilter:
+    """Kalman filter with the steady-state gain: one recursion, and the cheapest set-up."""
 
     def __init__(self, process: Process) -> None:
-        """Raises RuntimeError where the filter does not settle."""
+        """Raises RuntimeError if there is no steady state."""
         self.process = process
-        P = settled(process)
+        P = steady_state_covariance(process)
         S = process.C @ P @ process.C.T + process.R
         self.innovation_covariance = 0.5 * (S + S.T)
         self.gain: Array = np.ascontiguousarray(
@@ -63,13 +63,13 @@ class SettledFilter:
 
 @dataclass(frozen=True, eq=False)
 class Smoother:
-    """Gains of filter and smoother for records of N samples with the same rows missing."""
+    """Kalman smoother for records of N samples with the same rows missing."""
 
     process: Process
     start_covariance: Array
-    """(n, n), of the state before the first sample."""
+    """(n, n), covariance of the state before the first sample."""
     seen: NDArray[np.bool_]
-    """(N,), False where nothing was measured."""
+    """(N,), False where the measurement is missing."""
     _gains: tuple[Array, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -80,7 +80,7 @@ class Smoother:
 
     @property
     def filtered_covariance(self) -> Array:
-        """(N, n, n), given the past."""
+        """(N, n, n), given the record up to each sample."""
         return self._gains[3]
 
     @property
@@ -157,9 +157,9 @@ def _covariances(
             PC = P @ C.T
             S = C @ PC + R
             K = np.ascontiguousarray(np.linalg.solve(S, np.ascontiguousarray(PC.T)).T)
-            # Joseph's form stays symmetric and positive whatever the rounding.
-            left = identity - K @ C
-            P = left @ P @ left.T + K @ R @ K.T
+            # Joseph form: symmetric and positive in spite of rounding.
+            I_KC = identity - K @ C
+            P = I_KC @ P @ I_KC.T + K @ R @ K.T
             gain[i], S_all[i] = K, S
         given[i] = P
         P = A @ P @ A.T + Q

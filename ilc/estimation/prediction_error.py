@@ -1,11 +1,11 @@
-"""Parameters of a filter's model from its innovations: the prediction-error method.
+"""Prediction-error method: parameters of a Kalman filter's model from its innovations.
 
     minimise over theta   sum_i e_i^T S^-1 e_i + N log det S + |(theta - prior) / sd|^2
 
-e are the innovations, S their covariance: the negative log-likelihood of the record times two. An
-innovation looks one sample ahead, so that the filter keeps the model in step with the record; a
-fit to the simulated output would fall into a local minimum wherever the two lose count of an
-oscillation. Several starts guard against what minima are left.
+e are the innovations, S their covariance: twice the negative log-likelihood of the record. An
+innovation is a one-step prediction error, so the filter keeps the model in phase with the record; a
+fit of the simulated output has a local minimum for every lost cycle of an oscillation. Several
+starts guard against the remaining minima.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,53 +16,50 @@ import numpy as np
 
 from armside.arrays import Array
 
-_DIFFERENCE = 1e-4  # of a standard deviation of the prior
-_ACCEPTED = 0.05  # fall of the cost below which the search has ended; 1 is one standard deviation
-_FIRST_STEPS, _STEPS = 8, 25  # of every start, and then of the best ones
+_DIFFERENCE = 1e-4  # finite difference, in standard deviations of the prior
+_ACCEPTED = 0.05  # decrease of the cost that ends a search; 1 is one standard deviation
+_FIRST_STEPS, _STEPS = 8, 25  # from every start, then from the best ones
 _KEPT = 3
 
 
 class Whitened(NamedTuple):
-    """Innovations divided by what the model says of them."""
+    """Innovations normalised with the covariance of the model."""
 
     innovation: Array
-    """(N, p), S^-1/2 e: white with unit variance if the model is right."""
+    """(N, p), S^-1/2 e: white with unit variance for a correct model."""
     log_det: float
-    """Of S, each sample."""
+    """log det S of each sample."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
-    """Where the best start led."""
+class ParameterEstimate:
+    """Parameters at the smallest minimum found, with their uncertainty."""
 
     theta: Array
     """(m,)."""
     covariance: Array
-    """(m, m), data and prior together."""
+    """(m, m), posterior covariance of data and prior."""
     information: Array
-    """(m,) in [0, 1]: what the data tell of each parameter; 0 is what the prior said already."""
+    """(m,) in [0, 1]: reduction of each prior variance by the data; 0: no information."""
     cost: float
     innovation: Array
-    """(N, p), whitened, at theta."""
+    """(N, p), normalised, at theta."""
     costs: tuple[float, ...]
-    """Of each start, after its first steps."""
+    """Cost of each start after its first steps."""
 
     @property
     def standard_deviation(self) -> Array:
         return np.sqrt(np.diag(self.covariance))
 
 
-def fit(
-    model: Callable[[Array], Whitened],
-    prior: Array,
-    prior_sd: Array,
-    starts: Sequence[Array],
-) -> Fit:
-    """Search from each start by a few damped Gauss-Newton steps, and on from the best ones.
+def estimate_parameters(
+    model: Callable[[Array], Whitened], prior: Array, prior_sd: Array, starts: Sequence[Array]
+) -> ParameterEstimate:
+    """Minimise the prediction error by damped Gauss-Newton from each start, then from the best.
 
     Args:
-        model: whitened innovations of the record at theta (m,).
-        prior, prior_sd: (m,), what is known beforehand.
+        model: normalised innovations of the record at theta (m,).
+        prior, prior_sd: (m,), mean and standard deviation of the prior.
         starts: each (m,).
 
     Raises:
@@ -78,7 +75,7 @@ def fit(
     residual, J, _ = _linearised(model, prior, prior_sd, theta)
     information = J.T @ J + np.diag(prior_sd**-2.0)
     covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
-    return Fit(
+    return ParameterEstimate(
         theta=theta,
         covariance=covariance,
         information=1.0 - np.diag(covariance) / prior_sd**2,

@@ -1,4 +1,4 @@
-"""Linear, time-invariant models of what is to be estimated, continuous and sampled.
+"""Linear time-invariant state-space models: sampling, simulation, steady-state covariance.
 
 x' = A x + B u + G w        E[w(t) w(s)^T] = W delta(t - s)
 y_i = C x(t_i) + v_i        E[v_i v_i^T] = R
@@ -16,16 +16,16 @@ _SERIES = 12  # terms: 0.5^12 / 12! is far below rounding
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Process:
-    """A sampled process: x_{i+1} = A x_i + w_i, y_i = C x_i + v_i."""
+    """Sampled process x_{i+1} = A x_i + w_i, y_i = C x_i + v_i."""
 
     A: Array
     """(n, n)."""
     Q: Array
-    """(n, n), covariance of w_i."""
+    """(n, n), process noise covariance."""
     C: Array
     """(p, n)."""
     R: Array
-    """(p, p), covariance of v_i."""
+    """(p, p), measurement noise covariance."""
 
     def __post_init__(self) -> None:
         n, p = len(self.A), len(self.C)
@@ -40,10 +40,9 @@ class Process:
 
 
 def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
-    """exp(A h), and the covariance that white noise of intensity GWG leaves after h.
+    """exp(A h), and the process noise covariance of white noise with intensity GWG over h.
 
-    A series over a short step, which is then doubled until it is h:
-    Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
+    A series over a short step d, doubled up to h: Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
     """
     return _sampled_noise(
         np.ascontiguousarray(A), np.ascontiguousarray(GWG), step, _doublings(A * step)
@@ -70,7 +69,7 @@ def _sampled_noise(
 
 
 def first_order_hold(A: Array, B: Array, step: float) -> tuple[Array, Array, Array]:
-    """Ad, B0, B1 of x_{i+1} = Ad x_i + B0 u_i + B1 u_{i+1}: u is linear between samples."""
+    """(Ad, B0, B1) of x_{i+1} = Ad x_i + B0 u_i + B1 u_{i+1}, u linear between samples."""
     n, m = B.shape
     block = np.zeros((n + 2 * m, n + 2 * m))
     block[:n, :n], block[:n, n : n + m] = A * step, B * step
@@ -83,8 +82,8 @@ def first_order_hold(A: Array, B: Array, step: float) -> tuple[Array, Array, Arr
 def exponential(A: Array) -> Array:
     """e^A by scaling and squaring of its series.
 
-    For matrices of this size it is as exact as scipy's and keeps off the threads of LAPACK, whose
-    start-up costs more than the calculation where cores are shared.
+    As accurate as scipy's for small matrices, and without the threads of LAPACK, whose start-up
+    costs more than the calculation on busy cores.
     """
     doublings = _doublings(A)
     scaled = A / 2**doublings
@@ -98,12 +97,12 @@ def exponential(A: Array) -> Array:
 
 
 def _doublings(A: Array) -> int:
-    """How often A is to be halved until its norm is at most a half."""
+    """Number of halvings of A until its norm is at most 1/2."""
     return max(0, int(np.ceil(np.log2(max(2.0 * np.abs(A).sum(axis=1).max(), 1.0)))))
 
 
 def simulate(A: Array, B0: Array, B1: Array, u: Array) -> Array:
-    """x (N, n) of x_{i+1} = A x_i + B0 u_i + B1 u_{i+1} from x_0 = 0."""
+    """State x (N, n) of x_{i+1} = A x_i + B0 u_i + B1 u_{i+1} from x_0 = 0."""
     forcing = np.zeros((len(u), len(A)))
     forcing[1:] = u[:-1] @ B0.T + u[1:] @ B1.T
     return _run(np.ascontiguousarray(A), forcing)
@@ -118,26 +117,27 @@ def _run(A: Array, forcing: Array) -> Array:  # pragma: no cover - compiled
     return x
 
 
-_DOUBLINGS = 40  # 2^40 samples: a bias that wanders very slowly has settled by then
-_SETTLED = 1e-10
+_DOUBLINGS = 40  # 2^40 samples: enough for a bias with a very slow random walk
+_CONVERGED = 1e-10
 
 
-def settled(process: Process) -> Array:
-    """P, shape (n, n), of the one-step prediction error. Each doubling looks twice as far back.
+def steady_state_covariance(process: Process) -> Array:
+    """Steady-state covariance P (n, n) of the one-step prediction error, by a doubling algorithm.
 
-    Raises:
-        RuntimeError: the filter does not settle: a state is neither seen nor stable.
+    Raises RuntimeError if there is none: a state is neither observable nor stable.
     """
     R_C = np.linalg.solve(process.R, process.C)
     H, steps = _doubled(np.ascontiguousarray(process.A.T), process.C.T @ R_C, process.Q)
     if steps == 0:
-        raise RuntimeError("the filter does not settle: a state is neither seen nor stable")
+        raise RuntimeError(
+            "the filter has no steady state: a state is neither observable nor stable"
+        )
     return H
 
 
 @njit(cache=True)
 def _doubled(A: Array, G: Array, H: Array) -> tuple[Array, int]:  # pragma: no cover - compiled
-    """P and the doublings it took, 0 where it does not settle.
+    """P and the number of doublings, 0 without convergence.
 
     P_{k+1} = Q + A (P_k^-1 + C^T R^-1 C)^-1 A^T from P_0 = 0, in steps of 1, 2, 4, ...
     """
@@ -156,6 +156,6 @@ def _doubled(A: Array, G: Array, H: Array) -> tuple[Array, int]:  # pragma: no c
         G = 0.5 * (G + G.T)
         if not np.isfinite(H).all():
             return H, 0
-        if np.abs(grown).max() <= _SETTLED * np.abs(H).max():
+        if np.abs(grown).max() <= _CONVERGED * np.abs(H).max():
             return H, step
     return H, 0

@@ -1,9 +1,9 @@
-"""The smoother of a stationary process in the frequency domain: the non-causal Wiener filter.
+"""Non-causal Wiener filter: the smoother of a stationary process in the frequency domain.
 
     T(w) = S_zy(w) S_yy(w)^-1
 
-with S the spectra of what is wanted, z = Z x, and what is measured, y = C x + v, of x' = A x + G w.
-Exact far from the ends of a record; nothing but products of spectra.
+with S the spectra of the estimated z = Z x and the measured y = C x + v of x' = A x + G w. It is
+exact far from the ends of a record.
 """
 
 from dataclasses import dataclass
@@ -17,26 +17,25 @@ from ..models.system import Complex
 
 @dataclass(frozen=True, eq=False)
 class NonCausal:
-    """z from y of a continuous process."""
+    """Non-causal Wiener filter from y to z of a continuous process."""
 
     A: Array
     """(n, n)."""
     intensity: Array
-    """(n, n), of the white noise on x'."""
+    """(n, n), intensity of the white noise on x'."""
     C: Array
     """(p, n)."""
     Z: Array
-    """(q, n), what is wanted."""
+    """(q, n), z = Z x."""
 
     def response(self, frequency: Array, sample_time: float, R: Array) -> Complex:
         """T, (M, q, p), at frequencies [Hz] below the Nyquist frequency.
 
-        R: (p, p), covariance of v, which sampling spreads over the band as an intensity R h. What
-        of y lies beyond the band is taken to be nothing: its sensor is to have a low-pass.
+        R: (p, p), covariance of v, of intensity R h in the band. y is assumed to be zero beyond
+        the band, as behind an anti-aliasing filter.
         """
-        s = (
-            2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]
-        )  # slow drifts: poles at 0
+        # 1e-3 Hz: above the poles at 0 of slow drifts
+        s = 2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]
         states = np.linalg.inv(s * np.eye(len(self.A)) - self.A)
         spectrum = states @ self.intensity @ np.conj(np.swapaxes(states, 1, 2))
         S_yy = self.C @ spectrum @ self.C.T + R * sample_time
@@ -44,7 +43,7 @@ class NonCausal:
         return S_zy @ np.linalg.inv(S_yy)
 
     def __call__(self, y: Array, sample_time: float, R: Array) -> Array:
-        """z (N, q) from y (N, p), both at rest around zero at the ends."""
+        """z (N, q) from y (N, p), both zero and at rest at the ends."""
         padded = 2 * len(y)
         frequency: Array = np.asarray(np.fft.rfftfreq(padded, sample_time), dtype=np.float64)
         Y = np.fft.rfft(np.nan_to_num(y), padded, axis=0)

@@ -1,1 +1,1 @@
-"""Identification of linear models from records."""
+"""Identification of T_u from records: ARX, output error, learning data."""

@@ -1,4 +1,4 @@
-"""ARX identification of T_u from learning data: fit, order selection and confidence.
+"""ARX identification of T_u: least squares, order selection and confidence.
 
 y(t) + a_1 y(t-1) + ... = b_0 u(t-n_k) + b_1 u(t-n_k-1) + ... + noise. Thesis (9.11), (9.12).
 """
@@ -17,16 +17,16 @@ from ..plant import as_record
 
 
 class Information(Enum):
-    """What an additional coefficient must earn."""
+    """Penalty on the number of coefficients."""
 
     AIC = "aic"
     BIC = "bic"
-    """Costs log(samples) a coefficient: finds the true order from enough data."""
+    """log(samples) a coefficient: consistent order selection."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ArxFit:
-    """An ARX model and how well it is known."""
+    """Identified ARX model and its uncertainty."""
 
     system: System
     na: int
@@ -35,9 +35,9 @@ class ArxFit:
     coefficients: Array
     """(a_1 .. a_na, b_0 .. b_(nb-1))."""
     covariance: Array
-    """Of the coefficients."""
+    """Covariance of the coefficients."""
     noise_variance: float
-    """Of the equation error."""
+    """Variance of the equation error."""
     n_samples: int
 
     @property
@@ -45,7 +45,7 @@ class ArxFit:
         return np.sqrt(np.diag(self.covariance))
 
     def confidence(self, sigmas: float = 1.96) -> Array:
-        """(coefficients, 2): interval of each; 1.96 standard errors hold 95 %."""
+        """(coefficients, 2), confidence interval of each; 1.96 standard errors are 95 %."""
         width = sigmas * self.standard_errors
         return np.column_stack((self.coefficients - width, self.coefficients + width))
 
@@ -60,9 +60,9 @@ class ArxFit:
         return np.sqrt(np.einsum("...i,ij,...j->...", slopes, self.covariance, slopes))
 
     def score(self, criterion: Information) -> float:
-        """Smaller is better."""
-        price = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
-        return self.n_samples * np.log(self.noise_variance) + price * (self.na + self.nb)
+        """Information criterion; the smallest is best."""
+        penalty = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
+        return self.n_samples * np.log(self.noise_variance) + penalty * (self.na + self.nb)
 
 
 def fit_arx(
@@ -77,7 +77,7 @@ def fit_arx(
 ) -> ArxFit:
     """Least-squares fit; u, y: shape (N, m), m experiments from rest, all used together.
 
-    skip: samples left out at the start of each experiment (all orders compared must share it).
+    skip: samples omitted at the start of each experiment; equal for all orders compared.
 
     Raises:
         ValueError: for orders that are negative or too large, or data that do not excite.
@@ -130,26 +130,8 @@ def select_arx(
     nk: Iterable[int] = range(10),
     criterion: Information = Information.BIC,
 ) -> list[ArxFit]:
-    """All fits of the given orders, best first; all see the same samples."""
+    """Fits of all given orders to the same samples, best first."""
     orders = [(i, j, k) for i in na for j in nb for k in nk]
     skip = max(max(i, k + j - 1) for i, j, k in orders)
     fits = [fit_arx(u, y, sample_time, na=i, nb=j, nk=k, skip=skip) for i, j, k in orders]
     return sorted(fits, key=lambda fit: fit.score(criterion))
-
-
-def fit_percent(system: System, u: ArrayLike, y: ArrayLike) -> Array:
-    """100 (1 - ||y - y_sim|| / ||y - mean||), each experiment: simulation, not prediction.
-
-    For validation on data that were not fitted, such as another position of the robot.
-    """
-    u, y = as_record(u, "u"), as_record(y, "y")
-    error = y - system.simulate(u)
-    return 100.0 * (
-        1.0 - np.linalg.norm(error, axis=0) / np.linalg.norm(y - y.mean(axis=0), axis=0)
-    )
-
-
-def learning_data(corrections: list[Array], outputs: list[Array], first: list[Array]) -> tuple:
-    """(u, y) = (sum of u_k, sum of y_k - y_0) over experiments of one length. Thesis (9.11)."""
-    total_u = np.sum(corrections, axis=0)
-    return total_u, np.sum(outputs, axis=0) - np.sum(first, axis=0)

@@ -1,4 +1,4 @@
-"""Learning laws, each a small object that maps (u_k, e_k) to u_{k+1}.
+"""Learning laws: small objects that map (u_k, e_k) to u_{k+1}.
 
 First-order laws are functions `law(u, e)`; every law has `step(u, e, memory)`, which returns the
 next correction and the next memory. Filters L and Q are objects of their own.

@@ -1,4 +1,4 @@
-"""A gain that varies over the iterations and along the trajectory, after Norrloef (2002)."""
+"""Learning gain adapted over the iterations and along the trajectory, after Norrloef (2002)."""
 
 from dataclasses import dataclass
 
@@ -13,20 +13,20 @@ from ..filters import ALL_PASS, RecordFilter
 class Adaptive:
     """u_{k+1} = Q(u_k + kappa_k(t) L e_k), kappa the gain of a Kalman filter over iterations.
 
-    The disturbance at each time t is taken for a random walk over the iterations, seen through
+    The disturbance at each time t is modelled as a random walk over the iterations, observed with
     measurement noise: P <- P r_n / (P + r_n) + r_d, kappa = P / (P + r_n). The gain starts near
-    1, falls as the error becomes noise, and so averages the noise instead of learning it. r_d is
-    estimated from the error around t: where the error is larger than P and noise explain, the
-    gain rises again.  Norrloef, "An adaptive iterative learning control algorithm with
-    experiments on an industrial robot" (2002).
+    1 and falls as the error becomes noise, which is then averaged instead of learned. r_d is
+    estimated from the error power around t: where that exceeds P + r_n, the gain rises again.
+    Norrloef, "An adaptive iterative learning control algorithm with experiments on an industrial
+    robot" (2002).
     """
 
     L: RecordFilter
-    """An inverse of T_u, or as near as may be."""
+    """Inverse of T_u, or an approximation of it."""
     noise_variance: float
-    """r_n, of one measured sample."""
+    """r_n, variance of one measured sample."""
     initial_variance: float
-    """P before the first iteration, of one sample of the disturbance."""
+    """P before the first iteration, variance of one sample of the disturbance."""
     window: int = 25
     """Samples over which the error's power is averaged."""
     Q: RecordFilter = ALL_PASS

@@ -1,4 +1,4 @@
-"""Norm-optimal learning within limits of the correction: a quadratic programme an iteration."""
+"""Norm-optimal learning with bounds on the correction: one quadratic programme an iteration."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system_matrix import adjoint
-from .norm_optimal import NormOptimal, Weight
+from .norm_optimal import NormOptimal, Weight, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Constrained(NormOptimal):
-    """The minimum of the criterion subject to |u| <= limit.
+    """Minimum of the criterion subject to |u| <= limit.
 
     The programme is convex with bounds only, so scipy's L-BFGS-B solves it; gradients are model
     runs forwards and backwards in time, O(N). Where no limit is active the result is that of
@@ -20,29 +20,20 @@ class Constrained(NormOptimal):
     """
 
     limit: Weight = np.inf
-    """Of |u|: one number, (N,) or (N, n)."""
+    """Largest |u|: one number, (N,) or (N, n)."""
     tolerance: float = 1e-5
     """Largest projected gradient at the solution, relative to the gradient at u = 0. Rounding
     keeps models with many slow poles from much less than 1e-6."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        limit = np.asarray(self.limit, dtype=np.float64)
-        if np.isnan(limit).any() or (limit <= 0.0).any():
+        if not (np.asarray(self.limit, dtype=np.float64) > 0.0).all():
             raise ValueError("limit must be > 0")
-        limit = limit[:, None] if limit.ndim == 1 else limit
-        try:
-            np.broadcast_to(limit, (self.n_samples, self.n_columns))
-        except ValueError:
-            raise ValueError(
-                f"limit must be a number, ({self.n_samples},) or "
-                f"({self.n_samples}, {self.n_columns}), got {np.shape(self.limit)}"
-            ) from None
+        per_sample(self.limit, self.n_samples, self.n_columns, "limit")
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free = super().__call__(correction, error)
-        limit = np.asarray(self.limit, dtype=np.float64)
-        limit = np.broadcast_to(limit[:, None] if limit.ndim == 1 else limit, free.shape)
+        limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")
         if (np.abs(free) <= limit).all():
             return free
         return self._within(limit, free, correction, error)
@@ -55,15 +46,17 @@ class Constrained(NormOptimal):
         free_error = error + self.T_u.simulate(correction)
 
         def cost(u: Array) -> tuple[float, Array]:
-            left = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
-            weighted = problem.We * left
+            residual = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
+            weighted = problem.We * residual
             pulled = problem.Wu * u + problem.Wd * (u - u_k)
-            value = left @ weighted + u @ (problem.Wu * u) + (u - u_k) @ (problem.Wd * (u - u_k))
+            value = (
+                residual @ weighted + u @ (problem.Wu * u) + (u - u_k) @ (problem.Wd * (u - u_k))
+            )
             back = adjoint(self.T_u, (problem.F.T @ weighted).reshape(shape)).ravel()
             return 0.5 * float(value), pulled - back
 
         start = np.clip(free, -limit, limit).ravel()
-        # The correction that meets no resistance sets the scale of the gradient.
+        # The gradient at u = 0 sets the scale.
         scale = np.abs(cost(np.zeros_like(start))[1]).max()
         solution = minimize(
             cost,
@@ -81,9 +74,9 @@ class Constrained(NormOptimal):
         )
         gradient = cost(solution.x)[1]
         bounded = limit.ravel()
-        left_over = np.clip(solution.x - gradient, -bounded, bounded) - solution.x
-        if np.abs(left_over).max() > self.tolerance * scale:
-            reached = np.abs(left_over).max() / scale
+        residual = np.clip(solution.x - gradient, -bounded, bounded) - solution.x
+        if np.abs(residual).max() > self.tolerance * scale:
+            reached = np.abs(residual).max() / scale
             raise RuntimeError(
                 f"the quadratic programme stopped at a projected gradient of {reached:.2g}, not "
                 f"{self.tolerance:.2g}: {solution.message}"

@@ -1,4 +1,4 @@
-"""An unknown pattern over the iterations, observed, predicted and cancelled (thesis 7.6)."""
+"""Disturbance observer over the iterations: estimate, predict and cancel (thesis 7.6)."""
 
 from dataclasses import dataclass
 
@@ -12,23 +12,22 @@ from ..models.system_matrix import Model
 
 @dataclass(frozen=True, kw_only=True)
 class DisturbanceObserver:
-    """u_{k+1} = Q L d_hat_{k+1}, the disturbance predicted from what was observed so far.
+    """u_{k+1} = Q L d_hat_{k+1}, the disturbance predicted from all iterations so far.
 
-    d_k = e_k + T_u u_k is the error there would have been without correction. It is taken for
-    the output of a linear filter over the iterations; that filter's `order` coefficients are
-    the same at all times of the record and are fitted by least squares over all iterations.
-    Until there are enough iterations to fit, the newest disturbance is expected again.
+    d_k = e_k + T_u u_k is the error without correction. It is modelled as an autoregressive
+    process over the iterations whose `order` coefficients are the same at all times of the record
+    and are fitted by least squares. Until there are enough iterations, d_k is the prediction.
     After the disturbance observer of Chen and Moore (2002).
     """
 
     T_u: Model
     L: RecordFilter
-    """An inverse of T_u, such as `ModelInverse`."""
+    """Inverse of T_u, such as `ModelInverse`."""
     order: int = 2
-    """Iterations that the prediction looks back."""
+    """Order of the autoregressive model [iterations]."""
     Q: RecordFilter = ALL_PASS
     ridge: float = 1e-6
-    """Of the fit, relative: chooses the smallest coefficients when several patterns fit."""
+    """Relative ridge regularisation of the fit: the smallest of equally good coefficients."""
 
     def __post_init__(self) -> None:
         if self.order < 1:

@@ -1,4 +1,4 @@
-"""Gauss-Newton on a few basis corrections, with responses measured on the plant itself."""
+"""Gauss-Newton on a few basis corrections, with responses measured on the plant."""
 
 from dataclasses import dataclass
 
@@ -7,23 +7,23 @@ import numpy as np
 from armside.arrays import Array
 
 from .law import FirstOrderLaw
-from .model_free import Experiment
+from .model_free import PlantRun
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FiniteDifference(FirstOrderLaw):
-    """Gauss-Newton step on a few basis corrections, each tried once. Needs no linearity in time.
+    """Gauss-Newton step with a Jacobian measured by one run a basis correction and motor.
 
     u_{k+1} = u_k + B c, where c solves min ||e_k - J c||^2 + damping ||c||^2 and column m of J
     is the measured response to basis correction m.
     """
 
-    experiment: Experiment
+    experiment: PlantRun
     basis: Array
     """(N, m): corrections of one motor that may be combined, such as B-splines; each motor
     gets its own m coefficients."""
     size: float = 1e-3
-    """Coefficient of a test run."""
+    """Coefficient of a basis correction in a test run."""
     damping: float = 1e-9
     """Relative to the largest column of J, squared."""
 

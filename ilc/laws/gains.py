@@ -13,7 +13,7 @@ from ..models.system import Complex, unit_circle
 
 @dataclass(frozen=True, kw_only=True)
 class PType:
-    """L = gamma q^delta, the same for all columns. `Heuristic` allows one for each motor."""
+    """L = gamma q^delta, the same for all columns; `Heuristic` has one for each motor."""
 
     gamma: float = 0.9
     delta: int = 0
@@ -34,7 +34,7 @@ class PType:
 
 @dataclass(frozen=True, kw_only=True)
 class DType:
-    """L = gamma_d q^delta (1 - q^-1) / T: learns from the derivative of the error. Thesis 7.3.
+    """L = gamma_d q^delta (1 - q^-1) / T: learning from the derivative of the error. Thesis 7.3.
 
     After Arimoto et al. (1984), in discrete time.
     """
@@ -68,12 +68,12 @@ class DType:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MatrixGain:
-    """L = Gamma q^delta with a gain matrix: motors that disturb each other learn together."""
+    """L = Gamma q^delta with a gain matrix, for coupled motors."""
 
     gamma: Array
-    """(n, n); row i says what the correction of motor i takes from each motor's error."""
+    """(n, n); entry (i, j) is the gain from the error of motor j to the correction of motor i."""
     delta: int | tuple[int, ...] = 0
-    """Of each error."""
+    """Shift of each error [samples]."""
     end: End = End.HOLD
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Steepest descent on ||e||^2: L = step T_u^T, the model run backwards in time."""
+"""Steepest descent on ||e||^2: L = step T_u^T, the adjoint of the model."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, SystemMatrix, adjoint, largest_gain
+from ..models.system_matrix import Model, adjoint, check_inputs, largest_gain
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gradient:
-    """L = step T_u^T on the finite record. Converges for 0 < step < 2 / max |T_u|^2."""
+    """L = step T_u^T on the finite record; converges for 0 < step < 2 / max |T_u|^2."""
 
     T_u: Model
     step: float = 0.0
-    """0 chooses 1 / max |T_u|^2, for which no error grows."""
+    """0 chooses 1 / max |T_u|^2, for which no frequency of the error grows."""
 
     def __post_init__(self) -> None:
         require_stable(self.T_u, "T_u")
@@ -29,8 +29,7 @@ class Gradient:
             )
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
-            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+        check_inputs(self.T_u, n_columns)
 
     def __call__(self, signal: Array, /) -> Array:
         return self.step * adjoint(self.T_u, signal)

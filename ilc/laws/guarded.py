@@ -1,4 +1,4 @@
-"""A guard around a law: when learning no longer helps, back to the best, and on with less gain."""
+"""Backtracking around a law: back to the best iteration, with a smaller gain, when errors grow."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from .law import FirstOrderLaw
 
 
 class Best(NamedTuple):
-    """What a guard remembers: the best trial, and how boldly to go on from it."""
+    """Best iteration so far, and the step length from it."""
 
     correction: Array
     error: Array
@@ -22,18 +22,17 @@ class Best(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Guarded:
-    """Takes a step of a law only as long as errors fall.
+    """Law with backtracking: a step is kept only if the error does not grow.
 
-    After a trial whose error is larger than `tolerance` times the best, the next one starts at the
-    best correction again and goes a part `back_off` of the last step. After `patience` such
-    setbacks learning stops: the best correction is repeated.
+    After an error above `tolerance` times the smallest, the next iteration starts from the best
+    correction with `back_off` times the last step; after `patience` of these it is repeated.
     """
 
     law: FirstOrderLaw
     weight: tuple[float, ...]
-    """(p,), of the error's columns in the size that is guarded; 0 leaves one out."""
+    """(p,), weights of the error's columns in its size; 0 leaves one out."""
     tolerance: float = 1.2
-    """Above 1: noise of a measurement is no reason to stop."""
+    """Above 1, so that measurement noise is not taken for growth."""
     back_off: float = 0.5
     patience: int = 3
 

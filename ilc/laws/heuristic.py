@@ -1,4 +1,4 @@
-"""The law of the thesis's experiments: Q(u + gamma q^delta e), Algorithm 1."""
+"""Heuristic law of the thesis's experiments: Q(u + gamma q^delta e), Algorithm 1."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class Heuristic(FirstOrderLaw):
     delta: int | tuple[int, ...] = 0
     """Time shift [samples]; > 0 looks ahead."""
     end: End = End.HOLD
-    """What the shift moves in at the end of the record; zeros leave a slow mode there."""
+    """Samples moved in at the end of the record; zeros leave a slow mode there."""
 
     def __post_init__(self) -> None:
         for name in ("gamma", "delta"):

@@ -1,4 +1,4 @@
-"""Laws that remember more than one iteration."""
+"""High-order law: corrections and errors of several past iterations."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ Pair = tuple[Array, Array]
 class HighOrder:
     """u_{k+1} = Q sum_i (alpha_i u_{k-i} + beta_i L e_{k-i}), i = 0 .. p - 1. Thesis 7.3.
 
-    Before iteration 0 there was nothing: those u and e count as zero.
+    u and e before iteration 0 are zero.
     """
 
     alpha: tuple[float, ...]
@@ -57,7 +57,7 @@ class HighOrder:
         return self.Q(total + self.L(learned)), pairs[: self.order - 1]
 
     def spectral_radius(self, T_u: Complex, omega: ArrayLike) -> Array:
-        """Of the iteration at each frequency, from the response of T_u there; < 1: converges."""
+        """Spectral radius of the iteration at each frequency; below 1 it converges."""
         L, Q = self.L.response(omega), self.Q.response(omega)
         # U_{k+1} = sum_i Q (alpha_i - beta_i T_u L) U_{k-i} + (terms of e_0), in companion form.
         companion = np.zeros((np.size(omega), self.order, self.order), dtype=complex)

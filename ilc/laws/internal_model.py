@@ -1,4 +1,4 @@
-"""A known pattern over the iterations, rejected by a model of it inside the law (thesis 7.6)."""
+"""Internal model principle over the iterations: rejects a known pattern (thesis 7.6)."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +8,7 @@ from .high_order import HighOrder
 
 
 def periodic_pattern(period: int) -> tuple[float, ...]:
-    """D(w) = 1 - w^period: whatever repeats every `period` iterations, constants included."""
+    """D(w) = 1 - w^period: all patterns with this period over the iterations."""
     if period < 1:
         raise ValueError(f"period must be >= 1, got {period}")
     return (1.0, *([0.0] * (period - 1)), -1.0)
@@ -17,11 +17,11 @@ def periodic_pattern(period: int) -> tuple[float, ...]:
 def internal_model(
     pattern: ArrayLike, *, L: RecordFilter, Q: RecordFilter = ALL_PASS, pole: float = 0.1
 ) -> HighOrder:
-    """The high-order law that leaves no error of a disturbance with D(w) d_k = 0.
+    """High-order law without asymptotic error for disturbances with D(w) d_k = 0.
 
     pattern: coefficients (1, d_1, ..., d_p) of D in the backward iteration shift w, as
-    `periodic_pattern` gives. L: an inverse of T_u, as good as it may be. pole: all p poles of
-    the iteration for L T_u = 1, in [0, 1). After Chen and Moore (2002).
+    `periodic_pattern` returns. L: an approximate inverse of T_u. pole: all p poles of the
+    iteration for L T_u = 1, in [0, 1). After Chen and Moore (2002).
 
     With D(w) u = K(w) L e, e = e_0 - T_u u and L T_u = 1 the error is D / (D + K) e_0; K = A - D
     places the poles A(w) = (1 - pole w)^p.

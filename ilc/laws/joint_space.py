@@ -1,4 +1,4 @@
-"""A law of motors fed with an error of the tool, by the inverse of a static Jacobian."""
+"""Motor law driven by the tool error through an inverse of the static Jacobian."""
 
 from dataclasses import dataclass
 
@@ -9,11 +9,11 @@ from .law import FirstOrderLaw
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointSpace(FirstOrderLaw):
-    """u_{k+1} = law(u_k, J^-1 e_k): the heuristic L of the thesis on what the tool did."""
+    """u_{k+1} = law(u_k, J^-1 e_k), e_k an error of the tool."""
 
     law: FirstOrderLaw
     inverse: Array
-    """(n, p), of the tool's Jacobian."""
+    """(n, p), inverse of the tool's Jacobian."""
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if len(self.inverse) != n_columns:

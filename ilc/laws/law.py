@@ -1,4 +1,4 @@
-"""What a learning law is: (u_k, e_k) and a memory in, u_{k+1} and the memory out."""
+"""Interface of a learning law, and the general first-order law u_{k+1} = Q(u_k + L e_k)."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -9,13 +9,10 @@ from ..filters import ALL_PASS, RecordFilter
 
 
 class Law(Protocol):
-    """A learning law. It holds design variables only: what it remembers is passed and returned."""
+    """Learning law: (u_k, e_k, memory) to (u_{k+1}, memory). It holds design variables only."""
 
     def step(self, correction: Array, error: Array, memory: Any = None, /) -> tuple[Array, Any]:
-        """u_{k+1} and the next memory from u_k, e_k, shape (N, n), and the memory after k - 1.
-
-        The memory before the first update is None.
-        """
+        """u_{k+1} and the next memory from u_k, e_k, shape (N, n), and the memory (first: None)."""
         ...
 
     def check(self, n_samples: int, n_columns: int) -> None:
@@ -24,7 +21,7 @@ class Law(Protocol):
 
 
 class FirstOrderLaw:
-    """A law without memory: `__call__(u_k, e_k)` returns u_{k+1}."""
+    """Base of laws without memory: `__call__(u_k, e_k)` returns u_{k+1}."""
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         raise NotImplementedError
@@ -33,7 +30,7 @@ class FirstOrderLaw:
         return self(correction, error), None
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        """Fits any record unless a law says otherwise."""
+        """Accept records of every shape, unless a law overrides this."""
 
 
 @dataclass(frozen=True, kw_only=True)

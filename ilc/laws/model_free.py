@@ -1,4 +1,4 @@
-"""Gradients measured on the plant itself, without a model, at the cost of further runs."""
+"""Gradient descent without a model: the gradient is measured by further runs of the plant."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from armside.arrays import Array
 from ..filters import ALL_PASS, RecordFilter
 from .law import FirstOrderLaw
 
-Experiment = Callable[[Array], Array]
-"""Runs a correction (N, n) and returns the output (N, n)."""
+PlantRun = Callable[[Array], Array]
+"""Run of the plant: correction (N, n) in, output (N, n) back."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -19,13 +19,13 @@ class MeasuredGradient(FirstOrderLaw):
     """u_{k+1} = Q(u_k + step T^T e_k), T^T e_k measured by time reversal.
 
     For a linear, time-invariant plant T^T e is the time-reversed response to the time-reversed
-    error, so it can be measured as the difference of two outputs. The step is the one that
-    minimises ||e_{k+1}|| along the gradient, found with one run more.
+    error, the difference of two outputs. The step minimises ||e_{k+1}|| along the gradient and
+    needs one more run.
     """
 
-    experiment: Experiment
+    experiment: PlantRun
     coupled: bool = False
-    """True: motors disturb each other; then n^2 runs measure the gradient instead of one."""
+    """True for coupled motors: n^2 runs measure the gradient instead of one."""
     size: float = 1.0
     """Peak of a test correction relative to that of the error: large against noise, small
     against nonlinearity."""
@@ -44,7 +44,7 @@ class MeasuredGradient(FirstOrderLaw):
         base = self.experiment(correction)
 
         def response(direction: Array) -> Array:
-            """T d, scaled to a test of the wanted size."""
+            """T d, measured with a test correction of the configured size."""
             scale = self.size * np.abs(error).max() / np.abs(direction).max()
             return (self.experiment(correction + scale * direction) - base) / scale
 
@@ -55,7 +55,7 @@ class MeasuredGradient(FirstOrderLaw):
         step = float((seen * error).sum() / np.square(seen).sum()) if seen.any() else 0.0
         return self.Q(correction + step * gradient)
 
-    def _gradient(self, response: Experiment, error: Array) -> Array:
+    def _gradient(self, response: PlantRun, error: Array) -> Array:
         reversed_error = error[::-1]
         if not self.coupled:
             return response(reversed_error)[::-1]

@@ -1,4 +1,4 @@
-"""Algorithm 2: L = T_u^-1 (1 - H_B), the inverse of a model up to a wanted convergence rate."""
+"""Algorithm 2: L = T_u^-1 (1 - H_B), the inverse of a model with a desired convergence rate."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -10,34 +10,33 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, SystemMatrix, largest_gain
+from ..models.system_matrix import Model, check_inputs, largest_gain
 
 
 class Beyond(Enum):
-    """What the inverse assumes beyond the ends of a record."""
+    """Extension of a record beyond its ends that the inverse assumes."""
 
     TAPERED_HOLD = "tapered hold"
-    """The end values, faded to zero over one record length: no step that L would amplify."""
+    """End values, faded to zero over one record length: no step for L to amplify."""
     PERIODIC = "periodic"
-    """The record repeats, as in repetitive control."""
+    """Periodic continuation, as in repetitive control."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ModelInverse:
     """L(omega) = T_u^H (T_u T_u^H + rho)^-1 (1 - H_B). Thesis 7.5, Algorithm 2.
 
-    T_u delays and may have zeros outside the unit circle, so its inverse is not causal; it is
-    applied by FFT, where that does not matter. With an exact model the error at each frequency
-    falls by the factor H_B an iteration.
+    T_u has a delay and may have zeros outside the unit circle, so the inverse is not causal and is
+    applied by FFT. With an exact model the error at each frequency falls by H_B an iteration.
     """
 
     T_u: Model
     learned: RecordFilter
-    """1 - H_B: a low-pass whose passband is what shall be learned, such as a Butterworth."""
+    """Low-pass in 1 - H_B; its passband is learned."""
     rate: float = 1.0
-    """1 - H_B is rate * learned; 1: passband errors vanish in one iteration."""
+    """1 - H_B = rate * learned; with 1, errors in the passband vanish in one iteration."""
     regularisation: float = 0.0
-    """rho relative to the largest |T_u|^2; keeps L small where T_u is."""
+    """rho relative to the largest |T_u|^2; bounds L where T_u is small."""
     beyond: Beyond = Beyond.TAPERED_HOLD
 
     def __post_init__(self) -> None:
@@ -51,8 +50,7 @@ class ModelInverse:
     _rho: float = field(init=False, repr=False)
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if isinstance(self.T_u, SystemMatrix) and len(self.T_u.entries) != n_columns:
-            raise ValueError(f"T_u has {len(self.T_u.entries)} inputs, the record {n_columns}")
+        check_inputs(self.T_u, n_columns)
 
     def response(self, omega: ArrayLike) -> Complex:
         """(M,), or (M, n, n) for a matrix of systems."""

@@ -1,4 +1,4 @@
-"""Algorithm 3: the next correction minimises a quadratic criterion over the finite record."""
+"""Algorithm 3: norm-optimal learning, a quadratic criterion over the finite record."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable
-from ..models.system_matrix import Model, SystemMatrix
+from ..models.system_matrix import Model, SystemMatrix, check_inputs
 from .law import FirstOrderLaw
 
 Weight = float | Array
@@ -20,8 +20,8 @@ Weight = float | Array
 class QuadraticCriterion:
     """J = ||F e_{k+1}||^2_We + ||u_{k+1}||^2_Wu + ||u_{k+1} - u_k||^2_Wd. Thesis Algorithm 3.
 
-    Weights along the record weight the time, the filter F weights the frequencies. Wu > 0 leaves
-    an error and buys robustness, as Q < 1 does; Wd only slows the learning down.
+    Weights along the record weight the time, the filter F the frequencies. Wu > 0 trades an
+    asymptotic error for robustness, as Q < 1 does; Wd only slows learning down.
     """
 
     error: Weight = 1.0
@@ -45,7 +45,7 @@ class QuadraticCriterion:
 
 @dataclass(frozen=True, eq=False)
 class BandedProblem:
-    """The criterion as least squares, min ||M v - b||, in a variable v that makes M banded.
+    """Quadratic criterion as least squares, min ||M v - b||, in a variable v that makes M banded.
 
     Each input has a common denominator: u_j = a_j(q) v_j and y_i = sum_j b_ij(q) v_j. In v both
     u = A v and F y = FB v are banded, with a bandwidth of the order of the model times the number
@@ -60,7 +60,7 @@ class BandedProblem:
     F: Any
     """Filter of the error, sparse."""
     We: Array
-    """Diagonal of the error weight, (N n,); the others alike."""
+    """Diagonal of the error weight, (N n,); likewise Wu and Wd."""
     Wu: Array
     Wd: Array
 
@@ -76,14 +76,17 @@ class BandedProblem:
         F = _block_toeplitz(taps * np.eye(n_columns), n_samples)
         A = _block_toeplitz(a, n_samples)
         FB = F @ _block_toeplitz(b, n_samples)
-        We = _diagonal(criterion.error, n_samples, n_columns, "error")
-        Wu = _diagonal(criterion.correction, n_samples, n_columns, "correction")
-        Wd = _diagonal(criterion.change, n_samples, n_columns, "change")
+        We, Wu, Wd = (
+            per_sample(
+                getattr(criterion, name), n_samples, n_columns, f"the weight of the {name}"
+            ).ravel()
+            for name in ("error", "correction", "change")
+        )
         M = vstack((diags_array(np.sqrt(We)) @ FB, diags_array(np.sqrt(Wu + Wd)) @ A))
         return cls(A, csc_array(M), F, We, Wu, Wd)
 
     def right_side(self, free_error: Array, correction: Array) -> Array:
-        """b; free_error is the error that u = 0 would leave, flat."""
+        """b; free_error is the error with u = 0, flat."""
         weight = np.sqrt(self.Wu + self.Wd)
         pull = np.divide(self.Wd * correction, weight, out=np.zeros_like(weight), where=weight > 0)
         return np.concatenate((np.sqrt(self.We) * (self.F @ free_error), pull))
@@ -92,9 +95,9 @@ class BandedProblem:
 class LeastSquares:
     """min ||M v - b|| for a banded M, factored once.
 
-    By the augmented system [[s I, M], [M', 0]] [r/s; v] = [b; 0] and a sparse LU of it: the normal
-    equations would square the condition number, which a model with several slow poles cannot
-    afford. A small s keeps the condition near that of M.
+    Sparse LU of the augmented system [[s I, M], [M', 0]] [r/s; v] = [b; 0]: normal equations would
+    square the condition number, which several slow poles already make large. A small s keeps the
+    condition near that of M.
     """
 
     SCALE = 1e-5
@@ -130,11 +133,11 @@ class LeastSquares:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NormOptimal(FirstOrderLaw):
-    """The minimum of a `QuadraticCriterion` in every iteration.
+    """Minimum of a `QuadraticCriterion` in every iteration.
 
-    T_u: one system (for each motor on its own) or a matrix of them, motors that disturb each
-    other included. Equal to Q = (T'WT + Wu + Wd)^-1 (T'WT + Wd), L = (T'WT + Wd)^-1 T'W in the
-    lifted form, without ever building T.
+    T_u: one system, used for each motor, or a matrix of systems for coupled motors. Equal to
+    Q = (T'WT + Wu + Wd)^-1 (T'WT + Wd), L = (T'WT + Wd)^-1 T'W in the lifted form, without
+    building T.
     """
 
     T_u: Model
@@ -166,7 +169,7 @@ class NormOptimal(FirstOrderLaw):
         return (self._problem.A @ v).reshape(correction.shape)
 
     def responses(self, omega: ArrayLike) -> tuple[Complex, Complex]:
-        """(Q, L) on records without ends, for one system and weights without time, (M,) each."""
+        """(Q, L) on infinite records, for one system and constant weights, (M,) each."""
         if isinstance(self.T_u, SystemMatrix):
             raise ValueError("responses need a T_u with one input and one output")
         We, Wu, Wd = (self.criterion.error, self.criterion.correction, self.criterion.change)
@@ -181,11 +184,10 @@ class NormOptimal(FirstOrderLaw):
 
 
 def _common_denominators(T_u: Model, n: int) -> tuple[Array, Array]:
-    """Lag by lag matrices (lags, n, n): a of u = a(q) v, diagonal, and b of y = b(q) v."""
+    """Coefficient matrices (lags, n, n): a of u = a(q) v, diagonal, and b of y = b(q) v."""
     if isinstance(T_u, System):
         T_u = SystemMatrix.diagonal([T_u] * n)
-    if len(T_u.entries) != n:
-        raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n}")
+    check_inputs(T_u, n)
     denominators, numerators = [], {}
     for j in range(n):
         column = [T_u.entries[i][j] for i in range(n)]
@@ -227,14 +229,15 @@ def _block_toeplitz(lags: Array, n_samples: int) -> Any:
     return csr_array(total)
 
 
-def _diagonal(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
+def per_sample(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
+    """Weight of each sample and column, (N, n); `name` is used in messages."""
     values = np.asarray(weight, dtype=np.float64)
-    if values.ndim == 1:
-        values = values[:, None]
     try:
-        return np.broadcast_to(values, (n_samples, n_columns)).ravel()
+        return np.broadcast_to(
+            values[:, None] if values.ndim == 1 else values, (n_samples, n_columns)
+        )
     except ValueError:
         raise ValueError(
-            f"the weight of the {name} must be a number, ({n_samples},) or "
-            f"({n_samples}, {n_columns}), got {np.shape(weight)}"
+            f"{name} must be a number, ({n_samples},) or ({n_samples}, {n_columns}), "
+            f"got {np.shape(weight)}"
         ) from None

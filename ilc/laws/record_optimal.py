@@ -1,9 +1,9 @@
-"""Norm-optimal learning with several outputs and inputs, on the finite record, without matrices.
+"""Norm-optimal learning with several outputs and inputs on the finite record, matrix-free.
 
     minimise |F (e_k - T (u - u_k))|_W^2 + rho |S^-1 u|^2 + sigma |S^-1 (u - u_k)|^2
 
-T is the frequency response G applied to a record that is at rest before and after, so that products
-with T and its transpose are FFTs; conjugate gradients then need a few dozen of them.
+T is the frequency response G applied to a record that is at rest before and after, so products
+with T and its transpose are FFTs; conjugate gradients take a few dozen of them.
 """
 
 from collections.abc import Callable
@@ -23,12 +23,12 @@ _STEPS, _SOLVED = 60, 1e-4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordOptimal(FirstOrderLaw):
-    """Errors (N, p) and corrections (N, n)."""
+    """Norm-optimal law for errors (N, p) and corrections (N, n)."""
 
     G: Response
-    """From the correction to the output."""
+    """Response of the output to the correction."""
     F: RecordFilter
-    """What of the error is to be learned; without phase."""
+    """Zero-phase filter that selects the learned part of the error."""
     output_weight: tuple[float, ...]
     """(p,), square roots of W's diagonal."""
     input_size: tuple[float, ...]

@@ -1,11 +1,10 @@
-"""A law for several outputs and inputs: the regularised inverse of a frequency response.
+"""Regularised inverse of a frequency response, for several outputs and inputs.
 
     U_{k+1} = Q (U_k + gamma L E_k)        L = (G^H W G + rho S^-2)^-1 G^H W
 
-W weighs the outputs, S is the natural size of each input: of all corrections with the same effect
-the law takes the smallest, measured in S. G need be neither square nor invertible. The record is
-extended by its last value, tapered back to its first, so that its ends make no step that L would
-amplify.
+W weights the outputs and S scales the inputs: of all corrections with the same effect the law
+chooses the one with the smallest norm in S. G need be neither square nor invertible. The record is
+extended by a taper from its last value to its first, which leaves no step for L to amplify.
 """
 
 from dataclasses import dataclass
@@ -21,7 +20,7 @@ from .law import FirstOrderLaw
 
 
 class Response(Protocol):
-    """A linear model that can be asked for its frequency response."""
+    """Linear model with a frequency response."""
 
     def response(self, omega: ArrayLike) -> Complex:
         """(M, p, n) at omega (M,) [rad/sample]."""
@@ -30,14 +29,14 @@ class Response(Protocol):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RegularisedInverse(FirstOrderLaw):
-    """Maps errors of p outputs to corrections of n inputs; records (N, p) and (N, n)."""
+    """First-order law from errors of p outputs, (N, p), to corrections of n inputs, (N, n)."""
 
     G: Response
-    """From the correction to the output."""
+    """Response of the output to the correction."""
     sample_time: float
     """[s]."""
     cutoff: float
-    """At which Q has fallen to one half [Hz]."""
+    """Frequency at which Q = 1/2 [Hz]."""
     sharpness: int = 8
     """Q = 1 / (1 + (f / cutoff)^sharpness), without phase."""
     gamma: float = 0.8
@@ -49,7 +48,7 @@ class RegularisedInverse(FirstOrderLaw):
     regularisation: float = 0.01
     """rho relative to the largest static gain of W^1/2 G S, squared."""
     limit: float = np.inf
-    """Of the correction, each input over its size."""
+    """Largest correction of each input, relative to its size."""
 
     def __post_init__(self) -> None:
         if not 0.0 < self.cutoff < 0.5 / self.sample_time:
@@ -103,9 +102,9 @@ class RegularisedInverse(FirstOrderLaw):
         return np.clip(u, -largest, largest)
 
     def contraction(self, omega: ArrayLike, plant: Response) -> Array:
-        """(M,): the largest singular value of Q (1 - gamma L G) on a plant, inputs in their size.
+        """(M,): largest singular value of Q (1 - gamma L G) on a plant, inputs in their size.
 
-        Below 1 at each frequency the correction converges without growing on the way.
+        Below 1 at each frequency the correction converges monotonically.
         """
         size = np.array(self.input_size)
         LG = self.L(omega) @ plant.response(omega)
@@ -114,7 +113,7 @@ class RegularisedInverse(FirstOrderLaw):
 
 
 def tapered(signal: Array) -> Array:
-    """(2 N, n): a record (N, n), then its last value fading into its first: periodic, no step."""
+    """Record (N, n) followed by a taper from its last value to its first: (2 N, n), periodic."""
     n = len(signal)
     fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, n + 1) / (n + 1))
     return np.concatenate((signal, signal[0] + np.outer(fade, signal[-1] - signal[0])))

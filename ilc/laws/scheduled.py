@@ -1,4 +1,4 @@
-"""Another law in each iteration: Q and L that vary over the iterations by plan."""
+"""Schedule of laws: Q and L that vary over the iterations."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from .law import FirstOrderLaw
 
 @dataclass(frozen=True, kw_only=True)
 class Scheduled:
-    """Another law in each iteration, such as a falling gain or a rising cutoff; the last stays."""
+    """Law chosen by iteration, such as a falling gain or a rising cutoff; the last one stays."""
 
     laws: tuple[FirstOrderLaw, ...]
     """First-order laws for the updates after k = 0, 1, ..."""

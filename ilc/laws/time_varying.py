@@ -13,15 +13,15 @@ from ..models.system import Complex
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Blend:
-    """sum_m w_m(t) F_m: several filters, each with its weight at each time.
+    """sum_m w_m(t) F_m: filters with time-varying weights.
 
-    For a gain that varies along the trajectory, or a Q whose cutoff does. Such a filter has no
-    frequency response; the lifted analysis takes it as it is.
+    For a gain or a cutoff that varies along the trajectory. Such a filter has no frequency
+    response; the lifted analysis handles it.
     """
 
     filters: tuple[RecordFilter, ...]
     weights: Array
-    """(N, m); a Q wants them >= 0 with sum at most 1."""
+    """(N, m); for a Q they should be >= 0 with sum at most 1."""
 
     def __post_init__(self) -> None:
         weights = np.asarray(self.weights, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""The least-squares circle through points of a plane, compiled."""
+"""Least-squares circle through points of a plane, compiled."""
 
 import numpy as np
 from numba import njit
@@ -6,7 +6,7 @@ from numba import njit
 from armside.arrays import Array
 
 STRAIGHT = 1e-12
-"""Points whose variance across is below this share of the one along lie on one line."""
+"""Variance ratio, across over along, below which points count as collinear."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -48,10 +48,10 @@ def newton(points: Array) -> tuple[Array, bool]:  # pragma: no cover - compiled
         for i in range(n):
             dx, dy = directions[i]
             sx, sy = dx - mean_x, dy - mean_y
-            bent = 1.0 - mean / radii[i]
-            hxx += sx * sx + bent * dy * dy
-            hxy += sx * sy - bent * dx * dy
-            hyy += sy * sy + bent * dx * dx
+            tangential = 1.0 - mean / radii[i]
+            hxx += sx * sx + tangential * dy * dy
+            hxy += sx * sy - tangential * dx * dy
+            hyy += sy * sy + tangential * dx * dx
             gx += sx * (radii[i] - mean)
             gy += sy * (radii[i] - mean)
         determinant = hxx * hyy - hxy * hxy

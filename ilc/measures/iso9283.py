@@ -1,8 +1,8 @@
-"""Path accuracy and path repeatability, after ISO 9283 section 8: how near, and how alike.
+"""Path accuracy and path repeatability after ISO 9283 section 8.
 
-The standard drives a path n times and asks, at points along it, where each attained path crosses
-the plane normal to the command path. Ours are points of any dimension d, of attained paths that
-were registered on the commanded one before: the place of the whole contour is not judged.
+A path is driven n times. At points along the commanded path each attained path is intersected with
+the plane normal to the commanded one. Points have any dimension d; attained paths are registered
+on the commanded one before, so the position of the whole contour is not judged.
 """
 
 import numpy as np
@@ -11,15 +11,15 @@ from armside.arrays import Array
 
 
 def crossings(commanded: Array, tangent: Array, attained: Array) -> Array:
-    """Where one attained path crosses the planes normal to the commanded one, shape (M, d) [m].
+    """Intersections of one attained path with the normal planes of the commanded one, (M, d) [m].
 
-    Between samples the attained path is straight. Of several crossings of a plane the nearest to
-    its commanded point counts; without any, the row is NaN.
+    The attained path is interpolated linearly. Of several intersections with a plane the nearest
+    to its commanded point is returned; without any, the row is NaN.
 
     Args:
         commanded: (M, d) [m], points on the commanded path.
         tangent: (M, d), unit vectors along it.
-        attained: (K, d) [m], samples of one turn; the last is joined to the first.
+        attained: (K, d) [m], samples of one revolution; the last is joined to the first.
     """
     found = np.full(commanded.shape, np.nan)
     step = np.roll(attained, -1, axis=0) - attained
@@ -29,8 +29,8 @@ def crossings(commanded: Array, tangent: Array, attained: Array) -> Array:
         crossing = np.flatnonzero((before <= 0.0) & (after > 0.0))
         if not len(crossing):
             continue
-        share = before[crossing] / (before[crossing] - after[crossing])
-        point = attained[crossing] + share[:, None] * step[crossing]
+        fraction = before[crossing] / (before[crossing] - after[crossing])
+        point = attained[crossing] + fraction[:, None] * step[crossing]
         found[i] = point[np.argmin(np.linalg.norm(point - c, axis=1))]
     return found
 
@@ -40,7 +40,7 @@ def path_accuracy(commanded: Array, attained: Array) -> float:
 
     Args:
         commanded: (M, d) [m].
-        attained: (n, M, d) [m], where each of n runs crossed the plane of each point.
+        attained: (n, M, d) [m], intersections of n runs with the plane of each point.
     """
     _check(attained)
     return float(np.linalg.norm(attained.mean(axis=0) - commanded, axis=1).max())

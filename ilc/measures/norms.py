@@ -1,6 +1,6 @@
-"""How well it went: error measures of the motor side and of a circle on the arm side.
+"""Error measures of the motor side and of a circle on the arm side.
 
-Thesis 9.3. Raw measures first; `normalise` then makes (9.5), (9.8) and (9.9) of them.
+Thesis 9.3. `normalise` turns the raw measures into (9.5), (9.8) and (9.9).
 """
 
 from dataclasses import dataclass
@@ -25,13 +25,10 @@ def inf_norm(error: Array) -> Array:
 
 
 def normalise(measure: ArrayLike, without_learning: ArrayLike) -> Array:
-    """A measure over the largest of its values at k = 0. Thesis (9.5), (9.8), (9.9).
+    """Measure divided by the largest of its values at k = 0. Thesis (9.5), (9.8), (9.9).
 
     measure: any shape. without_learning: the same measure at k = 0 for all motors (9.5) and
-    experiments (9.5), (9.8), (9.9) that are compared, any shape.
-
-    Raises:
-        ValueError: if there was no error to begin with.
+    experiments (9.5), (9.8), (9.9) that are compared, any shape. Raises ValueError if it is zero.
     """
     largest = np.max(without_learning)
     if not (np.isfinite(largest) and largest > 0.0):
@@ -40,7 +37,7 @@ def normalise(measure: ArrayLike, without_learning: ArrayLike) -> Array:
 
 
 def repeatability(first: Array, second: Array, best_error: float) -> Array:
-    """||y_1 - y_2||_inf over the smallest error reached with ILC, each column. Thesis (9.10).
+    """||y_1 - y_2||_inf of each column over the smallest error reached with ILC. Thesis (9.10).
 
     first, second: outputs of two identical experiments at the same iteration, shape (N, n).
     best_error: min over iterations, motors and experiments of ||e||_inf.
@@ -56,7 +53,7 @@ def repeatability(first: Array, second: Array, best_error: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Circle:
-    """A circle in space, and the measured points in its own plane."""
+    """Circle in space, and the measured points in its own plane."""
 
     centre: Array
     """(3,) [m]."""
@@ -74,10 +71,10 @@ class Circle:
 
 
 def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
-    """The circle with the least sum of squared radial distances to points, shape (M, 3) [m].
+    """Circle with the least sum of squared radial distances to points, shape (M, 3) [m].
 
     The plane is the best-fit plane, or the one with the given normal. The points should cover
-    one full turn evenly: otherwise the centre leans to where they are dense.
+    one full revolution evenly: otherwise the centre moves to where they are dense.
 
     Raises:
         ValueError: fewer than three points, points that are not finite or lie on one line.
@@ -106,7 +103,7 @@ def circle_centre(points: Array) -> Array:
 
     points: (M, 2) [m], finite. Raises ValueError for points on one line.
     """
-    from .circle import newton  # here: compiled, and most measures do without
+    from .circle import newton  # imported here: compiled, and most measures do without
 
     origin = points.mean(axis=0)
     centre, found = newton(points - origin)
@@ -126,9 +123,9 @@ def circle_maxdev(radii: Array, r_ref: float) -> float:
 
 
 def circle_ripple(radii: Array, turn_time: float, low: float, high: float) -> float:
-    """rms of the radius between two frequencies [Hz], radii sampled evenly over one full turn.
+    """RMS of the radius between two frequencies [Hz], radii sampled evenly over one revolution.
 
-    turn_time: [s] of the turn; its harmonics in [low, high] count.
+    turn_time: duration of the revolution [s]; its harmonics in [low, high] count.
     """
     radii = np.asarray(radii, dtype=np.float64)
     amplitude = np.fft.rfft(radii - radii.mean()) / len(radii)

@@ -1,1 +1,1 @@
-"""Linear systems and the flexible two-mass joint of thesis chapter 8."""
+"""Models of plants: linear systems, and the flexible two-mass joint of thesis chapter 8."""

@@ -1,4 +1,4 @@
-"""From continuous to discrete time."""
+"""Discretisation of continuous systems: zero-order hold and bilinear (Tustin)."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,7 +44,7 @@ def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     degree = max(len(num), len(den)) - 1
 
     def substituted(polynomial: Array) -> Array:
-        """(1 + q^-1)^degree times the polynomial at that s."""
+        """(1 + q^-1)^degree times the polynomial at this s."""
         total = np.zeros(degree + 1)
         for power, coefficient in enumerate(polynomial[::-1]):
             term = np.poly(np.concatenate((np.ones(power), -np.ones(degree - power))))

@@ -1,4 +1,4 @@
-"""The linear system of chapter 7 as a plant: reference, correction, load and measurement noise."""
+"""Linear plant of thesis chapter 7, and plants that alternate over the iterations (7.6)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -32,7 +32,7 @@ class LinearPlant:
     T_v: Model | None = None
     """Noise to output; None: the noise adds to the output."""
     loads: Sequence[Array] = ()
-    """w_k, shape (N, n), in turn: one repeats, two alternate between even and odd iterations."""
+    """w_k, shape (N, n), cyclic over the iterations: one repeats, two alternate."""
     noise: float = 0.0
     """Standard deviation of v."""
     rng: np.random.Generator | None = None
@@ -78,31 +78,24 @@ def _through(system: Model | None, signal: Array) -> Array:
 
 
 def with_direct_term(T_u: System, C: System) -> System:
-    """T_u / (1 + T_u C): what the learning sees once C acts beside it. Thesis (7.4)."""
-    loop = T_u * C
-    sensitivity_a = np.convolve(T_u.a, C.a)
-    length = max(len(loop.b), len(sensitivity_a))
-    a = np.pad(loop.b, (0, length - len(loop.b)))
-    a = a + np.pad(sensitivity_a, (0, length - len(sensitivity_a)))
-    return require_stable(
-        System(np.convolve(T_u.b, C.a), a, T_u.sample_time),
-        "the loop of T_u and the direct term C",
-    )
+    """T_u / (1 + T_u C): the effective T_u with a direct term C. Thesis (7.4)."""
+    closed = System(np.convolve(T_u.b, C.a), (T_u * C).characteristic, T_u.sample_time)
+    return require_stable(closed, "the loop of T_u and the direct term C")
 
 
 Result = TypeVar("Result")
 
 
 class Alternating(Generic[Result]):
-    """Runs the first plant at k = 0, the second at k = 1, ..., then the first again.
+    """Cycle of plants: the first runs at k = 0, the second at k = 1, ..., then the first again.
 
-    Such as a robot that carries a part out and comes back empty (thesis 7.6).
+    For example a robot with payload on the way out and without on the way back (thesis 7.6).
     """
 
     def __init__(self, plants: Sequence[Plant[Result]]) -> None:
         if not plants:
             raise ValueError("plants must hold at least one plant")
-        self._turn = cycle(plants)
+        self._plants = cycle(plants)
 
     def run(self, correction: Array, /) -> Result:
-        return next(self._turn).run(correction)
+        return next(self._plants).run(correction)

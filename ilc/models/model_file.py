@@ -1,4 +1,4 @@
-"""A model of T_u as a small JSON file."""
+"""JSON file with a model of T_u."""
 
 import json
 from pathlib import Path
@@ -9,10 +9,8 @@ from .system import System
 def read_model(file: Path) -> System:
     """T_u from `{"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}`.
 
-    b, a: coefficients in powers of q^-1; or num, den: in descending powers of q (or z).
-
-    Raises:
-        ValueError: naming the file and what is wrong with it.
+    b, a: coefficients in powers of q^-1; or num, den: in descending powers of q (or z). Raises
+    ValueError with the name of the file and the reason.
     """
     try:
         content = json.loads(file.read_text(encoding="utf-8"))

@@ -1,7 +1,7 @@
 """Linear, time-invariant, discrete systems in the backward shift: y = b(q^-1) / a(q^-1) u.
 
-This form says the delay (leading zeros of b) and filters records directly. Systems of the
-`control` package are taken by `as_system`.
+Leading zeros of b are the delay, and records are filtered directly. `as_system` converts systems
+of the `control` package.
 """
 
 from dataclasses import dataclass
@@ -51,11 +51,7 @@ class System:
 
     @classmethod
     def from_z(cls, num: ArrayLike, den: ArrayLike, sample_time: float) -> "System":
-        """From polynomials in descending powers of z (or q).
-
-        Raises:
-            ValueError: if the numerator has the higher degree: such a model is not causal.
-        """
+        """From polynomials in descending powers of z (or q). ValueError if it is not causal."""
         b = np.trim_zeros(np.atleast_1d(np.array(num, dtype=np.float64)), "f")
         a = np.trim_zeros(np.atleast_1d(np.array(den, dtype=np.float64)), "f")
         if len(b) > len(a):
@@ -81,7 +77,7 @@ class System:
 
     @property
     def delay(self) -> int:
-        """Samples before an input shows: the relative degree."""
+        """Relative degree [samples]."""
         return int(np.flatnonzero(self.b)[0]) if self.b.any() else 0
 
     def response(self, omega: ArrayLike) -> Complex:
@@ -100,30 +96,31 @@ class System:
 
     def __mul__(self, other: Union["System", float]) -> "System":
         if isinstance(other, System):
-            _same_sample_time(self, other)
-            return System(
-                np.convolve(self.b, other.b), np.convolve(self.a, other.a), self.sample_time
-            )
+            if not np.isclose(self.sample_time, other.sample_time, rtol=1e-12):
+                times = f"{self.sample_time} and {other.sample_time} s"
+                raise ValueError(f"systems must have one sample time, got {times}")
+            b, a = np.convolve(self.b, other.b), np.convolve(self.a, other.a)
+            return System(b, a, self.sample_time)
         return System(self.b * other, self.a, self.sample_time)
 
     __rmul__ = __mul__
 
-    def feedback(self, name: str = "the closed loop") -> "System":
-        """The closed loop G / (1 + G), called `name` in messages. Thesis (8.15).
+    @property
+    def characteristic(self) -> Array:
+        """a + b, characteristic polynomial of the closed loop in powers of q^-1."""
+        size = max(len(self.a), len(self.b))
+        return np.pad(self.a, (0, size - len(self.a))) + np.pad(self.b, (0, size - len(self.b)))
 
-        Raises:
-            ValueError: if the closed loop is unstable or has no solution.
-        """
-        degree = max(len(self.a), len(self.b))
-        a = _padded(self.a, degree) + _padded(self.b, degree)
+    def feedback(self, name: str = "the closed loop") -> "System":
+        """Closed loop G / (1 + G), `name` in messages. Thesis (8.15). ValueError if unstable."""
+        a = self.characteristic
         if a[0] == 0.0:
             raise ValueError(f"{name} has no solution: 1 + G is 0 at infinite frequency")
-        loop = System(self.b, a, self.sample_time)
-        return require_stable(loop, name)
+        return require_stable(System(self.b, a, self.sample_time), name)
 
 
 class HasPoles(Protocol):
-    """Anything whose stability can be judged."""
+    """Model with poles."""
 
     @property
     def poles(self) -> Complex: ...
@@ -135,7 +132,7 @@ Stable = TypeVar("Stable", bound=HasPoles)
 
 
 def require_stable(system: Stable, name: str) -> Stable:
-    """The system itself, or a ValueError that names it and its largest pole."""
+    """Return a stable system; raise ValueError with its name and largest pole otherwise."""
     if not system.is_stable:
         largest = np.abs(system.poles).max()
         raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")
@@ -143,10 +140,9 @@ def require_stable(system: Stable, name: str) -> Stable:
 
 
 def as_system(model: Any, sample_time: float | None = None) -> System:
-    """A `System` as it is; a SISO, discrete system of `control`; or a pair (num, den) in z.
+    """System from a `System`, a SISO, discrete system of `control`, or a pair (num, den) in z.
 
-    Raises:
-        ValueError: for a model in continuous time, with several inputs, or not causal.
+    Raises ValueError for a model in continuous time, with several inputs, or not causal.
     """
     if isinstance(model, System):
         return model
@@ -167,14 +163,3 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
     if model.dt in (None, 0, True):
         raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
     return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))
-
-
-def _same_sample_time(one: System, other: System) -> None:
-    if not np.isclose(one.sample_time, other.sample_time, rtol=1e-12):
-        raise ValueError(
-            f"systems must share a sample time, got {one.sample_time} and {other.sample_time} s"
-        )
-
-
-def _padded(polynomial: Array, length: int) -> Array:
-    return np.pad(polynomial, (0, length - len(polynomial)))

@@ -1,4 +1,4 @@
-"""Several inputs and outputs: a matrix of systems, such as the servos of all motors."""
+"""Matrix of systems for several inputs and outputs, such as the servos of all motors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,11 +25,11 @@ class SystemMatrix:
             )
         times = {system.sample_time for row in self.entries for system in row}
         if max(times) - min(times) > 1e-12 * max(times):
-            raise ValueError(f"entries must share a sample time, got {sorted(times)} s")
+            raise ValueError(f"entries must have one sample time, got {sorted(times)} s")
 
     @classmethod
     def diagonal(cls, systems: Sequence[System]) -> "SystemMatrix":
-        """Motors that do not disturb each other."""
+        """Diagonal matrix: motors without coupling."""
         zero = System(np.zeros(1), np.ones(1), systems[0].sample_time)
         n = len(systems)
         return cls(tuple(tuple(systems[i] if i == j else zero for j in range(n)) for i in range(n)))
@@ -66,11 +66,17 @@ class SystemMatrix:
 
 
 Model = System | SystemMatrix
-"""T_u: one system, used for each column on its own, or a matrix of them."""
+"""T_u: one system, used for each column, or a matrix of systems."""
+
+
+def check_inputs(T_u: Model, n_columns: int) -> None:
+    """Raise ValueError if a matrix of systems does not fit records with n columns."""
+    if isinstance(T_u, SystemMatrix) and len(T_u.entries) != n_columns:
+        raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n_columns}")
 
 
 def adjoint(model: Model, signal: Array) -> Array:
-    """T^T e on the finite record, exactly: filter the time-reversed record, reverse again."""
+    """T^T e on the finite record: filter the time-reversed record, then reverse."""
     back = model.transposed if isinstance(model, SystemMatrix) else model
     return back.simulate(np.asarray(signal)[::-1])[::-1]
 

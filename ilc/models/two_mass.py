@@ -1,8 +1,7 @@
-"""The flexible two-mass joint of chapter 8: model, controller and closed loops.
+"""Flexible two-mass joint of thesis chapter 8: model, controller, closed loops and linear plant.
 
-Motor angle q_m is measured and controlled; arm angle q_a is what matters. A stands for the arm
-(behind the gear ratio r_g), m for the motor. Everything is linear here; Coulomb friction and
-noise are in two_mass_friction.py.
+The motor angle q_m is measured and controlled, the arm angle q_a is the performance output behind
+the gear ratio r_g. Coulomb friction and noise are in two_mass_friction.py.
 """
 
 from dataclasses import dataclass, field, replace
@@ -17,19 +16,19 @@ from .system import System, require_stable
 
 
 class Hold(Enum):
-    """How a continuous controller is made discrete."""
+    """Discretisation of the continuous controller."""
 
     TUSTIN = "tustin"
     ZOH = "zoh"
 
 
 class ArmReading(Enum):
-    """How the arm angle of a discrete simulation is computed."""
+    """Computation of the arm angle in a discrete simulation."""
 
     THESIS = "thesis"
-    """q_a = G_a(q) q_m, each transfer function held on its own: half a sample late."""
+    """q_a = G_a(q) q_m, each transfer function discretised separately: half a sample late."""
     STATE = "state"
-    """From the state of the whole joint, as a physics engine would."""
+    """From the discretised state of the whole joint."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,19 +126,19 @@ class PdController:
     hold: Hold = Hold.TUSTIN
 
     def discrete(self, sample_time: float) -> System:
-        """F(q). The thesis does not say how; Tustin and zoh lead to the same conclusions."""
+        """F(q). The thesis does not state the method; both lead to the same conclusions."""
         num, den = [self.Kd + self.Kp * self.Tf, self.Kp], [self.Tf, 1.0]
         return (tustin if self.hold is Hold.TUSTIN else zoh)(num, den, sample_time)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TwoMassLoop:
-    """The joint under feedback, with the correction added to the motor reference. Fig 8.2."""
+    """Joint under feedback, with the correction added to the motor reference. Fig 8.2."""
 
     joint: TwoMassJoint = field(default_factory=TwoMassJoint)
     controller: PdController = field(default_factory=PdController)
     reference_model: TwoMassJoint | None = None
-    """The joint that F_r believes in; None: the true one."""
+    """Joint that F_r assumes; None: the actual one."""
     arm_reading: ArmReading = ArmReading.THESIS
     sample_time: float = 0.01
     """[s]. Thesis Table 8.1."""
@@ -169,7 +168,7 @@ class TwoMassLoop:
         return model.arm_to_motor_reference(self.sample_time)
 
     def with_stiffness_error(self, factor: float = 2.0) -> "TwoMassLoop":
-        """The same loop with F_r built for a joint of factor times the stiffness. Fig 8.11."""
+        """Loop whose F_r assumes `factor` times the actual stiffness. Fig 8.11."""
         return replace(self, reference_model=replace(self.joint, k=factor * self.joint.k))
 
 
@@ -178,8 +177,8 @@ def step_reference(
 ) -> Array:
     """r_a, shape (N, 1): a unit step through two moving averages of `box` samples. Fig 8.4.
 
-    The move takes 2 * box samples at constant acceleration, then deceleration. The thesis states
-    neither start nor length: these are Simulink's default step time and what fits Fig 8.4.
+    The move lasts 2 * box samples, constant acceleration and then deceleration. The thesis states
+    neither start nor length: these are Simulink's default step time and a length that fits Fig 8.4.
 
     Raises:
         ValueError: if the move does not end within the record.
@@ -197,7 +196,7 @@ def step_reference(
 
 @dataclass(frozen=True, kw_only=True)
 class TwoMassRun:
-    """One repetition: both sides of the joint, each of shape (N, 1)."""
+    """Recorded angles of one run: both sides of the joint, shape (N, 1) each."""
 
     motor: Array
     """q_m, measured."""
@@ -207,7 +206,7 @@ class TwoMassRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TwoMassPlant:
-    """The linear joint that repeats one arm reference; `run` returns a `TwoMassRun`."""
+    """Linear joint that repeats one arm reference; `run` returns a `TwoMassRun`."""
 
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
     arm_reference: Array = field(default_factory=step_reference)
@@ -228,7 +227,9 @@ class TwoMassPlant:
 
     def run(self, correction: Array, /) -> TwoMassRun:
         """q_m = T_{u,m} (r_m + u), q_a = T_{u,a} (r_m + u), from rest."""
-        asked = self.motor_reference + correction
-        motor = self._T_motor.simulate(asked)
+        commanded = self.motor_reference + correction
+        motor = self._T_motor.simulate(commanded)
         from_motor = self.loop.arm_reading is ArmReading.THESIS
-        return TwoMassRun(motor=motor, arm=self._to_arm.simulate(motor if from_motor else asked))
+        return TwoMassRun(
+            motor=motor, arm=self._to_arm.simulate(motor if from_motor else commanded)
+        )

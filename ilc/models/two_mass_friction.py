@@ -1,6 +1,6 @@
-"""The two-mass joint with Coulomb friction at the motor and noise on the measured angle.
+"""Two-mass joint with Coulomb friction at the motor and noise on the measured angle.
 
-The future work that chapter 8 names: tau_C = c sign(q_m').
+Future work of thesis chapter 8: tau_C = c sign(q_m').
 """
 
 from dataclasses import dataclass, field
@@ -15,12 +15,12 @@ from .two_mass import TwoMassLoop, TwoMassRun, step_reference
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrictionPlant:
-    """The loop of Fig 8.2 in continuous time, sampled controller, dry friction, noisy encoder.
+    """Loop of Fig 8.2 in continuous time, sampled controller, dry friction, noisy encoder.
 
     Between samples the linear part is exact (zero-order hold over `substeps`). In each substep
-    the friction torque is the one that brings the motor to rest, if c suffices for that, else
-    c: so the motor sticks without chattering. Noise enters what the controller and the law
-    measure; `run` returns the measured motor and the true arm.
+    the friction torque is the one that stops the motor, limited to c, so that it sticks without
+    chattering. Noise enters the angle that controller and law measure; `run` returns the measured
+    motor angle and the exact arm angle.
     """
 
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
@@ -52,24 +52,16 @@ class FrictionPlant:
         A, B = joint.state_space
         friction = np.array([[0.0], [0.0], [0.0], [-1.0 / joint.Jm]])
         A_d, BB_d = zero_order_hold(A, np.hstack((B, friction)), T_s / self.substeps)
-        asked = (self.motor_reference + correction)[:, 0]
-        noise = np.zeros_like(asked)
+        commanded = (self.motor_reference + correction)[:, 0]
+        noise = np.zeros_like(commanded)
         if self.noise > 0.0 and self.rng is not None:
-            noise = self.rng.normal(0.0, self.noise, len(asked))
+            noise = self.rng.normal(0.0, self.noise, len(commanded))
         F = self.loop.F
         b, a = np.zeros(2), np.zeros(2)
         b[: len(F.b)], a[: len(F.a)] = F.b, F.a
-        motor, arm = _simulator()(
-            np.ascontiguousarray(A_d),
-            BB_d[:, 0].copy(),
-            BB_d[:, 1].copy(),
-            b,
-            a,
-            asked,
-            noise,
-            self.coulomb,
-            self.substeps,
-        )
+        matrices = (np.ascontiguousarray(A_d), BB_d[:, 0].copy(), BB_d[:, 1].copy())
+        signals = (commanded, noise)
+        motor, arm = _simulator()(*matrices, b, a, *signals, self.coulomb, self.substeps)
         return TwoMassRun(motor=motor[:, None], arm=arm[:, None])
 
 
@@ -77,30 +69,30 @@ _compiled = None
 
 
 def _simulator():
-    """The loop over samples, compiled at its first use."""
+    """Loop over samples, compiled at its first use."""
     global _compiled
     if _compiled is None:
-        import numba  # here: compiling costs seconds that only this plant needs
+        import numba  # imported here: compilation takes seconds
 
         _compiled = numba.njit(cache=True)(_simulate)
     return _compiled
 
 
-def _simulate(A, B, B_friction, b, a, asked, noise, coulomb, substeps):  # pragma: no cover
-    """Samples of (measured motor angle, arm angle); one controller period after the other."""
-    n = len(asked)
+def _simulate(A, B, B_friction, b, a, commanded, noise, coulomb, substeps):  # pragma: no cover
+    """Measured motor angle and arm angle, (N,) each, one controller period after the other."""
+    n = len(commanded)
     motor, arm = np.empty(n), np.empty(n)
     x = np.zeros(4)
     error_before, voltage = 0.0, 0.0
     for t in range(n):
         motor[t] = x[2] + noise[t]
         arm[t] = x[0]
-        error = asked[t] - motor[t]
+        error = commanded[t] - motor[t]
         voltage = b[0] * error + b[1] * error_before - a[1] * voltage
         error_before = error
         for _ in range(substeps):
             x = A @ x + B * voltage
-            # x[3] is now the speed without friction; the torque that would stop it:
+            # x[3] is the speed without friction, and this the torque that stops it:
             torque = -x[3] / B_friction[3]
             x = x + B_friction * min(max(torque, -coulomb), coulomb)
     return motor, arm

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy import signal
 
-from armside.ilc import Heuristic, ZeroPhaseButterworth, chapter8
+from armside.ilc import Heuristic, ZeroPhaseButterworth, two_mass_study
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.filters import butterworth
 from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
@@ -15,7 +15,7 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop
 
-from ..figures import two_mass as two_mass_figures
+from ..figures.two_mass import FIGURES
 from .timing import Row, interleaved
 
 REPEATS = 5
@@ -31,7 +31,7 @@ def _search() -> Row:
 
     def search() -> None:
         for T_u in sides:
-            largest_gamma(T_u, chapter8.SHIFTS, chapter8.SEARCHED_CUTOFFS)
+            largest_gamma(T_u, two_mass_study.SHIFTS, two_mass_study.SEARCHED_CUTOFFS)
 
     (ours,) = interleaved([search], REPEATS)
     return Row("Fig 8.7: 101 shifts x 99 cutoffs, both sides", ours)
@@ -41,9 +41,9 @@ def _five_hundred() -> Row:
     with TemporaryDirectory() as folder:
 
         def iterate() -> None:
-            chapter8.learned.cache_clear()
-            two_mass_figures.motor_signals(Path(folder) / "motor.png", 0)
-            two_mass_figures.arm_signals(Path(folder) / "arm.png", 0)
+            two_mass_study.learned.cache_clear()
+            for name in ("8.9", "8.10"):
+                FIGURES[name](Path(folder) / f"{name}.png", 0)
 
         (ours,) = interleaved([iterate], REPEATS)
     return Row("500 iterations, Figs 8.9 and 8.10 drawn", ours)
@@ -74,11 +74,7 @@ def _updates() -> list[Row]:
     u, e = np.random.default_rng(0).standard_normal((2, 380, 6))
     ((b, a),) = butterworth(10.0, 0.004, 2)
     ours, theirs, update = interleaved(
-        [
-            lambda: Q(u),
-            lambda: signal.filtfilt(b, a, u, axis=0, padlen=6),
-            lambda: law(u, e),
-        ],
+        [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)],
         REPEATS,
     )
     return [

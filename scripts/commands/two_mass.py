@@ -12,21 +12,15 @@ from ..shell.console import Report
 from ..shell.options import Common, options
 from ..shell.registry import unknown
 
-FIGURE_NAMES = (
-    *(f"8.{i}" for i in range(3, 13)),
-    "nyquist",
-    "why-q",
-    "algorithms",
-    "robustness",
-    "friction",
-)
-"""As in `two_mass_figures.FIGURES`; here so that a wrong name is found without drawing."""
+BEYOND = ("nyquist", "why-q", "algorithms", "robustness", "friction")
+FIGURE_NAMES = (*(f"8.{i}" for i in range(3, 13)), *BEYOND)
+"""Keys of `FIGURES`, which this module does not import: a wrong name is found without drawing."""
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class TwoMassCfg:
-    """Which figures."""
+    """Figures to draw."""
 
     figure: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("all",)
     """8.3 to 8.12 as in the thesis; nyquist, why-q, algorithms, robustness, friction; or all."""
@@ -38,7 +32,7 @@ class TwoMassCfg:
 
     @property
     def names(self) -> list[str]:
-        """In the order of the thesis, each once."""
+        """Names of the figures, each once, in the order of the thesis."""
         return [name for name in FIGURE_NAMES if name in self.figure or "all" in self.figure]
 
 
@@ -47,15 +41,14 @@ def two_mass(*, cfg: TwoMassCfg = TwoMassCfg(), common: Common = Common()) -> No
 
     Writes one PNG a figure and summary.json.
     """
-    from ..figures import two_mass as two_mass_figures
+    from ..figures.two_mass import FIGURES
 
     report = Report(common)
     tables = {}
     with RunFolder("two-mass", seed=common.seed, out=common.out) as folder:
         with report.progress("drawing", total=len(cfg.names)) as step:
             for name in cfg.names:
-                draw = two_mass_figures.FIGURES[name]
-                tables[name] = draw(folder / f"figure-{name}.png", common.seed)
+                tables[name] = FIGURES[name](folder / f"figure-{name}.png", common.seed)
                 step()
         outcome = summary("two-mass", cfg, common, figures=tables)
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")

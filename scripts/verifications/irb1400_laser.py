@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from armside.ilc.analysis.proposal import FAST_ENOUGH
 from armside.ilc.measures import norms as measures
 
 from ..commands.laser import LaserCfg, run
 from ..commands.verify import Table, Verdict
 from ..laser_options import OF_ROBOT, THESIS
-from ..robot_design import CUTOFFS, FAST_ENOUGH, asked_for
+from ..robot_design import CUTOFFS, asked_for
 
 ROBOT = "irb1400"
 POSES = ("p1", "p2", "p3")

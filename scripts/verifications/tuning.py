@@ -153,7 +153,9 @@ def identified() -> Design:
 
     Values beyond the ranges of the env are brought to their ends.
     """
-    from ..thesis.chapter9.designs import design_for
+    from armside.ilc.analysis.proposal import design_for
+
+    from ..thesis.chapter9.designs import CUTOFFS
     from ..thesis.chapter9.sections import SPEEDS, identify
     from ..thesis.chapter9.table import STUDIES
 
@@ -162,7 +164,7 @@ def identified() -> Design:
     }
     results = {speed: jobs[speed].run() for speed in SPEEDS}
     models = [identify(results, (motor,)) for motor in range(6)]
-    proposals = [design_for(model.system, model.fit) for model in models]
+    proposals = [design_for(model.system, CUTOFFS, fit=model.fit) for model in models]
     gamma, delta, cutoff = (
         tuple(float(np.clip(getattr(p, v.name), v.low, v.high)) for p in proposals)
         for v in VARIABLES

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armside.arrays import Array
-from armside.ilc.estimation.kalman import SettledFilter, Smoothed, Smoother
+from armside.ilc.estimation.kalman import Smoothed, Smoother, SteadyStateFilter
 from armside.ilc.estimation.wiener import NonCausal
 
 from ..instruments.imu import ImuCfg, ImuSamples
@@ -86,8 +86,8 @@ class ArmEstimator:
         return self._smoothers[key]
 
     @cached_property
-    def settled(self) -> SettledFilter:
-        return SettledFilter(self.model.sampled(1.0 / self.imu.rate))
+    def settled(self) -> SteadyStateFilter:
+        return SteadyStateFilter(self.model.sampled(1.0 / self.imu.rate))
 
     @cached_property
     def _wiener(self) -> NonCausal:

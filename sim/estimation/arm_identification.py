@@ -11,8 +11,12 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import Whiteness, whiteness
-from armside.ilc.estimation.kalman import SettledFilter
-from armside.ilc.estimation.prediction_error import Fit, Whitened, fit
+from armside.ilc.estimation.kalman import SteadyStateFilter
+from armside.ilc.estimation.prediction_error import (
+    ParameterEstimate,
+    Whitened,
+    estimate_parameters,
+)
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
@@ -49,7 +53,7 @@ class Identified:
     """Springs, how well they are known, and whether the filter then leaves white innovations."""
 
     springs: Springs
-    fit: Fit
+    fit: ParameterEstimate
     names: tuple[str, ...]
     """Names of the entries of fit.theta."""
     whiteness: Whiteness
@@ -134,12 +138,12 @@ def identify(
     nominal, sd = linearised(arm, rest), prior.standard_deviation
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
     starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
-    rigid = fit(innovations, np.zeros(sd.size), sd, starts)
+    rigid = estimate_parameters(innovations, np.zeros(sd.size), sd, starts)
     springs = springs_at(arm, prior, rigid.theta, process_noise.fraction)
     elastic = nominal.on_springs(springs.stiffness, springs.damping)
     run = with_nonlinear_residual(arm, arm_filter(elastic, imu, process_noise), run)
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
-    best = fit(innovations, np.zeros(sd.size), sd, [rigid.theta])
+    best = estimate_parameters(innovations, np.zeros(sd.size), sd, [rigid.theta])
     return Identified(
         springs=springs_at(arm, prior, best.theta, process_noise.fraction),
         fit=replace(best, costs=rigid.costs),
@@ -225,11 +229,11 @@ class _Innovations:
             candidate, self.imu, replace(self.process_noise, fraction=springs.process_noise)
         )
         return _Filter(
-            SettledFilter(model.sampled(1.0 / self.imu.rate)),
+            SteadyStateFilter(model.sampled(1.0 / self.imu.rate)),
             _explained(model, self.run),
         )
 
 
 class _Filter(NamedTuple):
-    settled: SettledFilter
+    settled: SteadyStateFilter
     explained: "CubicHermiteSpline"

@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from armside.arrays import Array
-from armside.ilc.analysis.proposal import Proposal, propose
-from armside.ilc.identification.first_order import FirstOrder, fit_first_order
+from armside.ilc.analysis.proposal import Proposal, design_for
+from armside.ilc.identification.first_order import FirstOrderModel
+from armside.ilc.identification.learning_data import LearningRecord, identify
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import THESIS
@@ -19,37 +17,29 @@ SPEEDS = (0.030, 0.040, 0.060)
 """[m/s], of the identification, as in the thesis."""
 CUTOFFS = (10.0, 15.0, 20.0, 22.5)
 """[Hz], from the default of the thesis to the highest it tried."""
-FAST_ENOUGH = 0.5
-"""Contraction factor that a design must reach."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DesignFromData:
     """A design for all motors of a robot, and the model it was made for."""
 
-    model: FirstOrder
+    model: FirstOrderModel
     proposal: Proposal
 
 
 def design_from_data(cut: Cut, seed: int) -> DesignFromData:
-    """Design with the highest cutoff that is fast enough for one model of all motors.
+    """Design with the highest cutoff that contracts fast enough for one model of all motors.
 
-    T_u of all motors together is identified from u_5 and y_5 - y_0, summed over three speeds, of
-    learning with the design of the thesis. Thesis (9.11), (9.12).
+    T_u of all motors together is identified from learning with the design of the thesis at three
+    speeds.
     """
-    pairs = [_learned(replace(cut, speed=speed), seed) for speed in SPEEDS]
-    # At rest friction holds a motor wherever it stopped: that is no dynamics.
-    n = min(len(u) for u, _ in pairs)
-    u, y = (np.sum([pair[i][:n] for pair in pairs], axis=0) for i in range(2))
-    model = fit_first_order(u, y, LOG_PERIOD)
-    found = [propose(model.system, cutoff, deltas=range(13)) for cutoff in CUTOFFS]
-    quick = [proposal for proposal in found if proposal.contraction <= FAST_ENOUGH]
-    return DesignFromData(model=model, proposal=quick[-1] if quick else found[0])
+    records = [_learned(replace(cut, speed=speed), seed) for speed in SPEEDS]
+    model = identify(records, LOG_PERIOD)
+    return DesignFromData(model=model, proposal=design_for(model.system, CUTOFFS))
 
 
-def _learned(cut: Cut, seed: int) -> tuple[Array, Array]:
-    """u_5 and y_5 - y_0 until the end of the motion, (N, 6) each [rad]."""
+def _learned(cut: Cut, seed: int) -> LearningRecord:
     experiment = prepare(cut, seed=seed)
-    first, *_, last = iterate(experiment, MotorAngles(THESIS).prepare(experiment), 5)
-    n = experiment.motion_end
-    return last.correction[:n], (first.error - last.error)[:n]
+    set_up = MotorAngles(THESIS).prepare(experiment)
+    first, *_, last = iterate(experiment, set_up, 5)
+    return LearningRecord(last.correction, first.error, last.error, experiment.motion_end)

@@ -126,7 +126,7 @@ def test_the_guard_returns_to_the_best_and_then_stops():
     assert max(sizes[2:]) <= 2.0 * sizes[0]
 
 
-def test_joint_space_feeds_motors_with_what_the_tool_lacks():
+def test_joint_space_maps_the_tool_error_to_motors_by_the_inverse_jacobian():
     class Identity(FirstOrderLaw):
         def __call__(self, correction, error):
             return correction + error
@@ -150,6 +150,6 @@ def test_joint_space_feeds_motors_with_what_the_tool_lacks():
         ({"limit": 0.0}, "limit"),
     ],
 )
-def test_an_inverse_says_what_is_out_of_range(options, said):
+def test_an_inverse_refuses_options_out_of_range_by_name(options, said):
     with pytest.raises(ValueError, match=said):
         inverse(**options)

@@ -19,13 +19,13 @@ from armside.ilc.analysis import (
     largest_cutoff,
     largest_gamma,
 )
-from armside.ilc.chapter8 import phase_error, rough_models
 from armside.ilc.laws.gains import MatrixGain, PType
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.discretise import zoh
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
+from armside.ilc.two_mass_study import phase_error, rough_models
 
 LOOP = TwoMassLoop()
 T_MOTOR, T_ARM = LOOP.T_motor, LOOP.T_arm
@@ -100,7 +100,7 @@ def test_figure_8_6_needs_a_q_for_every_shift():
     assert served == {11.0: [2, 4, 6], 22.0: [2, 4, 6], 38.0: [4]}
 
 
-def test_violated_bands_are_where_the_thesis_figure_has_them():
+def test_violated_bands_are_those_of_the_thesis_figure():
     result = heuristic_criterion(T_MOTOR, 0.9, 0, ZeroPhaseButterworth(11.0, 0.01))
     (low, high), *others = result.violated_bands()
     assert not others
@@ -275,7 +275,7 @@ def beyond_90_degrees(angle, omega):
     return None if bad.size == 0 else tuple(hertz(omega[bad[[0, -1]]], 0.01))
 
 
-def test_every_shift_turns_the_phase_too_far_somewhere():
+def test_every_shift_exceeds_90_degrees_of_phase_at_some_frequency():
     omega = frequency_grid(8000)
     phase = np.angle(T_MOTOR.response(omega))
     expected = {0: (4.06, 50), 1: (5.04, 41.1), 2: (45.3, 50), 3: (28.4, 46.5), 5: (15.1, 47.5)}
@@ -293,7 +293,7 @@ def test_the_flexibility_is_not_why():
     assert (largest_gamma(rigid.feedback(), SHIFTS, None) == 0.0).all()
 
 
-def test_a_rough_model_run_backwards_needs_no_q_but_must_know_the_delay():
+def test_the_adjoint_of_a_rough_model_needs_no_q_but_the_exact_delay():
     omega = frequency_grid(8000)
     T = T_MOTOR.response(omega)
     for name, model in rough_models().items():

@@ -1,4 +1,4 @@
-"""The design helper keeps its word on the plant it was designed for."""
+"""A proposed design converges as predicted on its model; robustness to the joint's parameters."""
 
 import json
 from dataclasses import replace
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from armside.ilc import Edge, Heuristic, learn
 from armside.ilc.analysis import LiftedIteration
 from armside.ilc.analysis.proposal import propose
-from armside.ilc.analysis.robustness import Design, contraction, contraction_map, monte_carlo
+from armside.ilc.analysis.robustness import contraction, contraction_map, monte_carlo
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.model_file import read_model
@@ -50,14 +50,14 @@ def test_the_error_falls_at_least_as_fast_as_proposed(pole, delay, gain, bandwid
     assert distance[k] <= 0.05 * distance[0]
 
 
-def test_what_is_left_over_at_a_frequency_is_what_a_sine_keeps():
+def test_the_predicted_residual_at_a_frequency_is_the_amplitude_of_a_sine_after_learning():
     proposal = propose(ARX, 10.0)
     t = np.arange(3000)[:, None] * 0.004
     sine = np.sin(2 * np.pi * 8.0 * t)
     plant = LinearPlant(T_u=ARX, reference=0 * sine, loads=(sine,))
     *_, last = learn(plant, proposal.law, 0 * sine, 30)
     amplitude = np.sqrt(2 * np.mean(last.error[1000:2000] ** 2))
-    assert amplitude == pytest.approx(proposal.left_over(8.0), rel=0.01)
+    assert amplitude == pytest.approx(proposal.residual(8.0), rel=0.01)
 
 
 def test_the_sentence_names_design_prediction_and_limit():
@@ -66,7 +66,7 @@ def test_the_sentence_names_design_prediction_and_limit():
         assert part in sentence
 
 
-def test_an_infeasible_design_says_up_to_where_it_would_work():
+def test_an_infeasible_design_states_the_feasible_bandwidth():
     T_arm = TwoMassLoop().T_arm
     with pytest.raises(
         ValueError, match=r"infeasible design: with a cutoff of 45 Hz .* up to"
@@ -121,14 +121,14 @@ def test_a_model_file_that_is_no_model_is_refused_with_its_name(tmp_path, text, 
 # Robustness of the two-mass joint
 
 LOOP = TwoMassLoop()
-CHAPTER_8 = Design(gamma=0.9, delta=5, Q=propose(LOOP.T_motor, 17.0).law.Q)
+CHAPTER_8 = Heuristic(gamma=0.9, delta=5, Q=propose(LOOP.T_motor, 17.0).Q)
 
 
 def test_the_nominal_joint_has_the_contraction_of_the_criterion():
     assert contraction(LOOP, CHAPTER_8) == pytest.approx(0.8142, abs=1e-3)
 
 
-def test_the_map_holds_the_nominal_value_at_factor_one_and_finds_where_learning_fails():
+def test_the_map_holds_the_nominal_value_at_factor_one_and_shows_divergence_far_from_it():
     grid = contraction_map(LOOP, CHAPTER_8, ("Jm", [0.5, 1.0, 4.5]), ("k", [1.0, 5.0]))
     assert grid.shape == (3, 2)
     assert grid[1, 0] == pytest.approx(0.8142, abs=2e-3)
@@ -155,10 +155,10 @@ def test_uncertainty_spreads_the_contraction_and_the_seed_fixes_it():
     again = monte_carlo(LOOP, CHAPTER_8, 0.1, 30, np.random.default_rng(1))
     np.testing.assert_array_equal(narrow.contraction, again.contraction)
     assert np.ptp(wide.contraction) > 2 * np.ptp(narrow.contraction)
-    assert narrow.share_converging == 1.0
+    assert narrow.fraction_converging == 1.0
     assert wide.most_harmful() in ("k", "d", "Ja", "Jm", "fm", "kt")
 
 
-def test_an_unknown_parameter_is_refused_with_the_names_there_are():
+def test_an_unknown_parameter_is_refused_with_the_valid_names():
     with pytest.raises(ValueError, match=r"Unknown parameter 'stiffness'\. Parameters: k, d, Ja"):
         contraction_map(LOOP, CHAPTER_8, ("stiffness", [1.0]), ("k", [1.0]))

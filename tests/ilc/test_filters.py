@@ -76,7 +76,7 @@ def test_a_cutoff_outside_zero_to_nyquist_is_refused(cutoff):
         ZeroPhaseButterworth(cutoff, SAMPLE_TIME)
 
 
-def test_what_does_not_fit_the_record_is_refused():
+def test_filters_and_shifts_that_do_not_fit_the_record_are_refused():
     with pytest.raises(ValueError, match="one for each of 6, got 2"):
         ZeroPhaseButterworth((1.0, 2.0), SAMPLE_TIME)(np.zeros((100, 6)))
     with pytest.raises(ValueError, match="longer than the pad of 6"):
@@ -109,7 +109,7 @@ def test_a_shift_beyond_the_record_is_refused(delta):
         shift(np.zeros((4, 2)), delta)
 
 
-def test_q_equal_to_one_changes_nothing_and_shares_nothing():
+def test_q_equal_to_one_returns_a_copy():
     record = np.ones((3, 1))
     filtered = AllPass()(record)
     assert filtered is not record

@@ -1,4 +1,4 @@
-"""Dry friction in the joint; and learning where a person carries the data."""
+"""Dry friction in the two-mass joint, and learning by hand from recorded logs."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_the_simulation_converges_with_its_step():
 
 
 @pytest.mark.parametrize("coulomb", [0.05, 0.2])
-def test_learning_removes_most_of_what_friction_costs(coulomb):
+def test_learning_removes_most_of_the_error_of_friction(coulomb):
     plant = FrictionPlant(coulomb=coulomb)
     trials = list(learn(plant, LAW, plant.motor_reference, 20, output_of=lambda run: run.motor))
     norms = [two_norm(trial.error)[0] for trial in trials]

@@ -95,7 +95,7 @@ LAWS = {
 @pytest.mark.parametrize("name", LAWS)
 @settings(max_examples=6, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(T_u=stable_plants())
-def test_fixed_point_and_rate_are_what_the_lifted_analysis_predicts(name, T_u):
+def test_fixed_point_and_rate_are_those_of_the_lifted_analysis(name, T_u):
     law = LAWS[name](T_u)
     lifted = LiftedIteration.build(T_u, law, N)
     assume(lifted.spectral_radius < 0.9)
@@ -124,7 +124,7 @@ FILTERS = {
 
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("hertz", [1.0, 7.0, 30.0])
-def test_a_filter_treats_a_sine_as_its_response_says(name, hertz):
+def test_a_filter_changes_a_sine_by_its_frequency_response(name, hertz):
     one, omega = FILTERS[name], 2 * np.pi * hertz * T_S
     t = np.arange(3000)
     filtered = one(np.column_stack((np.cos(omega * t), np.sin(omega * t))))
@@ -177,7 +177,7 @@ def test_a_periodic_record_is_inverted_exactly():
     np.testing.assert_allclose(produced, wanted, atol=1e-9)
 
 
-def test_an_inverse_of_what_is_unstable_or_misfitting_is_refused():
+def test_an_inverse_of_an_unstable_or_misfitting_model_is_refused():
     learned = ZeroPhaseButterworth(20.0, T_S)
     with pytest.raises(ValueError, match="T_u is unstable"):
         ModelInverse(T_u=System([0, 1], [1, -1.2], T_S), learned=learned)
@@ -301,10 +301,7 @@ def test_without_an_active_limit_the_constrained_law_is_norm_optimal():
         ),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=0.0), "limit must be > 0"),
         (lambda: Constrained(T_u=ARX, n_samples=N, limit=np.ones(7)), "limit must be a number"),
-        (
-            lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N),
-            "T_u is unstable",
-        ),
+        (lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N), "T_u is unstable"),
     ],
 )
 def test_criteria_and_limits_that_make_no_sense_are_refused(build, message):
@@ -449,7 +446,7 @@ def test_a_high_order_law_converges_at_its_predicted_rate(gain, alpha, beta_0, b
     assert 1 / 40 < envelope.max() < 40
 
 
-def test_a_high_order_law_converges_where_its_spectral_radius_says_so():
+def test_a_high_order_law_converges_if_its_spectral_radius_is_below_one():
     def outcome(beta):
         law = HighOrder(alpha=(0.7, 0.3), beta=beta, L=PType(gamma=1.0, delta=6), Q=low_pass(12.0))
         omega = np.linspace(1e-3, np.pi, 500)
@@ -544,7 +541,7 @@ def test_an_adaptive_gain_averages_noise_that_a_constant_gain_learns():
     assert all(ours < 0.6 * theirs for ours, theirs in true_errors)
 
 
-def test_an_adaptive_gain_rises_again_where_the_task_changes():
+def test_an_adaptive_gain_rises_again_at_the_times_at_which_the_task_changes():
     L = ModelInverse(T_u=ARX, learned=ZeroPhaseButterworth(60.0, T_S))
     law = Adaptive(L=L, noise_variance=1e-4, initial_variance=1.0)
     rng = np.random.default_rng(0)
@@ -610,6 +607,6 @@ class Invalid:
         Invalid(lambda: b_splines(10, 3), r"n_basis must be in 4\.\.10"),
     ],
 )
-def test_what_makes_no_sense_is_refused_with_its_name(case):
+def test_invalid_design_variables_are_refused_by_name(case):
     with pytest.raises(ValueError, match=case.message):
         case.build()

@@ -51,7 +51,7 @@ def test_the_error_of_a_gain_contracts_by_one_minus_gamma_times_gain():
         np.testing.assert_allclose(after.error, (1 - 0.9 * 0.8) * before.error, atol=1e-12)
 
 
-def test_the_error_diverges_where_the_criterion_fails_and_the_loop_says_so():
+def test_the_error_diverges_if_the_criterion_fails_and_the_loop_reports_it():
     reference = moves()
     law = Heuristic(Q=AllPass(), gamma=2.5)  # |1 - 2.5| > 1 at every frequency
     trials = list(learn(Scaled(reference, 0.9), law, reference, 50))
@@ -158,7 +158,7 @@ def test_a_law_with_impossible_design_variables_cannot_be_built(change, message)
         Heuristic(Q=AllPass(), **change)
 
 
-def test_what_does_not_fit_is_refused_before_the_first_run():
+def test_misfitting_arguments_are_refused_before_the_first_run():
     class Untouchable:
         def run(self, correction, /):
             raise AssertionError("ran")

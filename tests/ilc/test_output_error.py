@@ -29,7 +29,7 @@ def test_the_model_of_the_thesis_is_found_again(smooth_input):
     assert found.total_delay == pytest.approx(5 + 0.4884 / 0.5116, abs=1e-3)
 
 
-def test_noise_of_the_output_does_not_bend_it_as_it_bends_arx(smooth_input):
+def test_output_noise_biases_output_error_less_than_arx(smooth_input):
     rng = np.random.default_rng(0)
     y = THESIS.simulate(smooth_input)
     y = y + 0.02 * rng.standard_normal(y.shape)
@@ -42,7 +42,7 @@ def test_noise_of_the_output_does_not_bend_it_as_it_bends_arx(smooth_input):
     assert abs(found.pole - 0.4884) < 0.5 * abs(pole_of_arx - 0.4884)
 
 
-def test_fit_is_one_for_the_truth_and_zero_for_the_mean(smooth_input):
+def test_fit_is_one_for_the_ground_truth_and_zero_for_the_mean(smooth_input):
     y = THESIS.simulate(smooth_input)
     assert fit_of(THESIS, smooth_input, y) == pytest.approx(1.0)
     nothing = System(np.array([0.0]), np.array([1.0]), STEP)
@@ -57,7 +57,7 @@ def test_fit_is_one_for_the_truth_and_zero_for_the_mean(smooth_input):
         (np.zeros((9, 1)), np.ones((9, 1)), "zero throughout"),
     ],
 )
-def test_data_that_say_nothing_are_refused(u, y, message):
+def test_data_without_excitation_are_refused(u, y, message):
     with pytest.raises(ValueError, match=message):
         fit_first_order(u, y, STEP)
 

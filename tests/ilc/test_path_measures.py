@@ -9,7 +9,7 @@ SQUARE = np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
 """Corners of an attained path around the origin, counter-clockwise."""
 
 
-def test_a_crossing_lies_where_the_path_meets_the_plane_between_its_samples():
+def test_a_crossing_is_interpolated_between_samples():
     commanded, tangent = np.array([[0.9, 0.25]]), np.array([[0.0, 1.0]])
     np.testing.assert_allclose(crossings(commanded, tangent, SQUARE), [[1.0, 0.25]])
 
@@ -19,7 +19,7 @@ def test_the_last_sample_is_joined_to_the_first():
     np.testing.assert_allclose(crossings(commanded, tangent, SQUARE), [[0.25, -1.0]])
 
 
-def test_of_two_crossings_the_nearest_counts_and_the_way_back_does_not():
+def test_of_two_crossings_the_nearest_counts_and_one_in_the_opposite_direction_does_not():
     path = np.array([[0.0, 5.0], [1.0, 5.0], [1.0, 4.0], [0.0, 4.0], [0.0, 1.0], [1.0, 1.0]])
     commanded, tangent = np.array([[0.5, 3.5]]), np.array([[1.0, 0.0]])
     # At x = 0.5 it comes by at y = 5 and 1 along the tangent, and at y = 4 against it.
@@ -44,7 +44,7 @@ def test_repeatability_is_mean_and_three_deviations_of_the_distance_from_the_bar
     assert path_repeatability(runs) == pytest.approx(4 / 3 + 3 * np.sqrt(1 / 3))
 
 
-def test_repeatability_is_that_of_the_worst_point_and_knows_no_common_error():
+def test_repeatability_is_that_of_the_worst_point_and_ignores_a_common_error():
     runs = np.zeros((2, 3, 2))
     runs[0, 1], runs[1, 1] = [1.0, 1.0], [1.0, -1.0]
     assert path_repeatability(runs) == pytest.approx(1.0)

@@ -1,4 +1,4 @@
-"""Linear systems, their way in from `control`, and the plant of (7.1)."""
+"""Linear systems, conversion from `control`, and the plant of (7.1)."""
 
 import control
 import numpy as np
@@ -54,7 +54,7 @@ def test_systems_of_the_control_package_are_taken(model):
     assert ours.sample_time == T_S
 
 
-def test_other_models_are_refused_with_what_is_wrong():
+def test_other_models_are_refused_with_the_reason():
     with pytest.raises(ValueError, match="must be discrete with a sample time"):
         as_system(control.tf([1.0], [1.0, 1.0]))
     with pytest.raises(ValueError, match="one input and one output, got 2 and 1"):
@@ -63,7 +63,7 @@ def test_other_models_are_refused_with_what_is_wrong():
         as_system("G")
     with pytest.raises(ValueError, match="with its sample_time"):
         as_system(([1], [1, 2]))
-    with pytest.raises(ValueError, match="share a sample time"):
+    with pytest.raises(ValueError, match="have one sample time"):
         SYSTEM * System([1], [1], 2 * T_S)
 
 
@@ -80,7 +80,7 @@ def test_discretisations_agree_with_control():
         zoh([1.0, 0, 0], [1.0, 1.0], T_S)
 
 
-def test_a_matrix_of_systems_adds_what_each_input_does():
+def test_a_matrix_of_systems_superposes_the_responses_to_its_inputs():
     T = SystemMatrix(((SYSTEM, SYSTEM * 0.5), (SYSTEM * 0.0, SYSTEM * 2.0)))
     u = np.random.default_rng(2).standard_normal((60, 2))
     one, two = SYSTEM.simulate(u).T
@@ -112,7 +112,7 @@ def test_the_final_error_with_a_filter_is_driven_by_reference_error_and_load():
     assert np.abs(last.error[:-5]).max() < 1e-6
 
 
-def test_loads_and_plants_take_turns():
+def test_loads_and_plants_alternate_over_the_iterations():
     zero, one = np.zeros((5, 1)), np.ones((5, 1))
     plant = LinearPlant(T_u=SYSTEM, reference=zero, loads=(zero, one))
     assert [plant.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]

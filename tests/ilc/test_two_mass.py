@@ -78,7 +78,7 @@ def test_m1_m2_m3_the_discrete_joint():
     np.testing.assert_allclose(G_a.a, [1, -1.970108293831, 0.975088499495], atol=1e-10)
 
 
-def test_the_two_ways_to_a_zero_order_hold_agree():
+def test_both_computations_of_a_zero_order_hold_agree():
     G_m = zoh(*JOINT.motor_transfer, T_S)
     np.testing.assert_allclose(G_m.b, JOINT.motor(T_S).b, atol=1e-12)
     np.testing.assert_allclose(G_m.a, JOINT.motor(T_S).a, atol=1e-12)

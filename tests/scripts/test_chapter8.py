@@ -6,7 +6,7 @@ import pytest
 
 from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.figures.two_mass import Table
+from armside.scripts.figures.two_mass_panels import Table
 from armside.scripts.shell.registry import load
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "8"}
@@ -41,7 +41,7 @@ def test_every_section_is_drawn_captioned_and_compared(name, sections, folder, a
     assert_complete(section, folder)
 
 
-def test_what_differs_from_the_thesis_is_known_and_says_why(sections):
+def test_differences_from_the_thesis_are_known_and_have_a_reason(sections):
     checks = [check for section in sections.values() for check in section.checks]
     assert len({check.id for check in checks}) == len(checks)
     failing = {check.id: check.reason for check in checks if not check.holds}

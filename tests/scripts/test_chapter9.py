@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from armside.scripts.learning_job import LearningJob
 
+from armside.ilc.analysis.proposal import design_for
 from armside.ilc.models.system import System
 from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.workers import Workers
 from armside.scripts.shell.registry import load
-from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
+from armside.scripts.thesis.chapter9.designs import CUTOFFS
 from armside.scripts.thesis.chapter9.sections import bands, figures
 from armside.scripts.thesis.chapter9.table import POSES, STUDIES, laser
 from armside.scripts.verifications.chapter9 import found
@@ -142,7 +143,7 @@ def test_the_same_arrays_draw_the_same_bytes(tmp_path):
 
 def test_a_motor_that_a_model_describes_gets_a_higher_cutoff():
     delay = System(np.array([0, 0, 0, 1.0]), np.array([1.0]), 0.004)
-    trusted, doubted = design_for(delay, fit=0.95), design_for(delay, fit=0.5)
+    trusted, doubted = (design_for(delay, CUTOFFS, fit=fit) for fit in (0.95, 0.5))
     assert trusted.cutoff == CUTOFFS[-1]  # a pure delay is answered by a shift, at any cutoff
     assert trusted.delta == 3
     assert doubted.cutoff == CUTOFFS[0]

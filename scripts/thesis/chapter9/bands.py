@@ -11,7 +11,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
-from armside.ilc.identification.first_order import FirstOrder
+from armside.ilc.identification.first_order import FirstOrderModel
 from armside.ilc.laws import Heuristic
 from armside.ilc.measures import norms as measures
 from armside.ilc.models.system import System
@@ -209,7 +209,7 @@ def shift_arm(delta_3: ByPose, delta_6: ByPose) -> list[Check]:
     ]
 
 
-def fitted_model(model: FirstOrder) -> list[Check]:
+def fitted_model(model: FirstOrderModel) -> list[Check]:
     """(e): what is identified from the motors that move most. Thesis (9.12)."""
     return [
         Check(

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.ilc.analysis.proposal import Proposal, propose
-from armside.ilc.identification.first_order import FirstOrder
-from armside.ilc.models.system import System
+from armside.ilc.analysis.proposal import Proposal, design_for
+from armside.ilc.identification.first_order import FirstOrderModel
 
 from ...jobs.store import Job, Result
 from ...learning_job import LearningJob
@@ -19,32 +18,8 @@ from .table import POSES, STUDIES, laser
 
 CUTOFFS = (6.0, 8.0, 10.0, 12.0, 15.0)
 """[Hz], offered to each motor; the highest one with a fast enough design is taken."""
-FAST_ENOUGH = 0.5
-"""Contraction by which a design must shrink the distance to its limit in every iteration."""
-TRUSTED_FIT = 0.8
-"""A motor whose model fits worse keeps the lowest cutoff: its model says nothing of more."""
 FED_FORWARD = 0.8
 """Share of the Coulomb friction; all of it would overcompensate robots with less."""
-
-
-def design_for(model: System, fit: float) -> Proposal:
-    """The design with the highest cutoff that is fast enough for a motor's model.
-
-    Raises ValueError if none of the cutoffs contracts.
-    """
-    cutoffs = CUTOFFS if fit >= TRUSTED_FIT else CUTOFFS[:1]
-    best: Proposal | None = None
-    for cutoff in cutoffs:
-        try:
-            found = propose(model, cutoff, deltas=range(0, 13))
-        except ValueError:  # no shift contracts at this cutoff, nor at a higher one
-            break
-        if best is not None and found.contraction > FAST_ENOUGH:
-            break
-        best = found
-    if best is None:
-        raise ValueError(f"no shift from 0 to 12 contracts at {CUTOFFS[0]:g} Hz for this motor")
-    return best
 
 
 def per_motor(seed: int) -> Part:
@@ -52,10 +27,12 @@ def per_motor(seed: int) -> Part:
     base = STUDIES["operating point"].jobs(seed)
     data = STUDIES["identification"].jobs(seed)
 
-    def designed(read: Read) -> tuple[list[FirstOrder], list[Proposal], dict[str, LearningJob]]:
+    def designed(
+        read: Read,
+    ) -> tuple[list[FirstOrderModel], list[Proposal], dict[str, LearningJob]]:
         results = {v: read(data["p1", v]) for v in SPEEDS}
         models = [identify(results, (motor,)) for motor in range(6)]
-        designs = [design_for(model.system, model.fit) for model in models]
+        designs = [design_for(model.system, CUTOFFS, fit=model.fit) for model in models]
         tuned = laser(
             gamma=tuple(round(design.gamma, 3) for design in designs),
             delta=tuple(design.delta for design in designs),

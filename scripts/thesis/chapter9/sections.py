@@ -8,8 +8,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, shift_response
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.identification.arx import ArxFit, fit_arx, fit_percent
-from armside.ilc.identification.first_order import FirstOrder, fit_first_order, fit_of
+from armside.ilc.identification import learning_data as identification
+from armside.ilc.identification.arx import ArxFit, fit_arx
+from armside.ilc.identification.first_order import (
+    FirstOrderModel,
+    fit_first_order,
+    fit_of,
+    fit_of_each,
+)
 from armside.ilc.laws import Heuristic
 from armside.ilc.measures import norms as measures
 from armside.ilc.models.system import System
@@ -172,22 +178,24 @@ def ten_iterations(seed: int) -> Part:
 def learning_signals(
     results: Mapping[float, Result], motors: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """(9.11) of some motors: the sums over velocities of u_5 and of y_5 - y_0, shape (N, motors).
-
-    N: until the first of the motions ends. At rest friction holds a motor wherever it stopped: what
-    it does not answer there is no dynamics.
-    """
-    n = min(int(result["motion_end"]) for result in results.values())
-    columns = list(motors)
-    u = sum(r["correction"][AT][:n, columns].astype(np.float64) for r in results.values())
-    e = sum((r["error"][0] - r["error"][AT])[:n, columns] for r in results.values())
-    return np.asarray(u), np.asarray(e, dtype=np.float64)
+    """Learning data (9.11) of some motors, summed over velocities, shape (N, motors)."""
+    return identification.learning_data(_records(results), motors)
 
 
-def identify(results: Mapping[float, Result], motors: tuple[int, ...] = MOST_MOVED) -> FirstOrder:
+def identify(
+    results: Mapping[float, Result], motors: tuple[int, ...] = MOST_MOVED
+) -> FirstOrderModel:
     """One T_u for these motors from learning data at several velocities."""
-    u, y = learning_signals(results, motors)
-    return fit_first_order(u, y, SAMPLE_TIME)
+    return identification.identify(_records(results), SAMPLE_TIME, motors)
+
+
+def _records(results: Mapping[float, Result]) -> list[identification.LearningRecord]:
+    return [
+        identification.LearningRecord(
+            r["correction"][AT], r["error"][0], r["error"][AT], int(r["motion_end"])
+        )
+        for r in results.values()
+    ]
 
 
 def identified_model(seed: int) -> Part:
@@ -233,7 +241,7 @@ def identified_model(seed: int) -> Part:
     return Part(list(jobs.values()), draw)
 
 
-def _criterion_figure(file: Path, model: FirstOrder) -> None:
+def _criterion_figure(file: Path, model: FirstOrderModel) -> None:
     omega = frequency_grid(1200)
     frequency = hertz(omega, SAMPLE_TIME)
     shown = frequency >= 0.1
@@ -319,7 +327,9 @@ def _arx_table(data: Mapping[str, Mapping[float, Result]]) -> Grid:
 
 def _simulated_fit(fit: ArxFit, u: Array, y: Array) -> float:
     """[%]; a model that predicts well may be unstable, and then simulates nothing."""
-    return float(fit_percent(fit.system, u, y).mean()) if fit.system.is_stable else -np.inf
+    return (
+        float((100.0 * fit_of_each(fit.system, u, y)).mean()) if fit.system.is_stable else -np.inf
+    )
 
 
 def positions_motor(seed: int) -> Part:

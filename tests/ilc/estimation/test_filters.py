@@ -1,4 +1,4 @@
-"""Filters and smoothers on processes whose truth is known."""
+"""Filters and smoothers on simulated processes with known states."""
 
 import numpy as np
 import pytest
@@ -6,13 +6,13 @@ from scipy.linalg import expm, solve_discrete_are
 
 from armside.ilc.estimation.consistency import bounds, normalised_squared, whiteness
 from armside.ilc.estimation.extended import extended
-from armside.ilc.estimation.kalman import SettledFilter, Smoother
+from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.process import (
     Process,
     exponential,
     first_order_hold,
     sampled_noise,
-    settled,
+    steady_state_covariance,
 )
 from armside.ilc.estimation.wiener import NonCausal
 
@@ -31,7 +31,7 @@ def process():
 
 @pytest.fixture(scope="module")
 def record(process):
-    """States and readings of 4000 samples, from the settled distribution."""
+    """States and readings of 4000 samples, from the steady-state distribution."""
     rng = np.random.default_rng(0)
     n = 4000
     noise = rng.multivariate_normal(np.zeros(2), process.Q, n)
@@ -61,18 +61,18 @@ def test_a_held_ramp_is_followed_exactly():
 
 def test_doubling_solves_the_riccati_equation(process):
     expected = solve_discrete_are(process.A.T, C.T, process.Q, R)
-    assert settled(process) == pytest.approx(expected, rel=1e-8)
+    assert steady_state_covariance(process) == pytest.approx(expected, rel=1e-8)
 
 
 def test_a_state_that_is_neither_seen_nor_stable_is_refused():
     blind = Process(A=np.diag([1.1, 0.5]), Q=np.eye(2), C=np.array([[0.0, 1.0]]), R=np.eye(1))
-    with pytest.raises(RuntimeError, match="does not settle"), np.errstate(all="ignore"):
-        settled(blind)
+    with pytest.raises(RuntimeError, match="has no steady state"), np.errstate(all="ignore"):
+        steady_state_covariance(blind)
 
 
-def test_smoothing_beats_filtering_and_both_know_their_errors(process, record):
+def test_smoothing_beats_filtering_and_both_are_consistent(process, record):
     x, y = record
-    smoother = Smoother(process, settled(process), np.ones(len(y), dtype=bool))
+    smoother = Smoother(process, steady_state_covariance(process), np.ones(len(y), dtype=bool))
     result = smoother(y)
     filtered, smoothed = result.filtered - x, result.smoothed - x
     assert np.square(smoothed).sum() < 0.8 * np.square(filtered).sum()
@@ -88,7 +88,7 @@ def test_smoothing_beats_filtering_and_both_know_their_errors(process, record):
 
 def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(process, record):
     _, y = record
-    right = SettledFilter(process)
+    right = SteadyStateFilter(process)
     W_right, _ = right.whitening
     e = right(y).innovation @ W_right.T
     verdict = whiteness(e)
@@ -99,7 +99,7 @@ def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(proce
     assert low < nis.mean() < high
 
     Ad, Q = sampled_noise(A * np.array([[1.0, 1.0], [1.6, 1.0]]), W, STEP)
-    wrong = SettledFilter(Process(A=Ad, Q=Q, C=C, R=R))
+    wrong = SteadyStateFilter(Process(A=Ad, Q=Q, C=C, R=R))
     assert not whiteness(wrong(y).innovation @ wrong.whitening[0].T).is_white
 
 
@@ -108,7 +108,7 @@ def test_a_linear_model_makes_the_extended_filter_the_linear_one(process, record
     y = y[:300].copy()
     y[40:60] = np.nan
     y[100::3] = np.nan
-    P = settled(process)
+    P = steady_state_covariance(process)
     linear = Smoother(process, P, np.isfinite(y[:, 0]))(y)
     full = extended(
         lambda i, x: (process.A @ x, process.A),
@@ -126,7 +126,7 @@ def test_a_linear_model_makes_the_extended_filter_the_linear_one(process, record
 def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
     _, y = record
     y = y[:1000]
-    P = settled(process)
+    P = steady_state_covariance(process)
     smoothed = Smoother(process, P, np.ones(len(y), dtype=bool))(y).smoothed[:, 0]
     wiener = NonCausal(A, W, C, C)(y, STEP, R)[:, 0]
     middle = slice(200, 800)

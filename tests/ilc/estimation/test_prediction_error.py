@@ -1,10 +1,10 @@
-"""Parameters come back from innovations, with the uncertainty they have."""
+"""The prediction-error method recovers parameters and their uncertainty from innovations."""
 
 import numpy as np
 import pytest
 
-from armside.ilc.estimation.kalman import SettledFilter
-from armside.ilc.estimation.prediction_error import Whitened, fit
+from armside.ilc.estimation.kalman import SteadyStateFilter
+from armside.ilc.estimation.prediction_error import Whitened, estimate_parameters
 from armside.ilc.estimation.process import Process, sampled_noise
 
 STEP, N = 0.01, 1500
@@ -29,12 +29,12 @@ def record(seed, theta):
 
 def fitted(y):
     def model(theta):
-        settled = SettledFilter(process(theta))
-        W, log_det = settled.whitening
-        return Whitened(settled(y).innovation @ W.T, log_det)
+        steady = SteadyStateFilter(process(theta))
+        W, log_det = steady.whitening
+        return Whitened(steady(y).innovation @ W.T, log_det)
 
     starts = [np.zeros(2), np.array([0.4, 0.0]), np.array([-0.4, 0.0])]
-    return fit(model, np.zeros(2), np.array([0.5, 1.0]), starts)
+    return estimate_parameters(model, np.zeros(2), np.array([0.5, 1.0]), starts)
 
 
 def test_errors_of_the_parameters_are_as_large_as_said():
@@ -48,18 +48,18 @@ def test_errors_of_the_parameters_are_as_large_as_said():
     assert np.mean(nees) == pytest.approx(2.0, abs=1.7)  # 3 sigma of a mean of 12
 
 
-def test_what_the_data_do_not_tell_stays_with_the_prior():
+def test_parameters_without_information_keep_their_prior():
     def model(theta):
         return Whitened(np.array([[theta[0] - 1.0]] * 100) / 0.1, 2.0 * np.log(0.1))
 
-    found = fit(model, np.zeros(2), np.ones(2), [np.zeros(2)])
+    found = estimate_parameters(model, np.zeros(2), np.ones(2), [np.zeros(2)])
     assert found.theta == pytest.approx([1.0, 0.0], abs=1e-3)
     assert found.information == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
-def test_a_model_that_ends_nowhere_is_an_error():
+def test_a_prediction_error_without_a_finite_value_is_an_error():
     with pytest.raises(RuntimeError, match="not finite"):
-        fit(
+        estimate_parameters(
             lambda theta: Whitened(np.full((10, 1), np.inf), 0.0),
             np.zeros(1),
             np.ones(1),

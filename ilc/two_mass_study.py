@@ -1,4 +1,4 @@
-"""The simulation study of chapter 8: its designs, its runs and the numbers in its figures."""
+"""Simulation study of thesis chapter 8 on the two-mass joint: designs, learning runs, models."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -22,28 +22,28 @@ from .models.two_mass_friction import FrictionPlant
 GAMMA, DELTA = 0.9, 5
 """Design variables of Figs 8.8 to 8.12."""
 CUTOFFS = (1.0, 6.0, 17.0)
-"""[Hz], of Q in Fig 8.8."""
+"""Cutoffs of Q in Fig 8.8 [Hz]."""
 SHIFTS = np.arange(-50, 51)
-"""Search of Fig 8.7."""
+"""Shifts searched in Fig 8.7 [samples]."""
 SEARCHED_CUTOFFS = np.linspace(0.5, 49.5, 99)
-"""[Hz], search of Fig 8.7, half-Hz steps where the thesis took whole ones from 1 Hz."""
+"""Cutoffs searched in Fig 8.7 [Hz], in steps of 0.5 Hz; the thesis took 1 Hz."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Learning:
-    """500 iterations in a few arrays."""
+class TwoMassLearning:
+    """Error norms of both sides over the iterations of one learning run."""
 
     motor: Array
     """||e_m,k||, shape (K + 1,)."""
     arm: Array
     """||e_a,k||, shape (K + 1,)."""
     kept: dict[int, Trial[TwoMassRun]]
-    """The trials that figures show, by iteration."""
+    """Trials at k = 0, 1, 2, 5 and the last, by iteration."""
     plant: TwoMassPlant | FrictionPlant
 
 
 def heuristic(cutoff: float | None, delta: int = DELTA, sample_time: float = 0.01) -> Heuristic:
-    """The law of chapter 8; cutoff None: Q = 1. Zeros are shifted in, as the thesis's code does."""
+    """Law of chapter 8; cutoff None: Q = 1. Zeros are shifted in, as in the thesis's code."""
     Q: RecordFilter = ALL_PASS if cutoff is None else ZeroPhaseButterworth(cutoff, sample_time)
     return Heuristic(Q=Q, gamma=GAMMA, delta=delta, end=End.ZERO)
 
@@ -55,16 +55,16 @@ def learned(
     delta: int = DELTA,
     stiffness_factor: float = 1.0,
     iterations: int = 500,
-) -> Learning:
-    """Learning on the motor side; stiffness_factor: of the joint that F_r believes in."""
+) -> TwoMassLearning:
+    """Learning on the motor side; stiffness_factor: assumed over actual stiffness in F_r."""
     loop = TwoMassLoop()
     if stiffness_factor != 1.0:
         loop = loop.with_stiffness_error(stiffness_factor)
     return run(TwoMassPlant(loop=loop), heuristic(cutoff, delta), iterations)
 
 
-def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> Learning:
-    """Any law on the motor side of the joint; never stopped, so that growth can be shown."""
+def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> TwoMassLearning:
+    """Learning with any law on the motor side of the joint, not stopped on divergence."""
     motor, arm, kept = [], [], {}
     for trial in learn(
         plant,
@@ -78,11 +78,11 @@ def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> Learn
         arm.append(two_norm(plant.arm_reference - trial.result.arm)[0])
         if trial.k in (0, 1, 2, 5, iterations):
             kept[trial.k] = trial
-    return Learning(motor=np.array(motor), arm=np.array(arm), kept=kept, plant=plant)
+    return TwoMassLearning(motor=np.array(motor), arm=np.array(arm), kept=kept, plant=plant)
 
 
 def algorithms(cutoff: float = 17.0) -> dict[str, Law]:
-    """Algorithms 1 to 3 of 7.5 for the motor side, all with the bandwidth of `cutoff` [Hz]."""
+    """Algorithms 1 to 3 of thesis 7.5 for the motor side, with the bandwidth `cutoff` [Hz]."""
     loop = TwoMassLoop()
     Q = ZeroPhaseButterworth(cutoff, loop.sample_time)
     T_u = loop.T_motor
@@ -96,7 +96,7 @@ def algorithms(cutoff: float = 17.0) -> dict[str, Law]:
 
 
 def rough_models(sample_time: float = 0.01) -> dict[str, System]:
-    """Models of T_u,m from exact to crude, for L = gamma T^T: how much must be known?"""
+    """Models of T_u,m from exact to crude, for L = gamma T^T."""
     joint, F = TwoMassJoint(), PdController().discrete(sample_time)
     inertia = joint.Jm + joint.rg**2 * joint.Ja
     rigid = zoh([joint.kt], [inertia, joint.fm, 0.0], sample_time)
@@ -115,12 +115,15 @@ def rough_models(sample_time: float = 0.01) -> dict[str, System]:
 
 
 def phase_error(model: System, T_u: System, omega: Array) -> Array:
-    """Phase of conj(model) T_u [rad], in (-pi, pi]: below pi/2 everywhere, L = gamma model^T with
-    a small enough gamma satisfies the criterion with Q = 1."""
+    """Phase of conj(model) T_u [rad], in (-pi, pi].
+
+    If it is below pi/2 at all frequencies, L = gamma model^T with a small enough gamma satisfies
+    the criterion with Q = 1.
+    """
     return np.angle(np.conj(model.response(omega)) * T_u.response(omega))
 
 
-def iterations_to(norms: Array, part: float) -> int | None:
-    """First iteration whose error is at most `part` of the first; None: never."""
-    below = np.flatnonzero(norms <= part * norms[0])
+def iterations_to(norms: Array, fraction: float) -> int | None:
+    """First iteration with at most this fraction of the first error; None: none."""
+    below = np.flatnonzero(norms <= fraction * norms[0])
     return int(below[0]) if below.size else None

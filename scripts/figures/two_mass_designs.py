@@ -1,0 +1,155 @@
+"""Figures beyond chapter 8 on its joint: choice of L and Q, algorithms, robustness, friction."""
+
+from pathlib import Path
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc import two_mass_study as study
+from armside.ilc.analysis import frequency_grid, hertz, heuristic_criterion
+from armside.ilc.analysis.criterion import shift_response
+from armside.ilc.analysis.robustness import contraction_map, monte_carlo
+from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
+from armside.ilc.laws.heuristic import Heuristic
+from armside.ilc.models.system import unit_circle
+from armside.ilc.models.two_mass_friction import FrictionPlant
+
+from .laser import INK, save
+from .two_mass_panels import LOOP, T_S, Table, finish, panels
+
+LAW = Heuristic(Q=ZeroPhaseButterworth(17.0, T_S), gamma=study.GAMMA, delta=study.DELTA)
+
+
+def nyquist(file: Path, seed: int) -> Table:
+    """Learning transients: the Nyquist curve of L T_u and the unit circle at +1 (thesis 7.4)."""
+    omega = frequency_grid(4000)
+    T_u, f = LOOP.T_motor, hertz(omega, T_S)
+    grid = panels(9.0, 4.6, 1, 2)
+    circle = 1 + unit_circle(np.linspace(0, 2 * np.pi, 400))
+    for axes in grid:
+        axes.fill(circle.real, circle.imag, color="#EEF3E8")
+        axes.plot(circle.real, circle.imag, color=INK, lw=1.0)
+        for delta in (0, 2, 4, 6):
+            curve = shift_response(study.GAMMA, delta, omega) * T_u.response(omega)
+            axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
+        axes.set_aspect("equal")
+        axes.set_xlabel("real part of LTᵤ")
+    grid[0].set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
+    grid[1].set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
+    grid[0].set_title("Inside the circle, a frequency is learned", loc="left")
+    grid[1].set_title("Near the origin every curve leaves it", loc="left")
+    grid[0].legend(frameon=False, loc="upper right")
+    save(grid[0].figure, file)
+    rows = []
+    for delta in (0, 2, 4, 6):
+        result = heuristic_criterion(T_u, study.GAMMA, delta, ALL_PASS, omega)
+        outside = np.flatnonzero(result.learning >= 1.0)
+        rows.append((delta, f[outside[0]], result.contraction))
+    title = "Nyquist view: where L T_u leaves the unit circle at +1, gamma = 0.9"
+    return Table(title, ("delta", "leaves at [Hz]", "largest |1-LTu|"), rows)
+
+
+def why_q(file: Path, seed: int) -> Table:
+    """Phase of L T_u for shifts and for rough models: no shift allows Q = 1, most models do."""
+    omega = frequency_grid(4000)
+    f, T_u = hertz(omega, T_S), LOOP.T_motor
+    phase = np.degrees(np.unwrap(np.angle(T_u.response(omega))))
+    left, right = grid = panels(10.5, 4.6, 1, 2)
+    for axes in grid:
+        axes.axhspan(-90, 90, color="#EEF3E8")
+        axes.set_xlim(0.2, 50)
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
+    rows = []
+    for delta in (0, 1, 2, 3, 5):
+        shifted = phase + np.degrees(delta * omega)
+        left.plot(f, shifted, label=f"δ = {delta}")
+        rows.append((f"shift, delta = {delta}", *_beyond(f, shifted)))
+    for name, model in study.rough_models().items():
+        difference = np.degrees(study.phase_error(model, T_u, omega))
+        right.plot(f, difference, label=name)
+        rows.append((f"model backwards: {name}", *_beyond(f, difference)))
+    left.text(0.25, 66, "here a small enough gain learns", color=INK, fontsize=9)
+    left.set(ylim=(-270, 360), yticks=[-270, -180, -90, 0, 90, 180, 270, 360])
+    right.set(ylim=(-190, 190), yticks=[-180, -90, 0, 90, 180])
+    left.legend(frameon=False, loc="upper left")
+    right.legend(frameon=False, loc="upper left", fontsize=8, bbox_to_anchor=(0.0, 0.98))
+    titles = ("L a shift: none stays within ± 90°", "L a rough model run backwards: most do")
+    finish(file, grid, "frequency [Hz]", "phase of LTᵤ [°]", titles=titles)
+    title = "Why Q: where the phase of L Tu is beyond 90 degrees, with Q = 1"
+    return Table(title, ("L", "first [Hz]", "last [Hz]", "largest phase [deg]"), rows)
+
+
+def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
+    """First and last frequency at which an angle is beyond 90 degrees, and its largest size."""
+    size = np.abs((degrees + 180.0) % 360.0 - 180.0)
+    bad = np.flatnonzero(size >= 90.0)
+    first, last = (float(f[bad[0]]), float(f[bad[-1]])) if bad.size else ("none", "none")
+    return first, last, float(size.max())
+
+
+def algorithms(file: Path, seed: int) -> Table:
+    """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
+    (axes,) = grid = panels(7.0, 4.0)
+    rows = []
+    plant = study.learned(17.0).plant
+    for name, law in study.algorithms().items():
+        norms = study.run(plant, law, 100).motor
+        axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
+        reached = study.iterations_to(norms, 0.05)
+        rows.append((name, norms[1], norms[5], norms[100], norms[100] / norms[0], reached))
+    titles = ["Motor error of three designs"]
+    finish(file, grid, "iteration k + 1", "2-norm over its first", titles=titles, legends=[0])
+    columns = ("algorithm", "k = 1", "k = 5", "k = 100", "k = 100 / k = 0", "k at 5 %")
+    return Table("Algorithms 1 to 3: 2-norm of the motor error [rad]", columns, rows)
+
+
+def robustness(file: Path, seed: int) -> Table:
+    """Contraction over uncertain joints: a map and a Monte Carlo."""
+    factors = np.geomspace(0.2, 5.0, 25)
+    left, right = panels(10.0, 4.2, 1, 2)
+    contractions = contraction_map(LOOP, LAW, ("Jm", factors), ("k", factors))
+    mesh = left.pcolormesh(factors, factors, contractions, vmin=0.7, vmax=1.3, cmap="RdYlGn_r")
+    left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
+    left.set(xscale="log", yscale="log")
+    for axis in (left.xaxis, left.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_ticks([0.2, 0.5, 1, 2, 5])
+        axis.set_ticks([], minor=True)
+    left.set(xlabel="stiffness k, times nominal", ylabel="motor inertia Jₘ, times nominal")
+    left.set_title("Worst |Q(1 − LTᵤ)|; line: 1", loc="left")
+    left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
+    rows = []
+    rng = np.random.default_rng(seed)
+    for spread in (0.2, 0.5, 1.0):
+        sampled = monte_carlo(LOOP, LAW, spread, 200, rng)
+        x = np.sort(sampled.contraction)
+        right.plot(x, np.linspace(0, 100, len(x)), label=f"factors up to {1 + spread:g}")
+        converge = 100 * sampled.fraction_converging
+        rows.append((f"{1 + spread:g}", converge, x[-1], sampled.most_harmful()))
+    right.axvline(1.0, color=INK, lw=1.0)
+    right.set(xlabel="worst |Q(1 − LTᵤ)|", ylabel="joints at or below [%]")
+    right.set_title("All parameters uncertain, 200 joints each", loc="left")
+    right.legend(frameon=False)
+    save(right.figure, file)
+    title = "Robustness of gamma = 0.9, delta = 5, 17 Hz to the joint's parameters"
+    columns = ("factors up to", "contract [%]", "worst contraction", "most harmful")
+    return Table(title, columns, rows)
+
+
+def friction(file: Path, seed: int) -> Table:
+    """Coulomb friction and measurement noise in the joint."""
+    grid = panels(9.6, 4.0, 1, 2)
+    rows = []
+    for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
+        plant = FrictionPlant(coulomb=c, noise=noise, rng=np.random.default_rng(seed))
+        runs = study.run(plant, LAW, 50)
+        name = f"c = {c:g} N m" + (f", noise {noise:g} rad" if noise else "")
+        for axes, norms in zip(grid, (runs.motor, runs.arm), strict=True):
+            axes.semilogy(norms, label=name)
+        rows.append((name, *runs.motor[[0, 5, 50]], *runs.arm[[0, 5, 50]]))
+    titles = ("Motor side", "Arm side")
+    finish(file, grid, "iteration k", "2-norm of the error [rad]", titles=titles, legends=[1])
+    title = "Coulomb friction c and measurement noise: 2-norms [rad] at k = 0, 5, 50"
+    columns = ("", "motor 0", "motor 5", "motor 50", "arm 0", "arm 5", "arm 50")
+    return Table(title, columns, rows)
