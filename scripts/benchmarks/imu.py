@@ -2,13 +2,14 @@
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from armside.sim.imu import ImuExperiment, prepare
+from armside.sim.robot.flexibility import Flexibility
 from armside.sim.robot.virtual_robot import Job
 
 from ..commands import imu as command
@@ -19,12 +20,11 @@ from .timing import Row, interleaved
 def imu() -> Sequence[Row]:
     """The 10 s simultaneous motion: one run of each form, and everything with its figures."""
     rows: list[Row] = []
-    for form in ("full", "gears", "rigid"):
-        cfg = replace(command.ImuExperimentCfg(), flexibility=form)
-        job = command.prepare(cfg)[0].job
+    for form in reversed(Flexibility):
+        job = prepare(ImuExperiment(flexibility=form))[0].job
         run, bare = interleaved([run_of(job), bare_rollout_of(job)], repeats=5)
         seconds = float(len(job.powered) * job.model.timestep)
-        name = f"{form}: one run, {seconds / run:.0f} times real time"
+        name = f"{form.value}: one run, {seconds / run:.0f} times real time"
         rows.append(Row(name, run, "bare mujoco.rollout", bare))
     with tempfile.TemporaryDirectory() as folder:
         (whole,) = interleaved([_whole(Path(folder))], repeats=5)

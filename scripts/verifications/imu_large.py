@@ -1,38 +1,36 @@
-"""The claim that the other robot predicts its IMU, too."""
+"""Claim about the prediction of an IMU on the large robot."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 
-from ..commands.imu import BEST, ImuExperimentCfg, evaluated_again, prepare, run_one
+from armside.sim.imu import ImuExperiment, prepare, reprocessed, run_one
+
 from ..commands.verify import Table, Verdict
 
-BASE = ImuExperimentCfg(robot="large")
-MAPPED = replace(BASE, **BEST)
+EXPERIMENT = ImuExperiment(robot="large")
 ACCELERATION, ANGULAR_VELOCITY = 0.15, 0.010
 """Stated RMS [m/s^2], [rad/s]."""
 
 
 def imu_large(seeds: Iterable[int]) -> Table:
     """The simultaneous motion of the large robot; each seed is another IMU and other noise."""
-    moving = prepare(BASE)[0]
+    moving = prepare(EXPERIMENT)[0]
     rows = []
     for seed in seeds:
-        done = run_one(BASE, moving, seed)
-        m, mapped = done.measures, evaluated_again(MAPPED, done)
-        rows.append(
-            (
-                seed,
-                1e3 * m.clock_offset_error,
-                *map(float, (*m.acceleration_rms, *mapped.acceleration_rms)),
-                float(m.angular_velocity_rms.max()),
-                float(mapped.angular_velocity_rms.max()),
-                1e3 * m.tool_distance,
-            )
+        result = run_one(EXPERIMENT, moving, seed)
+        m, mapped = result.measures, reprocessed(result, EXPERIMENT.processing.best).measures
+        numbers = (
+            1e3 * m.clock_offset_error,
+            *m.acceleration_rms,
+            *mapped.acceleration_rms,
+            m.angular_velocity_rms.max(),
+            mapped.angular_velocity_rms.max(),
+            1e3 * m.tool_distance,
         )
-    numbers = np.array(rows)
-    clock, a, omega = numbers[:, 1], numbers[:, 2:8], numbers[:, 8:10]
+        rows.append((seed, *map(float, numbers)))
+    found = np.array(rows)
+    clock, a, omega = found[:, 1], found[:, 2:8], found[:, 8:10]
     return Table(
         title="An IMU on the large robot: measured against predicted from motor angles",
         columns=(
