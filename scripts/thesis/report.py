@@ -19,7 +19,7 @@ KIND = "armside report"
 RESULTS, SECTIONS, FIGURES = "results", "sections", "figures"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Check:
     """One number of ours beside the thesis's, and the band it should lie in, ends included."""
 
