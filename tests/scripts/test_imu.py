@@ -14,23 +14,23 @@ from armside import assets
 from armside.scripts.benchmarks import imu as bench_imu
 from armside.scripts.benchmarks.timing import interleaved
 from armside.scripts.cli import main
-from armside.scripts.commands.imu import (
-    ImuExperimentCfg,
+from armside.scripts.verifications import irb1400 as verify_irb1400
+from armside.scripts.verifications.imu_large import imu_large
+from armside.sim.imu import (
+    ImuExperiment,
+    RestExperiment,
     causes,
+    clock_errors,
     prepare,
-    processing,
+    reprocessed,
+    run,
     run_one,
     run_rest,
 )
-from armside.scripts.verifications import irb1400 as verify_irb1400
-from armside.scripts.verifications.imu_large import imu_large
-from armside.sim.cell import CELLS
-from armside.sim.imu.compare import find_offset
-from armside.sim.imu.experiment import evaluate, idle_peaks, under_way
+from armside.sim.imu.phases import idle_peaks, under_way
 from armside.sim.imu.vibration import power_spectrum
-from armside.sim.instruments.imu import ImuCfg, draw
 from armside.sim.records.signals import read_signals
-from armside.sim.robot.flexibility import variant
+from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.model import load_model
 from armside.sim.robot.recording import Recording, Truth
 from armside.sim.robot.virtual_robot import VirtualRobot
@@ -49,13 +49,12 @@ BIAS = 0.5e-3  # [s], of the clocks: what difference quotients and filters do to
 
 @pytest.fixture(scope="module")
 def done():
-    cfg = ImuExperimentCfg()
-    return run_one(cfg, prepare(cfg)[0], seed=0)
+    return run(ImuExperiment(), seed=0)[0]
 
 
 @pytest.fixture(scope="module")
 def found():
-    return dict(causes(ImuExperimentCfg(), seed=0))
+    return dict(causes(ImuExperiment(), seed=0))
 
 
 def rms(error):
@@ -87,7 +86,7 @@ def test_processed_as_in_the_thesis_it_has_the_level_of_the_figure(found):
 
 
 def test_the_acceleration_error_is_smallest_in_z_and_largest_in_the_fast_part(done, found):
-    comparison, motion = done.evaluation.comparison, done.prepared.motion
+    comparison, motion = done.evaluation.comparison, done.planned.motion
     error = {
         speed: rms(comparison.acceleration_error[under_way(motion, comparison.time, speed)])
         for speed in (0.5, 1.0, 5.0)
@@ -120,26 +119,17 @@ def test_alignment_order_and_elasticity_each_have_their_part_of_the_error(found)
 def test_soft_gears_and_misaligned_clocks_raise_the_error_alike(done):
     """A level of error is no evidence of either: agreement with 0.8 m/s^2 validates nothing."""
     soft = load_model(variant(assets.IRB1400_XML, gear_stiffness=0.19))
-    job = VirtualRobot(soft).load(done.prepared.motion.phi)
-    measures = run_one(ImuExperimentCfg(), replace(done.prepared, job=job), seed=0).measures
+    job = VirtualRobot(soft).load(done.planned.motion.phi)
+    measures = run_one(done.experiment, replace(done.planned, job=job), seed=0).measures
     assert measures.acceleration_window_max.max() > 2 * done.measures.acceleration_window_max.max()
-    late = replace(ImuExperimentCfg(), accelerometer_delay=25.0)
-    cell = CELLS["irb1400"]
-    misaligned = evaluate(done.run, cell.robot, cell.with_imu, processing(late))
-    error = rms(misaligned.comparison.acceleration_error)
+    late = replace(done.experiment.processing, accelerometer_delay=25e-3)
+    error = rms(reprocessed(done, late).evaluation.comparison.acceleration_error)
     assert np.linalg.norm(error) > 2 * np.linalg.norm(done.measures.acceleration_rms)
 
 
 def test_clocks_are_synchronised_to_a_millisecond(done):
     """Twenty IMU individuals on one run, offsets up to 0.4 s, the filter's delay removed."""
-    recording, cell, cfg = done.run.recording, CELLS["irb1400"], processing(ImuExperimentCfg())
-    error = []
-    for seed in range(20):
-        rng = np.random.default_rng(1000 + seed)
-        imu, truth = draw(ImuCfg(clock_offset=0.4), rng), recording.truth
-        samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, rng)
-        offset = find_offset(samples, recording.time, recording.motor_angle, cell.with_imu, cfg)
-        error.append(offset - imu.clock_offset)
+    error = clock_errors(done, [np.random.default_rng(1000 + seed) for seed in range(20)])
     assert np.std(error) < 0.3e-3
     assert np.abs(error).max() < 1e-3
 
@@ -147,8 +137,7 @@ def test_clocks_are_synchronised_to_a_millisecond(done):
 def test_the_tool_is_a_millimetre_from_where_the_motors_say(done):
     assert 0.2e-3 < done.measures.tool_distance < 2e-3
     assert done.measures.loop_error < 1e-6
-    rigid = ImuExperimentCfg(flexibility="rigid")
-    measures = run_one(rigid, prepare(rigid)[0], seed=0).measures
+    measures = run(ImuExperiment(flexibility=Flexibility.RIGID), seed=0)[0].measures
     encoder = 2 * np.pi / 4095 / 50 * 1.5  # [m], a count of the coarsest axis on 1.5 m
     assert measures.tool_distance < encoder
 
@@ -156,19 +145,19 @@ def test_the_tool_is_a_millimetre_from_where_the_motors_say(done):
 # The other motions and the other robot
 
 
-@pytest.mark.parametrize(("servo", "low", "high"), [("feedforward", 0, 2e-4), ("pid", 2e-4, 1e-3)])
-def test_idle_motors_are_pushed_less_with_feedforward(servo, low, high):
+@pytest.mark.parametrize(("feedforward", "low", "high"), [(True, 0, 2e-4), (False, 2e-4, 1e-3)])
+def test_idle_motors_are_pushed_less_with_feedforward(feedforward, low, high):
     """Without it the wrist, with its large friction and small inertia, comes nearest to 5e-4."""
-    cfg = ImuExperimentCfg(motion="sequential", servo=servo)
-    runs = [run_one(cfg, one, seed=0).measures for one in prepare(cfg)]
+    experiment = ImuExperiment(motion="sequential", torque_feedforward=feedforward)
+    runs = [result.measures for result in run(experiment, seed=0)]
     assert low < np.nanmax([measures.idle_peaks for measures in runs]) < high
     assert max(measures.loop_error for measures in runs) < 1e-6
 
 
 def test_a_stopped_motor_creeps_by_noise_and_integral_and_sticks_without():
     """What moves idle motors is their own stop, not the others: the root of the peaks of 5.3.2."""
-    cfg = ImuExperimentCfg(motion="sequential")
-    wrist = prepare(cfg)[1]
+    experiment = ImuExperiment(motion="sequential")
+    wrist = prepare(experiment)[1]
     mj = copy.copy(wrist.job.model.mj)
     axes = [mj.actuator(f"axis_{i}").id for i in range(1, 7)]
     mj.actuator_gainprm[axes, KI] *= 1e-6
@@ -176,8 +165,8 @@ def test_a_stopped_motor_creeps_by_noise_and_integral_and_sticks_without():
     model = replace(wrist.job.model, mj=mj, drives=drives)
     stuck = replace(wrist, job=replace(wrist.job, model=model))
     count = 2 * np.pi / 4095 / 50
-    assert np.nanmax(run_one(cfg, stuck, seed=0).measures.idle_peaks) < 1.01 * count
-    assert np.nanmax(run_one(cfg, wrist, seed=0).measures.idle_peaks) > 4 * count
+    assert np.nanmax(run_one(experiment, stuck, seed=0).measures.idle_peaks) < 1.01 * count
+    assert np.nanmax(run_one(experiment, wrist, seed=0).measures.idle_peaks) > 4 * count
 
 
 def test_idle_peaks_are_what_others_moves_do_to_a_resting_motor():
@@ -221,8 +210,8 @@ def test_the_large_robot_predicts_its_imu_too():
     assert [verdict for verdict in table.verdicts if not verdict.holds] == []
 
 
-def test_rest_tells_motors_off_from_motors_on():
-    _, rest = run_rest(ImuExperimentCfg(motion="rest", off=4.0, on=6.0), seed=0)
+def test_vibration_at_rest_differs_between_motors_off_and_on():
+    rest = run_rest(RestExperiment(off=4.0, on=6.0), seed=0).rest
     assert ((rest.off_rms > 0.009) & (rest.off_rms < 0.014)).all()
     assert (rest.on_rms[1:] > 3.0 * rest.off_rms[1:]).all()
     assert ((rest.on_level[1:] > 0.15) & (rest.on_level[1:] < 0.45)).all()
@@ -350,7 +339,7 @@ def test_bad_options_are_bad_input(options, words, tmp_path, capsys):
 
 def test_it_is_faster_than_real_time_by_more_than_the_promise_over_three():
     """20 times on one core, taken with a bound three times as wide; the benchmark has the rest."""
-    job = prepare(ImuExperimentCfg())[0].job
+    job = prepare(ImuExperiment())[0].job
     job.run(rng=np.random.default_rng(0))
     start = perf_counter()
     recording = job.run(rng=np.random.default_rng(0))
@@ -366,6 +355,6 @@ def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
 
 def test_a_run_costs_little_more_than_its_physics():
     """1.3 times a bare rollout, taken in turns; the margin is for a machine that others use too."""
-    job = prepare(ImuExperimentCfg())[0].job
+    job = prepare(ImuExperiment())[0].job
     run, bare = interleaved([bench_imu.run_of(job), bench_imu.bare_rollout_of(job)], repeats=5)
     assert run / bare < 1.5
