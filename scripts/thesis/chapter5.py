@@ -15,12 +15,13 @@ from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE
 from armside.sim.robot.flexibility import Flexibility
 
 from ..figures import imu as figures
-from ..jobs.store import Job, Result
+from ..jobs.store import Result
 from . import chapter5_checks as checks
 from .imu_job import ImuJob, RestJob
 from .report import Grid, Part, Section
 
-Read = Callable[[Job], Result]
+Draw = Callable[..., Section]
+"""Called with the folder for figures and the results of the section's jobs."""
 
 BASE = ImuExperiment()
 SEQUENTIAL = replace(BASE, motion="sequential")
@@ -30,18 +31,30 @@ INDIVIDUALS = 20
 """IMUs whose clocks are synchronised."""
 PROCESSED = {"default": "", "as in the thesis": "as_thesis_", "mapped, then filtered": "best_"}
 """Beginnings of the names of results, by the processing."""
-PROGRAMS = ("arm", "wrist")
-AT_ONCE = "all motors at once"
+REST = RestJob()
+MOVING = ImuJob(individuals=INDIVIDUALS)
+"""The simultaneous motion, which most sections share."""
+MOTIONS = {
+    "motors 1 to 3 in sequence": ImuJob(experiment=SEQUENTIAL, program=0),
+    "motors 4 to 6 in sequence": ImuJob(experiment=SEQUENTIAL, program=1),
+    "all motors at once": MOVING,
+    "all motors at once, only gears elastic": ImuJob(experiment=GEARS),
+    checks.RIGID: ImuJob(experiment=RIGID),
+}
 PARTS = {"slow circle": SLOW_CIRCLE, "fast circle": FAST_CIRCLE, "rectangle": RECTANGLE}
 
 
-def _moving(seed: int) -> ImuJob:
-    """The simultaneous motion, which most sections share."""
-    return ImuJob(individuals=INDIVIDUALS, seed=seed)
+def _section(*jobs: ImuJob | RestJob) -> Callable[[Draw], Callable[[int], Part]]:
+    """Decorator: a section's part, by its seed, from a function that draws the jobs' results."""
 
+    def part_of(draw: Draw) -> Callable[[int], Part]:
+        def part(seed: int) -> Part:
+            seeded = [replace(job, seed=seed) for job in jobs]
+            return Part(seeded, lambda read, folder: draw(folder, *map(read, seeded)))
 
-def _part(job: Job, draw: Callable[[Result, Path], Section]) -> Part:
-    return Part([job], lambda read, folder: draw(read(job), folder))
+        return part
+
+    return part_of
 
 
 def _grid(title: str, rows: Iterable[tuple[str, Array]], columns: Sequence[str] = "xyz") -> Grid:
@@ -56,60 +69,53 @@ def _by_processing(title: str, result: Result, name: str) -> Grid:
     return replace(_grid(title, rows), columns=["processed", *"xyz"])
 
 
-def rest(seed: int) -> Part:
-    """Fig 5.2."""
-    job = RestJob(seed=seed)
-
-    def draw(result: Result, folder: Path) -> Section:
-        off = job.experiment.off
-        figures.rest(folder / "5.2.png", result["time"], result["acceleration"], off)
-        spectra = (result[name] for name in ("frequency", "off_spectrum", "on_spectrum"))
-        figures.spectrum(folder / "5.2-spectrum.png", *spectra)
-        levels = {
-            "motors off, RMS": result["off_rms"],
-            "motors on, RMS": result["on_rms"],
-            "motors on, exceeded by 0.3 %": result["on_level"],
-        }
-        return Section(
-            id="5.2",
-            title="Fig. 5.2: acceleration at rest, motors off and on",
-            caption="The robot stands in its zero pose. With the brakes on, only the sensor adds "
-            "noise; with the motors on, noise of torques and encoders makes the arm vibrate at its "
-            "own frequencies. The means are those of a sensor mounted with a small tilt. In x it "
-            "vibrates a third as much as in z; the thesis draws all three on axes of the same "
-            "width. It names a peak at 27 Hz, but not the line near 15 Hz that x and y have here.",
-            figures=["5.2.png", "5.2-spectrum.png"],
-            checks=checks.noise(result),
-            grids=[_grid("Acceleration about its mean [m/s²]", levels.items())],
-        )
-
-    return _part(job, draw)
+@_section(REST)
+def rest(folder: Path, result: Result) -> Section:
+    """Thesis Fig. 5.2."""
+    signals = result["time"], result["acceleration"]
+    figures.rest(folder / "5.2.png", *signals, REST.experiment.off)
+    spectra = (result[name] for name in ("frequency", "off_spectrum", "on_spectrum"))
+    figures.spectrum(folder / "5.2-spectrum.png", *spectra)
+    levels = {
+        "motors off, RMS": result["off_rms"],
+        "motors on, RMS": result["on_rms"],
+        "motors on, exceeded by 0.3 %": result["on_level"],
+    }
+    return Section(
+        id="5.2",
+        title="Fig. 5.2: acceleration at rest, motors off and on",
+        caption="The robot stands in its zero pose. With the brakes on, only the sensor adds "
+        "noise; with the motors on, noise of torques and encoders makes the arm vibrate at its "
+        "own frequencies. The means are those of a sensor mounted with a small tilt. In x it "
+        "vibrates a third as much as in z; the thesis draws all three on axes of the same "
+        "width. It names a peak at 27 Hz, but not the line near 15 Hz that x and y have here.",
+        figures=["5.2.png", "5.2-spectrum.png"],
+        checks=checks.noise(result),
+        grids=[_grid("Acceleration about its mean [m/s²]", levels.items())],
+    )
 
 
-def mounting(seed: int) -> Part:
-    """(5.1), Fig 5.3, Table 5.1."""
-
-    def draw(read: Read, folder: Path) -> Section:
-        cell, zero = BASE.cell, np.zeros((1, 6))
-        T_base_tool, T_base_imu = (
-            kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
-        )
-        site = _site()
-        positions = {
-            "from TCP0, by the links": 1e3 * (T_base_imu - T_base_tool)[:3, 3],
-            "from the base, by the links": 1e3 * T_base_imu[:3, 3],
-            "from the base, virtual robot": 1e3 * site,
-        }
-        return Section(
-            id="5.3",
-            title="(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links",
-            caption="Two links without a joint lead from the tool's frame to the IMU's, because "
-            "one standard D-H link cannot. In the zero pose the IMU's axes are those of the base.",
-            checks=checks.mounted(T_base_tool, T_base_imu, site),
-            grids=[_grid("IMU in the zero pose [mm]", positions.items())],
-        )
-
-    return Part([], draw)
+@_section()
+def mounting(folder: Path) -> Section:
+    """Thesis (5.1), Fig. 5.3, Table 5.1."""
+    cell, zero = BASE.cell, np.zeros((1, 6))
+    T_base_tool, T_base_imu = (
+        kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
+    )
+    site = _site()
+    positions = {
+        "from TCP0, by the links": 1e3 * (T_base_imu - T_base_tool)[:3, 3],
+        "from the base, by the links": 1e3 * T_base_imu[:3, 3],
+        "from the base, virtual robot": 1e3 * site,
+    }
+    return Section(
+        id="5.3",
+        title="(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links",
+        caption="Two links without a joint lead from the tool's frame to the IMU's, because "
+        "one standard D-H link cannot. In the zero pose the IMU's axes are those of the base.",
+        checks=checks.mounted(T_base_tool, T_base_imu, site),
+        grids=[_grid("IMU in the zero pose [mm]", positions.items())],
+    )
 
 
 def _site() -> Array:
@@ -120,165 +126,130 @@ def _site() -> Array:
     return data.site("imu").xpos.copy()
 
 
-def synchronisation(seed: int) -> Part:
-    """5.3.1."""
-
-    def draw(result: Result, folder: Path) -> Section:
-        early = result["time"] < result["since"]
-        names = ("time", "best_angular_velocity_measured", "best_angular_velocity_predicted")
-        time, measured, predicted = (result[name][early] for name in names)
-        offset, errors = float(result["clock_offset"]), result["clock_errors"]
-        file = folder / "synchronisation.png"
-        figures.clocks(file, time, measured[:, 2], predicted[:, 2], offset, errors)
-        return Section(
-            id="synchronisation",
-            title="5.3.1: synchronisation of the clocks",
-            caption="Motor 1 swings before the experiment. The thesis reads from the noisy signal "
-            "by hand when that began; here the offset is that with which gyro and motor angles "
-            "agree best, minus the known delay of the gyro's own filter. The same run is "
-            f"then measured by {INDIVIDUALS} other IMUs whose clocks are up to 0.4 s off.",
-            figures=["synchronisation.png"],
-            checks=checks.clocks(result),
-        )
-
-    return _part(_moving(seed), draw)
+@_section(MOVING)
+def synchronisation(folder: Path, result: Result) -> Section:
+    """Thesis 5.3.1."""
+    early = result["time"] < result["since"]
+    names = ("time", "best_angular_velocity_measured", "best_angular_velocity_predicted")
+    time, measured, predicted = (result[name][early] for name in names)
+    offset, errors = float(result["clock_offset"]), result["clock_errors"]
+    file = folder / "synchronisation.png"
+    figures.clocks(file, time, measured[:, 2], predicted[:, 2], offset, errors)
+    return Section(
+        id="synchronisation",
+        title="5.3.1: synchronisation of the clocks",
+        caption="Motor 1 swings before the experiment. The thesis reads from the noisy signal "
+        "by hand when that began; here the offset is that with which gyro and motor angles "
+        "agree best, minus the known delay of the gyro's own filter. The same run is "
+        f"then measured by {INDIVIDUALS} other IMUs whose clocks are up to 0.4 s off.",
+        figures=["synchronisation.png"],
+        checks=checks.clocks(result),
+    )
 
 
-def sequential(seed: int) -> Part:
-    """Fig 5.4."""
-    jobs = [
-        ImuJob(experiment=experiment, program=program, seed=seed)
-        for experiment in (SEQUENTIAL, UNAIDED)
-        for program in range(len(PROGRAMS))
-    ]
-
-    def draw(read: Read, folder: Path) -> Section:
-        arm, wrist, *without = (read(job) for job in jobs)
-        for name, result in zip(PROGRAMS, (arm, wrist), strict=True):
-            file = folder / f"5.4-{name}.png"
-            figures.motor_angles(file, result["log_time"], result["motor_angle"])
-        aided, unaided = (
-            1e4 * np.fmax(*(result["idle_peaks"] for result in pair))
-            for pair in ((arm, wrist), without)
-        )
-        return Section(
-            id="5.4",
-            title="Fig. 5.4: sequential motion, two experiments",
-            caption="One motor at a time, 1 to 3 first and 4 to 6 in a second experiment. Motors "
-            "that should stand still move a little in the thesis's log. Here they move less "
-            "with a servo that anticipates torques, and by about as much without: "
-            "a motor creeps on from where friction stopped it, mostly in the wrist.",
-            figures=[f"5.4-{name}.png" for name in PROGRAMS],
-            checks=checks.one_at_a_time(arm, wrist, aided, unaided),
-            grids=[
-                _grid(
-                    "Largest peak of each motor while others move [1e-4 rad]",
-                    [("with feedforward", aided), ("without", unaided)],
-                    [f"motor {i}" for i in range(1, 7)],
-                )
-            ],
-        )
-
-    return Part(jobs, draw)
+@_section(*(ImuJob(experiment=each, program=i) for each in (SEQUENTIAL, UNAIDED) for i in (0, 1)))
+def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Section:
+    """Thesis Fig. 5.4."""
+    files = ["5.4-arm.png", "5.4-wrist.png"]
+    for file, result in zip(files, (arm, wrist), strict=True):
+        figures.motor_angles(folder / file, result["log_time"], result["motor_angle"])
+    aided, unaided = (
+        1e4 * np.fmax(*(result["idle_peaks"] for result in pair))
+        for pair in ((arm, wrist), without)
+    )
+    title = "Largest peak of each motor while others move [1e-4 rad]"
+    peaks = {"with feedforward": aided, "without": unaided}
+    return Section(
+        id="5.4",
+        title="Fig. 5.4: sequential motion, two experiments",
+        caption="One motor at a time, 1 to 3 first and 4 to 6 in a second experiment. Motors "
+        "that should stand still move a little in the thesis's log. Here they move less "
+        "with a servo that anticipates torques, and by about as much without: "
+        "a motor creeps on from where friction stopped it, mostly in the wrist.",
+        figures=files,
+        checks=checks.one_at_a_time(arm, wrist, aided, unaided),
+        grids=[_grid(title, peaks.items(), [f"motor {i}" for i in range(1, 7)])],
+    )
 
 
-def simultaneous(seed: int) -> Part:
-    """Figs 5.5 and 5.6."""
-
-    def draw(result: Result, folder: Path) -> Section:
-        angle = result["motor_angle"]
-        figures.motor_angles(folder / "5.5.png", result["log_time"], angle)
-        figures.path(folder / "5.6.png", result["imu_position"])
-        return Section(
-            id="5.5",
-            title="Figs. 5.5 and 5.6: simultaneous motion",
-            caption="Motor 1 swings to synchronise; then all motors move to a starting point, two "
-            "circles follow at 0.5 and 1.0 m/s, a rectangle as fast as the joints allow, and the "
-            "return. The thesis prints no coordinates: this path was chosen to come near the "
-            "axes of its figures. Motors 4 and 6 go "
-            f"to {np.abs(angle).max():.2f} rad, where those end at 1.",
-            figures=["5.5.png", "5.6.png"],
-            checks=checks.all_at_once(result),
-        )
-
-    return _part(_moving(seed), draw)
+@_section(MOVING)
+def simultaneous(folder: Path, result: Result) -> Section:
+    """Thesis Figs. 5.5 and 5.6."""
+    angle = result["motor_angle"]
+    figures.motor_angles(folder / "5.5.png", result["log_time"], angle)
+    figures.path(folder / "5.6.png", result["imu_position"])
+    return Section(
+        id="5.5",
+        title="Figs. 5.5 and 5.6: simultaneous motion",
+        caption="Motor 1 swings to synchronise; then all motors move to a starting point, two "
+        "circles follow at 0.5 and 1.0 m/s, a rectangle as fast as the joints allow, and the "
+        "return. The thesis prints no coordinates: this path was chosen to come near the "
+        "axes of its figures. Motors 4 and 6 go "
+        f"to {np.abs(angle).max():.2f} rad, where those end at 1.",
+        figures=["5.5.png", "5.6.png"],
+        checks=checks.all_at_once(result),
+    )
 
 
-def position(seed: int) -> Part:
-    """Fig 5.7."""
-    jobs = {
-        "motors 1 to 3 in sequence": ImuJob(experiment=SEQUENTIAL, program=0, seed=seed),
-        "motors 4 to 6 in sequence": ImuJob(experiment=SEQUENTIAL, program=1, seed=seed),
-        AT_ONCE: _moving(seed),
-        "the same, only gears elastic": ImuJob(experiment=GEARS, seed=seed),
-        "the same, rigid": ImuJob(experiment=RIGID, seed=seed),
+@_section(*MOTIONS.values())
+def position(folder: Path, *runs: Result) -> Section:
+    """Thesis Fig. 5.7."""
+    results = dict(zip(MOTIONS, runs, strict=True))
+    files = ["5.7-arm.png", "5.7-wrist.png", "5.7-simultaneous.png"]
+    for file, result in zip(files, results.values(), strict=False):
+        signals = (result[key] for key in ("log_time", "tool", "tool_predicted"))
+        figures.position(folder / file, *signals)
+    furthest = {
+        name: 1e3 * np.abs(result["tool"] - result["tool_predicted"]).max(axis=0)
+        for name, result in results.items()
     }
-
-    def draw(read: Read, folder: Path) -> Section:
-        results = {name: read(job) for name, job in jobs.items()}
-        files = ["5.7-arm.png", "5.7-wrist.png", "5.7-simultaneous.png"]
-        for file, result in zip(files, results.values(), strict=False):
-            signals = (result[key] for key in ("log_time", "tool", "tool_predicted"))
-            figures.position(folder / file, *signals)
-        furthest = {
-            name: 1e3 * np.abs(result["tool"] - result["tool_predicted"]).max(axis=0)
-            for name, result in results.items()
-        }
-        return Section(
-            id="5.7",
-            title="Fig. 5.7: position of the tool",
-            caption="True position of the tool, and its position by the D-H equations from the "
-            "logged motor angles: motors 1 to 3 and 4 to 6 in sequence, as in the thesis, and all "
-            "at once. The thesis compares with the position that the robot system reports; here it "
-            "is the ground truth, which includes the elastic deflection of gears and structure, "
-            "under gravity even at rest.",
-            figures=files,
-            checks=checks.distances(results),
-            grids=[_grid("Tool to D-H, largest in each direction [mm]", furthest.items())],
-        )
-
-    return Part(list(jobs.values()), draw)
+    return Section(
+        id="5.7",
+        title="Fig. 5.7: position of the tool",
+        caption="True position of the tool, and its position by the D-H equations from the "
+        "logged motor angles: motors 1 to 3 and 4 to 6 in sequence, as in the thesis, and all "
+        "at once. The thesis compares with the position that the robot system reports; here it "
+        "is the ground truth, which includes the elastic deflection of gears and structure, "
+        "under gravity even at rest.",
+        figures=files,
+        checks=checks.distances(results),
+        grids=[_grid("Tool to D-H, largest in each direction [mm]", furthest.items())],
+    )
 
 
-def angular_velocity(seed: int) -> Part:
-    """Fig 5.8."""
-
-    def draw(result: Result, folder: Path) -> Section:
-        figures.angular_velocity(folder / "5.8.png", *_both_sides(result, "angular_velocity"))
-        title = "Angular velocity, measured minus predicted, RMS [rad/s]"
-        return Section(
-            id="5.8",
-            title="Fig. 5.8: angular velocity of the IMU",
-            caption="The gyro against the D-H equations with differentiated motor angles, "
-            "both low-pass filtered at 5 Hz, after the synchronisation. The difference is "
-            "mostly method: the thesis filters joint rates before a map that is not linear, which "
-            "shows where motors 4 and 6 swing in opposition. With central differences and the "
-            "filter after the map, little error remains.",
-            figures=["5.8.png"],
-            checks=checks.rates(result),
-            grids=[_by_processing(title, result, "angular_velocity_rms")],
-        )
-
-    return _part(_moving(seed), draw)
+@_section(MOVING)
+def angular_velocity(folder: Path, result: Result) -> Section:
+    """Thesis Fig. 5.8."""
+    figures.angular_velocity(folder / "5.8.png", *_both_sides(result, "angular_velocity"))
+    title = "Angular velocity, measured minus predicted, RMS [rad/s]"
+    return Section(
+        id="5.8",
+        title="Fig. 5.8: angular velocity of the IMU",
+        caption="The gyro against the D-H equations with differentiated motor angles, "
+        "both low-pass filtered at 5 Hz, after the synchronisation. The difference is "
+        "mostly method: the thesis filters joint rates before a map that is not linear, which "
+        "shows where motors 4 and 6 swing in opposition. With central differences and the "
+        "filter after the map, little error remains.",
+        figures=["5.8.png"],
+        checks=checks.rates(result),
+        grids=[_by_processing(title, result, "angular_velocity_rms")],
+    )
 
 
-def acceleration(seed: int) -> Part:
-    """Fig 5.9."""
-
-    def draw(result: Result, folder: Path) -> Section:
-        figures.acceleration(folder / "5.9.png", *_both_sides(result, "acceleration"))
-        title = "Acceleration, measured minus predicted, RMS [m/s²]"
-        return Section(
-            id="5.9",
-            title="Fig. 5.9: linear acceleration of the IMU",
-            caption="The accelerometer without gravity and offsets against twice differentiated "
-            "motor angles, both filtered at 5 Hz, after the synchronisation.",
-            figures=["5.9.png"],
-            checks=checks.accelerations(result),
-            grids=[_by_processing(title, result, "acceleration_rms")],
-        )
-
-    return _part(_moving(seed), draw)
+@_section(MOVING)
+def acceleration(folder: Path, result: Result) -> Section:
+    """Thesis Fig. 5.9."""
+    figures.acceleration(folder / "5.9.png", *_both_sides(result, "acceleration"))
+    title = "Acceleration, measured minus predicted, RMS [m/s²]"
+    return Section(
+        id="5.9",
+        title="Fig. 5.9: linear acceleration of the IMU",
+        caption="The accelerometer without gravity and offsets against twice differentiated "
+        "motor angles, both filtered at 5 Hz, after the synchronisation.",
+        figures=["5.9.png"],
+        checks=checks.accelerations(result),
+        grids=[_by_processing(title, result, "acceleration_rms")],
+    )
 
 
 def _both_sides(result: Result, name: str) -> list[Array]:
@@ -287,38 +258,35 @@ def _both_sides(result: Result, name: str) -> list[Array]:
     return [result[key][late] for key in ("time", f"{name}_measured", f"{name}_predicted")]
 
 
-def error_along(seed: int) -> Part:
-    """Fig 5.10."""
-
-    def draw(result: Result, folder: Path) -> Section:
-        late = result["time"] >= result["since"]
-        curves = {
-            f"processed: {name}": result[f"{PROCESSED[name]}window_rms"][late]
-            for name in ("default", "as in the thesis")
-        }
-        shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
-        time, file = result["time"][late], folder / "5.10.png"
-        figures.acceleration_error(file, time, curves, WINDOW, shaded)
-        rows = [
-            [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
-            for name, prefix in PROCESSED.items()
-            for what, key in (("[m/s²]", "max"), ("at [s]", "time"))
-        ]
-        title = f"Largest RMS over {WINDOW:g} s"
-        return Section(
-            id="5.10",
-            title="Fig. 5.10: RMS of the acceleration error along the motion",
-            caption=f"RMS of the error of Fig. 5.9, over {WINDOW:g} s. The thesis has one delay "
-            "for both sensors and subtracts gravity by the mean at rest; by default each sensor "
-            "has its own delay, and gravity follows the orientation. That the error stays "
-            "below 0.8 m/s² proves little: softer gears and clocks out of step raise it alike. "
-            "The instants and axes of its largest values are stronger evidence.",
-            figures=["5.10.png"],
-            checks=checks.windows(result),
-            grids=[Grid(title=title, columns=["processed", "", *"xyz"], rows=rows)],
-        )
-
-    return _part(_moving(seed), draw)
+@_section(MOVING)
+def error_along(folder: Path, result: Result) -> Section:
+    """Thesis Fig. 5.10."""
+    late = result["time"] >= result["since"]
+    curves = {
+        f"processed: {name}": result[f"{PROCESSED[name]}window_rms"][late]
+        for name in ("default", "as in the thesis")
+    }
+    shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
+    time, file = result["time"][late], folder / "5.10.png"
+    figures.acceleration_error(file, time, curves, WINDOW, shaded)
+    rows = [
+        [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
+        for name, prefix in PROCESSED.items()
+        for what, key in (("[m/s²]", "max"), ("at [s]", "time"))
+    ]
+    title = f"Largest RMS over {WINDOW:g} s"
+    return Section(
+        id="5.10",
+        title="Fig. 5.10: RMS of the acceleration error along the motion",
+        caption=f"RMS of the error of Fig. 5.9, over {WINDOW:g} s. The thesis has one delay "
+        "for both sensors and subtracts gravity by the mean at rest; by default each sensor "
+        "has its own delay, and gravity follows the orientation. That the error stays "
+        "below 0.8 m/s² proves little: softer gears and clocks out of step raise it alike. "
+        "The instants and axes of its largest values are stronger evidence.",
+        figures=["5.10.png"],
+        checks=checks.windows(result),
+        grids=[Grid(title=title, columns=["processed", "", *"xyz"], rows=rows)],
+    )
 
 
 def _during(result: Result, speed: float) -> tuple[float, float]:
