@@ -76,7 +76,7 @@ def imu(seeds: Iterable[int]) -> Table:
         verdicts=[
             Verdict(statement, bool(holds))
             for statement, holds in (
-                ("clock offsets have a standard deviation below 0.3 ms", clock.std() < 0.3),
+                ("errors of the clock offsets have a standard deviation below 0.3 ms", clock.std() < 0.3),
                 ("no clock offset is wrong by more than 1 ms", (np.abs(clock) < 1.0).all()),
                 (
                     "the acceleration error stays inside 0.8 m/s^2 in every 0.5 s window",
