@@ -34,22 +34,14 @@ def _draw(folder: RunFolder, result: ImuResult, suffix: str) -> None:
 
     recording, evaluation = result.run.recording, result.evaluation
     comparison = evaluation.comparison
+    omega = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
+    a = comparison.acceleration_measured, comparison.acceleration_predicted
+    tool = evaluation.tool, evaluation.tool_predicted
     figures.motor_angles(file("motor-angles"), recording.time, recording.motor_angle)
     figures.path(file("path"), result.imu_position)
-    tool = evaluation.tool, evaluation.tool_predicted
     figures.position(file("position"), recording.time, *tool)
-    figures.angular_velocity(
-        file("angular-velocity"),
-        comparison.time,
-        comparison.angular_velocity_measured,
-        comparison.angular_velocity_predicted,
-    )
-    figures.acceleration(
-        file("acceleration"),
-        comparison.time,
-        comparison.acceleration_measured,
-        comparison.acceleration_predicted,
-    )
+    figures.angular_velocity(file("angular-velocity"), comparison.time, *omega)
+    figures.acceleration(file("acceleration"), comparison.time, *a)
     late = comparison.time >= result.planned.since
     curve = {"": evaluation.window_rms[late]}
     figures.acceleration_error(file("acceleration-error"), comparison.time[late], curve, WINDOW)

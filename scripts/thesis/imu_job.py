@@ -77,13 +77,9 @@ def _evaluated(result: ImuResult) -> dict[str, Array]:
 
 
 def _moves(motion: JointMotion) -> dict[str, Array]:
-    reports = motion.reports
-    return {
-        "move_start": np.array([report.start for report in reports]),
-        "move_end": np.array([report.end for report in reports]),
-        "move_speed": np.array([report.programmed.path or np.nan for report in reports]),
-        "move_reached": np.array([report.reached for report in reports]),
-    }
+    rows = [(r.start, r.end, r.programmed.path or np.nan, r.reached) for r in motion.reports]
+    names = ("move_start", "move_end", "move_speed", "move_reached")
+    return dict(zip(names, np.array(rows).T, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,7 @@ import numpy as np
 from armside import kinematics
 from armside.arrays import Array
 
+from ..cell import Cell
 from ..instruments.imu import Imu, ImuSamples
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
@@ -44,32 +45,17 @@ class Evaluation:
     tool: Array
     """(N, 3) [m], true TCP0."""
 
-    @property
-    def tool_distance(self) -> Array:
-        """(N,) [m], between motor-angle D-H and the tool: elasticity, and encoder resolution."""
-        return np.linalg.norm(self.tool - self.tool_predicted, axis=1)
 
-
-def evaluate(
-    run: ImuRun,
-    robot: kinematics.Robot,
-    with_imu: kinematics.Robot,
-    cfg: ProcessingCfg | None = None,
-) -> Evaluation:
-    """Compare measured with predicted motion, of the IMU and of the tool.
-
-    Args:
-        robot: D-H description down to TCP0.
-        with_imu: the same down to the IMU.
-    """
+def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None) -> Evaluation:
+    """Compare measured with predicted motion, of the IMU and of the tool."""
     recording = run.recording
-    comparison = compare(run.samples, recording.time, recording.motor_angle, with_imu, cfg)
+    comparison = compare(run.samples, recording.time, recording.motor_angle, cell.with_imu, cfg)
     period = float(comparison.time[1] - comparison.time[0])
     return Evaluation(
         comparison=comparison,
         window_rms=moving_rms(comparison.acceleration_error, WINDOW, period),
-        tool_predicted=position(robot, recording.motor_angle),
-        tool=recording.truth.tool_position[:: log_stride(recording)],
+        tool_predicted=position(cell.robot, recording.motor_angle),
+        tool=recording.truth.tool_position[:: _log_stride(recording)],
     )
 
 
@@ -96,7 +82,7 @@ class Measures:
     clock_offset_error: float
     """Error of the synchronisation [s]."""
     tool_distance: float
-    """Largest distance between motor-angle D-H and the tool [m]. Thesis Fig. 5.7."""
+    """Largest distance between motor-angle D-H and the tool [m]: elasticity. Thesis Fig. 5.7."""
     loop_error: float
     """Widest opening of a closed chain [m]."""
     idle_peaks: Array
@@ -114,17 +100,18 @@ def measure(
     late = comparison.time >= since
     omega, a = comparison.angular_velocity_error[late], comparison.acceleration_error[late]
     window = evaluation.window_rms[late]
+    distance = np.linalg.norm(evaluation.tool - evaluation.tool_predicted, axis=1)
     return Measures(
         since=since,
-        angular_velocity_rms=rms(omega),
+        angular_velocity_rms=_rms(omega),
         angular_velocity_max=np.abs(omega).max(axis=0),
-        acceleration_rms=rms(a),
+        acceleration_rms=_rms(a),
         acceleration_window_max=window.max(axis=0),
         acceleration_window_time=comparison.time[late][window.argmax(axis=0)],
         acceleration_peak=np.abs(comparison.acceleration_measured[late]).max(axis=0),
         clipped_share=float(run.samples.acceleration_clipped.any(axis=1).mean()),
         clock_offset_error=comparison.clock_offset - run.imu.clock_offset,
-        tool_distance=float(evaluation.tool_distance.max()),
+        tool_distance=float(distance.max()),
         loop_error=largest_gap(run.recording, mj),
         idle_peaks=idle_peaks(run.recording),
     )
@@ -137,14 +124,13 @@ def position(robot: kinematics.Robot, motor_angle: Array) -> Array:
 
 def largest_gap(recording: Recording, mj: mujoco.MjModel) -> float:
     """Widest opening of a closed chain at the log's instants [m]. Raises RuntimeError if open."""
-    return checked_loop_error(mj, recording.truth.qpos[:: log_stride(recording)])
+    return checked_loop_error(mj, recording.truth.qpos[:: _log_stride(recording)])
 
 
-def log_stride(recording: Recording) -> int:
+def _log_stride(recording: Recording) -> int:
     """Physics steps in one period of the log."""
     return round((len(recording.truth.time) - 1) / (len(recording.time) - 1))
 
 
-def rms(error: Array) -> Array:
-    """RMS of each column of (K, n)."""
+def _rms(error: Array) -> Array:
     return np.sqrt(np.mean(error**2, axis=0))

@@ -30,7 +30,7 @@ class PlannedProgram:
     """End of the synchronisation [s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class ImuResult:
     """One program, run and evaluated."""
 
@@ -85,8 +85,7 @@ def run(experiment: ImuExperiment, seed: int = 0) -> list[ImuResult]:
 
 def run_one(experiment: ImuExperiment, planned: PlannedProgram, seed: int) -> ImuResult:
     """Run one program and evaluate it."""
-    sensed = sense(planned.job, experiment.imu, seed)
-    return _evaluated(experiment, planned, sensed)
+    return _evaluated(experiment, planned, sense(planned.job, experiment.imu, seed))
 
 
 def reprocessed(result: ImuResult, processing: ProcessingCfg) -> ImuResult:
@@ -96,15 +95,9 @@ def reprocessed(result: ImuResult, processing: ProcessingCfg) -> ImuResult:
 
 
 def _evaluated(experiment: ImuExperiment, planned: PlannedProgram, run: ImuRun) -> ImuResult:
-    cell = experiment.cell
-    evaluation = evaluate(run, cell.robot, cell.with_imu, experiment.processing)
-    return ImuResult(
-        experiment=experiment,
-        planned=planned,
-        run=run,
-        evaluation=evaluation,
-        measures=measure(run, evaluation, planned.job.model.mj, since=planned.since),
-    )
+    evaluation = evaluate(run, experiment.cell, experiment.processing)
+    measures = measure(run, evaluation, planned.job.model.mj, since=planned.since)
+    return ImuResult(experiment, planned, run, evaluation, measures)
 
 
 def sense(job: Job, cfg: ImuCfg, seed: int) -> ImuRun:
@@ -122,23 +115,18 @@ def sense(job: Job, cfg: ImuCfg, seed: int) -> ImuRun:
 def clock_errors(
     result: ImuResult, rngs: Sequence[np.random.Generator], *, apart: float = 0.4
 ) -> Array:
-    """Errors of the clock offsets (n,) [s] that other IMU individuals on the same run get.
+    """Errors of the clock offset (n,) [s], estimated for other IMU individuals on the same run.
 
     apart: largest offset of their clocks [s]; by default as far as a start by hand may be off.
     """
     recording, experiment = result.run.recording, result.experiment
     truth, cfg = recording.truth, replace(experiment.imu, clock_offset=apart)
+    log = recording.time, recording.motor_angle
     errors = []
     for rng in rngs:
         imu = draw(cfg, rng)
         samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, rng)
-        offset = find_offset(
-            samples,
-            recording.time,
-            recording.motor_angle,
-            experiment.cell.with_imu,
-            experiment.processing,
-        )
+        offset = find_offset(samples, *log, experiment.cell.with_imu, experiment.processing)
         errors.append(offset - imu.clock_offset)
     return np.array(errors)
 

@@ -12,7 +12,7 @@ from armside.sim.imu import ImuExperiment, reprocessed, run
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "5"}
 KNOWN_TO_DIFFER = {"E07.3"}
-"""The tool bends by more than the prototype's did."""
+"""The elastic deflection of the tool is larger than the prototype's."""
 
 
 @pytest.fixture(scope="module")

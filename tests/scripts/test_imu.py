@@ -1,4 +1,4 @@
-"""`armside imu`: chapter 5 of the thesis on the virtual IRB1400, and what its errors consist of."""
+"""`armside imu`: chapter 5 of the thesis on the virtual IRB1400, and the causes of its errors."""
 
 import copy
 import json
@@ -42,7 +42,6 @@ FIGURES = {
     "acceleration-error.png",
 }
 KI = 5  # of a dcmotor's gain parameters
-BIAS = 0.5e-3  # [s], of the clocks: what difference quotients and filters do to the prediction
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +101,7 @@ def test_the_acceleration_error_is_smallest_in_z_and_largest_in_the_fast_part(do
 
 
 def test_alignment_order_and_elasticity_each_have_their_part_of_the_error(found):
-    """Each cause switched off lowers the error; without all of them only a floor is left."""
+    """Each cause switched off lowers the error; without all of them only a floor remains."""
 
     def total(name):
         return float(np.linalg.norm(found[name].acceleration_rms))
@@ -132,7 +131,7 @@ def test_clocks_are_synchronised_to_a_millisecond(done):
     assert np.abs(error).max() < 1e-3
 
 
-def test_the_tool_is_a_millimetre_from_where_the_motors_say(done):
+def test_the_tool_is_a_millimetre_from_its_position_by_motor_angles(done):
     assert 0.2e-3 < done.measures.tool_distance < 2e-3
     assert done.measures.loop_error < 1e-6
     measures = run(ImuExperiment(flexibility=Flexibility.RIGID), seed=0)[0].measures
@@ -153,7 +152,7 @@ def test_idle_motors_are_pushed_less_with_feedforward(feedforward, low, high):
 
 
 def test_a_stopped_motor_creeps_by_noise_and_integral_and_sticks_without():
-    """What moves idle motors is their own stop, not the others: the root of the peaks of 5.3.2."""
+    """Idle motors move by their own stop, not by the others: the cause of the peaks of 5.3.2."""
     experiment = ImuExperiment(motion="sequential")
     wrist = prepare(experiment)[1]
     mj = copy.copy(wrist.job.model.mj)
@@ -167,7 +166,7 @@ def test_a_stopped_motor_creeps_by_noise_and_integral_and_sticks_without():
     assert np.nanmax(run_one(experiment, wrist, seed=0).measures.idle_peaks) > 4 * count
 
 
-def test_idle_peaks_are_what_others_moves_do_to_a_resting_motor():
+def test_idle_peaks_are_displacements_of_a_motor_while_others_move():
     time = np.arange(100) * 0.004
     reference = np.zeros((100, 6))
     reference[20:40, 0] = np.linspace(0.0, 0.1, 20)
