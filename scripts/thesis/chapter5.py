@@ -27,13 +27,11 @@ BASE = ImuExperiment()
 SEQUENTIAL = replace(BASE, motion="sequential")
 UNAIDED = replace(SEQUENTIAL, torque_feedforward=False)
 GEARS, RIGID = (replace(BASE, flexibility=f) for f in (Flexibility.GEARS, Flexibility.RIGID))
-INDIVIDUALS = 20
-"""IMUs whose clocks are synchronised."""
+INDIVIDUALS = 20  # IMUs whose clocks are synchronised
 PROCESSED = {"default": "", "as in the thesis": "as_thesis_", "mapped, then filtered": "best_"}
 """Beginnings of the names of results, by the processing."""
 REST = RestJob()
-MOVING = ImuJob(individuals=INDIVIDUALS)
-"""The simultaneous motion, which most sections share."""
+MOVING = ImuJob(individuals=INDIVIDUALS)  # the simultaneous motion, which most sections share
 MOTIONS = {
     "motors 1 to 3 in sequence": ImuJob(experiment=SEQUENTIAL, program=0),
     "motors 4 to 6 in sequence": ImuJob(experiment=SEQUENTIAL, program=1),
@@ -72,8 +70,8 @@ def _by_processing(title: str, result: Result, name: str) -> Grid:
 @_section(REST)
 def rest(folder: Path, result: Result) -> Section:
     """Thesis Fig. 5.2."""
-    signals = result["time"], result["acceleration"]
-    figures.rest(folder / "5.2.png", *signals, REST.experiment.off)
+    off = REST.experiment.off
+    figures.rest(folder / "5.2.png", result["time"], result["acceleration"], off)
     spectra = (result[name] for name in ("frequency", "off_spectrum", "on_spectrum"))
     figures.spectrum(folder / "5.2-spectrum.png", *spectra)
     levels = {
@@ -102,7 +100,10 @@ def mounting(folder: Path) -> Section:
     T_base_tool, T_base_imu = (
         kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
     )
-    site = _site()
+    mj = RIGID.model().mj
+    data = mujoco.MjData(mj)
+    mujoco.mj_kinematics(mj, data)
+    site = data.site("imu").xpos
     positions = {
         "from TCP0, by the links": 1e3 * (T_base_imu - T_base_tool)[:3, 3],
         "from the base, by the links": 1e3 * T_base_imu[:3, 3],
@@ -116,14 +117,6 @@ def mounting(folder: Path) -> Section:
         checks=checks.mounted(T_base_tool, T_base_imu, site),
         grids=[_grid("IMU in the zero pose [mm]", positions.items())],
     )
-
-
-def _site() -> Array:
-    """(3,) [m], IMU on the virtual robot in its zero pose without elastic deflection."""
-    mj = RIGID.model().mj
-    data = mujoco.MjData(mj)
-    mujoco.mj_kinematics(mj, data)
-    return data.site("imu").xpos.copy()
 
 
 @_section(MOVING)
@@ -267,14 +260,15 @@ def error_along(folder: Path, result: Result) -> Section:
         for name in ("default", "as in the thesis")
     }
     shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
-    time, file = result["time"][late], folder / "5.10.png"
-    figures.acceleration_error(file, time, curves, WINDOW, shaded)
+    time = result["time"][late]
+    figures.acceleration_error(folder / "5.10.png", time, curves, WINDOW, shaded)
     rows = [
         [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
         for name, prefix in PROCESSED.items()
         for what, key in (("[m/s²]", "max"), ("at [s]", "time"))
     ]
-    title = f"Largest RMS over {WINDOW:g} s"
+    columns = ["processed", "", *"xyz"]
+    table = Grid(title=f"Largest RMS over {WINDOW:g} s", columns=columns, rows=rows)
     return Section(
         id="5.10",
         title="Fig. 5.10: RMS of the acceleration error along the motion",
@@ -285,7 +279,7 @@ def error_along(folder: Path, result: Result) -> Section:
         "The instants and axes of its largest values are stronger evidence.",
         figures=["5.10.png"],
         checks=checks.windows(result),
-        grids=[Grid(title=title, columns=["processed", "", *"xyz"], rows=rows)],
+        grids=[table],
     )
 
 

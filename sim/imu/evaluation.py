@@ -20,7 +20,7 @@ from .phases import idle_peaks
 from .processing import ProcessingCfg
 
 WINDOW = 0.5
-"""Of the moving RMS of the acceleration error [s]. ESTIMATE: the thesis does not give its own."""
+"""Window of the moving RMS of the acceleration error [s]. ESTIMATE: the thesis gives none."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,5 +82,5 @@ class RestExperiment(RobotSetup):
     def __post_init__(self) -> None:
         if self.robot != "irb1400":
             raise ValueError(f"motion rest needs brakes, which robot {self.robot} lacks")
-        if min(self.off, self.on) < SHORTEST_REST:
+        if not min(self.off, self.on) >= SHORTEST_REST:
             raise ValueError(f"off and on must be at least {SHORTEST_REST:g} s for a spectrum")

@@ -16,7 +16,7 @@ from .specification import RestExperiment
 SETTLING_TIME = 0.5
 """Left out after the motors are switched on [s]."""
 SEGMENT = 2.0
-"""Of a power spectrum [s]: a resolution of 0.5 Hz."""
+"""Segment of a power spectrum [s]: a resolution of 0.5 Hz."""
 QUANTILE = 0.997
 """The level that a normal signal exceeds as rarely as three standard deviations."""
 ZERO_POSE = np.zeros(6)
