@@ -39,19 +39,13 @@ def noise(result: Result) -> list[Check]:
     near_27 = [(height, frequency) for frequency, height in found if 20.0 < frequency < 35.0]
     height, frequency = max(near_27, default=(0.0, np.nan))
     ratio, (y, z) = float((on / off)[1:].min()), map(float, level[1:])
+    rms = "motors off: RMS of x, y, z, the largest [m/s²]"
     rise = "motors on over off: RMS of y and z, the smaller ratio"
     exceeded = "motors on: level that {} exceeds 0.3 % of the time [m/s²]"
     peak = "highest line of y between 20 and 35 Hz [Hz]"
     relative = "its height over that of the highest line of y"
     return [
-        Check(
-            "E02.1",
-            "motors off: largest RMS of x, y, z [m/s²]",
-            "small",
-            _largest(off),
-            low=0.009,
-            high=0.014,
-        ),
+        Check("E02.1", rms, "small", _largest(off), low=0.009, high=0.014),
         Check("E02.2", rise, "increases", ratio, low=3.0),
         Check("E02.3", exceeded.format("y"), "0.2 to 0.4", y, low=0.15, high=0.45),
         Check("E02.4", exceeded.format("z"), "0.2 to 0.4", z, low=0.15, high=0.45),
