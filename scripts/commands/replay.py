@@ -227,9 +227,9 @@ def _shots(run: StoredRun):
         source = Path(config["model"]) if config.get("model") else CELLS[config["robot"]].xml
         return scene.mj, source, shots(scene)
     if run.experiment == "imu":
-        from . import imu
+        from .imu import ImuOptions
 
-        model = imu.robot_model(run.configuration(imu.ImuExperimentCfg))
+        model = run.configuration(ImuOptions).experiment().model()
         runs = run.signals.runs
         return model.mj, CELLS[config["robot"]].xml, [Shot(one, None) for one in runs]
     raise InputError(f"{run.path} is a run of {run.experiment}, which moves no robot to be drawn")

@@ -1,4 +1,4 @@
-"""The figures of thesis chapter 5 as PNG files, from arrays alone."""
+"""Figures of thesis chapter 5 as PNG files, from arrays alone."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -55,7 +55,7 @@ def motor_angles(file: Path, time: Array, angle: Array) -> None:
 
 
 def path(file: Path, position: Array) -> None:
-    """Way of the IMU (N, 3) [m], base axes. Thesis Fig. 5.6."""
+    """Path of the IMU (N, 3) [m], base axes. Thesis Fig. 5.6."""
     figure = new_figure(6.4, 5.6)
     axes = figure.add_subplot(projection="3d")
     axes.plot(*position.T, color=COLORS[0], lw=1.0)
@@ -67,7 +67,7 @@ def path(file: Path, position: Array) -> None:
 
 
 def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
-    """TCP0 as it was and by D-H from the motor angles, and the difference. Thesis Fig. 5.7.
+    """True TCP0, TCP0 by D-H from the motor angles, and the difference. Thesis Fig. 5.7.
 
     tool, predicted: (N, 3) [m]. All axes have the same scale.
     """
@@ -92,10 +92,21 @@ def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
     save(figure, file)
 
 
-def measured_and_predicted(
-    file: Path, time: Array, measured: Array, predicted: Array, title: str, symbol: str, unit: str
+def angular_velocity(file: Path, time: Array, measured: Array, predicted: Array) -> None:
+    """Angular velocity of the IMU in base axes, (K, 3) [rad/s]. Thesis Fig. 5.8."""
+    title = "Angular velocity of the IMU, base axes"
+    _both_sides(file, title, time, measured, predicted, "ω", "rad/s")
+
+
+def acceleration(file: Path, time: Array, measured: Array, predicted: Array) -> None:
+    """Acceleration of the IMU in base axes, without gravity, (K, 3) [m/s^2]. Thesis Fig. 5.9."""
+    title = "Linear acceleration of the IMU, base axes"
+    _both_sides(file, title, time, measured, predicted, "a", "m/s²")
+
+
+def _both_sides(
+    file: Path, title: str, time: Array, measured: Array, predicted: Array, symbol: str, unit: str
 ) -> None:
-    """A vector of the IMU in base axes, (K, 3) each. Thesis Figs. 5.8 and 5.9."""
     with _stack(file, title, "Time [s]") as panels:
         for i, axes in enumerate(panels):
             axes.plot(time, measured[:, i], color=COLORS[1], lw=1.4, label="measured")
@@ -135,10 +146,10 @@ def acceleration_error(
 def clocks(
     file: Path, time: Array, measured: Array, predicted: Array, offset: float, errors: Array
 ) -> None:
-    """The movement that synchronises the clocks, and how well others are found. Thesis 5.3.1.
+    """Motion that synchronises the clocks, and errors of the offset of others. Thesis 5.3.1.
 
     time: (K,) [s], of the robot. measured, predicted: (K,) [rad/s]. offset: of the IMU's clock [s].
-    errors: of the offsets found for other IMUs (n,) [s].
+    errors: of the offsets estimated for other IMUs (n,) [s].
     """
     figure = new_figure(10.0, 3.4)
     figure.suptitle("Synchronisation of the clocks", x=0.02, ha="left")
@@ -166,7 +177,7 @@ def clocks(
 
 @contextmanager
 def _stack(file: Path, title: str, x_label: str) -> Iterator[Sequence[Axes]]:
-    """Three panels above each other with one axis of x, saved when the block ends well."""
+    """Three panels above each other with a common x axis, saved when the block ends well."""
     figure = new_figure(8.0, 5.6)
     figure.suptitle(title, x=0.02, ha="left")
     panels: Sequence[Axes] = figure.subplots(3, 1, sharex=True)

@@ -1,81 +1,34 @@
-"""One program of `armside imu`, run for a report or for many seeds: the arrays it leaves."""
+"""Jobs of the IMU experiment: arrays that a report's figures and numbers need."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from armside.arrays import Array
-from armside.sim.cell import CELLS
-from armside.sim.imu.compare import find_offset
-from armside.sim.imu.experiment import under_way
-from armside.sim.instruments.imu import ImuCfg, draw
-from armside.sim.moves.planner import JointMotion
-from armside.sim.robot.recording import Recording
-
-from ..commands.imu import (
-    AS_THE_THESIS,
-    BEST,
-    Done,
-    ImuExperimentCfg,
-    imu_position,
+from armside.sim.imu import (
+    ImuExperiment,
+    ImuResult,
+    RestExperiment,
+    clock_errors,
     prepare,
-    processed_again,
-    processing,
+    reprocessed,
     run_one,
     run_rest,
 )
-
-CLOCKS_APART = 0.4
-"""Largest offset of the clocks of `clock_errors` [s]: as far as a start by hand may be off."""
-SLOW_CIRCLE, FAST_CIRCLE, RECTANGLE = 0.5, 1.0, 5.0
-"""Programmed speeds that tell the parts of the simultaneous motion apart [m/s]."""
-
-
-def fast_over_slow(done: Done) -> float:
-    """RMS of the acceleration error in the rectangle over that in the slow circle."""
-    comparison, motion = done.evaluation.comparison, done.prepared.motion
-    fast, slow = (
-        np.sqrt(np.mean(comparison.acceleration_error[under_way(motion, comparison.time, v)] ** 2))
-        for v in (RECTANGLE, SLOW_CIRCLE)
-    )
-    return float(fast / slow)
-
-
-def in_the_rectangle(done: Done, time: Array) -> NDArray[np.bool_]:
-    """Which of these instants [s] are, the same shape."""
-    return under_way(done.prepared.motion, time, RECTANGLE)
-
-
-def clock_errors(
-    cfg: ImuExperimentCfg, recording: Recording, rngs: Sequence[np.random.Generator]
-) -> Array:
-    """Errors of the clock offsets found on one run, an IMU individual each, (n,) [s]."""
-    truth, errors = recording.truth, []
-    for rng in rngs:
-        sensor = draw(ImuCfg(clock_offset=CLOCKS_APART), rng)
-        samples = sensor.measure(
-            truth.time, truth.imu_acceleration, truth.imu_angular_velocity, rng
-        )
-        with_imu = CELLS[cfg.robot].with_imu
-        found = find_offset(
-            samples, recording.time, recording.motor_angle, with_imu, processing(cfg)
-        )
-        errors.append(found - sensor.clock_offset)
-    return np.array(errors)
+from armside.sim.imu.phases import RECTANGLE
+from armside.sim.moves.planner import JointMotion
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImuJob:
-    """One program of a motion, run and evaluated: the arrays its figures and numbers need."""
+    """One program of an experiment, run and evaluated."""
 
-    cfg: ImuExperimentCfg = field(default_factory=ImuExperimentCfg)
+    experiment: ImuExperiment = field(default_factory=ImuExperiment)
     program: int = 0
-    """Which of the motion's programs."""
+    """Index among the motion's programs."""
     individuals: int = 0
-    """IMUs beside the run's own whose clocks are found on it."""
+    """Number of other IMUs whose clocks are synchronised on the same run."""
     seed: int = 0
 
     @property
@@ -89,68 +42,60 @@ class ImuJob:
         Fields of `Comparison` and `Measures` and window_rms (K, 3); the same with `as_thesis_` and
         `best_` before, of those ways of processing. Log: log_time (N,), motor_angle (N, 6), tool,
         tool_predicted and imu_position (N, 3), gear (6,). Moves: move_start, move_end, move_speed
-        (NaN: a share of the joints') and move_reached, (M,). clock_errors (individuals,). With a
+        (NaN: a fraction of the joints') and move_reached, (M,). clock_errors (individuals,). With a
         rectangle: fast_over_slow, and largest_in_rectangle (3,), where window_rms is largest.
         """
-        done = run_one(self.cfg, prepare(self.cfg)[self.program], self.seed)
-        recording = done.run.recording
+        result = run_one(self.experiment, prepare(self.experiment)[self.program], self.seed)
+        recording, cfg = result.run.recording, self.experiment.processing
         rngs = [np.random.default_rng([self.seed, i]) for i in range(self.individuals)]
+        found = _evaluated(result)
+        for prefix, processing in (("as_thesis_", cfg.as_in_the_thesis), ("best_", cfg.best)):
+            again = _evaluated(reprocessed(result, processing))
+            found |= {f"{prefix}{name}": value for name, value in again.items()}
         return (
-            _evaluated(done)
-            | self._otherwise("as_thesis_", AS_THE_THESIS, done)
-            | self._otherwise("best_", BEST, done)
-            | _moves(done.prepared.motion)
+            found
+            | _moves(result.planned.motion)
             | {
                 "log_time": recording.time,
                 "motor_angle": recording.motor_angle,
-                "tool": done.evaluation.tool,
-                "tool_predicted": done.evaluation.tool_predicted,
-                "imu_position": imu_position(self.cfg, recording),
-                "gear": done.prepared.loaded.model.drives.gear,
-                "clock_errors": clock_errors(self.cfg, recording, rngs),
+                "tool": result.evaluation.tool,
+                "tool_predicted": result.evaluation.tool_predicted,
+                "imu_position": result.imu_position,
+                "gear": result.planned.loaded.model.drives.gear,
+                "clock_errors": clock_errors(result, rngs),
             }
         )
 
-    def _otherwise(self, prefix: str, change: dict[str, Any], done: Done) -> dict[str, Array]:
-        """The same run with some options of the processing changed."""
-        again = _evaluated(processed_again(replace(self.cfg, **change), done))
-        return {f"{prefix}{name}": value for name, value in again.items()}
 
-
-def _evaluated(done: Done) -> dict[str, Array]:
-    found = asdict(done.evaluation.comparison) | asdict(done.measures)
-    found["window_rms"] = done.evaluation.window_rms
-    if any(report.programmed.path == RECTANGLE for report in done.prepared.motion.reports):
-        found["fast_over_slow"] = fast_over_slow(done)
-        largest_at = done.measures.acceleration_window_time
-        found["largest_in_rectangle"] = in_the_rectangle(done, largest_at)
+def _evaluated(result: ImuResult) -> dict[str, Array]:
+    found = asdict(result.evaluation.comparison) | asdict(result.measures)
+    found["window_rms"] = result.evaluation.window_rms
+    if any(report.programmed.path == RECTANGLE for report in result.planned.motion.reports):
+        found["fast_over_slow"] = result.fast_over_slow
+        found["largest_in_rectangle"] = result.largest_in_rectangle
     return {name: np.asarray(value) for name, value in found.items()}
 
 
 def _moves(motion: JointMotion) -> dict[str, Array]:
-    reports = motion.reports
-    return {
-        "move_start": np.array([report.start for report in reports]),
-        "move_end": np.array([report.end for report in reports]),
-        "move_speed": np.array([report.programmed.path or np.nan for report in reports]),
-        "move_reached": np.array([report.reached for report in reports]),
-    }
+    rows = [(r.start, r.end, r.programmed.path or np.nan, r.reached) for r in motion.reports]
+    names = ("move_start", "move_end", "move_speed", "move_reached")
+    return dict(zip(names, np.array(rows).T, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)
 class RestJob:
-    """The robot at rest, its motors off and then on."""
+    """Robot at rest, its motors off and then on."""
 
-    cfg: ImuExperimentCfg = field(default_factory=lambda: ImuExperimentCfg(motion="rest"))
+    experiment: RestExperiment = field(default_factory=RestExperiment)
     seed: int = 0
 
     @property
     def cost(self) -> float:
         """Rough, relative, as that of `ImuJob`."""
-        return 0.1 * (self.cfg.off + self.cfg.on)
+        return 0.1 * (self.experiment.off + self.experiment.on)
 
     def run(self) -> dict[str, Any]:
         """Run it. Fields of `Rest`, and time (K,) [s], acceleration (K, 3) [m/s^2], IMU axes."""
-        run, rest = run_rest(self.cfg, self.seed)
-        signals = {"time": run.samples.time, "acceleration": run.samples.acceleration}
-        return asdict(rest) | signals
+        result = run_rest(self.experiment, self.seed)
+        samples = result.run.samples
+        return asdict(result.rest) | {"time": samples.time, "acceleration": samples.acceleration}

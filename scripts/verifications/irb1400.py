@@ -1,222 +1,171 @@
-"""Claims about the IRB1400: what its IMU shows, and what that consists of."""
+"""Claims about the IMU on the IRB1400 and the causes of its prediction error."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from armside.sim.imu.vibration import lines
-
-from ..commands.imu import (
-    AS_THE_THESIS,
-    Done,
-    ImuExperimentCfg,
+from armside.arrays import Array
+from armside.sim.imu import (
+    ImuExperiment,
+    RestExperiment,
     causes,
-    evaluated_again,
     prepare,
+    reprocessed,
     run_one,
     run_rest,
 )
-from ..commands.verify import Table, Verdict
-from ..thesis.imu_job import fast_over_slow, in_the_rectangle
+from armside.sim.imu.vibration import lines
 
-BASE = ImuExperimentCfg()
-THESIS = replace(BASE, **AS_THE_THESIS)
+from ..commands.verify import Table, Verdict
+
+BASE = ImuExperiment()
+SEQUENTIAL = replace(BASE, motion="sequential")
+UNAIDED = replace(SEQUENTIAL, torque_feedforward=False)
+
+
+def table(title: str, rows: Sequence[Mapping[str, Any]], claims: Mapping[str, Any]) -> Table:
+    """Rows by the names of their columns, and statements with the conditions that they state."""
+    return Table(
+        title=title,
+        columns=list(rows[0]),
+        rows=[list(row.values()) for row in rows],
+        verdicts=[Verdict(statement, bool(holds)) for statement, holds in claims.items()],
+    )
+
+
+def by_axis(name: str, vector: Array, unit: str = " [m/s^2]") -> dict[str, float]:
+    """Columns of a vector (3,)."""
+    return {f"{name} {axis}{unit}": float(v) for axis, v in zip("xyz", vector, strict=True)}
+
+
+def numbers(rows: Sequence[Mapping[str, Any]]) -> Array:
+    """Columns after the first, (rows, columns - 1)."""
+    return np.array([list(row.values())[1:] for row in rows])
 
 
 def imu(seeds: Iterable[int]) -> Table:
     """The simultaneous and the sequential motion; each seed is another IMU and other noise."""
     moving = prepare(BASE)[0]
-    sequential = prepare(replace(BASE, motion="sequential"))
-    unaided = prepare(replace(BASE, motion="sequential", servo="pid"))
+    sequential = [(each, one) for each in (SEQUENTIAL, UNAIDED) for one in prepare(each)]
     rows = []
     for seed in seeds:
-        done = run_one(BASE, moving, seed)
-        m, as_thesis = done.measures, evaluated_again(THESIS, done)
-        idle = [run_one(BASE, one, seed) for one in sequential]
-        without = [run_one(BASE, one, seed) for one in unaided]
+        result = run_one(BASE, moving, seed)
+        again = reprocessed(result, BASE.processing.as_in_the_thesis)
+        m, others = result.measures, [run_one(*one, seed).measures for one in sequential]
+        idle = [1e4 * float(np.nanmax(one.idle_peaks)) for one in others]
+        inside, again_inside = (one.largest_in_rectangle[:2].all() for one in (result, again))
         rows.append(
-            (
-                seed,
-                1e3 * m.clock_offset_error,
-                *m.acceleration_rms,
-                *m.acceleration_window_max,
-                *as_thesis.acceleration_window_max,
-                fast_over_slow(done),
-                *(
-                    int(in_the_rectangle(done, processed.acceleration_window_time[:2]).all())
-                    for processed in (m, as_thesis)
-                ),
-                m.angular_velocity_rms.max(),
-                1e3 * m.tool_distance,
-                1e6 * max(one.measures.loop_error for one in (done, *idle, *without)),
-                *(1e4 * _idle(one) for one in (*idle, *without)),
-            )
+            {
+                "seed": seed,
+                "clock error [ms]": 1e3 * m.clock_offset_error,
+                **by_axis("a RMS", m.acceleration_rms),
+                **by_axis("a window", m.acceleration_window_max),
+                **by_axis("as thesis: a window", again.measures.acceleration_window_max),
+                "rectangle / slow circle": result.fast_over_slow,
+                "x, y largest in rectangle": float(inside),
+                "as thesis: x, y largest in rectangle": float(again_inside),
+                "omega RMS [rad/s]": float(m.angular_velocity_rms.max()),
+                "tool to D-H [mm]": 1e3 * m.tool_distance,
+                "loop [um]": 1e6 * max(one.loop_error for one in (m, *others)),
+                "idle arm [1e-4 rad]": idle[0],
+                "idle wrist [1e-4 rad]": idle[1],
+                "idle arm, no feedforward [1e-4 rad]": idle[2],
+                "idle wrist, no feedforward [1e-4 rad]": idle[3],
+            }
         )
-    rows = [(row[0], *map(float, row[1:])) for row in rows]
-    numbers = np.array(rows)
-    clock, window, thesis = numbers[:, 1], numbers[:, 5:8], numbers[:, 8:11]
-    ratio, inside, inside_as_thesis, omega, distance, loop = numbers[:, 11:17].T
-    pushed, pushed_unaided = numbers[:, 17:19], numbers[:, 19:21].max(axis=1)
-    return Table(
-        title="An IMU on the IRB1400: measured against predicted from motor angles",
-        columns=(
-            "seed",
-            "clock error [ms]",
-            *(f"a RMS {axis} [m/s^2]" for axis in "xyz"),
-            *(f"a window {axis} [m/s^2]" for axis in "xyz"),
-            *(f"as thesis: a window {axis} [m/s^2]" for axis in "xyz"),
-            "rectangle / slow circle",
-            "x, y largest in rectangle",
-            "as thesis: x, y largest in rectangle",
-            "omega RMS [rad/s]",
-            "tool to D-H [mm]",
-            "loop [um]",
-            *(
-                f"idle {part}{servo} [1e-4 rad]"
-                for servo in ("", ", no feedforward")
-                for part in ("arm", "wrist")
-            ),
+    found = numbers(rows)
+    clock, a, window, thesis = found[:, 0], found[:, 1:4], found[:, 4:7], found[:, 7:10]
+    ratio, inside, thesis_inside, omega, distance, loop = found[:, 10:16].T
+    pushed, unaided = found[:, 16:18], found[:, 18:20].max(axis=1)
+    claims = {
+        "clock offsets are estimated with a standard deviation below 0.3 ms": clock.std() < 0.3,
+        "and no error above 1 ms": (np.abs(clock) < 1.0).all(),
+        "the acceleration error stays inside 0.8 m/s^2 in every 0.5 s window": (window < 0.8).all(),
+        "it is smallest in z: its largest window, and its RMS": (
+            _smallest_in_z(window) & _smallest_in_z(a)
+        ).all(),
+        "processed as in the thesis it reaches 0.15 to 0.8 m/s^2 in x and y and 0.35 in z": (
+            _within(thesis[:, :2], 0.15, 0.8) and (thesis[:, 2] <= 0.35).all()
         ),
-        rows=rows,
-        verdicts=(
-            Verdict(
-                "clock offsets are found with a standard deviation below 0.3 ms",
-                bool(clock.std() < 0.3),
-            ),
-            Verdict("and no error above 1 ms", bool((np.abs(clock) < 1.0).all())),
-            Verdict(
-                "the acceleration error stays inside 0.8 m/s^2 in every 0.5 s window",
-                bool((window < 0.8).all()),
-            ),
-            Verdict(
-                "it is smallest in z: its largest window, and its RMS",
-                bool((_smallest_in_z(window) & _smallest_in_z(numbers[:, 2:5])).all()),
-            ),
-            Verdict(
-                "processed as in the thesis it reaches 0.15 to 0.8 m/s^2 in x and y and 0.35 in z",
-                bool(((thesis[:, :2] >= 0.15) & (thesis[:, :2] <= 0.8)).all())
-                and bool((thesis[:, 2] <= 0.35).all()),
-            ),
-            Verdict(
-                "smaller in z than in y always, than in both in most seeds: the tilt of the "
-                "mounting, which the thesis leaves in, shows in z",
-                bool((thesis[:, 2] < thesis[:, 1]).all() and _smallest_in_z(thesis).mean() > 0.5),
-            ),
-            Verdict(
-                "it is largest in x and y within the rectangle; processed as in the thesis in nine "
-                "of ten seeds",
-                bool(inside.all() and inside_as_thesis.mean() >= 0.9),
-            ),
-            Verdict(
-                "its RMS in the rectangle is at least three times that in the slow circle",
-                bool((ratio >= 3.0).all()),
-            ),
-            Verdict(
-                "angular velocity is predicted within 0.025 rad/s RMS", bool((omega < 0.025).all())
-            ),
-            Verdict(
-                "the tool is 0.2 to 2 mm from where the motors say",
-                bool(((distance > 0.2) & (distance < 2.0)).all()),
-            ),
-            Verdict("the linkage opens by less than 1 um in every run", bool((loop < 1.0).all())),
-            Verdict(
-                "with feedforward no idle motor moves 2e-4 rad or more", bool((pushed < 2.0).all())
-            ),
-            Verdict(
-                "without feedforward some idle motor moves 2e-4 to 10e-4 rad",
-                bool(((pushed_unaided > 2.0) & (pushed_unaided < 10.0)).all()),
-            ),
+        "smaller in z than in y always, than in both in most seeds: the tilt of the mounting, "
+        "which the thesis leaves in, shows in z": (
+            (thesis[:, 2] < thesis[:, 1]).all() and _smallest_in_z(thesis).mean() > 0.5
         ),
+        "it is largest in x and y within the rectangle; processed as in the thesis in nine of ten "
+        "seeds": inside.all() and thesis_inside.mean() >= 0.9,
+        "its RMS in the rectangle is at least three times that in the slow circle": (
+            ratio >= 3.0
+        ).all(),
+        "angular velocity is predicted within 0.025 rad/s RMS": (omega < 0.025).all(),
+        "the tool is 0.2 to 2 mm from its position by motor-angle D-H": _within(distance, 0.2, 2.0),
+        "the linkage opens by less than 1 um in every run": (loop < 1.0).all(),
+        "with feedforward no idle motor moves 2e-4 rad or more": (pushed < 2.0).all(),
+        "without feedforward some idle motor moves 2e-4 to 10e-4 rad": _within(unaided, 2.0, 10.0),
+    }
+    return table(
+        "An IMU on the IRB1400: measured against predicted from motor angles", rows, claims
     )
 
 
-def _smallest_in_z(values: np.ndarray) -> np.ndarray:
+def _within(values: Array, low: float, high: float) -> bool:
+    return bool(((values > low) & (values < high)).all())
+
+
+def _smallest_in_z(values: Array) -> np.ndarray:
     """(seeds,) bool of (seeds, 3)."""
     return values.argmin(axis=1) == 2
-
-
-def _idle(done: Done) -> float:
-    return float(np.nanmax(done.measures.idle_peaks))
 
 
 def imu_causes(seeds: Iterable[int]) -> Table:
     """The acceleration error with each of its causes switched on or off, mean over the seeds."""
     found = [dict(causes(BASE, seed)) for seed in seeds]
-    rows = []
+    rows, total = [], {}
     for name in found[0]:
-        a = np.mean([one[name].acceleration_rms for one in found], axis=0)
-        window = np.mean([one[name].acceleration_window_max for one in found], axis=0)
-        omega = np.mean([one[name].angular_velocity_rms for one in found], axis=0)
-        rows.append((name, *map(float, (*a, *window, *omega))))
-    total = {row[0]: float(np.linalg.norm(row[1:4])) for row in rows}
-    return Table(
-        title="What the acceleration error consists of",
-        columns=(
-            "",
-            *(f"a RMS {axis} [m/s^2]" for axis in "xyz"),
-            *(f"a window {axis} [m/s^2]" for axis in "xyz"),
-            *(f"omega RMS {axis} [rad/s]" for axis in "xyz"),
+        measures = [one[name] for one in found]
+        a = np.mean([m.acceleration_rms for m in measures], axis=0)
+        window = np.mean([m.acceleration_window_max for m in measures], axis=0)
+        omega = np.mean([m.angular_velocity_rms for m in measures], axis=0)
+        errors = by_axis("a RMS", a) | by_axis("a window", window)
+        rows.append({"": name} | errors | by_axis("omega RMS", omega, " [rad/s]"))
+        total[name] = float(np.linalg.norm(a))
+    chosen, rigid = total["as chosen"], total["rigid robot, both"]
+    claims = {
+        "delays of the sensors left in raise the error": total["sensor delays left in"] > chosen,
+        "filtering the predicted motion, not the joint rates, lowers it": (
+            total["mapped, then filtered"] < chosen
         ),
-        rows=rows,
-        verdicts=(
-            Verdict(
-                "delays of the sensors left in raise the error",
-                total["sensor delays left in"] > total["as chosen"],
-            ),
-            Verdict(
-                "filtering what the rates predict, not the rates, lowers it",
-                total["mapped, then filtered"] < total["as chosen"],
-            ),
-            Verdict(
-                "central differences lower it", total["central differences"] < total["as chosen"]
-            ),
-            Verdict(
-                "rigid, the robot has less than a third of the error, processed alike",
-                total["rigid robot, both"] < total["both"] / 3,
-            ),
+        "central differences lower it": total["central differences"] < chosen,
+        "rigid, the robot has less than a third of the error, processed alike": (
+            rigid < total["both"] / 3
         ),
-    )
+    }
+    return table("Causes of the acceleration error", rows, claims)
 
 
 def rest(seeds: Iterable[int]) -> Table:
-    """The zero pose, motors off and on; the averaged spectrum tells lines from chance."""
-    cfg = replace(BASE, motion="rest", off=10.0, on=20.0)
+    """The zero pose, motors off and on; averaging the spectrum separates lines from noise."""
     rows, spectra, frequency = [], [], np.array([])
     for seed in seeds:
-        _, found = run_rest(cfg, seed)
+        found = run_rest(RestExperiment(off=10.0, on=20.0), seed).rest
         frequency = found.frequency
         spectra.append(found.on_spectrum)
-        rows.append((seed, *map(float, (*found.off_rms, *found.on_rms, *found.on_level))))
-    numbers = np.array(rows)
-    off, on, level = numbers[:, 1:4], numbers[:, 4:7], numbers[:, 7:10]
+        vibration = by_axis("off RMS", found.off_rms) | by_axis("on RMS", found.on_rms)
+        rows.append({"seed": seed} | vibration | by_axis("on 99.7 %", found.on_level))
+    off, on, level = np.split(numbers(rows), 3, axis=1)
     density = np.mean(spectra, axis=0)[:, 1]
     near_27 = [h for f, h in lines(frequency, density) if 25.0 < f < 30.0]
-    return Table(
-        title="Acceleration of the IRB1400 at rest, motors off and on",
-        columns=(
-            "seed",
-            *(f"off RMS {axis} [m/s^2]" for axis in "xyz"),
-            *(f"on RMS {axis} [m/s^2]" for axis in "xyz"),
-            *(f"on 99.7 % {axis} [m/s^2]" for axis in "xyz"),
+    claims = {
+        "with motors off the noise is the sensor's, 0.009 to 0.014 m/s^2": (
+            _within(off, 0.009, 0.014)
         ),
-        rows=rows,
-        verdicts=(
-            Verdict(
-                "with motors off the noise is the sensor's, 0.009 to 0.014 m/s^2",
-                bool(((off > 0.009) & (off < 0.014)).all()),
-            ),
-            Verdict(
-                "with motors on it is at least three times larger in y and z",
-                bool((on[:, 1:] > 3.0 * off[:, 1:]).all()),
-            ),
-            Verdict(
-                "and its 99.7 % level is 0.15 to 0.45 m/s^2 there",
-                bool(((level[:, 1:] > 0.15) & (level[:, 1:] < 0.45)).all()),
-            ),
-            Verdict(
-                "the averaged spectrum has a line at 25 to 30 Hz in y, at least 0.2 of the highest",
-                max(near_27, default=0.0) >= 0.2,
-            ),
+        "with motors on it is at least three times larger in y and z": (
+            on[:, 1:] > 3.0 * off[:, 1:]
+        ).all(),
+        "and its 99.7 % level is 0.15 to 0.45 m/s^2 there": _within(level[:, 1:], 0.15, 0.45),
+        "the averaged spectrum has a line at 25 to 30 Hz in y, at least 0.2 of the highest": (
+            max(near_27, default=0.0) >= 0.2
         ),
-    )
+    }
+    return table("Acceleration of the IRB1400 at rest, motors off and on", rows, claims)

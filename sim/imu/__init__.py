@@ -1,16 +1,30 @@
-"""From logged motor angles and IMU samples to signals that can be compared. Thesis chapter 5.
+"""An IMU on a moving robot: measured against predicted motion. Thesis chapter 5.
 
-Functions of arrays: synchronise the clocks, predict what the IMU should read from the motor angles,
-compensate the measurement for gravity and offsets, rotate it to base axes, filter both sides alike.
-SI units; accelerations in base axes are without gravity.
+`run(ImuExperiment(), seed=0)` moves the virtual robot with an IMU on its tool and predicts what the
+IMU measures from logged motor angles alone. The steps are functions of arrays of their own:
+synchronise the clocks, predict, compensate for gravity and offsets, filter both sides alike.
+SI units; vectors in base axes, accelerations without gravity.
 """
 
+from .causes import causes as causes
 from .compare import Comparison as Comparison
-from .compare import Compensation as Compensation
-from .compare import ProcessingCfg as ProcessingCfg
 from .compare import compare as compare
 from .compare import moving_rms as moving_rms
 from .differences import Scheme as Scheme
+from .evaluation import Evaluation as Evaluation
+from .evaluation import Measures as Measures
+from .experiment import ImuResult as ImuResult
+from .experiment import clock_errors as clock_errors
+from .experiment import prepare as prepare
+from .experiment import reprocessed as reprocessed
+from .experiment import results as results
+from .experiment import run as run
+from .experiment import run_one as run_one
 from .prediction import Order as Order
 from .prediction import predict as predict
+from .processing import Compensation as Compensation
+from .processing import ProcessingCfg as ProcessingCfg
+from .specification import ImuExperiment as ImuExperiment
+from .specification import RestExperiment as RestExperiment
 from .synchronise import clock_offset as clock_offset
+from .vibration import run_rest as run_rest

@@ -1,4 +1,4 @@
-"""Gravity and offsets of an IMU taken off, the thesis's way and a better one."""
+"""Compensation of IMU readings for gravity, mounting error and biases."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from armside.arrays import Array
 from ..instruments.imu import from_vector
 
 GRAVITY = np.array([0.0, 0.0, 9.82])
-"""What an accelerometer at rest reads, base axes [m/s^2]. Thesis (5.2)."""
+"""Specific force at rest, base axes [m/s^2]. Thesis (5.2)."""
 
 
 def to_base(R_base_imu: Array, vector: Array) -> Array:
@@ -24,7 +24,7 @@ def to_imu(R_base_imu: Array, vector: Array) -> Array:
 
 
 def mean_removed(vector: Array, rest: NDArray[np.bool_]) -> Array:
-    """Less the mean over the samples at rest: all that thesis 5.1.1 does about offsets."""
+    """Vectors minus their mean over the samples at rest: the offset correction of thesis 5.1.1."""
     if not rest.any():
         raise ValueError("offsets need samples at rest, there are none")
     return vector - vector[rest].mean(axis=0)
@@ -42,7 +42,7 @@ class Calibration:
     """(3,) [rad/s]."""
 
     def corrected(self, acceleration: Array, angular_velocity: Array) -> tuple[Array, Array]:
-        """Readings (K, 3) as an ideal IMU at the site would give them."""
+        """Readings (K, 3) of an ideal IMU at the site."""
         return (
             (acceleration - self.accelerometer_bias) @ self.R_site_imu.T,
             (angular_velocity - self.gyroscope_bias) @ self.R_site_imu.T,
@@ -51,9 +51,10 @@ class Calibration:
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """Standard deviations of what is known before the fit, and of the readings.
+    """Standard deviations of mounting error and biases before the fit, and of the readings.
 
-    Where a motion does not tell a tilt from a bias, the fit splits the difference by these.
+    Where a motion cannot separate a tilt from a bias, the fit divides the residual between
+    them by these.
     """
 
     mounting: float = np.deg2rad(1.0)
@@ -63,9 +64,9 @@ class Prior:
     gyroscope_bias: float = np.deg2rad(1.0)
     """[rad/s]."""
     acceleration: float = 0.1
-    """[m/s^2], of one reading about its prediction: vibration more than noise."""
+    """[m/s^2], one reading about its prediction: vibration more than noise."""
     angular_velocity: float = 0.02
-    """[rad/s], of one reading about its prediction."""
+    """[rad/s], one reading about its prediction."""
 
 
 def calibrate(
@@ -75,10 +76,10 @@ def calibrate(
     ideal_rate: Array,
     prior: Prior | None = None,
 ) -> Calibration:
-    """Mounting error and biases that explain readings (K, 3) best, given the ideal ones.
+    """Estimate mounting error and biases from readings and ideal readings (K, 3).
 
     The ideal specific force R_base_imu^T (a + g) uses the actual orientation of every sample, so
-    gravity itself tells a turned housing from a bias as soon as the tool turns. Maximum a
+    gravity separates a mounting error from a bias as soon as the tool rotates. Maximum a
     posteriori by Gauss-Newton: reading = R^T ideal + b, R <- R exp(delta), where
 
         d(R^T f) = (R^T f) x delta
@@ -92,11 +93,11 @@ def calibrate(
         for sensor, (reading, ideal) in enumerate(
             ((acceleration, ideal_force), (angular_velocity, ideal_rate))
         ):
-            turned = ideal @ R
+            rotated = ideal @ R
             bias = slice(3 * sensor, 3 * sensor + 3)
-            residual = (reading - turned - biases[bias]) / scale[sensor]
+            residual = (reading - rotated - biases[bias]) / scale[sensor]
             J = np.zeros((len(reading), 3, 9))
-            J[:, :, :3] = cross_matrices(turned) / scale[sensor]
+            J[:, :, :3] = cross_matrices(rotated) / scale[sensor]
             J[:, :, 3 + 3 * sensor : 6 + 3 * sensor] = np.eye(3) / scale[sensor]
             information = information + np.einsum("kia,kib->ab", J, J)
             score = score + np.einsum("kia,ki->a", J, residual)
@@ -106,7 +107,7 @@ def calibrate(
 
 
 def cross_matrices(v: Array) -> Array:
-    """(K, 3, 3): v x as matrices."""
+    """Cross-product matrices (K, 3, 3) of vectors (K, 3)."""
     x, y, z = v.T
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(-1, 3, 3)

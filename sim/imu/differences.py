@@ -8,7 +8,7 @@ from armside.arrays import Array
 
 
 class Scheme(Enum):
-    """How the first derivative is formed; the second is central in both."""
+    """Difference quotient of the first derivative; the second is central in both."""
 
     FORWARD = "forward"
     """Thesis (5.6): half a sample early."""
@@ -18,7 +18,7 @@ class Scheme(Enum):
 def difference_quotients(phi: Array, h: float, scheme: Scheme) -> tuple[Array, Array]:
     """First and second derivative of samples (N, n) every h [s]. Thesis (5.6).
 
-    The record is taken to rest at its ends: what lies beyond is its first and last sample again.
+    The record is extended by its first and last sample, as if at rest beyond its ends.
     """
     if len(phi) < 3:
         raise ValueError(f"difference quotients need at least 3 samples, got {len(phi)}")
@@ -33,7 +33,7 @@ def difference_quotients(phi: Array, h: float, scheme: Scheme) -> tuple[Array, A
 def resample(time: Array, values: Array, at: Array) -> Array:
     """Samples (N, n) at other instants by a cubic spline; at rest beyond the ends.
 
-    No low-pass goes before it: the zero-phase filter that follows is far below both rates.
+    It needs no low-pass before it: the zero-phase filter that follows is far below both rates.
     """
     from scipy.interpolate import CubicSpline
 

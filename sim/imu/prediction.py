@@ -1,4 +1,4 @@
-"""What an IMU on the robot should read, from motor angles alone. Thesis (5.10), (5.11)."""
+"""Motion of an IMU on the robot, predicted from motor angles. Thesis (5.10), (5.11)."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -13,17 +13,17 @@ from .differences import Scheme, difference_quotients
 
 
 class Order(Enum):
-    """Where the low-pass stands; the map from joint rates to the sensor is not linear."""
+    """Order of low-pass and kinematics; the map from joint rates to the sensor is not linear."""
 
     FILTER_THEN_MAP = "filter-then-map"
     """Joint rates are filtered. Thesis 5.1.2."""
     MAP_THEN_FILTER = "map-then-filter"
-    """The prediction is filtered as the measurement is: both sides suffer alike."""
+    """The prediction is filtered like the measurement: both sides have the same distortion."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """Motion of the IMU in base axes."""
+    """Predicted motion of the IMU in base axes."""
 
     R_base_imu: Array
     """(K, 3, 3)."""
@@ -42,7 +42,7 @@ def predict(
     order: Order = Order.FILTER_THEN_MAP,
     scheme: Scheme = Scheme.FORWARD,
 ) -> Prediction:
-    """Motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
+    """Predict the motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
 
     Args:
         phi: (K, n) [rad], motor angles on the arm side, every `period` [s].

@@ -15,7 +15,8 @@ from ..records.signals import Run
 from ..replay.blueprint import LEGEND, panels
 from ..replay.geoms import shapes
 from ..replay.scene import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
-from .experiment import Evaluation, ImuRun
+from .evaluation import Evaluation
+from .experiment import ImuResult
 
 COLOURS = {"measured": ORANGE, "predicted": BLUE}
 PANELS = (
@@ -25,20 +26,20 @@ PANELS = (
 AXES = "xyz"
 
 
-def write_imu_replay(
-    path: Path, mj: mujoco.MjModel, runs: Sequence[tuple[ImuRun, Evaluation]]
-) -> None:
+def write_imu_replay(path: Path, results: Sequence[ImuResult]) -> None:
     """Write the runs one after the other on the timeline `time`, whole or not at all."""
+    mj = results[0].planned.loaded.model.mj
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial:
         stream.save(partial, default_blueprint=_blueprint())
         _send_static(stream, mj)
         start = 0.0
-        for k, (run, evaluation) in enumerate(runs):
-            send_bodies(stream, mj, Run(k=k, recording=run.recording), start)
-            _send_path(stream, evaluation, start)
-            _send_series(stream, evaluation, start)
-            start += float(run.recording.time[-1]) + FRAME_PERIOD
+        for k, result in enumerate(results):
+            recording = result.run.recording
+            send_bodies(stream, mj, Run(k=k, recording=recording), start)
+            _send_path(stream, result.evaluation, start)
+            _send_series(stream, result.evaluation, start)
+            start += float(recording.time[-1]) + FRAME_PERIOD
         stream.flush()
         stream.disconnect()
 
@@ -57,7 +58,7 @@ def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:
 
 
 def _send_path(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
-    """The way of the tool, all of it, from the start of its run."""
+    """Path of the tool over the whole run, shown from its start."""
     columns = rr.LineStrips3D.columns(strips=[evaluation.tool[::5]], colors=[GREY])
     index = rr.TimeColumn("time", duration=np.array([start]))
     stream.send_columns("robot/path", [index], columns)

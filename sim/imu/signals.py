@@ -1,7 +1,7 @@
-"""`imu.parquet`: what the IMU sent, and what was made of it, sample by sample.
+"""`imu.parquet`: samples of the IMU, measured and predicted motion.
 
-The IMU has its own clock: `imu_time` is what it sent, `time` the robot time that the
-synchronisation found. Units stand in the metadata of each column.
+The IMU has its own clock: `imu_time` is by that clock, `time` is the robot time that the
+synchronisation assigns. Units stand in the metadata of each column.
 """
 
 import json
@@ -15,25 +15,24 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ..records.atomic import atomic
-from .experiment import Evaluation, ImuRun
+from .experiment import ImuResult
 
 XYZ = "xyz"
 
 
 def write_imu_signals(
-    path: Path, runs: Sequence[tuple[ImuRun, Evaluation]], *, config: Mapping[str, Any]
+    path: Path, results: Sequence[ImuResult], *, config: Mapping[str, Any]
 ) -> None:
-    """Write the IMU samples of runs k = 0, 1, ... that lie within their robot's log."""
-    tables = [_table(k, run, evaluation) for k, (run, evaluation) in enumerate(runs)]
-    table = pa.concat_tables(tables)
+    """Write the IMU samples of programs k = 0, 1, ... that lie within their robot's log."""
+    table = pa.concat_tables([_table(k, result) for k, result in enumerate(results)])
     text = json.dumps(dict(config), sort_keys=True)
     table = table.replace_schema_metadata({"armside.config": text})
     with atomic(path) as partial:
         pq.write_table(table, partial, compression="zstd")
 
 
-def _table(k: int, run: ImuRun, evaluation: Evaluation) -> pa.Table:
-    samples, comparison = run.samples, evaluation.comparison
+def _table(k: int, result: ImuResult) -> pa.Table:
+    samples, comparison = result.run.samples, result.evaluation.comparison
     robot_time = samples.time + comparison.clock_offset
     inside = np.isin(robot_time, comparison.time)
     one = {
@@ -50,7 +49,7 @@ def _table(k: int, run: ImuRun, evaluation: Evaluation) -> pa.Table:
         "acceleration_predicted": (comparison.acceleration_predicted, "m/s^2"),
         "angular_velocity_measured": (comparison.angular_velocity_measured, "rad/s"),
         "angular_velocity_predicted": (comparison.angular_velocity_predicted, "rad/s"),
-        "acceleration_error_rms": (evaluation.window_rms, "m/s^2"),
+        "acceleration_error_rms": (result.evaluation.window_rms, "m/s^2"),
     }
     columns: dict[str, tuple[NDArray[Any], str]] = dict(one)
     for name, (values, unit) in three.items():

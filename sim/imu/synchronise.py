@@ -1,4 +1,4 @@
-"""The offset between two clocks, found from a motion that both have seen."""
+"""Clock offset between IMU and robot, estimated from a rotation that both recorded."""
 
 from collections.abc import Callable
 
@@ -9,11 +9,11 @@ from armside.arrays import Array
 from .compensation import cross_matrices
 
 COARSE = 0.01
-"""Grid of the first search [s]: well below the time in which a rotation changes."""
+"""Grid of the first search [s], well below the time scale of the rotation."""
 READING = 0.02
-"""Of one gyro reading about its prediction [rad/s]."""
+"""Standard deviation of a gyro reading about its prediction [rad/s]."""
 MOUNTING = np.deg2rad(2.0)
-"""Of the gyro's housing about each axis [rad]."""
+"""Standard deviation of the gyro's mounting error about each axis [rad]."""
 
 
 def clock_offset(
@@ -33,12 +33,12 @@ def clock_offset(
     Args:
         imu_time: (K,) [s], by the IMU's clock. gyro: (K, 3) [rad/s], its own frame; a small
         mounting error does no harm. robot_time: (N,) [s], by the robot's clock; the robot rests at
-        both ends. predicted: (N, 3) [rad/s], the same rotation as the motor angles predict it.
-        search: largest offset looked for [s], either sign. gyro_delay: known delay of the gyro's
-        low-pass [s], which the data cannot tell from an offset.
+        both ends. predicted: (N, 3) [rad/s], the same rotation by the motor angles.
+        search: largest offset [s], either sign. gyro_delay: known delay of the gyro's
+        low-pass [s], which the data cannot separate from an offset.
 
     Raises:
-        ValueError: the robot does not turn the sensor, or no offset within the search fits.
+        ValueError: the sensor does not rotate, or no offset within the search fits.
     """
     from scipy.interpolate import CubicSpline
 
@@ -64,9 +64,9 @@ def clock_offset(
 def _refined(tau: float, gyro: Array, at: Callable[..., Array]) -> float:
     """Gauss-Newton over offset, mounting error and bias: gyro = w(t + tau) + w x delta + bias.
 
-    Without delta, a turned housing would pass for an offset wherever the axis of rotation turns.
+    Without delta, a mounting error would appear as an offset wherever the axis of rotation changes.
     """
-    # What is known before about delta, beside the readings' noise; about one axis it is not seen.
+    # Prior of delta relative to the readings' noise: about one axis it is not observable.
     prior = np.diag([0.0, *np.full(3, (READING / MOUNTING) ** 2)])
     for _ in range(10):
         omega, slope = at(tau), at(tau, 1)

@@ -1,24 +1,31 @@
 """Vibration of a robot at rest, its motors off and on. Thesis 5.1.1, Fig. 5.2."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
 
 from ..instruments.imu import ImuSamples
+from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .evaluation import ImuRun, largest_gap
+from .experiment import sense
+from .specification import RestExperiment
 
-SETTLED = 0.5
-"""After the motors are switched on, before it counts [s]."""
+SETTLING_TIME = 0.5
+"""Left out after the motors are switched on [s]."""
 SEGMENT = 2.0
-"""Of a power spectrum [s]: lines 0.5 Hz apart are told apart."""
+"""Segment of a power spectrum [s]: a resolution of 0.5 Hz."""
 QUANTILE = 0.997
 """The level that a normal signal exceeds as rarely as three standard deviations."""
+ZERO_POSE = np.zeros(6)
+"""Pose of thesis 5.1.1 [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rest:
-    """Accelerations at rest; vectors are x, y, z."""
+    """Vibration at rest, motors off and on; vectors are x, y, z of the IMU."""
 
     off_rms: Array
     """[m/s^2], about the mean."""
@@ -34,13 +41,45 @@ class Rest:
     """(F, 3) [(m/s^2)^2/Hz]."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class RestResult:
+    """One experiment at rest, run and evaluated."""
+
+    run: ImuRun
+    rest: Rest
+    loop_error: float
+    """Widest opening of a closed chain [m]."""
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """Entries of `summary.json`."""
+        rest = self.rest
+        spectra = zip("xyz", rest.on_spectrum.T, strict=True)
+        peaks = {axis: lines(rest.frequency, density)[:5] for axis, density in spectra}
+        levels = {"off_rms": rest.off_rms, "on_rms": rest.on_rms, "on_level": rest.on_level}
+        return levels | {"loop_error": self.loop_error, "lines": peaks}
+
+
+def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
+    """Record the robot in its zero pose, motors off, then on."""
+    n = round((experiment.off + experiment.on) / LOG_PERIOD) + 1
+    robot = VirtualRobot(experiment.model())
+    loaded = robot.load(np.tile(ZERO_POSE, (n, 1)), motors_on_at=experiment.off)
+    run = sense(loaded, experiment.imu, seed)
+    return RestResult(
+        run=run,
+        rest=at_rest(run.samples, experiment.off, experiment.imu.rate),
+        loop_error=largest_gap(run.recording, loaded.model.mj),
+    )
+
+
 def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
-    """What an IMU felt before and after the motors were switched on.
+    """Vibration before and after the motors were switched on.
 
     motors_on_at: [s], by the IMU's clock. rate: of the samples [Hz].
     """
     off = samples.acceleration[samples.time < motors_on_at]
-    on = samples.acceleration[samples.time >= motors_on_at + SETTLED]
+    on = samples.acceleration[samples.time >= motors_on_at + SETTLING_TIME]
     frequency, on_spectrum = power_spectrum(on, rate)
     return Rest(
         off_rms=off.std(axis=0),
@@ -74,9 +113,9 @@ def power_spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
 
 
 def lines(frequency: Array, density: Array, *, above: float = 5.0) -> list[tuple[float, float]]:
-    """Local maxima of one density (F,) above a frequency [Hz]: (frequency, height), highest first.
+    """Local maxima of a density (F,) above a frequency [Hz], highest first.
 
-    Heights are relative to the highest.
+    Each is its frequency [Hz] and its height relative to the highest.
     """
     inner = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] > density[2:])) + 1
     inner = inner[frequency[inner] > above]

@@ -3,22 +3,16 @@
 import numpy as np
 import pytest
 
-from armside.scripts.commands.imu import (
-    AS_THE_THESIS,
-    ImuExperimentCfg,
-    evaluated_again,
-    prepare,
-    run_one,
-)
 from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.store import Store
 from armside.scripts.shell.registry import load
-from armside.scripts.thesis import chapter5
+from armside.scripts.thesis import chapter5, chapter5_checks
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
+from armside.sim.imu import ImuExperiment, reprocessed, run
 
 CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "5"}
 KNOWN_TO_DIFFER = {"E07.3"}
-"""The tool bends by more than the prototype's did."""
+"""The elastic deflection of the tool is larger than the prototype's."""
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +61,9 @@ def test_what_differs_from_the_thesis_is_known_and_says_why(sections):
 
 
 def test_what_a_job_leaves_is_what_the_experiment_measured(read):
-    cfg = ImuExperimentCfg()
-    done = run_one(cfg, prepare(cfg)[0], seed=0)
-    thesis = evaluated_again(ImuExperimentCfg(**AS_THE_THESIS), done)
+    experiment = ImuExperiment()
+    done = run(experiment, seed=0)[0]
+    thesis = reprocessed(done, experiment.processing.as_in_the_thesis).measures
     left = read(ImuJob(individuals=chapter5.INDIVIDUALS))
     for name in ("acceleration_rms", "acceleration_window_max", "tool_distance", "since"):
         assert np.array_equal(left[name], getattr(done.measures, name))
@@ -92,12 +86,12 @@ def test_what_a_job_leaves_is_what_the_experiment_measured(read):
 def test_another_error_along_the_motion_fails_where_it_differs(changed, fails, read):
     result = read(ImuJob(individuals=chapter5.INDIVIDUALS))
     other = result | {name: np.array(value) for name, value in changed.items()}
-    assert {check.id for check in chapter5.windows(other) if not check.holds} == fails
+    assert {check.id for check in chapter5_checks.windows(other) if not check.holds} == fails
 
 
 def test_a_robot_that_stands_still_has_another_noise(read):
     result = read(RestJob())
     silent = result | {"on_rms": result["off_rms"], "on_level": 3.0 * result["off_rms"]}
     flat = silent | {"on_spectrum": np.ones_like(result["on_spectrum"])}
-    failing = {check.id for check in chapter5.noise(flat) if not check.holds}
+    failing = {check.id for check in chapter5_checks.noise(flat) if not check.holds}
     assert failing == {"E02.2", "E02.3", "E02.4", "E02.5", "E02.6"}

@@ -1,7 +1,7 @@
 """Chapter 5's processing, on readings that are exact until an instrument makes them worse.
 
 The robot is rigid here and moves by a formula, so measurement and prediction must agree to what
-instruments and filters leave; with physics instead of a formula the same functions tell elasticity.
+instruments and filters leave; with physics instead of a formula the same functions show elasticity.
 """
 
 from dataclasses import replace
@@ -95,7 +95,7 @@ def rms(error):
 def test_a_perfect_imu_and_the_motor_angles_agree():
     best = ProcessingCfg(order=Order.MAP_THEN_FILTER, scheme=Scheme.CENTRAL)
     _, seen = run(PERFECT, processing=best)
-    # What is left is encoder steps through the second difference; the motion is 5 m/s^2, 2 rad/s.
+    # The residual is encoder steps through the second difference; the motion is 5 m/s^2, 2 rad/s.
     assert np.ptp(seen.acceleration_measured) > 5.0
     assert rms(seen.acceleration_error) < 0.01
     assert rms(seen.angular_velocity_error) < 0.001
@@ -147,7 +147,7 @@ def test_filtering_joint_rates_before_the_map_costs_what_filtering_after_does_no
     assert error(Order.MAP_THEN_FILTER) < 0.2 * error(Order.FILTER_THEN_MAP)
 
 
-def test_a_delay_that_is_not_compensated_costs_jerk_and_turning_gravity():
+def test_a_delay_that_is_not_compensated_costs_jerk_and_rotating_gravity():
     processing = ProcessingCfg(
         order=Order.MAP_THEN_FILTER,
         scheme=Scheme.CENTRAL,
@@ -156,7 +156,7 @@ def test_a_delay_that_is_not_compensated_costs_jerk_and_turning_gravity():
     _, right = run(PERFECT, processing=processing, offset=0.0)
     _, late = run(PERFECT, processing=replace(processing, accelerometer_delay=0.0), offset=0.0)
     jerk = np.gradient(right.acceleration_measured, 0.01, axis=0)
-    # The late reading is turned to base by an orientation that has moved on: omega x (a + g).
+    # The late reading is rotated to base by an orientation that has moved on: omega x (a + g).
     force = right.acceleration_measured + GRAVITY
     turning = np.cross(right.angular_velocity_measured, force)
     expected = SILENT_TRIADS["accelerometer"].delay * rms(jerk - turning)
@@ -187,7 +187,7 @@ def test_clocks_of_a_robot_that_stands_still_cannot_be_synchronised():
         clock_offset(t, gyro, t, np.zeros((100, 3)))
 
 
-def test_calibration_finds_mounting_and_biases_of_a_sensor_that_turns():
+def test_calibration_finds_mounting_and_biases_of_a_sensor_that_rotates():
     rng = np.random.default_rng(5)
     truth = Calibration(
         R_site_imu=from_axis_angle([1.0, -2.0, 0.5], np.deg2rad(2.0)),
@@ -214,14 +214,14 @@ def test_calibration_finds_mounting_and_biases_of_a_sensor_that_turns():
     np.testing.assert_allclose(omega, rate, rtol=0, atol=1e-5)
 
 
-def test_a_sensor_that_never_turns_shares_its_offset_by_what_was_known_before():
+def test_a_sensor_that_never_rotates_divides_its_offset_by_the_prior():
     still = np.tile(GRAVITY, (200, 1))
     tilted = still @ from_axis_angle([0.0, 1.0, 0.0], np.deg2rad(1.0))
     found = calibrate(tilted, 0 * still, still, 0 * still)
     tilt = np.deg2rad(1.0)
     # One equation, g sin(tilt) = g angle + bias, split as the variances are.
-    share = (9.82 * Prior().mounting) ** 2 / ((9.82 * Prior().mounting) ** 2 + 0.02**2)
-    assert found.R_site_imu[0, 2] == pytest.approx(share * tilt, rel=0.01)
+    fraction = (9.82 * Prior().mounting) ** 2 / ((9.82 * Prior().mounting) ** 2 + 0.02**2)
+    assert found.R_site_imu[0, 2] == pytest.approx(fraction * tilt, rel=0.01)
 
 
 def test_difference_quotients_are_those_of_the_thesis():

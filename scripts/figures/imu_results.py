@@ -1,0 +1,99 @@
+"""Files, figures and tables of an IMU experiment."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from armside.sim.imu import ImuResult
+from armside.sim.imu.evaluation import WINDOW
+from armside.sim.imu.vibration import RestResult
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.signals import Run, write_signals
+
+from ..shell.console import Report
+from . import imu as figures
+
+
+def write_runs(results: Sequence[ImuResult], folder: RunFolder, config: dict[str, Any]) -> None:
+    """Write signals.parquet, imu.parquet, replay.rrd and the figures of each program."""
+    from armside.sim.imu.replay import write_imu_replay
+    from armside.sim.imu.signals import write_imu_signals
+
+    runs = [Run(k=k, recording=one.run.recording) for k, one in enumerate(results)]
+    write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
+    write_imu_signals(folder / "imu.parquet", results, config=config)
+    write_imu_replay(folder / "replay.rrd", results)
+    for one in results:
+        _draw(folder, one, f"-{one.planned.name}" if len(results) > 1 else "")
+
+
+def _draw(folder: RunFolder, result: ImuResult, suffix: str) -> None:
+    def file(name: str) -> Any:
+        return folder / f"{name}{suffix}.png"
+
+    recording, evaluation = result.run.recording, result.evaluation
+    comparison = evaluation.comparison
+    omega = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
+    a = comparison.acceleration_measured, comparison.acceleration_predicted
+    tool = evaluation.tool, evaluation.tool_predicted
+    figures.motor_angles(file("motor-angles"), recording.time, recording.motor_angle)
+    figures.path(file("path"), result.imu_position)
+    figures.position(file("position"), recording.time, *tool)
+    figures.angular_velocity(file("angular-velocity"), comparison.time, *omega)
+    figures.acceleration(file("acceleration"), comparison.time, *a)
+    late = comparison.time >= result.planned.since
+    curve = {"": evaluation.window_rms[late]}
+    figures.acceleration_error(file("acceleration-error"), comparison.time[late], curve, WINDOW)
+
+
+def error_tables(results: Sequence[ImuResult], report: Report) -> None:
+    """Print the error measures of each program."""
+    for one in results:
+        m = one.measures
+        rows = [
+            ("angular velocity error, RMS [mrad/s]", 1e3 * m.angular_velocity_rms),
+            ("angular velocity error, largest [mrad/s]", 1e3 * m.angular_velocity_max),
+            ("acceleration error, RMS [m/s²]", m.acceleration_rms),
+            (f"acceleration error, largest RMS over {WINDOW:g} s", m.acceleration_window_max),
+            ("  at [s]", m.acceleration_window_time),
+            ("acceleration, largest [m/s²]", m.acceleration_peak),
+        ]
+        head = ["from the end of synchronisation", *"xyz"]
+        report.table(one.planned.name, head, [(name, *map(float, v)) for name, v in rows])
+        report.line(
+            f"clocks: {1e3 * one.evaluation.comparison.clock_offset:.2f} ms apart, found within "
+            f"{1e3 * abs(m.clock_offset_error):.2f} ms; tool to motor-angle D-H: at most "
+            f"{1e3 * m.tool_distance:.2f} mm; loop open by {1e6 * m.loop_error:.3f} µm; "
+            f"{100 * m.clipped_share:.1f} % clipped"
+        )
+        if np.isfinite(m.idle_peaks).any():
+            peaks = ", ".join("-" if np.isnan(p) else f"{1e4 * p:.1f}" for p in m.idle_peaks)
+            report.line(f"idle motors moved by others: {peaks} × 1e-4 rad")
+        for move in one.planned.motion.reports:
+            if move.limited_by and move.programmed.path is not None:
+                report.line(
+                    f"move at {move.start:.2f} s: {move.reached:.2f} of "
+                    f"{move.programmed.path:.2f} m/s, limited by {move.limited_by}"
+                )
+
+
+def write_rest(result: RestResult, folder: RunFolder, config: dict[str, Any]) -> None:
+    """Write signals.parquet and the figures of an experiment at rest."""
+    run, rest = result.run, result.rest
+    signals, seed = [Run(k=0, recording=run.recording)], config["seed"]
+    file = folder / "signals.parquet"
+    write_signals(file, signals, config=config, seed=seed, truth_rate=250.0)
+    figures.rest(folder / "rest.png", run.samples.time, run.samples.acceleration, config["off"])
+    figures.spectrum(folder / "spectrum.png", rest.frequency, rest.off_spectrum, rest.on_spectrum)
+
+
+def rest_table(result: RestResult, report: Report) -> None:
+    """Print the vibration at rest."""
+    rows = [
+        ("motors off, RMS", result.rest.off_rms),
+        ("motors on, RMS", result.rest.on_rms),
+        ("motors on, exceeded by 0.3 %", result.rest.on_level),
+    ]
+    table = [(name, *map(float, values)) for name, values in rows]
+    report.table("Acceleration at rest [m/s²]", ["", *"xyz"], table)

@@ -1,0 +1,136 @@
+"""Errors of the predicted motion of one run: the measures of thesis 5.4.
+
+The kinematics use the logged motor angles only; the true motion is for evaluation.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+
+from ..cell import Cell
+from ..instruments.imu import Imu, ImuSamples
+from ..robot.linkage import checked_loop_error
+from ..robot.recording import Recording
+from .compare import Comparison, compare, moving_rms
+from .phases import idle_peaks
+from .processing import ProcessingCfg
+
+WINDOW = 0.5
+"""Window of the moving RMS of the acceleration error [s]. ESTIMATE: the thesis gives none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuRun:
+    """Recorded signals of one run with an IMU."""
+
+    recording: Recording
+    samples: ImuSamples
+    imu: Imu
+    """The individual, for evaluation only."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluation:
+    """Measured and predicted motion of one run."""
+
+    comparison: Comparison
+    window_rms: Array
+    """(K, 3) [m/s^2], moving RMS of the acceleration error. Thesis Fig. 5.10."""
+    tool_predicted: Array
+    """(N, 3) [m], TCP0 from logged motor angles by D-H, at the log's instants."""
+    tool: Array
+    """(N, 3) [m], true TCP0."""
+
+
+def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None) -> Evaluation:
+    """Compare measured with predicted motion, of the IMU and of the tool."""
+    recording = run.recording
+    comparison = compare(run.samples, recording.time, recording.motor_angle, cell.with_imu, cfg)
+    period = float(comparison.time[1] - comparison.time[0])
+    return Evaluation(
+        comparison=comparison,
+        window_rms=moving_rms(comparison.acceleration_error, WINDOW, period),
+        tool_predicted=position(cell.robot, recording.motor_angle),
+        tool=recording.truth.tool_position[:: _log_stride(recording)],
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measures:
+    """Error measures of one run; vectors are x, y, z in base axes."""
+
+    since: float
+    """Start of the evaluation [s]: the end of the synchronisation."""
+    angular_velocity_rms: Array
+    """RMS error [rad/s]. Thesis Fig. 5.8."""
+    angular_velocity_max: Array
+    """Largest error [rad/s]."""
+    acceleration_rms: Array
+    """RMS error [m/s^2]. Thesis Fig. 5.9."""
+    acceleration_window_max: Array
+    """Largest moving RMS of the error [m/s^2]. Thesis Fig. 5.10."""
+    acceleration_window_time: Array
+    """Instant of that [s]."""
+    acceleration_peak: Array
+    """Largest measured acceleration, filtered [m/s^2]."""
+    clipped_share: float
+    """Fraction of the accelerometer's samples with a component at the end of its range."""
+    clock_offset_error: float
+    """Error of the synchronisation [s]."""
+    tool_distance: float
+    """Largest distance between motor-angle D-H and the tool [m]: elasticity. Thesis Fig. 5.7."""
+    loop_error: float
+    """Widest opening of a closed chain [m]."""
+    idle_peaks: Array
+    """(6,) [rad], see `phases.idle_peaks`. Thesis 5.3.2."""
+
+
+def measure(
+    run: ImuRun, evaluation: Evaluation, mj: mujoco.MjModel, *, since: float = 0.0
+) -> Measures:
+    """Error measures of one run from the instant `since` [s] on.
+
+    Raises RuntimeError for a closed chain that did not stay closed.
+    """
+    comparison = evaluation.comparison
+    late = comparison.time >= since
+    omega, a = comparison.angular_velocity_error[late], comparison.acceleration_error[late]
+    window = evaluation.window_rms[late]
+    distance = np.linalg.norm(evaluation.tool - evaluation.tool_predicted, axis=1)
+    return Measures(
+        since=since,
+        angular_velocity_rms=_rms(omega),
+        angular_velocity_max=np.abs(omega).max(axis=0),
+        acceleration_rms=_rms(a),
+        acceleration_window_max=window.max(axis=0),
+        acceleration_window_time=comparison.time[late][window.argmax(axis=0)],
+        acceleration_peak=np.abs(comparison.acceleration_measured[late]).max(axis=0),
+        clipped_share=float(run.samples.acceleration_clipped.any(axis=1).mean()),
+        clock_offset_error=comparison.clock_offset - run.imu.clock_offset,
+        tool_distance=float(distance.max()),
+        loop_error=largest_gap(run.recording, mj),
+        idle_peaks=idle_peaks(run.recording),
+    )
+
+
+def position(robot: kinematics.Robot, motor_angle: Array) -> Array:
+    """Origin of the last frame (N, 3) [m] in base axes, by D-H from motor angles (N, 6) [rad]."""
+    return kinematics.compile(robot).pose(np.ascontiguousarray(motor_angle))[:, :3, 3]
+
+
+def largest_gap(recording: Recording, mj: mujoco.MjModel) -> float:
+    """Widest opening of a closed chain at the log's instants [m]. Raises RuntimeError if open."""
+    return checked_loop_error(mj, recording.truth.qpos[:: _log_stride(recording)])
+
+
+def _log_stride(recording: Recording) -> int:
+    """Physics steps in one period of the log."""
+    return round((len(recording.truth.time) - 1) / (len(recording.time) - 1))
+
+
+def _rms(error: Array) -> Array:
+    return np.sqrt(np.mean(error**2, axis=0))
