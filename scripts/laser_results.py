@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
+from armside.sim.cell import CELLS
 from armside.sim.cut.path import Circle
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.evaluation.path_accuracy import path_measures
@@ -110,19 +111,35 @@ def _true(run: Pass) -> tuple[Array, Array]:
 def write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
-    from armside.sim.records.signals import Run, write_signals
+    """Write the files of a run, which together are all that replay and measure need."""
+    import mujoco
+
+    from armside.sim.records.robot_file import write_robot
+    from armside.sim.records.signals import RecordedRun, write_signals
+    from armside.sim.replay.run_scene import laser_scene
+    from armside.sim.replay.scene import write_scenes
 
     from .figures import laser as figures
-    from .viewers.replay_scene import write_run
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    trials = [it.trial for it in iterations]
     runs = [
-        Run(k=it.trial.k, recording=it.trial.result.recording, tracker=it.trial.result.tracker)
-        for it in iterations
+        RecordedRun(k=trial.k, recording=trial.result.recording, tracker=trial.result.tracker)
+        for trial in trials
     ]
     config = outcome["config"]
-    write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
-    write_run(folder / "replay.rrd", outcome, experiment.job.model.mj, runs, experiment.motion)
+    motion, model = experiment.motion, experiment.job.model
+    write_signals(
+        folder / "signals.parquet",
+        runs,
+        config=config,
+        seed=config["seed"],
+        motion=motion,
+        gear=model.drives.gear,
+    )
+    source = config["model"] or CELLS[config["robot"]].xml
+    write_robot(folder / "robot.xml", mujoco.MjSpec.from_file(str(source)))
+    write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
     rows = outcome["iterations"]
     curve = experiment.task.curve
     figures.circles(

@@ -275,18 +275,31 @@ def _write(
 ) -> None:
     from armside.sim.imu.replay import write_imu_replay
     from armside.sim.imu.signals import write_imu_signals
-    from armside.sim.records.signals import Run, write_signals
+    from armside.sim.records.signals import RecordedRun, write_signals
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     config = outcome["config"]
-    runs = [Run(k=k, recording=one.run.recording) for k, one in enumerate(done)]
+    runs = [RecordedRun(k=k, recording=one.run.recording) for k, one in enumerate(done)]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
     pairs = [(one.run, one.evaluation) for one in done]
     write_imu_signals(folder / "imu.parquet", pairs, config=config)
+    _write_robot(folder, cfg)
     write_imu_replay(folder / "replay.rrd", done[0].prepared.job.model.mj, pairs)
     for one in done:
         suffix = f"-{one.prepared.name}" if len(done) > 1 else ""
         _draw(folder, cfg, one, suffix)
+
+
+def _write_robot(folder: RunFolder, cfg: ImuExperimentCfg) -> None:
+    """Write the robot with which `armside replay` draws the run."""
+    import mujoco
+
+    from armside.sim.records.robot_file import write_robot
+    from armside.sim.robot.flexibility import without
+
+    spec = mujoco.MjSpec.from_file(str(CELLS[cfg.robot].xml))
+    without(spec, Flexibility(cfg.flexibility))
+    write_robot(folder / "robot.xml", spec)
 
 
 def _draw(folder: RunFolder, cfg: ImuExperimentCfg, one: Done, suffix: str) -> None:
@@ -409,15 +422,16 @@ def _rest(cfg: ImuExperimentCfg, common: Common, report: Report) -> None:
 def _write_rest(
     folder: RunFolder, cfg: ImuExperimentCfg, run: ImuRun, rest: Rest, outcome: dict[str, Any]
 ) -> None:
-    from armside.sim.records.signals import Run, write_signals
+    from armside.sim.records.signals import RecordedRun, write_signals
 
     from ..figures import imu as figures
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     config = outcome["config"]
-    runs = [Run(k=0, recording=run.recording)]
+    runs = [RecordedRun(k=0, recording=run.recording)]
     write_signals(
         folder / "signals.parquet", runs, config=config, seed=config["seed"], truth_rate=250.0
     )
+    _write_robot(folder, cfg)
     figures.rest(folder / "rest.png", run.samples.time, run.samples.acceleration, cfg.off)
     figures.spectrum(folder / "spectrum.png", rest.frequency, rest.off_spectrum, rest.on_spectrum)

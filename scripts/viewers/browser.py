@@ -1,4 +1,4 @@
-"""A headless Chromium that looks at a page, by the WebDriver protocol and nothing else.
+"""Screenshots of a page in a headless Chromium, by the WebDriver protocol.
 
 Draws WebGL on the CPU (SwiftShader), so it works on a machine without graphics.
 """
@@ -38,11 +38,11 @@ class Page:
         self._address = address
 
     def screenshot(self) -> bytes:
-        """What is seen now, as PNG."""
+        """Page as it is shown now, as PNG."""
         return base64.b64decode(_ask(f"{self._address}/screenshot"))
 
     def screenshot_when(self, good: Callable[[bytes], bool], within: float) -> bytes:
-        """The first screenshot that is good, or the last one taken within that time [s]."""
+        """First screenshot that is good, or the last one taken within that time [s]."""
         until = time.monotonic() + within
         while True:
             seen = self.screenshot()
@@ -50,18 +50,8 @@ class Page:
                 return seen
             time.sleep(0.5)
 
-    def requests(self) -> list[str]:
-        """Addresses that the page has asked for since this was last called."""
-        entries = _ask(f"{self._address}/se/log", {"type": "performance"})
-        messages = [json.loads(entry["message"])["message"] for entry in entries]
-        return [
-            m["params"]["request"]["url"]
-            for m in messages
-            if m["method"] == "Network.requestWillBeSent"
-        ]
-
     def answered(self) -> list[str]:
-        """As `requests`, but only those that somebody answered."""
+        """Addresses that the page asked for and got an answer from, since the last call."""
         entries = _ask(f"{self._address}/se/log", {"type": "performance"})
         messages = [json.loads(entry["message"])["message"] for entry in entries]
         return [
@@ -106,7 +96,7 @@ def page(
 
 
 def _port(process: subprocess.Popen[str]) -> int:
-    """Where the driver listens, as it says."""
+    """Port of the driver, as printed by it."""
     assert process.stdout is not None
     until = time.monotonic() + START
     while time.monotonic() < until and (line := process.stdout.readline()):
@@ -124,5 +114,6 @@ def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = 
         with urllib.request.urlopen(request, timeout=ANSWER) as answer:
             return json.load(answer)["value"]
     except urllib.error.HTTPError as error:
-        said = json.load(error)["value"]
-        raise OSError(f"the browser says: {said.get('message', said)}".splitlines()[0]) from error
+        answer = json.load(error)["value"]
+        text = f"the browser says: {answer.get('message', answer)}"
+        raise OSError(text.splitlines()[0]) from error

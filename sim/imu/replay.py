@@ -11,10 +11,10 @@ import rerun.blueprint as rrb
 from armside.arrays import Array
 
 from ..records.atomic import atomic
-from ..records.signals import Run
+from ..records.signals import RecordedRun
 from ..replay.blueprint import LEGEND, panels
+from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
 from ..replay.geoms import shapes
-from ..replay.scene import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
 from .experiment import Evaluation, ImuRun
 
 COLOURS = {"measured": ORANGE, "predicted": BLUE}
@@ -35,7 +35,7 @@ def write_imu_replay(
         _send_static(stream, mj)
         start = 0.0
         for k, (run, evaluation) in enumerate(runs):
-            send_bodies(stream, mj, Run(k=k, recording=run.recording), start)
+            send_bodies(stream, mj, RecordedRun(k=k, recording=run.recording), start)
             _send_path(stream, evaluation, start)
             _send_series(stream, evaluation, start)
             start += float(run.recording.time[-1]) + FRAME_PERIOD

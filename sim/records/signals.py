@@ -2,7 +2,8 @@
 
 One row per iteration k and instant. Columns of the log are filled at the log rate, those of the
 tracker and of the truth at theirs, null elsewhere; a lost beam is NaN with `tracker_valid` false.
-Units stand in the metadata of each column, the configuration in that of the table.
+Units stand in the metadata of each column; configuration, programmed path and gear ratios in that
+of the table.
 """
 
 import json
@@ -16,15 +17,17 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
+from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.sampling import rate_of, stride
 from ..robot.gear_error import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
+from .programmed_path import from_json, to_json
 
 AXES = tuple("123456")
 XYZ = tuple("xyz")
@@ -46,14 +49,14 @@ TRUTH = {
     "imu_angular_velocity": ("rad/s", XYZ),
 }
 FORMAT = 1
-"""Of the file; raised when an older one can no longer be read as if it were new."""
+"""Format of the file; raised when an older one can no longer be read."""
 SHORTEST_INTERVAL = 1e-9
-"""Two samples closer than this [s] were meant to be one: their clocks were computed differently."""
+"""Smallest distance of two samples [s]; below it their clocks were computed differently."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """Iteration k of an experiment."""
+class RecordedRun:
+    """Recorded signals of iteration k of an experiment."""
 
     k: int
     recording: Recording
@@ -62,28 +65,39 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True)
 class Signals:
-    """What a file of signals holds."""
+    """Content of a file of signals."""
 
-    runs: tuple[Run, ...]
-    """The truth is at the rate it was written with, 1000 Hz unless told otherwise."""
+    runs: tuple[RecordedRun, ...]
+    """The truth is at the rate it was written with, by default 1000 Hz."""
     config: dict[str, Any]
     seed: int | None
     version: str
+    path: ToolMotion | None = None
+    """Programmed path; None where none was cut, or in a file of armside before this was stored."""
+    gear: Array | None = None
+    """(n,) gear ratios; None where the file has none."""
 
 
 def write_signals(
     path: Path,
-    runs: Sequence[Run],
+    runs: Sequence[RecordedRun],
     *,
     config: Mapping[str, Any],
     seed: int | None,
     truth_rate: float = 1000.0,
+    motion: ToolMotion | None = None,
+    gear: ArrayLike | None = None,
 ) -> None:
     """Write the runs to one file, whole or not at all. The same data gives the same bytes.
 
+    Args:
+        truth_rate: [Hz].
+        motion: programmed path, the same for all runs.
+        gear: (n,) gear ratios.
+
     Raises:
-        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, or
-            two clocks that nearly agree.
+        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, two
+            clocks that nearly agree, or a contour that cannot be stored.
     """
     ks = [run.k for run in runs]
     if not ks or len(set(ks)) != len(ks):
@@ -97,8 +111,11 @@ def write_signals(
         "seed": json.dumps(seed),
         "version": version("armside"),
     }
-    table = pa.concat_tables(tables)
-    table = table.replace_schema_metadata(
+    if motion is not None:
+        metadata["path"] = json.dumps(to_json(motion))
+    if gear is not None:
+        metadata["gear"] = json.dumps(np.asarray(gear, dtype=np.float64).tolist())
+    table = pa.concat_tables(tables).replace_schema_metadata(
         {f"armside.{key}": text for key, text in metadata.items()}
     )
     with atomic(path) as partial:
@@ -112,7 +129,7 @@ def write_signals(
 
 
 def read_signals(path: Path) -> Signals:
-    """The runs of a file, bit for bit as written.
+    """Runs of a file, bit for bit as written.
 
     Raises:
         ValueError: the file holds something else, or signals of another format.
@@ -121,12 +138,13 @@ def read_signals(path: Path) -> Signals:
 
 
 def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
-    """The runs of a table with the columns and the metadata of `write_signals`.
+    """Runs of a table with the columns and the metadata of `write_signals`.
 
     Raises:
         ValueError: the table holds something else, or signals of another format.
     """
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
+    path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     if "armside.config" not in metadata:
         raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
     if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
@@ -141,6 +159,8 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         config=json.loads(metadata["armside.config"]),
         seed=json.loads(metadata["armside.seed"]),
         version=metadata["armside.version"],
+        path=None if path is None else from_json(path),
+        gear=None if gear is None else np.array(gear),
     )
 
 
@@ -152,8 +172,8 @@ def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
     return TRUTH | {"qpos": ("rad or m", tuple(str(i) for i in range(n_qpos)))}
 
 
-def _table(run: Run, truth_rate: float) -> pa.Table:
-    """One run as a table: the union of the instants of its streams."""
+def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
+    """Table of one run: the union of the instants of its streams."""
     recording, tracker = run.recording, run.tracker
     truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
     clocks = [recording.time, truth.time] + ([tracker.time] if tracker else [])
@@ -195,8 +215,8 @@ def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array
     return [pa.array(column, mask=null) for column in columns]
 
 
-def _rates(run: Run, truth_rate: float) -> dict[str, float]:
-    """[Hz], of each stream."""
+def _rates(run: RecordedRun, truth_rate: float) -> dict[str, float]:
+    """Sampling rate of each stream [Hz]."""
     rates = {"log": rate_of(run.recording.time), "truth": truth_rate}
     if run.tracker:
         rates["tracker"] = rate_of(run.tracker.time)
@@ -207,7 +227,7 @@ def _float_columns(schema: pa.Schema) -> list[str]:
     return [field.name for field in schema if field.type == pa.float64()]
 
 
-def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> Run:
+def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> RecordedRun:
     log = table.filter(pc.field("reference_1").is_valid())
     true = table.filter(pc.field("true_tool_position_x").is_valid())
     n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
@@ -220,7 +240,7 @@ def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]
     }
     recording = Recording(
         time=_numbers(log, "time"),
-        # The file has what the gears' error made of it: to these angles it is added already.
+        # The gear error is part of the stored angles already.
         truth=Truth(
             time=_numbers(true, "time"),
             gear_angle=truth.pop("motor_angle"),
@@ -231,7 +251,7 @@ def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]
         limits_hit=limits_hit,
         **signals,
     )
-    return Run(k=k, recording=recording, tracker=_tracker(table))
+    return RecordedRun(k=k, recording=recording, tracker=_tracker(table))
 
 
 def _tracker(table: pa.Table) -> TrackerSamples | None:

@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from .atomic import atomic
+from .errors import InputError
 
 MARK = "# armside "
 """Starts a line of metadata in a CSV file: key, blank, JSON."""
@@ -27,16 +28,12 @@ STREAMS = ("tracker", "true")
 """Prefixes of columns that were sampled at a rate of their own; all others are the log's."""
 
 
-class MissingPackageError(ImportError):
-    """A form of file needs a package that is not installed."""
-
-
 def read_table(file: Path) -> pa.Table:
-    """The table in a file, by its suffix.
+    """Table in a file, of the kind that its suffix names.
 
     Raises:
         ValueError: an unknown suffix, or a file that holds no table.
-        MissingPackageError: HDF5 without h5py.
+        InputError: HDF5 without h5py.
         OSError: the file cannot be read.
     """
     if file.suffix.lower() not in READERS:
@@ -49,7 +46,7 @@ def write_table(file: Path, table: pa.Table) -> None:
 
     Raises:
         ValueError: an unknown suffix.
-        MissingPackageError: HDF5 without h5py, MCAP without mcap.
+        InputError: HDF5 without h5py, MCAP without mcap.
     """
     if file.suffix.lower() not in WRITERS:
         raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(WRITERS)}")
@@ -58,7 +55,7 @@ def write_table(file: Path, table: pa.Table) -> None:
 
 
 def units(table: pa.Table) -> dict[str, str]:
-    """Of each column; a column without one is left out."""
+    """Unit of each column that has one."""
     return {
         field.name: field.metadata[b"unit"].decode()
         for field in table.schema
@@ -67,7 +64,7 @@ def units(table: pa.Table) -> dict[str, str]:
 
 
 def _metadata(table: pa.Table) -> dict[str, str]:
-    """The table's own, plus the units as JSON."""
+    """Metadata of a table, with the units as JSON."""
     own = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
     return own | {"units": json.dumps(units(table))}
 
@@ -114,7 +111,7 @@ def _read_csv(file: Path) -> pa.Table:
 
 
 def _as_floats(table: pa.Table) -> dict[str, NDArray[np.float64]]:
-    """Columns with NaN for what is missing."""
+    """Columns with NaN for missing values."""
     return {
         name: table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
         for name in table.column_names
@@ -124,7 +121,7 @@ def _as_floats(table: pa.Table) -> dict[str, NDArray[np.float64]]:
 def _from_floats(
     columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, str]
 ) -> pa.Table:
-    """NaN is what is missing; but a tracker's sample that has lost its beam stays NaN."""
+    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN."""
     sampled = None
     if TRUTH_VALUE in columns:
         sampled = ~np.isnan(columns[TRUTH_VALUE])
@@ -248,7 +245,7 @@ def _package(name: str) -> Any:
         return import_module(name)
     except ImportError as error:
         package = name.partition(".")[0]
-        raise MissingPackageError(
+        raise InputError(
             f"this kind of file needs the package {package}: pip install 'armside[convert]'"
         ) from error
 

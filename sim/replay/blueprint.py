@@ -1,4 +1,4 @@
-"""How a replay is arranged: the first look shows that the motors learn and the tool need not."""
+"""Layout of a replay: its first view shows that the motors learn and the tool need not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ MORE = (
     ("imu/angular_velocity", "Gyro, ideal [rad/s]"),
     ("tracker", "Tracker [mm]"),
 )
-"""Series that stand behind the first look, each in a tab."""
+"""Series behind the first view, each in a tab."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """What the views of one experiment need to know."""
+    """Values that the views of one experiment depend on."""
 
     name: str
     """Prefix of its entities; empty for the only one."""
     factor: float
     """Magnification of the deviations."""
     target: Array
-    """(3,) [m], where the tool works."""
+    """(3,) [m], centre of the contour."""
     height: float
-    """[m], of the robot's upper end above the floor it stands on."""
+    """Height of the robot's upper end above its floor [m]."""
     worst: float
     """Largest value of the learning curves [%]."""
 
@@ -50,7 +50,7 @@ def blueprint(layouts: Sequence[Layout]) -> rrb.Blueprint:
 
 
 def panels() -> list[rrb.BlueprintPart]:
-    """The viewer's own panels out of the way; the runs play again and again."""
+    """The viewer's own panels hidden; the runs play in a loop."""
     return [
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -94,7 +94,7 @@ def _titled(layout: Layout, title: str) -> str:
 
 
 def _robot(layout: Layout) -> rrb.View:
-    """From the side and a little above, all of the robot in sight."""
+    """View of the whole robot, from the side and a little above."""
     reach = layout.height + float(np.hypot(*layout.target[:2]))
     middle = np.array([*(0.5 * layout.target[:2]), 0.5 * layout.height])
     position = middle + reach * np.array([0.35, -1.05, 0.35])

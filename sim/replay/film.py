@@ -1,4 +1,4 @@
-"""Pictures of a run: the robot as MuJoCo draws it, beside the tool's path, magnified."""
+"""Pictures and films of a run: the robot as MuJoCo draws it, beside the magnified tool path."""
 
 import shutil
 import subprocess
@@ -11,19 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from armside import kinematics
-
+from ..cell import CELLS
 from ..records.atomic import atomic
 from ..records.errors import InputError
-from ..records.signals import Run
-from .offscreen import Offscreen, named_camera
+from ..records.signals import RecordedRun
+from ..records.stored_run import StoredRun
+from .entities import BLUE, GREY, ORANGE
+from .offscreen import Offscreen, drawn_model, named_camera
 from .paths import Contour, fitting_magnification
-from .scene import BLUE, GREY, ORANGE, Scene
+from .run_scene import stored_scene
 
 WIDTH, HEIGHT = 800, 600
-"""[pixels], of the robot's picture; the path's is as high and square."""
+"""Size of the robot's picture [pixels]; the path's is as high and square."""
 RATE = 12.5
-"""Pictures a second of a film."""
+"""Frame rate of a film [Hz]."""
 INK = (60, 60, 60)
 PILLOW_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
 
@@ -32,14 +33,26 @@ PILLOW_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
 class Shot:
     """One run to be drawn, and its path, if it cuts one."""
 
-    run: Run
+    run: RecordedRun
     contour: Contour | None
 
 
-def shots(scene: Scene) -> list[Shot]:
-    """A laser experiment's runs."""
-    robot = kinematics.compile(scene.robot)
-    return [Shot(run, Contour(run, scene.motion, robot)) for run in scene.runs]
+def stored_shots(run: StoredRun) -> tuple[mujoco.MjModel, list[Shot]]:
+    """Robot and shots of a laser or an IMU run on disk.
+
+    Raises:
+        InputError: another experiment, or a run that lacks its path or its robot.
+    """
+    if run.experiment not in ("laser", "imu"):
+        raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
+    if run.experiment == "laser":
+        scene = stored_scene(run)
+        taken = [Shot(*each) for each in zip(scene.runs, scene.contours, strict=True)]
+    else:
+        taken = [Shot(each, None) for each in run.signals.runs]
+    config = run.summary["config"]
+    source = Path(config.get("model") or CELLS[config["robot"]].xml)
+    return drawn_model(run.robot, source, run.file("robot.xml")), taken
 
 
 def picture(file: Path, mj: mujoco.MjModel, taken: Sequence[Shot], factor: float | None) -> None:
@@ -78,7 +91,7 @@ def film(
 
 
 def n_images(taken: Sequence[Shot]) -> int:
-    """How many pictures a film of the runs has."""
+    """Number of pictures in a film of the runs."""
     return sum(len(_times(shot.run)) for shot in taken)
 
 
@@ -92,7 +105,7 @@ def check_film(file: Path) -> None:
         raise InputError(f"{file.name} needs the program ffmpeg; .gif and .webp do without")
 
 
-def _times(run: Run) -> NDArray[np.float64]:
+def _times(run: RecordedRun) -> NDArray[np.float64]:
     return np.arange(0.0, run.recording.time[-1], 1.0 / RATE)
 
 
@@ -127,7 +140,7 @@ def _beside(robot: Image.Image, panel: Image.Image | None) -> Image.Image:
 
 
 class _Panel:
-    """The plane of the cut, seen from above: y up."""
+    """Tool paths in the plane of the cut, y up."""
 
     def __init__(self, taken: Sequence[Shot], factor: float | None) -> None:
         self.taken = taken
@@ -157,8 +170,8 @@ class _Panel:
         font = ImageFont.load_default(size=22)
         draw.text((20, 14), title, fill=INK, font=font)
         small = ImageFont.load_default(size=17)
-        said = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
-        draw.text((20, HEIGHT - 34), said, fill=INK, font=small)
+        legend = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
+        draw.text((20, HEIGHT - 34), legend, fill=INK, font=small)
         self._line(draw, self.taken[0].contour, "programmed", tuple(GREY), 2)
         return image, draw
 
