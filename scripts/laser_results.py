@@ -173,7 +173,7 @@ def _draw_kerf(
         curve.point(cuts[0][1].arc_length),
         cuts[0][1].arc_length,
         [
-            kerf_figure.Cut(
+            kerf_figure.CutEdges(
                 k=k,
                 outer=cut.edge(cut.outer),
                 inner=cut.edge(cut.inner),

@@ -53,9 +53,9 @@ def learned(
 
 
 def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
-    """Error of the estimate by what is used and how good it is: a bar per variant and pose.
+    """Error of the estimate by sensors used and their quality: a bar per variant and pose.
 
-    rows: (name, error at p1, p2, p3 [um], ...), as `verify_controls.controls` has them.
+    rows: (name, error at p1, p2, p3 [um], ...), as `verifications.controls` has them.
     """
     figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
     axes = figure.subplots()
@@ -66,7 +66,7 @@ def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
         axes.barh(place + 0.26 * (1 - i), errors, 0.24, color=COLORS[i], label=pose)
     axes.set_yticks(place, [str(row[0]) for row in rows])
     axes.set_xlabel("error of the tool's path, 3D RMS [µm]")
-    axes.set_title("What the estimate is made of, and what its IMU is worth", loc="left")
+    axes.set_title("Error of the estimate by sensors and quality of the IMU", loc="left")
     axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
     axes.legend(frameon=False, fontsize=8)
     save(figure, file)

@@ -52,6 +52,9 @@ FORMAT = 1
 """Format of the file; raised when an older one can no longer be read."""
 SHORTEST_INTERVAL = 1e-9
 """Smallest distance of two samples [s]; below it their clocks were computed differently."""
+NO_TRACKER = TrackerSamples(
+    time=np.empty(0), position=np.empty((0, 3)), valid=np.empty(0, dtype=bool)
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,13 +121,14 @@ def write_signals(
     table = pa.concat_tables(tables).replace_schema_metadata(
         {f"armside.{key}": text for key, text in metadata.items()}
     )
+    floats = [field.name for field in table.schema if field.type == pa.float64()]
     with atomic(path) as partial:
         pq.write_table(
             table,
             partial,
             compression="zstd",
             use_dictionary=False,  # measured floats hardly repeat
-            use_byte_stream_split=_float_columns(table.schema),  # pyright: ignore[reportArgumentType]
+            use_byte_stream_split=floats,  # pyright: ignore[reportArgumentType]
         )
 
 
@@ -144,12 +148,12 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         ValueError: the table holds something else, or signals of another format.
     """
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
-    path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     if "armside.config" not in metadata:
         raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
     if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
+    path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     runs = []
     for k in table["k"].unique().to_pylist():
         hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit[str(k)])
@@ -164,49 +168,37 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
     )
 
 
-def _columns(prefix: str, unit: str, suffixes: Sequence[str]) -> list[pa.Field]:
-    return [pa.field(f"{prefix}_{s}", pa.float64(), metadata={"unit": unit}) for s in suffixes]
-
-
 def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
     return TRUTH | {"qpos": ("rad or m", tuple(str(i) for i in range(n_qpos)))}
 
 
 def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
     """Table of one run: the union of the instants of its streams."""
-    recording, tracker = run.recording, run.tracker
+    recording, tracker = run.recording, run.tracker or NO_TRACKER
     truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
-    clocks = [recording.time, truth.time] + ([tracker.time] if tracker else [])
-    time = np.unique(np.concatenate(clocks))
+    blocks = [(name, *of, recording.time, getattr(recording, name)) for name, of in LOG.items()]
+    blocks.append(("tracker", "m", XYZ, tracker.time, tracker.position))
+    blocks.append(("tracker", "1", ("valid",), tracker.time, tracker.valid[:, np.newaxis]))
+    for name, of in _truth_blocks(truth.qpos.shape[1]).items():
+        blocks.append((f"true_{name}", *of, truth.time, getattr(truth, name)))
+
+    time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
         raise ValueError("sample times of log, truth and tracker must come from one grid of time")
-
-    names = [
+    fields = [
         pa.field("k", pa.int32(), metadata={"unit": "1"}),
         pa.field("time", pa.float64(), metadata={"unit": "s"}),
     ]
-    values = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
-    for attribute, (unit, suffixes) in LOG.items():
-        names += _columns(attribute, unit, suffixes)
-        values += _spread(time, recording.time, getattr(recording, attribute))
-    names += _columns("tracker", "m", XYZ)
-    names.append(pa.field("tracker_valid", pa.bool_(), metadata={"unit": "1"}))
-    values += _tracker_values(time, tracker)
-    for attribute, (unit, suffixes) in _truth_blocks(truth.qpos.shape[1]).items():
-        names += _columns(f"true_{attribute}", unit, suffixes)
-        values += _spread(time, truth.time, getattr(truth, attribute))
-    return pa.Table.from_arrays(values, schema=pa.schema(names))
-
-
-def _tracker_values(time: Array, tracker: TrackerSamples | None) -> list[pa.Array]:
-    if tracker is None:
-        return [pa.nulls(len(time), pa.float64())] * 3 + [pa.nulls(len(time), pa.bool_())]
-    valid = tracker.valid[:, np.newaxis]
-    return _spread(time, tracker.time, tracker.position) + _spread(time, tracker.time, valid)
+    columns = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
+    for prefix, unit, suffixes, own_time, values in blocks:
+        for suffix, column in zip(suffixes, _spread(time, own_time, values), strict=True):
+            fields.append(pa.field(f"{prefix}_{suffix}", column.type, metadata={"unit": unit}))
+            columns.append(column)
+    return pa.Table.from_arrays(columns, schema=pa.schema(fields))
 
 
 def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:
-    """The columns of `values` at their rows of the common time, null in between."""
+    """Columns of `values` at their rows of the common time, null in between."""
     row = np.searchsorted(time, own_time)
     null = np.ones(len(time), dtype=bool)
     null[row] = False
@@ -221,10 +213,6 @@ def _rates(run: RecordedRun, truth_rate: float) -> dict[str, float]:
     if run.tracker:
         rates["tracker"] = rate_of(run.tracker.time)
     return {name: round(rate, 6) for name, rate in rates.items()}
-
-
-def _float_columns(schema: pa.Schema) -> list[str]:
-    return [field.name for field in schema if field.type == pa.float64()]
 
 
 def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> RecordedRun:

@@ -139,8 +139,7 @@ def send_paths(
     heads = [place - np.array([0.0, 0.46 * pitch]) for place in places]
     labels = [f"k = {run.k}" for run in runs]
     to.static(
-        "paths/labels",
-        rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True),
+        "paths/labels", rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True)
     )
 
 
