@@ -125,11 +125,11 @@ def _draw(run: StoredRun, cfg: ReplayCfg, report: Report) -> None:
     """Write picture and film."""
     from armside.sim.replay import film
 
-    mj, taken = film.stored_shots(run)
+    shots = film.stored_shots(run)
     if cfg.png is not None:
-        film.picture(cfg.png, mj, taken, cfg.magnification)
+        film.picture(cfg.png, shots, cfg.magnification)
         report.line(f"Picture in {cfg.png}")
     if cfg.video is not None:
-        with report.progress("drawing", total=film.n_images(taken)) as step:
-            film.film(cfg.video, mj, taken, cfg.magnification, step)
+        with report.progress("drawing", total=film.n_images(shots)) as step:
+            film.film(cfg.video, shots, cfg.magnification, step)
         report.line(f"Film in {cfg.video}")

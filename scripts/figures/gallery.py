@@ -39,8 +39,7 @@ def picture(run: Path, file: Path) -> None:
     from armside.sim.records import read_run
     from armside.sim.replay import film
 
-    mj, taken = film.stored_shots(read_run(run))
-    film.picture(file, mj, taken, None)
+    film.picture(file, film.stored_shots(read_run(run)))
 
 
 def robots(_run: Path, file: Path) -> None:

@@ -82,7 +82,7 @@ def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) 
     to.static("robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     for entity, shape in shapes(mj, prefix=to.entity("robot")):
         to.stream.log(entity, shape, static=True)
-    programmed = contour.magnified(np.zeros(len(contour.time)), 1.0)
+    programmed = contour.magnified(0.0, 1.0)
     line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
     to.static("plane/programmed", line)
     for path, (names, colours) in SERIES.items():
@@ -130,8 +130,7 @@ def send_paths(
     places = [np.array([i % columns, i // columns]) * pitch for i in range(len(contours))]
     strips: dict[str, list[Array]] = {"programmed": [], "motors": [], "tool": []}
     for run, contour, place, start in zip(runs, contours, places, starts, strict=False):
-        zero = np.zeros(len(contour.time))
-        for name, deviation, _ in (("programmed", zero, GREY), *_sides(contour)):
+        for name, deviation, _ in (("programmed", 0.0, GREY), *_sides(contour)):
             strips[name].append(contour.magnified(deviation, factor)[contour.cutting] + place)
         _send_point(to, "paths/now", run.k, contour, factor, start, place)
     for (name, lines), colour in zip(strips.items(), (GREY, BLUE, ORANGE), strict=True):

@@ -51,9 +51,9 @@ class Contour:
         offset = offset - offset[self.cutting].mean(axis=0)
         return np.einsum("ij,ij->i", offset, self.normal)
 
-    def magnified(self, deviation: Array, factor: float) -> Array:
+    def magnified(self, deviation: Array | float, factor: float) -> Array:
         """(N, 2) [mm], y upwards in Rerun's picture axes, which point down."""
-        p = self.programmed + factor * deviation[:, np.newaxis] * self.normal
+        p = self.programmed + factor * np.expand_dims(deviation, -1) * self.normal
         return 1e3 * p * [1.0, -1.0]
 
     @property

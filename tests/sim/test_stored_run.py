@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -74,10 +75,9 @@ def test_the_commands_work_without_a_planner(folders, name, no_planner, tmp_path
 
 
 def test_a_film_needs_only_the_run(folders, no_planner):
-    mj, taken = film.stored_shots(read_run(folders / "circle"))
-    assert len(taken) == 2
-    assert mj.nq == taken[0].run.recording.truth.qpos.shape[1]
-    assert mj.camera("whole").id >= 0  # on its floor
+    shots = film.stored_shots(read_run(folders / "circle"))
+    assert len(shots.runs) == len(shots.contours) == 2
+    assert shots.mj.camera("whole").id >= 0  # on its floor
 
 
 def test_the_robot_drawn_is_that_of_the_run_and_not_todays(folders, tmp_path):
@@ -85,8 +85,7 @@ def test_the_robot_drawn_is_that_of_the_run_and_not_todays(folders, tmp_path):
     text = (old / "robot.xml").read_text()
     assert 'name="disc"' in text
     (old / "robot.xml").write_text(text.replace('name="disc"', 'name="another_disc"'))
-    mj, _ = film.stored_shots(read_run(old))
-    assert mj.body("another_disc").id > 0
+    assert film.stored_shots(read_run(old)).mj.body("another_disc").id > 0
 
 
 @pytest.mark.parametrize("curve", [Circle(0.005), hexagon(0.02, 0.003), slot(0.03, 0.01)])
@@ -111,8 +110,8 @@ def test_a_contour_that_cannot_be_stored_is_named():
         def __getattr__(self, name):
             return getattr(Circle(0.005), name)
 
-    plane = Plane(np.array([1.3, 0.0, 1.6]))
-    path = CuttingPath.around(Bean(), plane)
+    bean: Any = Bean()
+    path = CuttingPath.around(bean, Plane(np.array([1.3, 0.0, 1.6])))
     with pytest.raises(ValueError, match="Bean cannot be stored; Circle, ArcsAndLines can"):
         to_json(tool_motion.cut(path, TOOL_QUATERNION, 0.04))
 
