@@ -15,13 +15,14 @@ from .atomic import staging
 from .errors import InputError
 
 RUNS = Path("runs")
+FORMAT = 1
+"""Format of a run's folder; raised when an older one can no longer be read."""
 
 
 def check_destination(path: Path) -> None:
     """Raise InputError unless a run's folder can be renamed to `path`: new, or an empty folder."""
     if not path.exists():
-        parent = next(p for p in path.absolute().parents if p.exists())
-        if not parent.is_dir():
+        if not (parent := _existing_parent(path)).is_dir():
             raise InputError(f"{parent} is not a folder")
     elif not path.is_dir():
         raise InputError(f"{path} is a file; give a folder that is new or empty")
@@ -33,9 +34,13 @@ def check_destination(path: Path) -> None:
 
 def check_writable(path: Path) -> None:
     """Raise InputError where no folder can be made at `path`, before long work is begun."""
-    parent = next(p for p in path.absolute().parents if p.exists())
+    parent = _existing_parent(path)
     if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
         raise InputError(f"no folder can be made in {parent}")
+
+
+def _existing_parent(path: Path) -> Path:
+    return next(p for p in path.absolute().parents if p.exists())
 
 
 class RunFolder:

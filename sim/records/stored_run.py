@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError
-from .summary import FORMAT
+from .run_folder import FORMAT
 
 if TYPE_CHECKING:
     import mujoco

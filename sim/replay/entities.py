@@ -9,6 +9,7 @@ import rerun as rr
 from armside.arrays import Array
 
 from ..records.signals import RecordedRun
+from .blueprint import Layout
 from .geoms import body_entity, shapes
 from .paths import Contour
 
@@ -47,18 +48,19 @@ TOOL_LINES = ("tool RMS", "tool maximum")
 class Entities:
     """Entities of one experiment in a stream, below its name where it has one."""
 
-    def __init__(self, stream: rr.RecordingStream, name: str) -> None:
-        self.stream, self.name = stream, name
-
-    def entity(self, path: str) -> str:
-        return f"{self.name}/{path}" if self.name else path
+    def __init__(self, stream: rr.RecordingStream, layout: Layout) -> None:
+        self.stream, self.layout = stream, layout
 
     def static(self, path: str, shape: rr.AsComponents) -> None:
-        self.stream.log(self.entity(path), shape, static=True)
+        """Log a shape that does not change."""
+        self.stream.log(self.layout.entity(path), shape, static=True)
 
-    def send(self, path: str, time: Array | float, k: int, columns: rr.ComponentColumnList) -> None:
+    def send(
+        self, path: str, time: Array | float, k: int | Array, columns: rr.ComponentColumnList
+    ) -> None:
         """Send columns with a row for each time [s] of iteration k."""
-        self.stream.send_columns(self.entity(path), _indexes(np.atleast_1d(time), k), columns)
+        indexes = _indexes(np.atleast_1d(time), k)
+        self.stream.send_columns(self.layout.entity(path), indexes, columns)
 
 
 def _indexes(time: Array, k: int | Array) -> list[rr.TimeColumn]:
@@ -80,7 +82,7 @@ def _sides(contour: Contour) -> tuple[tuple[str, Array, list[int]], ...]:
 def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) -> None:
     """Send shapes, programmed path, names of the series and text, which do not change."""
     to.static("robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    for entity, shape in shapes(mj, prefix=to.entity("robot")):
+    for entity, shape in shapes(mj, prefix=to.layout.entity("robot")):
         to.stream.log(entity, shape, static=True)
     programmed = contour.magnified(0.0, 1.0)
     line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
@@ -118,11 +120,7 @@ def send_bodies(
 
 
 def send_paths(
-    to: Entities,
-    runs: Sequence[RecordedRun],
-    contours: Sequence[Contour],
-    factor: float,
-    starts: Array,
+    to: Entities, runs: Sequence[RecordedRun], contours: Sequence[Contour], starts: Array
 ) -> None:
     """Send all iterations beside each other, always visible; a point runs along the current one."""
     columns = min(3, len(contours))
@@ -131,8 +129,8 @@ def send_paths(
     strips: dict[str, list[Array]] = {"programmed": [], "motors": [], "tool": []}
     for run, contour, place, start in zip(runs, contours, places, starts, strict=False):
         for name, deviation, _ in (("programmed", 0.0, GREY), *_sides(contour)):
-            strips[name].append(contour.magnified(deviation, factor)[contour.cutting] + place)
-        _send_point(to, "paths/now", run.k, contour, factor, start, place)
+            strips[name].append(contour.cut(deviation, to.layout.factor) + place)
+        _send_point(to, "paths/now", run.k, contour, start, place)
     for (name, lines), colour in zip(strips.items(), (GREY, BLUE, ORANGE), strict=True):
         to.static(f"paths/{name}", rr.LineStrips2D(lines, colors=colour))
     heads = [place - np.array([0.0, 0.46 * pitch]) for place in places]
@@ -142,37 +140,26 @@ def send_paths(
     )
 
 
-def send_contour(to: Entities, k: int, contour: Contour, factor: float, start: float) -> None:
+def send_contour(to: Entities, k: int, contour: Contour, start: float) -> None:
     """Send the magnified paths of one iteration, and the tool moving along its own."""
     for name, deviation, colour in _sides(contour):
-        strip = contour.magnified(deviation, factor)[contour.cutting]
+        strip = contour.cut(deviation, to.layout.factor)
         columns = rr.LineStrips2D.columns(strips=[strip], colors=[colour])
         to.send(f"plane/{name}", start, k, columns)
-    _send_point(to, "plane/tool_now", k, contour, factor, start)
+    _send_point(to, "plane/tool_now", k, contour, start)
 
 
 def _send_point(
-    to: Entities,
-    path: str,
-    k: int,
-    contour: Contour,
-    factor: float,
-    start: float,
-    place: Array | float = 0.0,
+    to: Entities, path: str, k: int, contour: Contour, start: float, place: Array | float = 0.0
 ) -> None:
     every = _every(contour.time, FRAME_PERIOD)
-    point = (contour.magnified(contour.tool, factor) + place)[every]
+    point = (contour.magnified(contour.tool, to.layout.factor) + place)[every]
     columns = rr.Points2D.columns(positions=point, colors=[ORANGE] * len(point))
     to.send(path, start + contour.time[every], k, columns)
 
 
-def send_series(
-    to: Entities, run: RecordedRun, contour: Contour, origin: Array, start: float
-) -> None:
-    """Send errors, corrections and torques at the log rate, sensors at their own.
-
-    origin: (3,) [m], from which the tracker's position is shown.
-    """
+def send_series(to: Entities, run: RecordedRun, contour: Contour, start: float) -> None:
+    """Send errors, corrections and torques at the log rate, sensors at their own."""
     recording, tracker = run.recording, run.tracker
     truth, log = recording.truth, recording.time
     arm_error = np.where(contour.cutting, [contour.tool, contour.motor], np.nan).T
@@ -188,7 +175,7 @@ def send_series(
     if tracker is not None:
         # A lost beam is a gap.
         position = np.where(tracker.valid[:, np.newaxis], tracker.position, np.nan)
-        series.append(("tracker", tracker.time, 1e3 * (position - origin)))
+        series.append(("tracker", tracker.time, 1e3 * (position - to.layout.target)))
     for path, time, values in series:
         n, width = values.shape
         columns = rr.Scalars.columns(scalars=values.ravel()).partition(np.full(n, width))
@@ -205,7 +192,7 @@ def send_learning(
     starts = starts[: len(runs)]
     ends = starts + [run.recording.time[-1] for run in runs]
     time = np.column_stack([starts, ends]).ravel()
-    indexes = _indexes(time, np.repeat([run.k for run in runs], 2))
+    ks = np.repeat([run.k for run in runs], 2)
     motors = iter(AXIS_COLOURS)
     for name, values in learning.items():
         tool = name in TOOL_LINES
@@ -213,7 +200,7 @@ def send_learning(
         path = f"learning/{name.replace(' ', '_')}"
         to.static(path, rr.SeriesLines(names=name, colors=colour, widths=3.0 if tool else 1.5))
         columns = rr.Scalars.columns(scalars=100.0 * np.repeat(values, 2))
-        to.stream.send_columns(to.entity(path), indexes, columns)
+        to.send(path, time, ks, columns)
 
 
 def send_spectrum(to: Entities, k: int, contour: Contour, start: float) -> None:

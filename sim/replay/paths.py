@@ -56,6 +56,10 @@ class Contour:
         p = self.programmed + factor * np.expand_dims(deviation, -1) * self.normal
         return 1e3 * p * [1.0, -1.0]
 
+    def cut(self, deviation: Array | float, factor: float) -> Array:
+        """Samples of `magnified` on the contour, without leads: (M, 2) [mm]."""
+        return self.magnified(deviation, factor)[self.cutting]
+
     @property
     def half_size(self) -> float:
         """[m], half the larger side of the programmed path."""

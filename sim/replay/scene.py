@@ -91,8 +91,8 @@ def write_scenes(
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial:
         stream.save(partial, default_blueprint=blueprint(layouts))
-        for scene, own in zip(scenes, contours, strict=True):
-            _send_scene(entities.Entities(stream, scene.name), scene, own, factor, starts)
+        for scene, own, layout in zip(scenes, contours, layouts, strict=True):
+            _send_scene(entities.Entities(stream, layout), scene, own, starts)
         stream.flush()
         stream.disconnect()
 
@@ -127,13 +127,13 @@ def _layout(scene: Scene, factor: float, worst: float) -> Layout:
 
 
 def _send_scene(
-    to: entities.Entities, scene: Scene, contours: Sequence[Contour], factor: float, starts: Array
+    to: entities.Entities, scene: Scene, contours: Sequence[Contour], starts: Array
 ) -> None:
     entities.send_static(to, scene.mj, contours[0], scene.about)
-    entities.send_paths(to, scene.runs, contours, factor, starts)
+    entities.send_paths(to, scene.runs, contours, starts)
     entities.send_learning(to, scene.runs, scene.learning, starts)
     for run, contour, start in zip(scene.runs, contours, starts.tolist(), strict=False):
-        entities.send_bodies(to.stream, scene.mj, run, start, prefix=to.entity("robot"))
-        entities.send_contour(to, run.k, contour, factor, start)
-        entities.send_series(to, run, contour, scene.motion.plane.origin, start)
+        entities.send_bodies(to.stream, scene.mj, run, start, prefix=to.layout.entity("robot"))
+        entities.send_contour(to, run.k, contour, start)
+        entities.send_series(to, run, contour, start)
         entities.send_spectrum(to, run.k, contour, start)
