@@ -18,28 +18,16 @@ def learned(
 ) -> None:
     """Arm RMS [m] over iterations, a panel per cut, a curve per measure; logarithmic."""
     n_rows = -(-len(curves) // n_columns)
-    figure = new_figure(3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6)
+    width, height = 3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6
+    figure = new_figure(width, height)
     panels = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(
-        left=0.75 / (3.3 * n_columns + 0.6),
-        right=0.985,
-        bottom=0.55 / (2.6 * n_rows + 0.6),
-        top=1.0 - 0.55 / (2.6 * n_rows + 0.6),
-        wspace=0.08,
-        hspace=0.22,
-    )
+    figure.subplots_adjust(left=0.75 / width, right=0.985, wspace=0.08)
+    figure.subplots_adjust(bottom=0.55 / height, top=1.0 - 0.55 / height, hspace=0.22)
     for axes, title, of in zip(panels.flat, titles, curves, strict=False):
         for name, values in of.items():
             i = NAMES.index(name)
-            axes.plot(
-                np.arange(len(values)),
-                values * 1e6,
-                marker=MARKERS[i],
-                color=COLORS[i],
-                ms=4,
-                lw=1.2,
-                label=name,
-            )
+            style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
+            axes.plot(np.arange(len(values)), values * 1e6, ms=4, lw=1.2, **style)
         axes.set_yscale("log")
         axes.set_title(title, loc="left", fontsize=9)
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)

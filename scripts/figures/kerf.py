@@ -54,23 +54,11 @@ def kerf(
     panel = (WIDTH * 0.92 / columns - 0.4) * reach[1] / reach[0]
     height = panel + STRIP + 1.9
     figure = new_figure(WIDTH, height)
-    grid = figure.add_gridspec(
-        2,
-        columns,
-        height_ratios=(panel, STRIP),
-        left=0.08,
-        right=0.985,
-        bottom=0.55 / height,
-        top=1.0 - 0.6 / height,
-        hspace=1.5 / (panel + STRIP),
-    )
-    figure.suptitle(
-        f"Cut with a beam of {beam * 1e3:g} mm, true to scale",
-        x=0.02,
-        y=1.0 - 0.15 / height,
-        ha="left",
-        va="top",
-    )
+    grid = figure.add_gridspec(2, columns, height_ratios=(panel, STRIP))
+    grid.update(left=0.08, right=0.985, hspace=1.5 / (panel + STRIP))
+    grid.update(bottom=0.55 / height, top=1.0 - 0.6 / height)
+    title = f"Cut with a beam of {beam * 1e3:g} mm, true to scale"
+    figure.suptitle(title, x=0.02, y=1.0 - 0.15 / height, ha="left", va="top")
     for column, cut in enumerate(cuts):
         axes = figure.add_subplot(grid[0, column])
         _sheet(axes, programmed, cut)

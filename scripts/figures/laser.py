@@ -127,14 +127,8 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
     height = bottom + n_rows * side + (n_rows - 1) * gap + top
     figure = new_figure(width, height)
     grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(
-        left=left / width,
-        right=1 - right / width,
-        bottom=bottom / height,
-        top=1 - top / height,
-        wspace=gap / side,
-        hspace=gap / side,
-    )
+    figure.subplots_adjust(left=left / width, right=1 - right / width, wspace=gap / side)
+    figure.subplots_adjust(bottom=bottom / height, top=1 - top / height, hspace=gap / side)
     for axes in grid.flat[n_panels:]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
