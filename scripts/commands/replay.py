@@ -34,7 +34,7 @@ class ReplayCfg:
     video: Path | None = None
     """Write a film of the runs to this file (.gif, .webp; .mp4 with ffmpeg), without a window."""
     magnification: float | None = None
-    """Of deviations from the path [default: 50, or less if the drawing would not fit]."""
+    """Factor on deviations from the path [default: 50, or less if the drawing would not fit]."""
     telemetry: bool = False
     """Let the viewer send usage statistics to its makers, as their settings say."""
 

@@ -32,7 +32,7 @@ ANSWER = 180.0
 
 
 class Page:
-    """A page that is open in the browser."""
+    """Page that is open in the browser."""
 
     def __init__(self, address: str) -> None:
         self._address = address
@@ -70,29 +70,25 @@ def page(
     Raises:
         OSError: there is no such driver, or it does not start.
     """
-    process = subprocess.Popen(
-        [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    )
-    try:
-        base = f"http://127.0.0.1:{_port(process)}"
-        options = {"args": [*ARGUMENTS, f"--window-size={width},{height}"]}
-        wanted = {
-            "browserName": "chrome",
-            "goog:chromeOptions": options,
-            "goog:loggingPrefs": {"performance": "ALL"},
-        }
-        opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
-        own = f"{base}/session/{opened['sessionId']}"
+    command = [driver, "--port=0"]
+    wanted = {
+        "browserName": "chrome",
+        "goog:chromeOptions": {"args": [*ARGUMENTS, f"--window-size={width},{height}"]},
+        "goog:loggingPrefs": {"performance": "ALL"},
+    }
+    out, err = subprocess.PIPE, subprocess.DEVNULL
+    with subprocess.Popen(command, stdout=out, stderr=err, text=True) as process:
         try:
-            _ask(f"{own}/url", {"url": address})
-            yield Page(own)
+            base = f"http://127.0.0.1:{_port(process)}"
+            opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
+            own = f"{base}/session/{opened['sessionId']}"
+            try:
+                _ask(f"{own}/url", {"url": address})
+                yield Page(own)
+            finally:
+                _ask(own, method="DELETE")
         finally:
-            _ask(own, method="DELETE")
-    finally:
-        process.terminate()
-        process.wait()
-        assert process.stdout is not None
-        process.stdout.close()
+            process.terminate()
 
 
 def _port(process: subprocess.Popen[str]) -> int:
@@ -115,5 +111,5 @@ def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = 
             return json.load(answer)["value"]
     except urllib.error.HTTPError as error:
         answer = json.load(error)["value"]
-        text = f"the browser says: {answer.get('message', answer)}"
+        text = f"the browser failed: {answer.get('message', answer)}"
         raise OSError(text.splitlines()[0]) from error

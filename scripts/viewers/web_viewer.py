@@ -36,7 +36,7 @@ START = 30.0
 
 
 @dataclass(frozen=True)
-class Page:
+class Answer:
     """Answer for one address."""
 
     content: bytes
@@ -44,7 +44,7 @@ class Page:
 
 
 def rerun_program() -> str:
-    """The viewer that ships in the wheel of rerun-sdk."""
+    """Path of the viewer that ships in the wheel of rerun-sdk."""
     import rerun_cli
 
     program = Path(rerun_cli.__file__).parent / "rerun"
@@ -71,18 +71,20 @@ def private_environment(telemetry: bool) -> Iterator[dict[str, str]]:
         yield os.environ | {"XDG_CONFIG_HOME": str(home), "XDG_DATA_HOME": str(data)}
 
 
-def viewer_pages(replay: Path) -> dict[str, Page]:
+def viewer_pages(replay: Path) -> dict[str, Answer]:
     """Files of the web viewer by path, read from a Rerun that is started for it."""
     command = [rerun_program(), str(replay), "--serve-web", "--bind", LOOPBACK]
     command += ["--port", "auto", "--web-viewer-port", "0"]
-    with private_environment(telemetry=False) as env, tempfile.TemporaryFile("w+") as printed:
-        process = subprocess.Popen(command, env=env, stdout=printed, stderr=printed)
+    with (
+        private_environment(telemetry=False) as env,
+        tempfile.TemporaryFile("w+") as printed,
+        subprocess.Popen(command, env=env, stdout=printed, stderr=printed) as process,
+    ):
         try:
             address = _address(process, printed)
             return {path: _read(address + path) for path in PAGES}
         finally:
             process.terminate()
-            process.wait()
 
 
 def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
@@ -98,24 +100,22 @@ def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
     raise RunFailed(f"Rerun did not serve its viewer: {last}")
 
 
-def _read(address: str) -> Page:
+def _read(address: str) -> Answer:
     with urllib.request.urlopen(address, timeout=START) as answer:
         headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
-        return Page(answer.read(), headers)
+        return Answer(answer.read(), headers)
 
 
 class WebViewer:
-    """The viewer with one replay in it, served until closed.
+    """Web viewer with one replay in it, served until closed.
 
-    port: to listen on; 0 takes any free one.
-    telemetry: let the page talk to others.
+    port: to listen on; 0 takes any free one. telemetry: let the page talk to other machines.
 
-    Raises:
-        InputError: the port is in use, or not ours to take.
+    Raises InputError for a port that is in use or not allowed.
     """
 
     def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
-        pages: dict[str, Page] = {}
+        pages: dict[str, Answer] = {}
         try:
             self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(pages, telemetry))
         except OSError as error:
@@ -125,9 +125,8 @@ class WebViewer:
             ) from error
         try:
             pages.update(viewer_pages(replay))
-            pages["/replay.rrd"] = Page(
-                replay.read_bytes(), {"Content-Type": "application/octet-stream"}
-            )
+            headers = {"Content-Type": "application/octet-stream"}
+            pages["/replay.rrd"] = Answer(replay.read_bytes(), headers)
         except BaseException:
             self._server.server_close()
             raise
@@ -150,7 +149,7 @@ class WebViewer:
 
 
 def serve(replay: Path, say: Callable[[str], None], *, port: int, telemetry: bool) -> None:
-    """Serve the web viewer until Ctrl-C, which is the way to end it.
+    """Serve the web viewer until Ctrl-C.
 
     say: prints the address, and the end.
     """
@@ -171,7 +170,7 @@ def serve(replay: Path, say: Callable[[str], None], *, port: int, telemetry: boo
             signal.signal(ending, handler)
 
 
-def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequestHandler]:
+def _handler(pages: Mapping[str, Answer], telemetry: bool) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             asked = urlsplit(self.path)
@@ -188,7 +187,7 @@ def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequest
             else:
                 self.send_error(404)
 
-        def _answer(self, page: Page) -> None:
+        def _answer(self, page: Answer) -> None:
             self.send_response(200)
             for name, value in page.headers.items():
                 self.send_header(name, value)

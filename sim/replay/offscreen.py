@@ -102,7 +102,7 @@ def _context(width: int, height: int):
         else:
             from mujoco.egl import GLContext
         return GLContext(width, height)
-    except Exception as error:  # PyOpenGL says the same with many types
+    except Exception as error:  # PyOpenGL raises many types for it
         raise NoGraphicsError(
             f"cannot draw without window: no {backend.upper()} ({type(error).__name__}: {error}); "
             "on Debian install libegl1 and libgl1-mesa-dri, or set MUJOCO_GL=osmesa with libosmesa6"
