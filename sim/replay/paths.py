@@ -1,15 +1,13 @@
 """Paths of the tool as a replay draws them: across the programmed path, magnified."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from armside import kinematics
 from armside.arrays import Array
 
-from ..cut.path import Plane
+from ..cut.tool_motion import ToolMotion
 from ..records.signals import RecordedRun
 from ..robot.recording import Recording
 
@@ -18,20 +16,11 @@ LARGEST_SHOWN = 0.75
 """Largest magnified deviation, relative to the contour's half size."""
 
 
-class Programmed(Protocol):
-    """Programmed tool motion, as far as a replay needs it."""
-
-    @property
-    def plane(self) -> Plane: ...
-    def position_at(self, time: ArrayLike) -> Array: ...
-    def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]: ...
-
-
 class Contour:
     """Programmed, motor-side and true tool path of one run in the plane, at the log's instants."""
 
     def __init__(
-        self, run: RecordedRun, motion: Programmed, robot: kinematics.CompiledRobot
+        self, run: RecordedRun, motion: ToolMotion, robot: kinematics.CompiledRobot
     ) -> None:
         recording, plane = run.recording, motion.plane
         self.time = recording.time

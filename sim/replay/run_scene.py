@@ -8,11 +8,11 @@ import mujoco
 import numpy as np
 
 from ..cell import CELLS
+from ..cut.tool_motion import ToolMotion
 from ..records.atomic import atomic
 from ..records.errors import InputError
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
-from .paths import Programmed
 from .scene import Scene, write_scenes
 
 Row = Mapping[str, Any]
@@ -24,7 +24,7 @@ def laser_scene(
     outcome: Mapping[str, Any],
     mj: mujoco.MjModel,
     runs: Sequence[RecordedRun],
-    motion: Programmed,
+    motion: ToolMotion,
     *,
     name: str = "",
 ) -> Scene:

@@ -16,11 +16,12 @@ import rerun as rr
 from armside import kinematics
 from armside.arrays import Array
 
+from ..cut.tool_motion import ToolMotion
 from ..records.atomic import atomic
 from ..records.signals import RecordedRun
 from . import entities
 from .blueprint import Layout, blueprint
-from .paths import Contour, Programmed, fitting_magnification
+from .paths import Contour, fitting_magnification
 
 WORST_SHOWN = 3.0
 """Largest error shown by a learning curve, relative to the first run's."""
@@ -34,7 +35,7 @@ class Scene:
     """Model of the runs; it has as many joint positions as their qpos."""
     runs: Sequence[RecordedRun]
     """Iterations, in order."""
-    motion: Programmed
+    motion: ToolMotion
     robot: kinematics.Robot
     """D-H model, which gives the tool's path by motor angles alone."""
     name: str = ""
