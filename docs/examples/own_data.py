@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.evaluation.recorded import Cut, measure_table
+from armside.sim.evaluation.recorded import CircleTurn, measure_table
 from armside.sim.records.tables import read_table
 
 time = np.arange(500) * 0.004
@@ -21,5 +21,6 @@ header = "time,reference_1,reference_2,motor_angle_1,motor_angle_2,tracker_x,tra
 rows = np.column_stack([time, reference, motor_angle, tracker])
 np.savetxt("mine.csv", rows, delimiter=",", header=header, comments="", fmt="%.12g")
 
-(measured,) = measure_table(read_table(Path("mine.csv")), gear=[100, 50], cut=Cut(radius=0.005))
+circle = CircleTurn(radius=0.005)
+(measured,) = measure_table(read_table(Path("mine.csv")), gear=[100, 50], turn=circle)
 print(measured.motor_inf, f"tool {1e6 * measured.arm_rms:.1f} um")

@@ -16,7 +16,7 @@ from armside.sim.calibration.targets import (
     model_findings,
     nominal_findings,
 )
-from armside.sim.records.run_folder import write_whole
+from armside.sim.records.atomic import write_whole
 from armside.sim.records.summary import summary
 from armside.sim.robot.effects import Effect
 from armside.sim.robot.model import RobotModel, load_model

@@ -163,12 +163,14 @@ def _draw(file: Path, todo: list[Case], found: list[dict[str, list[Iteration]]])
 
 def _write_replay(file: Path, case: Case, found: dict[str, list[Iteration]]) -> None:
     """The first run, then the last of each measured output, as k = 0 .. 4."""
-    from armside.sim.records.signals import Run
-    from armside.sim.replay.scene import write_replay
+    from armside.sim.records.signals import RecordedRun
+    from armside.sim.replay.scene import Scene, write_scenes
 
     experiment = case.experiment()
     shown = [found["motor"][0], *(iterations[-1] for iterations in found.values())]
     runs = [
-        Run(k=k, recording=it.run.recording, tracker=it.run.tracker) for k, it in enumerate(shown)
+        RecordedRun(k=k, recording=it.run.recording, tracker=it.run.tracker)
+        for k, it in enumerate(shown)
     ]
-    write_replay(file, experiment.loaded.model.mj, runs, experiment.motion, LARGE_CELL.robot)
+    mj, motion = experiment.loaded.model.mj, experiment.motion
+    write_scenes(file, [Scene(mj=mj, runs=runs, motion=motion, robot=LARGE_CELL.robot)])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from armside.sim.records.stored_run import read_run
+from armside.sim.records import read_run
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, keep
@@ -15,7 +15,7 @@ from ..shell.options import Common, options
 @options
 @dataclass(frozen=True, kw_only=True)
 class ConvertCfg:
-    """Into what, and where."""
+    """Kind of file, and its place."""
 
     to: Literal["csv", "mat", "hdf5", "mcap"] = "csv"
     """Kind of file; hdf5 and mcap need the extra [convert]."""
@@ -29,7 +29,7 @@ def convert(run: Path, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Commo
     run: folder of the run. Columns and units are those of its signals.parquet; `armside measure`
     reads CSV, MATLAB and HDF5 back.
     """
-    from armside.sim.records.tables import MissingPackageError, read_table, write_table
+    from armside.sim.records.tables import read_table, write_table
 
     report = Report(common)
     stored = read_run(run)
@@ -38,13 +38,10 @@ def convert(run: Path, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Commo
         raise InputError(f"{file.parent} is no folder")
     if file.suffix.lower() not in SUFFIXES[cfg.to]:
         raise InputError(f"{cfg.to} files end with {' or '.join(SUFFIXES[cfg.to])}: {file.name}")
-    source = stored.signals_file
+    source = stored.file("signals.parquet")
     with checking_input():
         table = read_table(source)
-    try:
-        write_table(file, table)
-    except MissingPackageError as error:
-        raise InputError(str(error)) from error
+    write_table(file, table)
     outcome = summary("convert", cfg, common, run=run, file=file, rows=table.num_rows)
     keep(outcome, common)
     report.line(f"{table.num_rows} rows of {table.num_columns} columns in {file}")

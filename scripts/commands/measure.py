@@ -1,31 +1,36 @@
-"""`armside measure`: the measures of recorded data, of a run of ours or anybody's."""
+"""`armside measure`: measures of recorded data, of a stored run or of any other robot."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import pyarrow as pa
 from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
-from armside.sim.evaluation.recorded import Cut, Measured, measure_table
+from armside.sim.evaluation.recorded import (
+    CircleTurn,
+    RecordedMeasures,
+    measure_signals,
+    measure_table,
+)
+from armside.sim.records.signals import signals_of
 from armside.sim.records.summary import summary
-from armside.sim.records.tables import MissingPackageError, read_table
+from armside.sim.records.tables import read_table
 from armside.sim.robot.model import load_model
 
 from ..shell.console import Report, keep
-from ..shell.errors import InputError, checking_input
+from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class MeasureCfg:
-    """What a file does not say itself. A file of `armside convert` says all of it."""
+    """Gears and circle, for a file without them. A file of `armside convert` holds both."""
 
     robot: Literal["large", "irb1400"] = "large"
-    """Whose gear ratios, where --gear is not given."""
+    """Robot with these gear ratios, where --gear is not given."""
     gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
@@ -54,12 +59,11 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
     """
     report = Report(common)
     with checking_input():
-        try:
-            table = read_table(file)
-        except MissingPackageError as error:
-            raise InputError(str(error)) from error
-        own = (table.schema.metadata or {}).get(b"armside.config")
-        rows = _of_a_run(table, file) if own else measure_table(table, gears(cfg), cut(cfg))
+        table = read_table(file)
+        if b"armside.config" in (table.schema.metadata or {}):
+            rows = measure_signals(signals_of(table, source=file.name))
+        else:
+            rows = measure_table(table, gears(cfg), turn(cfg))
     outcome = summary("measure", cfg, common, file=file, iterations=rows)
     keep(outcome, common)
     _print(report, rows)
@@ -67,17 +71,15 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
 
 
 def gears(cfg: MeasureCfg) -> np.ndarray:
-    """The ratios given, or those of the robot."""
-    if cfg.gear:
-        return np.array(cfg.gear)
-    return load_model(CELLS[cfg.robot].xml).drives.gear
+    """Gear ratios given, or those of the robot."""
+    return np.array(cfg.gear) if cfg.gear else load_model(CELLS[cfg.robot].xml).drives.gear
 
 
-def cut(cfg: MeasureCfg) -> Cut | None:
-    """The circle of the options, in SI units."""
+def turn(cfg: MeasureCfg) -> CircleTurn | None:
+    """Circle of the options in SI units, or None without a radius."""
     if cfg.radius is None:
         return None
-    return Cut(
+    return CircleTurn(
         radius=1e-3 * cfg.radius,
         start=-np.inf if cfg.start is None else cfg.start,
         end=np.inf if cfg.end is None else cfg.end,
@@ -85,39 +87,7 @@ def cut(cfg: MeasureCfg) -> Cut | None:
     )
 
 
-def _of_a_run(table: pa.Table, file: Path) -> list[Measured]:
-    """As `armside laser` measured it, from the signals alone."""
-    from armside.sim.evaluation.tool_error import tool_error
-    from armside.sim.records.signals import signals_of
-    from armside.sim.records.stored_run import StoredRun
-
-    from . import laser
-
-    signals = signals_of(table, source=file.name)
-    if signals.config.get("experiment") != "laser":
-        raise ValueError(f"{file.name} is of {signals.config.get('experiment')}, not of laser")
-    stored = StoredRun(file, {"config": signals.config})
-    experiment = laser.prepare(stored.configuration(laser.LaserCfg), signals.seed or 0)
-    gear = experiment.loaded.model.drives.gear
-    rows = []
-    for motors, run in zip(measure_table(table, gear, None), signals.runs, strict=True):
-        rms = maxdev = np.nan
-        if run.tracker is not None:
-            arm = tool_error(experiment.motion, run.tracker.time, run.tracker.position)
-            rms, maxdev = arm.rms, arm.maxdev
-        rows.append(
-            Measured(
-                k=motors.k,
-                motor_inf=motors.motor_inf,
-                motor_two=motors.motor_two,
-                arm_rms=rms,
-                arm_maxdev=maxdev,
-            )
-        )
-    return rows
-
-
-def _print(report: Report, rows: list[Measured]) -> None:
+def _print(report: Report, rows: list[RecordedMeasures]) -> None:
     motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
     table: list[list[Any]] = [
         [r.k, *(1e3 * float(x) for x in r.motor_inf), 1e6 * r.arm_rms, 1e6 * r.arm_maxdev]

@@ -11,7 +11,8 @@ from typing import Annotated, NamedTuple
 
 from cyclopts import Parameter
 
-from armside.sim.records.run_folder import RUNS, write_whole
+from armside.sim.records.atomic import write_whole
+from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import dumps, summary
 
 from ..jobs.batch import missing, run_batch

@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 
 from cyclopts import Parameter
 
-from armside.sim.records.run_folder import write_whole
+from armside.sim.records.atomic import write_whole
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, cell, keep

@@ -9,9 +9,9 @@ import numpy as np
 
 from armside.sim.cell import CELLS
 
-from ..shell.display import check_display
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
+from ..viewers.display import check_display
 
 SERVO = 2.0 * np.pi * 5.0
 """Bandwidth of the sliders' servos [rad/s]: quick to the eye, slow beside the arm's modes."""

@@ -17,16 +17,30 @@ from ..shell.console import Report
 def write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
-    from armside.sim.records.signals import Run, write_signals
+    """Write the files of a run, which together are all that replay and measure need."""
+    from armside.sim.records.robot_file import write_robot
+    from armside.sim.records.signals import RecordedRun, write_signals
+    from armside.sim.replay.run_scene import laser_scene
+    from armside.sim.replay.scene import write_scenes
 
     from ..figures import laser as figures
-    from ..viewers.replay_scene import write_run
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-    runs = [Run(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations]
+    runs = [
+        RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations
+    ]
     config = outcome["config"]
-    write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
-    write_run(folder / "replay.rrd", outcome, experiment.loaded.model.mj, runs, experiment.motion)
+    motion, model = experiment.motion, experiment.loaded.model
+    write_signals(
+        folder / "signals.parquet",
+        runs,
+        config=config,
+        seed=config["seed"],
+        motion=motion,
+        gear=model.drives.gear,
+    )
+    write_robot(folder / "robot.xml", experiment.nominal.parsed())
+    write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
     rows = outcome["iterations"]
     curve = experiment.cut.curve
     figures.circles(
@@ -60,7 +74,7 @@ def _draw_kerf(
         curve.point(cuts[0][1].arc_length),
         cuts[0][1].arc_length,
         [
-            kerf_figure.Cut(
+            kerf_figure.CutEdges(
                 k=k,
                 outer=cut.edge(cut.outer),
                 inner=cut.edge(cut.inner),

@@ -18,28 +18,16 @@ def learned(
 ) -> None:
     """Arm RMS [m] over iterations, a panel per cut, a curve per measure; logarithmic."""
     n_rows = -(-len(curves) // n_columns)
-    figure = new_figure(3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6)
+    width, height = 3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6
+    figure = new_figure(width, height)
     panels = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(
-        left=0.75 / (3.3 * n_columns + 0.6),
-        right=0.985,
-        bottom=0.55 / (2.6 * n_rows + 0.6),
-        top=1.0 - 0.55 / (2.6 * n_rows + 0.6),
-        wspace=0.08,
-        hspace=0.22,
-    )
+    figure.subplots_adjust(left=0.75 / width, right=0.985, wspace=0.08)
+    figure.subplots_adjust(bottom=0.55 / height, top=1.0 - 0.55 / height, hspace=0.22)
     for axes, title, of in zip(panels.flat, titles, curves, strict=False):
         for name, values in of.items():
             i = NAMES.index(name)
-            axes.plot(
-                np.arange(len(values)),
-                values * 1e6,
-                marker=MARKERS[i],
-                color=COLORS[i],
-                ms=4,
-                lw=1.2,
-                label=name,
-            )
+            style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
+            axes.plot(np.arange(len(values)), values * 1e6, ms=4, lw=1.2, **style)
         axes.set_yscale("log")
         axes.set_title(title, loc="left", fontsize=9)
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
@@ -53,9 +41,9 @@ def learned(
 
 
 def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
-    """Error of the estimate by what is used and how good it is: a bar per variant and pose.
+    """Error of the estimate by sensors used and their quality: a bar per variant and pose.
 
-    rows: (name, error at p1, p2, p3 [um], ...), as `verify_controls.controls` has them.
+    rows: (name, error at p1, p2, p3 [um], ...), as `verifications.controls` has them.
     """
     figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
     axes = figure.subplots()
@@ -66,7 +54,7 @@ def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
         axes.barh(place + 0.26 * (1 - i), errors, 0.24, color=COLORS[i], label=pose)
     axes.set_yticks(place, [str(row[0]) for row in rows])
     axes.set_xlabel("error of the tool's path, 3D RMS [µm]")
-    axes.set_title("What the estimate is made of, and what its IMU is worth", loc="left")
+    axes.set_title("Error of the estimate by sensors and quality of the IMU", loc="left")
     axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
     axes.legend(frameon=False, fontsize=8)
     save(figure, file)

@@ -8,20 +8,22 @@ import numpy as np
 from armside.sim.imu import ImuResult
 from armside.sim.imu.evaluation import WINDOW
 from armside.sim.imu.vibration import RestResult
+from armside.sim.records.robot_file import write_robot
 from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.signals import Run, write_signals
+from armside.sim.records.signals import RecordedRun, write_signals
 
 from ..shell.console import Report
 from . import imu as figures
 
 
 def write_runs(results: Sequence[ImuResult], folder: RunFolder, config: dict[str, Any]) -> None:
-    """Write signals.parquet, imu.parquet, replay.rrd and the figures of each program."""
+    """Write signals.parquet, robot.xml, imu.parquet, replay.rrd and the figures of each program."""
     from armside.sim.imu.replay import write_imu_replay
     from armside.sim.imu.signals import write_imu_signals
 
-    runs = [Run(k=k, recording=one.run.recording) for k, one in enumerate(results)]
+    runs = [RecordedRun(k=k, recording=one.run.recording) for k, one in enumerate(results)]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])
+    write_robot(folder / "robot.xml", results[0].experiment.spec())
     write_imu_signals(folder / "imu.parquet", results, config=config)
     write_imu_replay(folder / "replay.rrd", results)
     for one in results:
@@ -79,11 +81,12 @@ def error_tables(results: Sequence[ImuResult], report: Report) -> None:
 
 
 def write_rest(result: RestResult, folder: RunFolder, config: dict[str, Any]) -> None:
-    """Write signals.parquet and the figures of an experiment at rest."""
+    """Write signals.parquet, robot.xml and the figures of an experiment at rest."""
     run, rest = result.run, result.rest
-    signals, seed = [Run(k=0, recording=run.recording)], config["seed"]
+    signals, seed = [RecordedRun(k=0, recording=run.recording)], config["seed"]
     file = folder / "signals.parquet"
     write_signals(file, signals, config=config, seed=seed, truth_rate=250.0)
+    write_robot(folder / "robot.xml", result.experiment.spec())
     figures.rest(folder / "rest.png", run.samples.time, run.samples.acceleration, config["off"])
     figures.spectrum(folder / "spectrum.png", rest.frequency, rest.off_spectrum, rest.on_spectrum)
 

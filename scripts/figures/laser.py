@@ -19,7 +19,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#333333"
 REFERENCE = "#9A9A9A"
 SHOWN_DEVIATION = 0.6
-"""How far the worst deviation reaches in `circles.png`, as a part of the shape's half-width."""
+"""Largest magnified deviation in `circles.png`, relative to the shape's half-width."""
 MOST_PANELS = 12
 
 
@@ -112,7 +112,7 @@ def errors(
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure of width and height [inch], apart from any global state of matplotlib."""
+    """Empty figure of width and height [inch], independent of matplotlib's global state."""
     figure = Figure(figsize=(width, height), dpi=120)
     FigureCanvasAgg(figure)
     return figure
@@ -127,14 +127,8 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
     height = bottom + n_rows * side + (n_rows - 1) * gap + top
     figure = new_figure(width, height)
     grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(
-        left=left / width,
-        right=1 - right / width,
-        bottom=bottom / height,
-        top=1 - top / height,
-        wspace=gap / side,
-        hspace=gap / side,
-    )
+    figure.subplots_adjust(left=left / width, right=1 - right / width, wspace=gap / side)
+    figure.subplots_adjust(bottom=bottom / height, top=1 - top / height, hspace=gap / side)
     for axes in grid.flat[n_panels:]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
@@ -145,7 +139,7 @@ def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
 
 
 def save(figure: Figure, file: Path) -> None:
-    """Give all axes the common look and write a PNG without anything that changes by itself."""
+    """Give all axes the common look and write a PNG that depends on the figure alone."""
     for axes in figure.axes:
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(which="both", colors=INK, labelsize=8)
@@ -153,7 +147,7 @@ def save(figure: Figure, file: Path) -> None:
 
 
 def _panels(n_iterations: int) -> list[int]:
-    """The iterations that get a panel: all, or some evenly spread with the first and the last."""
+    """Iterations with a panel: all, or some evenly spread with the first and the last."""
     n_shown = min(n_iterations, MOST_PANELS)
     return sorted({round(k) for k in np.linspace(0, n_iterations - 1, n_shown)})
 

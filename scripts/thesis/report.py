@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.records.run_folder import check_destination, write_whole
+from armside.sim.records.atomic import write_whole
+from armside.sim.records.run_folder import check_destination
 from armside.sim.records.summary import dumps, plain
 
 from ..jobs.store import Job, Result

@@ -1,4 +1,4 @@
-"""A headless Chromium that looks at a page, by the WebDriver protocol and nothing else.
+"""Screenshots of a page in a headless Chromium, by the WebDriver protocol.
 
 Draws WebGL on the CPU (SwiftShader), so it works on a machine without graphics.
 """
@@ -32,17 +32,17 @@ ANSWER = 180.0
 
 
 class Page:
-    """A page that is open in the browser."""
+    """Page that is open in the browser."""
 
     def __init__(self, address: str) -> None:
         self._address = address
 
     def screenshot(self) -> bytes:
-        """What is seen now, as PNG."""
+        """Page as it is shown now, as PNG."""
         return base64.b64decode(_ask(f"{self._address}/screenshot"))
 
     def screenshot_when(self, good: Callable[[bytes], bool], within: float) -> bytes:
-        """The first screenshot that is good, or the last one taken within that time [s]."""
+        """First screenshot that is good, or the last one taken within that time [s]."""
         until = time.monotonic() + within
         while True:
             seen = self.screenshot()
@@ -50,18 +50,8 @@ class Page:
                 return seen
             time.sleep(0.5)
 
-    def requests(self) -> list[str]:
-        """Addresses that the page has asked for since this was last called."""
-        entries = _ask(f"{self._address}/se/log", {"type": "performance"})
-        messages = [json.loads(entry["message"])["message"] for entry in entries]
-        return [
-            m["params"]["request"]["url"]
-            for m in messages
-            if m["method"] == "Network.requestWillBeSent"
-        ]
-
     def answered(self) -> list[str]:
-        """As `requests`, but only those that somebody answered."""
+        """Addresses that the page asked for and got an answer from, since the last call."""
         entries = _ask(f"{self._address}/se/log", {"type": "performance"})
         messages = [json.loads(entry["message"])["message"] for entry in entries]
         return [
@@ -80,33 +70,29 @@ def page(
     Raises:
         OSError: there is no such driver, or it does not start.
     """
-    process = subprocess.Popen(
-        [driver, "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    )
-    try:
-        base = f"http://127.0.0.1:{_port(process)}"
-        options = {"args": [*ARGUMENTS, f"--window-size={width},{height}"]}
-        wanted = {
-            "browserName": "chrome",
-            "goog:chromeOptions": options,
-            "goog:loggingPrefs": {"performance": "ALL"},
-        }
-        opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
-        own = f"{base}/session/{opened['sessionId']}"
+    command = [driver, "--port=0"]
+    wanted = {
+        "browserName": "chrome",
+        "goog:chromeOptions": {"args": [*ARGUMENTS, f"--window-size={width},{height}"]},
+        "goog:loggingPrefs": {"performance": "ALL"},
+    }
+    out, err = subprocess.PIPE, subprocess.DEVNULL
+    with subprocess.Popen(command, stdout=out, stderr=err, text=True) as process:
         try:
-            _ask(f"{own}/url", {"url": address})
-            yield Page(own)
+            base = f"http://127.0.0.1:{_port(process)}"
+            opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
+            own = f"{base}/session/{opened['sessionId']}"
+            try:
+                _ask(f"{own}/url", {"url": address})
+                yield Page(own)
+            finally:
+                _ask(own, method="DELETE")
         finally:
-            _ask(own, method="DELETE")
-    finally:
-        process.terminate()
-        process.wait()
-        assert process.stdout is not None
-        process.stdout.close()
+            process.terminate()
 
 
 def _port(process: subprocess.Popen[str]) -> int:
-    """Where the driver listens, as it says."""
+    """Port of the driver, as printed by it."""
     assert process.stdout is not None
     until = time.monotonic() + START
     while time.monotonic() < until and (line := process.stdout.readline()):
@@ -124,5 +110,6 @@ def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = 
         with urllib.request.urlopen(request, timeout=ANSWER) as answer:
             return json.load(answer)["value"]
     except urllib.error.HTTPError as error:
-        said = json.load(error)["value"]
-        raise OSError(f"the browser says: {said.get('message', said)}".splitlines()[0]) from error
+        answer = json.load(error)["value"]
+        text = f"the browser failed: {answer.get('message', answer)}"
+        raise OSError(text.splitlines()[0]) from error

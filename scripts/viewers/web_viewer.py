@@ -7,15 +7,18 @@ policy that lets it talk to this server and to nothing else, unless that is wish
 
 import os
 import re
+import signal
 import subprocess
+import sys
 import tempfile
 import time
 import urllib.request
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import IO
 from urllib.parse import quote, urlsplit
 
 from ..shell.errors import InputError, RunFailed
@@ -33,15 +36,15 @@ START = 30.0
 
 
 @dataclass(frozen=True)
-class Page:
-    """What is answered for one address."""
+class Answer:
+    """Answer for one address."""
 
     content: bytes
     headers: Mapping[str, str]
 
 
 def rerun_program() -> str:
-    """The viewer that ships in the wheel of rerun-sdk."""
+    """Path of the viewer that ships in the wheel of rerun-sdk."""
     import rerun_cli
 
     program = Path(rerun_cli.__file__).parent / "rerun"
@@ -52,10 +55,7 @@ def rerun_program() -> str:
 
 @contextmanager
 def private_environment(telemetry: bool) -> Iterator[dict[str, str]]:
-    """Environment for Rerun: statistics off, whatever it would make of a first start.
-
-    With `telemetry` the user's own settings count.
-    """
+    """Environment for Rerun with statistics off; with `telemetry`, the user's own settings."""
     if telemetry:
         yield dict(os.environ)
         return
@@ -71,51 +71,51 @@ def private_environment(telemetry: bool) -> Iterator[dict[str, str]]:
         yield os.environ | {"XDG_CONFIG_HOME": str(home), "XDG_DATA_HOME": str(data)}
 
 
-def viewer_pages(replay: Path) -> dict[str, Page]:
-    """The web viewer's files, from a Rerun that runs as long as it takes to read them."""
+def viewer_pages(replay: Path) -> dict[str, Answer]:
+    """Files of the web viewer by path, read from a Rerun that is started for it."""
     command = [rerun_program(), str(replay), "--serve-web", "--bind", LOOPBACK]
     command += ["--port", "auto", "--web-viewer-port", "0"]
-    with private_environment(telemetry=False) as env, tempfile.TemporaryFile("w+") as said:
-        process = subprocess.Popen(command, env=env, stdout=said, stderr=said)
+    with (
+        private_environment(telemetry=False) as env,
+        tempfile.TemporaryFile("w+") as printed,
+        subprocess.Popen(command, env=env, stdout=printed, stderr=printed) as process,
+    ):
         try:
-            address = _address(process, said)
+            address = _address(process, printed)
             return {path: _read(address + path) for path in PAGES}
         finally:
             process.terminate()
-            process.wait()
 
 
-def _address(process: subprocess.Popen[bytes], said) -> str:
-    """Where the viewer is served, as Rerun says."""
+def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
+    """Address of the viewer, as printed by Rerun."""
     until = time.monotonic() + START
     while time.monotonic() < until and process.poll() is None:
-        said.seek(0)
-        if found := re.search(r"web-viewer at (http://[\d.]+:\d+)", said.read()):
+        printed.seek(0)
+        if found := re.search(r"web-viewer at (http://[\d.]+:\d+)", printed.read()):
             return found[1]
         time.sleep(0.05)
-    said.seek(0)
-    last = (said.read().strip().splitlines() or ["it said nothing"])[-1]
+    printed.seek(0)
+    last = (printed.read().strip().splitlines() or ["it printed nothing"])[-1]
     raise RunFailed(f"Rerun did not serve its viewer: {last}")
 
 
-def _read(address: str) -> Page:
+def _read(address: str) -> Answer:
     with urllib.request.urlopen(address, timeout=START) as answer:
         headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
-        return Page(answer.read(), headers)
+        return Answer(answer.read(), headers)
 
 
 class WebViewer:
-    """The viewer with one replay in it, served until closed.
+    """Web viewer with one replay in it, served until closed.
 
-    port: to listen on; 0 takes any free one.
-    telemetry: let the page talk to others.
+    port: to listen on; 0 takes any free one. telemetry: let the page talk to other machines.
 
-    Raises:
-        InputError: the port is in use, or not ours to take.
+    Raises InputError for a port that is in use or not allowed.
     """
 
     def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
-        pages: dict[str, Page] = {}
+        pages: dict[str, Answer] = {}
         try:
             self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(pages, telemetry))
         except OSError as error:
@@ -125,16 +125,15 @@ class WebViewer:
             ) from error
         try:
             pages.update(viewer_pages(replay))
-            pages["/replay.rrd"] = Page(
-                replay.read_bytes(), {"Content-Type": "application/octet-stream"}
-            )
+            headers = {"Content-Type": "application/octet-stream"}
+            pages["/replay.rrd"] = Answer(replay.read_bytes(), headers)
         except BaseException:
             self._server.server_close()
             raise
 
     @property
     def address(self) -> str:
-        """What to open in a browser."""
+        """Address to open in a browser."""
         return f"http://{LOOPBACK}:{self._server.server_port}/"
 
     def serve(self) -> None:
@@ -149,7 +148,29 @@ class WebViewer:
         self._server.shutdown()
 
 
-def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequestHandler]:
+def serve(replay: Path, say: Callable[[str], None], *, port: int, telemetry: bool) -> None:
+    """Serve the web viewer until Ctrl-C.
+
+    say: prints the address, and the end.
+    """
+    viewer = WebViewer(replay, port=port, telemetry=telemetry)
+    # A shell that starts us in the background sets Ctrl-C to be ignored.
+    before = {
+        ending: signal.signal(ending, signal.default_int_handler)
+        for ending in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        say(f"Open {viewer.address} in a browser on this machine; Ctrl-C ends")
+        sys.stdout.flush()
+        viewer.serve()
+    except KeyboardInterrupt:
+        say("ended")
+    finally:
+        for ending, handler in before.items():
+            signal.signal(ending, handler)
+
+
+def _handler(pages: Mapping[str, Answer], telemetry: bool) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             asked = urlsplit(self.path)
@@ -166,7 +187,7 @@ def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequest
             else:
                 self.send_error(404)
 
-        def _answer(self, page: Page) -> None:
+        def _answer(self, page: Answer) -> None:
             self.send_response(200)
             for name, value in page.headers.items():
                 self.send_header(name, value)
@@ -177,12 +198,12 @@ def _handler(pages: Mapping[str, Page], telemetry: bool) -> type[BaseHTTPRequest
             self.wfile.write(page.content)
 
         def log_message(self, format: str, *args: object) -> None:
-            """Say nothing."""
+            """Log nothing."""
 
     return Handler
 
 
 def _query(origin: str, given: str) -> str:
-    """The viewer's own address for our replay; `given` keeps e.g. renderer=webgl."""
+    """Path of the viewer with the replay; `given` is passed on, e.g. renderer=webgl."""
     also = f"&{given}" if given else ""
     return f"/?url={quote(origin + '/replay.rrd', safe='')}&persist=0{also}"

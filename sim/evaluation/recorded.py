@@ -1,4 +1,4 @@
-"""Measures of recorded data, whoever recorded it: the same analysis as for a run of our own."""
+"""Measures of recorded data, of a stored run or of any other robot: one analysis for all."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,25 +9,31 @@ import pyarrow.compute as pc
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
-from armside.ilc.measures import norms as measures
+from armside.ilc.measures import norms
+
+from ..records.signals import Signals
+from .tool_error import arm_side
+
+KINDS = ("reference", "motor_angle")
+TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cut:
-    """What the tool was to cut, where the data do not say it: one turn of a circle."""
+class CircleTurn:
+    """One turn of a programmed circle, for data that do not state their path."""
 
     radius: float
     """Programmed [m]."""
     start: float = -np.inf
-    """[s], of the turn."""
+    """Start of the turn [s]."""
     end: float = np.inf
-    """[s]."""
+    """End of the turn [s]."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Of the circle's plane, in the axes of the tracker."""
+    """Normal of the circle's plane, in the axes of the tracker."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class RecordedMeasures:
     """Measures of one iteration; those of the arm are NaN without a tracker."""
 
     k: int
@@ -41,7 +47,31 @@ class Measured:
     """[m], (9.7)."""
 
 
-def measure_table(table: pa.Table, gear: ArrayLike, cut: Cut | None) -> list[Measured]:
+def measure_signals(signals: Signals) -> list[RecordedMeasures]:
+    """Measures of each iteration of a stored run, along its stored path; no motion is planned.
+
+    Raises:
+        ValueError: the signals come without programmed path or gear ratios.
+    """
+    path, gear = signals.path, signals.gear
+    if path is None or gear is None:
+        raise ValueError(
+            f"the signals of `{signals.config.get('experiment')}`, armside {signals.version}, hold "
+            f"no programmed path; a run of `laser` does: run it again if this is one"
+        )
+    rows = []
+    for run in signals.runs:
+        rms = maxdev = np.nan
+        if run.tracker is not None:
+            tool = arm_side(path, run.tracker.time, run.tracker.position)
+            rms, maxdev = tool.rms, tool.maxdev
+        rows.append(_measures(run.k, run.recording.error * gear, rms, maxdev))
+    return rows
+
+
+def measure_table(
+    table: pa.Table, gear: ArrayLike, turn: CircleTurn | None
+) -> list[RecordedMeasures]:
     """Measures of each iteration k in a table.
 
     Columns: `time` [s], `reference_1..n` and `motor_angle_1..n` [rad] on the arm side of the gear;
@@ -50,6 +80,7 @@ def measure_table(table: pa.Table, gear: ArrayLike, cut: Cut | None) -> list[Mea
 
     Args:
         gear: (n,) ratios.
+        turn: circle that the tracker saw; None measures the motors alone.
 
     Raises:
         ValueError: columns that are missing, or not as many motors as gears.
@@ -62,43 +93,42 @@ def measure_table(table: pa.Table, gear: ArrayLike, cut: Cut | None) -> list[Mea
     if f"reference_{len(gear) + 1}" in names:
         raise ValueError(f"the data have more motors than the {len(gear)} gears given")
     ks = table["k"].unique().to_pylist() if "k" in names else [0]
-    return [_one(table, k, gear, cut) for k in sorted(ks)]
+    return [_one(table, k, gear, turn) for k in sorted(ks)]
 
 
-KINDS = ("reference", "motor_angle")
-TRACKER = ("tracker_x", "tracker_y", "tracker_z")
-
-
-def _one(table: pa.Table, k: int, gear: Array, cut: Cut | None) -> Measured:
+def _one(table: pa.Table, k: int, gear: Array, turn: CircleTurn | None) -> RecordedMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
         _block(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
     )
     logged = np.isfinite(reference).all(axis=1) & np.isfinite(angle).all(axis=1)
-    error = (reference - angle)[logged] * gear
     rms = maxdev = np.nan
-    if cut is not None and set(TRACKER) <= set(own.column_names):
-        rms, maxdev = _circle(own, cut)
-    return Measured(
+    if turn is not None and set(TRACKER) <= set(own.column_names):
+        rms, maxdev = _circle(own, turn)
+    return _measures(k, (reference - angle)[logged] * gear, rms, maxdev)
+
+
+def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> RecordedMeasures:
+    return RecordedMeasures(
         k=int(k),
-        motor_inf=measures.inf_norm(error),
-        motor_two=measures.two_norm(error),
+        motor_inf=norms.inf_norm(motor_error),
+        motor_two=norms.two_norm(motor_error),
         arm_rms=rms,
         arm_maxdev=maxdev,
     )
 
 
-def _circle(own: pa.Table, cut: Cut) -> tuple[float, float]:
+def _circle(own: pa.Table, turn: CircleTurn) -> tuple[float, float]:
     time = _block(own, ["time"])[:, 0]
     point = _block(own, TRACKER)
-    seen = np.isfinite(point).all(axis=1) & (time >= cut.start) & (time < cut.end)
+    seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan
-    radii = measures.fit_circle(point[seen], normal=cut.normal).radii
-    return measures.circle_rms(radii, cut.radius), measures.circle_maxdev(radii, cut.radius)
+    radii = norms.fit_circle(point[seen], normal=turn.normal).radii
+    return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
 
 
 def _block(table: pa.Table, names: Sequence[str]) -> Array:
-    """(N, len(names)), NaN for what is missing."""
+    """(N, len(names)), NaN for missing values."""
     columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
     return np.column_stack(columns)

@@ -11,10 +11,10 @@ import rerun.blueprint as rrb
 from armside.arrays import Array
 
 from ..records.atomic import atomic
-from ..records.signals import Run
+from ..records.signals import RecordedRun
 from ..replay.blueprint import LEGEND, panels
+from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
 from ..replay.geoms import shapes
-from ..replay.scene import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
 from .evaluation import Evaluation
 from .experiment import ImuResult
 
@@ -36,7 +36,7 @@ def write_imu_replay(path: Path, results: Sequence[ImuResult]) -> None:
         start = 0.0
         for k, result in enumerate(results):
             recording = result.run.recording
-            send_bodies(stream, mj, Run(k=k, recording=recording), start)
+            send_bodies(stream, mj, RecordedRun(k=k, recording=recording), start)
             _send_path(stream, result.evaluation, start)
             _send_series(stream, result.evaluation, start)
             start += float(recording.time[-1]) + FRAME_PERIOD

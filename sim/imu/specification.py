@@ -4,9 +4,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import mujoco
+
 from ..cell import CELLS, Cell
 from ..instruments.imu import ImuCfg
-from ..robot.flexibility import Flexibility, variant
+from ..robot.flexibility import Flexibility, variant, without
 from ..robot.model import RobotModel, load_model
 from .processing import ProcessingCfg
 
@@ -30,6 +32,12 @@ class RobotSetup:
     def cell(self) -> Cell:
         """Kinematics, limits and motion programs of the robot."""
         return CELLS[self.robot]
+
+    def spec(self) -> mujoco.MjSpec:
+        """MJCF of the robot with its flexibility, parsed."""
+        spec = mujoco.MjSpec.from_file(str(self.cell.xml))
+        without(spec, self.flexibility)
+        return spec
 
     def model(self) -> RobotModel:
         """Virtual hardware, compiled."""

@@ -2,4 +2,4 @@
 
 
 class InputError(ValueError):
-    """Bad input. The message says what was given and what is allowed."""
+    """Bad input. The message names the given and the allowed values."""

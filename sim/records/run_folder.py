@@ -1,27 +1,28 @@
 """The folder of one run: complete, or not there.
 
 Files are written into a hidden folder beside the destination, which is renamed when the run is
-complete. An interrupted run removes it; a killed one leaves it hidden, named `.*.partial-*`.
+complete. An interrupted run removes it; a killed one leaves it hidden, named `.*.partial`.
 """
 
 import os
-import secrets
 import shutil
 from datetime import datetime
 from itertools import count
 from pathlib import Path
 from types import TracebackType
 
+from .atomic import staging
 from .errors import InputError
 
 RUNS = Path("runs")
+FORMAT = 1
+"""Format of a run's folder; raised when an older one can no longer be read."""
 
 
 def check_destination(path: Path) -> None:
     """Raise InputError unless a run's folder can be renamed to `path`: new, or an empty folder."""
     if not path.exists():
-        parent = next(p for p in path.absolute().parents if p.exists())
-        if not parent.is_dir():
+        if not (parent := _existing_parent(path)).is_dir():
             raise InputError(f"{parent} is not a folder")
     elif not path.is_dir():
         raise InputError(f"{path} is a file; give a folder that is new or empty")
@@ -32,10 +33,14 @@ def check_destination(path: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Raise InputError where no folder can be made at `path`: for what takes long before it is."""
-    parent = next(p for p in path.absolute().parents if p.exists())
+    """Raise InputError where no folder can be made at `path`, before long work is begun."""
+    parent = _existing_parent(path)
     if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
         raise InputError(f"no folder can be made in {parent}")
+
+
+def _existing_parent(path: Path) -> Path:
+    return next(p for p in path.absolute().parents if p.exists())
 
 
 class RunFolder:
@@ -62,12 +67,12 @@ class RunFolder:
     def __enter__(self) -> "RunFolder":
         target = self.path.resolve()
         target.parent.mkdir(parents=True, exist_ok=True)
-        self._staging = target.with_name(f".{target.name}.partial-{secrets.token_hex(4)}")
+        self._staging = staging(target)
         self._staging.mkdir()
         return self
 
     def __truediv__(self, name: str) -> Path:
-        """Where to write the file `name` while the block runs."""
+        """Path of the file `name` while the block runs."""
         return self._staging / name
 
     def __exit__(
@@ -96,13 +101,3 @@ class RunFolder:
                 if not self.path.exists():
                     raise
                 self.path = first.with_name(f"{first.name}-{n}")
-
-
-def write_whole(file: Path, text: str) -> None:
-    """Write a text file so that it is complete or as it was before."""
-    staging = file.with_name(f".{file.name}.partial-{secrets.token_hex(4)}")
-    try:
-        staging.write_text(text, encoding="utf-8")
-        staging.replace(file)
-    finally:
-        staging.unlink(missing_ok=True)

@@ -2,7 +2,8 @@
 
 One row per iteration k and instant. Columns of the log are filled at the log rate, those of the
 tracker and of the truth at theirs, null elsewhere; a lost beam is NaN with `tracker_valid` false.
-Units stand in the metadata of each column, the configuration in that of the table.
+Units stand in the metadata of each column; configuration, programmed path and gear ratios in that
+of the table.
 """
 
 import json
@@ -16,15 +17,17 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
+from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.sampling import rate_of, stride
 from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
+from .programmed_path import from_json, to_json
 
 AXES = tuple("123456")
 XYZ = tuple("xyz")
@@ -46,14 +49,17 @@ TRUTH = {
     "imu_angular_velocity": ("rad/s", XYZ),
 }
 FORMAT = 1
-"""Of the file; raised when an older one can no longer be read as if it were new."""
+"""Format of the file; raised when an older one can no longer be read."""
 SHORTEST_INTERVAL = 1e-9
-"""Two samples closer than this [s] were meant to be one: their clocks were computed differently."""
+"""Smallest distance of two samples [s]; below it their clocks were computed differently."""
+NO_TRACKER = TrackerSamples(
+    time=np.empty(0), position=np.empty((0, 3)), valid=np.empty(0, dtype=bool)
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """Iteration k of an experiment."""
+class RecordedRun:
+    """Recorded signals of iteration k of an experiment."""
 
     k: int
     recording: Recording
@@ -62,28 +68,39 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True)
 class Signals:
-    """What a file of signals holds."""
+    """Content of a file of signals."""
 
-    runs: tuple[Run, ...]
-    """The truth is at the rate it was written with, 1000 Hz unless told otherwise."""
+    runs: tuple[RecordedRun, ...]
+    """The truth is at the rate it was written with, by default 1000 Hz."""
     config: dict[str, Any]
     seed: int | None
     version: str
+    path: ToolMotion | None = None
+    """Programmed path; None where none was cut, or in a file of armside before this was stored."""
+    gear: Array | None = None
+    """(n,) gear ratios; None where the file has none."""
 
 
 def write_signals(
     path: Path,
-    runs: Sequence[Run],
+    runs: Sequence[RecordedRun],
     *,
     config: Mapping[str, Any],
     seed: int | None,
     truth_rate: float = 1000.0,
+    motion: ToolMotion | None = None,
+    gear: ArrayLike | None = None,
 ) -> None:
     """Write the runs to one file, whole or not at all. The same data gives the same bytes.
 
+    Args:
+        truth_rate: [Hz].
+        motion: programmed path, the same for all runs.
+        gear: (n,) gear ratios.
+
     Raises:
-        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, or
-            two clocks that nearly agree.
+        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, two
+            clocks that nearly agree, or a contour that cannot be stored.
     """
     ks = [run.k for run in runs]
     if not ks or len(set(ks)) != len(ks):
@@ -97,22 +114,26 @@ def write_signals(
         "seed": json.dumps(seed),
         "version": version("armside"),
     }
-    table = pa.concat_tables(tables)
-    table = table.replace_schema_metadata(
+    if motion is not None:
+        metadata["path"] = json.dumps(to_json(motion))
+    if gear is not None:
+        metadata["gear"] = json.dumps(np.asarray(gear, dtype=np.float64).tolist())
+    table = pa.concat_tables(tables).replace_schema_metadata(
         {f"armside.{key}": text for key, text in metadata.items()}
     )
+    floats = [field.name for field in table.schema if field.type == pa.float64()]
     with atomic(path) as partial:
         pq.write_table(
             table,
             partial,
             compression="zstd",
             use_dictionary=False,  # measured floats hardly repeat
-            use_byte_stream_split=_float_columns(table.schema),  # pyright: ignore[reportArgumentType]
+            use_byte_stream_split=floats,  # pyright: ignore[reportArgumentType]
         )
 
 
 def read_signals(path: Path) -> Signals:
-    """The runs of a file, bit for bit as written.
+    """Runs of a file, bit for bit as written.
 
     Raises:
         ValueError: the file holds something else, or signals of another format.
@@ -121,7 +142,7 @@ def read_signals(path: Path) -> Signals:
 
 
 def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
-    """The runs of a table with the columns and the metadata of `write_signals`.
+    """Runs of a table with the columns and the metadata of `write_signals`.
 
     Raises:
         ValueError: the table holds something else, or signals of another format.
@@ -132,6 +153,7 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
     if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
+    path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     runs = []
     for k in table["k"].unique().to_pylist():
         hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit[str(k)])
@@ -141,52 +163,42 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         config=json.loads(metadata["armside.config"]),
         seed=json.loads(metadata["armside.seed"]),
         version=metadata["armside.version"],
+        path=None if path is None else from_json(path),
+        gear=None if gear is None else np.array(gear),
     )
-
-
-def _columns(prefix: str, unit: str, suffixes: Sequence[str]) -> list[pa.Field]:
-    return [pa.field(f"{prefix}_{s}", pa.float64(), metadata={"unit": unit}) for s in suffixes]
 
 
 def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
     return TRUTH | {"qpos": ("rad or m", tuple(str(i) for i in range(n_qpos)))}
 
 
-def _table(run: Run, truth_rate: float) -> pa.Table:
-    """One run as a table: the union of the instants of its streams."""
-    recording, tracker = run.recording, run.tracker
+def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
+    """Table of one run: the union of the instants of its streams."""
+    recording, tracker = run.recording, run.tracker or NO_TRACKER
     truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
-    clocks = [recording.time, truth.time] + ([tracker.time] if tracker else [])
-    time = np.unique(np.concatenate(clocks))
+    blocks = [(name, *of, recording.time, getattr(recording, name)) for name, of in LOG.items()]
+    blocks.append(("tracker", "m", XYZ, tracker.time, tracker.position))
+    blocks.append(("tracker", "1", ("valid",), tracker.time, tracker.valid[:, np.newaxis]))
+    for name, of in _truth_blocks(truth.qpos.shape[1]).items():
+        blocks.append((f"true_{name}", *of, truth.time, getattr(truth, name)))
+
+    time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
         raise ValueError("sample times of log, truth and tracker must come from one grid of time")
-
-    names = [
+    fields = [
         pa.field("k", pa.int32(), metadata={"unit": "1"}),
         pa.field("time", pa.float64(), metadata={"unit": "s"}),
     ]
-    values = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
-    for attribute, (unit, suffixes) in LOG.items():
-        names += _columns(attribute, unit, suffixes)
-        values += _spread(time, recording.time, getattr(recording, attribute))
-    names += _columns("tracker", "m", XYZ)
-    names.append(pa.field("tracker_valid", pa.bool_(), metadata={"unit": "1"}))
-    values += _tracker_values(time, tracker)
-    for attribute, (unit, suffixes) in _truth_blocks(truth.qpos.shape[1]).items():
-        names += _columns(f"true_{attribute}", unit, suffixes)
-        values += _spread(time, truth.time, getattr(truth, attribute))
-    return pa.Table.from_arrays(values, schema=pa.schema(names))
-
-
-def _tracker_values(time: Array, tracker: TrackerSamples | None) -> list[pa.Array]:
-    if tracker is None:
-        return [pa.nulls(len(time), pa.float64())] * 3 + [pa.nulls(len(time), pa.bool_())]
-    valid = tracker.valid[:, np.newaxis]
-    return _spread(time, tracker.time, tracker.position) + _spread(time, tracker.time, valid)
+    columns = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
+    for prefix, unit, suffixes, own_time, values in blocks:
+        for suffix, column in zip(suffixes, _spread(time, own_time, values), strict=True):
+            fields.append(pa.field(f"{prefix}_{suffix}", column.type, metadata={"unit": unit}))
+            columns.append(column)
+    return pa.Table.from_arrays(columns, schema=pa.schema(fields))
 
 
 def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:
-    """The columns of `values` at their rows of the common time, null in between."""
+    """Columns of `values` at their rows of the common time, null in between."""
     row = np.searchsorted(time, own_time)
     null = np.ones(len(time), dtype=bool)
     null[row] = False
@@ -195,19 +207,15 @@ def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array
     return [pa.array(column, mask=null) for column in columns]
 
 
-def _rates(run: Run, truth_rate: float) -> dict[str, float]:
-    """[Hz], of each stream."""
+def _rates(run: RecordedRun, truth_rate: float) -> dict[str, float]:
+    """Sampling rate of each stream [Hz]."""
     rates = {"log": rate_of(run.recording.time), "truth": truth_rate}
     if run.tracker:
         rates["tracker"] = rate_of(run.tracker.time)
     return {name: round(rate, 6) for name, rate in rates.items()}
 
 
-def _float_columns(schema: pa.Schema) -> list[str]:
-    return [field.name for field in schema if field.type == pa.float64()]
-
-
-def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> Run:
+def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> RecordedRun:
     log = table.filter(pc.field("reference_1").is_valid())
     true = table.filter(pc.field("true_tool_position_x").is_valid())
     n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
@@ -220,7 +228,7 @@ def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]
     }
     recording = Recording(
         time=_numbers(log, "time"),
-        # The file has what the gears' error made of it: to these angles it is added already.
+        # The gear error is part of the stored angles already.
         truth=Truth(
             time=_numbers(true, "time"),
             gear_angle=truth.pop("motor_angle"),
@@ -231,7 +239,7 @@ def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]
         limits_hit=limits_hit,
         **signals,
     )
-    return Run(k=k, recording=recording, tracker=_tracker(table))
+    return RecordedRun(k=k, recording=recording, tracker=_tracker(table))
 
 
 def _tracker(table: pa.Table) -> TrackerSamples | None:

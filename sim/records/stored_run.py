@@ -1,78 +1,86 @@
-"""A run's folder, read back: what was asked, what came out, every signal."""
+"""Run of an experiment on disk: options, results, signals, programmed path and robot."""
 
 import json
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .errors import InputError
-from .signals import Signals, read_signals
-from .summary import FORMAT
+from .run_folder import FORMAT
 
-PATHS = ("model", "contour", "identification")
-"""Options that are files or folders."""
+if TYPE_CHECKING:
+    import mujoco
+
+    from ..cut.tool_motion import ToolMotion
+    from .signals import Signals
 
 
 @dataclass(frozen=True)
 class StoredRun:
-    """A finished run on disk."""
+    """Finished run in a folder. Its files are read when they are asked for."""
 
-    path: Path
+    folder: Path
     summary: dict[str, Any]
+    """Content of summary.json; the options are under `config`."""
 
     @property
     def experiment(self) -> str:
-        """The command that made it."""
+        """Name of the command that made it."""
         return self.summary["config"]["experiment"]
 
-    @property
-    def signals_file(self) -> Path:
-        """Where its signals are. Raises InputError where the experiment wrote none."""
-        file = self.path / "signals.parquet"
+    def file(self, name: str) -> Path:
+        """Path of one of its files. Raises InputError where the run has no such file."""
+        file = self.folder / name
         if not file.is_file():
-            raise InputError(f"{self.path} has no signals.parquet: `{self.experiment}` writes none")
+            raise InputError(f"{self.folder} has no {name}: {self._writer} wrote none")
         return file
 
+    @property
+    def _writer(self) -> str:
+        made = self.summary["config"].get("versions", {}).get("armside", "an unknown version")
+        return f"`{self.experiment}` of armside {made}"
+
     @cached_property
-    def signals(self) -> Signals:
-        """Everything that was recorded. Raises InputError where the file is missing or foreign."""
+    def signals(self) -> "Signals":
+        """All recorded signals. Raises InputError where the file is missing or foreign."""
+        from .signals import read_signals
+
         try:
-            return read_signals(self.signals_file)
+            return read_signals(self.file("signals.parquet"))
         except (ValueError, OSError, KeyError) as error:
             raise InputError(str(error)) from error
 
-    def configuration(self, kind: type) -> Any:
-        """The options it was run with, as the dataclass of its command.
+    @property
+    def path(self) -> "ToolMotion":
+        """Programmed tool motion. Raises InputError for a run that has none."""
+        if self.signals.path is None:
+            raise InputError(
+                f"{self.folder} holds no programmed path: {self._writer} stored none; run it again"
+            )
+        return self.signals.path
 
-        Raises InputError where this version no longer knows an option's value.
-        """
-        stored = self.summary["config"]
-        given = {}
-        for field in fields(kind):
-            value = stored.get(field.name)
-            if isinstance(value, list):
-                value = tuple(value)
-            if field.name in stored:
-                given[field.name] = value
-        given |= {name: Path(given[name]) for name in PATHS if given.get(name) is not None}
-        try:
-            return kind(**given)
-        except (ValueError, TypeError) as error:
-            raise InputError(f"{self.path} was run with options unknown here: {error}") from error
+    @cached_property
+    def robot(self) -> "mujoco.MjModel":
+        """Robot as its replay draws it. Raises InputError where the run has none."""
+        from .robot_file import read_robot
+
+        return read_robot(self.file("robot.xml"))
 
 
-def read_run(path: Path) -> StoredRun:
-    """Open a run's folder.
+def read_run(folder: str | PathLike[str]) -> StoredRun:
+    """Open the folder of a run.
 
     Raises:
         InputError: no such folder, no run in it, or one of another format.
     """
-    if not path.is_dir():
-        raise InputError(f"{path} is no folder; give the folder of a run, such as runs/laser-...")
-    file = path / "summary.json"
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder} is no folder; give the folder of a run, such as runs/laser-...")
+    file = folder / "summary.json"
     if not file.is_file():
-        raise InputError(f"{path} is no run's folder: it has no summary.json")
+        raise InputError(f"{folder} is no run's folder: it has no summary.json")
     try:
         summary = json.loads(file.read_text(encoding="utf-8"))
     except (ValueError, OSError) as error:
@@ -83,7 +91,7 @@ def read_run(path: Path) -> StoredRun:
     if found != FORMAT:
         made = summary["config"].get("versions", {}).get("armside", "an unknown version")
         raise InputError(
-            f"{path} was written by armside {made} in format {found}, this one reads {FORMAT}; "
+            f"{folder} was written by armside {made} in format {found}, this one reads {FORMAT}; "
             f"run it again"
         )
-    return StoredRun(path, summary)
+    return StoredRun(folder, summary)

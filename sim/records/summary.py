@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from .run_folder import FORMAT
+
 VERSIONED = ("armside", "mujoco", "numpy")
-FORMAT = 1
-"""Of a run's folder; raised when an older one can no longer be read as if it were new."""
 
 
 def summary(

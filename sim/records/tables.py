@@ -7,58 +7,62 @@ no missing values they are NaN. Values keep every bit.
 import io
 import json
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
+
+from armside.arrays import Array
 
 from .atomic import atomic
+from .errors import InputError
 
+Kind = TypeVar("Kind")
 MARK = "# armside "
-"""Starts a line of metadata in a CSV file: key, blank, JSON."""
+"""Start of a line of metadata in a CSV file: key, blank, JSON."""
 INTEGER, TRUTH_VALUE = "k", "tracker_valid"
 """Columns that are no floats."""
+TYPES = {INTEGER: pa.int32(), TRUTH_VALUE: pa.bool_()}
 TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 STREAMS = ("tracker", "true")
-"""Prefixes of columns that were sampled at a rate of their own; all others are the log's."""
-
-
-class MissingPackageError(ImportError):
-    """A form of file needs a package that is not installed."""
+"""Prefixes of columns that were sampled at a rate of their own; all others are of the log."""
 
 
 def read_table(file: Path) -> pa.Table:
-    """The table in a file, by its suffix.
+    """Table in a file, of the kind that its suffix names.
 
     Raises:
         ValueError: an unknown suffix, or a file that holds no table.
-        MissingPackageError: HDF5 without h5py.
+        InputError: HDF5 without h5py.
         OSError: the file cannot be read.
     """
-    if file.suffix.lower() not in READERS:
-        raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(READERS)}")
-    return READERS[file.suffix.lower()](file)
+    return _of_kind(READERS, file)(file)
 
 
 def write_table(file: Path, table: pa.Table) -> None:
-    """Write a table, whole or not at all; its suffix says how.
+    """Write a table, whole or not at all, in the kind of file that the suffix names.
 
     Raises:
         ValueError: an unknown suffix.
-        MissingPackageError: HDF5 without h5py, MCAP without mcap.
+        InputError: HDF5 without h5py, MCAP without mcap.
     """
-    if file.suffix.lower() not in WRITERS:
-        raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(WRITERS)}")
+    write = _of_kind(WRITERS, file)
     with atomic(file) as partial:
-        WRITERS[file.suffix.lower()](partial, table)
+        write(partial, table)
+
+
+def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
+    if file.suffix.lower() not in kinds:
+        raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(kinds)}")
+    return kinds[file.suffix.lower()]
 
 
 def units(table: pa.Table) -> dict[str, str]:
-    """Of each column; a column without one is left out."""
+    """Unit of each column that has one."""
     return {
         field.name: field.metadata[b"unit"].decode()
         for field in table.schema
@@ -67,7 +71,7 @@ def units(table: pa.Table) -> dict[str, str]:
 
 
 def _metadata(table: pa.Table) -> dict[str, str]:
-    """The table's own, plus the units as JSON."""
+    """Metadata of a table, with the units as JSON."""
     own = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
     return own | {"units": json.dumps(units(table))}
 
@@ -99,46 +103,42 @@ def _read_csv(file: Path) -> pa.Table:
             metadata[key] = value.rstrip("\r")
     try:
         names = text.split(b"\n", 1)[0].decode().strip().split(",")
-        types = {name: pa.float64() for name in names} | {
-            INTEGER: pa.int32(),
-            TRUTH_VALUE: pa.bool_(),
-        }
         convert = pacsv.ConvertOptions(
-            column_types=types, null_values=[""], strings_can_be_null=True
+            column_types={name: pa.float64() for name in names} | TYPES,
+            null_values=[""],
+            strings_can_be_null=True,
         )
         table = pacsv.read_csv(io.BytesIO(text), convert_options=convert)
     except (pa.ArrowInvalid, UnicodeDecodeError) as error:
         raise ValueError(f"{file.name} is no table of numbers: {error}") from error
-    columns = {name: table[name].combine_chunks() for name in table.column_names}
-    return _table(columns, metadata)
+    return _table({name: table[name].combine_chunks() for name in table.column_names}, metadata)
 
 
-def _as_floats(table: pa.Table) -> dict[str, NDArray[np.float64]]:
-    """Columns with NaN for what is missing."""
+def _as_floats(table: pa.Table) -> dict[str, Array]:
+    """Columns with NaN for missing values."""
     return {
         name: table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
         for name in table.column_names
     }
 
 
-def _from_floats(
-    columns: Mapping[str, NDArray[np.float64]], metadata: Mapping[str, str]
-) -> pa.Table:
-    """NaN is what is missing; but a tracker's sample that has lost its beam stays NaN."""
-    sampled = None
-    if TRUTH_VALUE in columns:
-        sampled = ~np.isnan(columns[TRUTH_VALUE])
+def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: Path) -> pa.Table:
+    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN.
+
+    Raises ValueError for columns of different lengths.
+    """
+    columns = {n: np.asarray(values, dtype=np.float64).ravel() for n, values in content.items()}
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) != 1:
+        raise ValueError(f"{file.name}: columns must be equally long, got {lengths}")
     arrays: dict[str, pa.Array] = {}
     for name, values in columns.items():
-        missing = np.isnan(values)
-        if name in TRACKER and sampled is not None:
-            missing = ~sampled
+        sampled = TRUTH_VALUE if name in TRACKER and TRUTH_VALUE in columns else name
+        missing = np.isnan(columns[sampled])
         if name == INTEGER:
             arrays[name] = pa.array(values.astype(np.int32))
-        elif name == TRUTH_VALUE:
-            arrays[name] = pa.array(values == 1.0, mask=missing)
         else:
-            arrays[name] = pa.array(values, mask=missing)
+            arrays[name] = pa.array(values == 1.0 if name == TRUTH_VALUE else values, mask=missing)
     return _table(arrays, metadata)
 
 
@@ -161,27 +161,13 @@ def _read_mat(file: Path) -> pa.Table:
             f"{file.name} is of MATLAB 7.3, which is HDF5; save it with -v7, or give it as .h5"
         ) from error
     metadata = json.loads(str(content.pop("armside_metadata", ["{}"])[0]))
-    columns = {
-        name: np.asarray(value, dtype=np.float64).ravel()
-        for name, value in content.items()
-        if not name.startswith("__")
-    }
-    return _from_floats(_equally_long(columns, file), metadata)
-
-
-def _equally_long(
-    columns: dict[str, NDArray[np.float64]], file: Path
-) -> dict[str, NDArray[np.float64]]:
-    lengths = {name: len(values) for name, values in columns.items()}
-    if len(set(lengths.values())) != 1:
-        raise ValueError(f"{file.name}: columns must be equally long, got {lengths}")
-    return columns
+    own = {name: values for name, values in content.items() if not name.startswith("__")}
+    return _from_floats(own, metadata, file)
 
 
 def _write_hdf5(file: Path, table: pa.Table) -> None:
-    h5py = _package("h5py")
     unit = units(table)
-    with h5py.File(file, "w", track_order=True) as out:
+    with _package("h5py").File(file, "w", track_order=True) as out:
         for key, text in _metadata(table).items():
             out.attrs[key] = text
         for name, values in _as_floats(table).items():
@@ -190,26 +176,21 @@ def _write_hdf5(file: Path, table: pa.Table) -> None:
 
 
 def _read_hdf5(file: Path) -> pa.Table:
-    h5py = _package("h5py")
-    with h5py.File(file, "r", track_order=True) as content:
+    with _package("h5py").File(file, "r", track_order=True) as content:
         metadata = {key: str(text) for key, text in content.attrs.items()}
-        columns = {
-            name: np.asarray(values, dtype=np.float64).ravel() for name, values in content.items()
-        }
-    return _from_floats(_equally_long(columns, file), metadata)
+        return _from_floats(dict(content.items()), metadata, file)
 
 
 def _write_mcap(file: Path, table: pa.Table) -> None:
-    """A topic for log, tracker and truth each; a message a sample, as JSON. Runs one by one."""
+    """Write a topic for log, tracker and truth each; a message a sample, as JSON; runs in turn."""
     writer_of = _package("mcap.writer")
     columns, unit = _as_floats(table), units(table)
     ks = columns.get(INTEGER, np.zeros(table.num_rows))
-    time = _one_after_the_other(ks, columns["time"])
+    stamps = _one_after_the_other(ks, columns["time"])
     topics: dict[str, list[str]] = {"log": []}
-    for name in columns:
-        if name not in (INTEGER, "time"):
-            stream = name.partition("_")[0]
-            topics.setdefault(stream if stream in STREAMS else "log", []).append(name)
+    for name in [name for name in columns if name not in (INTEGER, "time")]:
+        stream = name.partition("_")[0]
+        topics.setdefault(stream if stream in STREAMS else "log", []).append(name)
     with file.open("wb") as out:
         writer = writer_of.Writer(out)
         writer.start(profile="", library="armside")
@@ -221,17 +202,14 @@ def _write_mcap(file: Path, table: pa.Table) -> None:
             channel = writer.register_channel(f"/{topic}", "json", schema_id)
             values = np.column_stack([columns[name] for name in names])
             for row in np.flatnonzero(~np.isnan(values).all(axis=1)):
-                numbers = dict(zip(names, values[row].tolist(), strict=True))
-                message = {INTEGER: int(ks[row])} | {
-                    name: value for name, value in numbers.items() if value == value
-                }
-                stamp = round(1e9 * time[row])
-                data = json.dumps(message).encode()
-                writer.add_message(channel, stamp, data, stamp)
+                numbers = zip(names, values[row].tolist(), strict=True)
+                message = {INTEGER: int(ks[row])} | {n: x for n, x in numbers if x == x}
+                stamp = round(1e9 * stamps[row])
+                writer.add_message(channel, stamp, json.dumps(message).encode(), stamp)
         writer.finish()
 
 
-def _one_after_the_other(ks: NDArray[np.float64], time: NDArray[np.float64]) -> NDArray[np.float64]:
+def _one_after_the_other(ks: Array, time: Array) -> Array:
     """Times [s] in which each run starts a second after the one before has ended."""
     start, out = 0.0, np.empty_like(time)
     for k in np.unique(ks):
@@ -242,13 +220,11 @@ def _one_after_the_other(ks: NDArray[np.float64], time: NDArray[np.float64]) -> 
 
 
 def _package(name: str) -> Any:
-    from importlib import import_module
-
     try:
         return import_module(name)
     except ImportError as error:
         package = name.partition(".")[0]
-        raise MissingPackageError(
+        raise InputError(
             f"this kind of file needs the package {package}: pip install 'armside[convert]'"
         ) from error
 

@@ -1,4 +1,4 @@
-"""How a replay is arranged: the first look shows that the motors learn and the tool need not."""
+"""Layout of a replay: its first view shows that the motors learn and the tool need not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ MORE = (
     ("imu/angular_velocity", "Gyro, ideal [rad/s]"),
     ("tracker", "Tracker [mm]"),
 )
-"""Series that stand behind the first look, each in a tab."""
+"""Series behind the first view, each in a tab."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """What the views of one experiment need to know."""
+    """Values that the views of one experiment depend on."""
 
     name: str
     """Prefix of its entities; empty for the only one."""
     factor: float
     """Magnification of the deviations."""
     target: Array
-    """(3,) [m], where the tool works."""
+    """(3,) [m], centre of the contour."""
     height: float
-    """[m], of the robot's upper end above the floor it stands on."""
+    """Height of the robot's upper end above its floor [m]."""
     worst: float
     """Largest value of the learning curves [%]."""
 
@@ -50,7 +50,7 @@ def blueprint(layouts: Sequence[Layout]) -> rrb.Blueprint:
 
 
 def panels() -> list[rrb.BlueprintPart]:
-    """The viewer's own panels out of the way; the runs play again and again."""
+    """The viewer's own panels hidden; the runs play in a loop."""
     return [
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
@@ -59,16 +59,14 @@ def panels() -> list[rrb.BlueprintPart]:
 
 
 def _alone(layout: Layout) -> rrb.Container:
-    behind = [_series(layout, entity, title) for entity, title in MORE]
+    shares = [3, 2]
     return rrb.Horizontal(
-        rrb.Vertical(_robot(layout), _about(layout), row_shares=[3, 2]),
-        rrb.Vertical(
-            rrb.Tabs(_paths(layout), _plane(layout)), _learning(layout), row_shares=[3, 2]
-        ),
+        rrb.Vertical(_robot(layout), _about(layout), row_shares=shares),
+        rrb.Vertical(rrb.Tabs(*_paths(layout)), _learning(layout), row_shares=shares),
         rrb.Vertical(
             _series(layout, "motor_error", "Motor error, arm side of the gear [mrad]", LEGEND),
             _series(layout, "arm_error", "Deviation across the path [µm]", LEGEND),
-            rrb.Tabs(*behind, _spectrum(layout)),
+            rrb.Tabs(*_more(layout)),
         ),
         column_shares=[5, 6, 6],
     )
@@ -76,13 +74,12 @@ def _alone(layout: Layout) -> rrb.Container:
 
 def _column(layout: Layout) -> rrb.Container:
     return rrb.Vertical(
-        rrb.Tabs(_paths(layout), _plane(layout), _robot(layout), _about(layout), name=layout.name),
+        rrb.Tabs(*_paths(layout), _robot(layout), _about(layout), name=layout.name),
         _learning(layout),
         rrb.Tabs(
             _series(layout, "arm_error", f"{layout.name}: deviation across the path [µm]"),
             _series(layout, "motor_error", f"{layout.name}: motor error [mrad]"),
-            *(_series(layout, entity, title) for entity, title in MORE),
-            _spectrum(layout),
+            *_more(layout),
         ),
         row_shares=[5, 3, 3],
         name=layout.name,
@@ -94,24 +91,23 @@ def _titled(layout: Layout, title: str) -> str:
 
 
 def _robot(layout: Layout) -> rrb.View:
-    """From the side and a little above, all of the robot in sight."""
+    """View of the whole robot, from the side and a little above."""
     reach = layout.height + float(np.hypot(*layout.target[:2]))
     middle = np.array([*(0.5 * layout.target[:2]), 0.5 * layout.height])
     position = middle + reach * np.array([0.35, -1.05, 0.35])
     eye = rrb.EyeControls3D(position=position, look_target=middle)
-    return rrb.Spatial3DView(
-        origin=layout.entity("robot"), name=_titled(layout, "Robot"), eye_controls=eye
+    name = _titled(layout, "Robot")
+    return rrb.Spatial3DView(origin=layout.entity("robot"), name=name, eye_controls=eye)
+
+
+def _paths(layout: Layout) -> tuple[rrb.View, rrb.View]:
+    """Paths of all iterations, and of the current one."""
+    every = _titled(layout, f"Tool path by iteration, deviation ×{layout.factor:g}")
+    now = f"This iteration ×{layout.factor:g} [mm, y up]"
+    return (
+        rrb.Spatial2DView(origin=layout.entity("paths"), name=every),
+        rrb.Spatial2DView(origin=layout.entity("plane"), name=now),
     )
-
-
-def _paths(layout: Layout) -> rrb.View:
-    title = f"Tool path by iteration, deviation ×{layout.factor:g}"
-    return rrb.Spatial2DView(origin=layout.entity("paths"), name=_titled(layout, title))
-
-
-def _plane(layout: Layout) -> rrb.View:
-    title = f"This iteration ×{layout.factor:g} [mm, y up]"
-    return rrb.Spatial2DView(origin=layout.entity("plane"), name=title)
 
 
 def _learning(layout: Layout) -> rrb.View:
@@ -130,10 +126,11 @@ def _series(
     return rrb.TimeSeriesView(origin=layout.entity(entity), name=title, plot_legend=legend)
 
 
-def _spectrum(layout: Layout) -> rrb.View:
-    return rrb.BarChartView(
-        origin=layout.entity("spectrum"), name="Spectrum [µm over Hz]", plot_legend=LEGEND
-    )
+def _more(layout: Layout) -> list[rrb.View]:
+    """Views behind the first one: further series, and the spectrum."""
+    origin, name = layout.entity("spectrum"), "Spectrum [µm over Hz]"
+    spectrum = rrb.BarChartView(origin=origin, name=name, plot_legend=LEGEND)
+    return [*(_series(layout, entity, title) for entity, title in MORE), spectrum]
 
 
 def _about(layout: Layout) -> rrb.View:

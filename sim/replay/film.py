@@ -1,4 +1,4 @@
-"""Pictures of a run: the robot as MuJoCo draws it, beside the tool's path, magnified."""
+"""Pictures and films of a run: the robot as MuJoCo draws it, beside the magnified tool path."""
 
 import shutil
 import subprocess
@@ -8,78 +8,90 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from armside import kinematics
+from armside.arrays import Array
 
+from ..cell import CELLS
 from ..records.atomic import atomic
 from ..records.errors import InputError
-from ..records.signals import Run
-from .offscreen import Offscreen, named_camera
+from ..records.signals import RecordedRun
+from ..records.stored_run import StoredRun
+from .entities import BLUE, GREY, INK, ORANGE
+from .offscreen import Offscreen, drawn_model, named_camera
 from .paths import Contour, fitting_magnification
-from .scene import BLUE, GREY, ORANGE, Scene
+from .run_scene import stored_scene
 
 WIDTH, HEIGHT = 800, 600
-"""[pixels], of the robot's picture; the path's is as high and square."""
+"""Size of the robot's picture [pixels]; the path's is as high and square."""
 RATE = 12.5
-"""Pictures a second of a film."""
-INK = (60, 60, 60)
+"""Frame rate of a film [Hz]."""
+PALE = [245, 190, 130]
 PILLOW_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
+Line = tuple[Contour, Array | float, Sequence[int], int]
+"""Contour, deviation across it [m], colour, width [pixels]."""
 
 
 @dataclass(frozen=True)
-class Shot:
-    """One run to be drawn, and its path, if it cuts one."""
+class Shots:
+    """Runs to be drawn."""
 
-    run: Run
-    contour: Contour | None
-
-
-def shots(scene: Scene) -> list[Shot]:
-    """A laser experiment's runs."""
-    robot = kinematics.compile(scene.robot)
-    return [Shot(run, Contour(run, scene.motion, robot)) for run in scene.runs]
+    mj: mujoco.MjModel
+    runs: Sequence[RecordedRun]
+    contours: Sequence[Contour]
+    """Path of each run; empty for runs that cut none."""
 
 
-def picture(file: Path, mj: mujoco.MjModel, taken: Sequence[Shot], factor: float | None) -> None:
-    """One picture: the robot as it starts to cut, the tool's first and last path beside it."""
-    with Offscreen(mj, WIDTH, HEIGHT) as camera:
-        robot = _robot(camera, taken[0].run.recording.truth.qpos[0])
-    panel = _Panel(taken, factor)
-    image = _beside(robot, panel.first_and_last() if panel.shown else None)
+def stored_shots(run: StoredRun) -> Shots:
+    """Shots of a laser or an IMU run on disk.
+
+    Raises:
+        InputError: another experiment, or a run that lacks its path or its robot.
+    """
+    if run.experiment not in ("laser", "imu"):
+        raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
+    contours = stored_scene(run).contours if run.experiment == "laser" else []
+    config = run.summary["config"]
+    source = Path(config.get("model") or CELLS[config["robot"]].xml)
+    mj = drawn_model(run.robot, source, run.file("robot.xml"))
+    return Shots(mj, run.signals.runs, contours)
+
+
+def picture(file: Path, shots: Shots, factor: float | None = None) -> None:
+    """Write one picture: the robot at its start, the tool's first and last path beside it.
+
+    factor: magnification of deviations from the path, by default one that fits.
+    """
+    with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
+        image = _robot(camera, shots.runs[0].recording.truth.qpos[0])
+    if shots.contours:
+        first, last = shots.contours[0], shots.contours[-1]
+        title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
+        motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
+        panel = _Panel(shots.contours, factor)
+        image = _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
     with atomic(file) as partial:
         image.save(partial, format="PNG", optimize=True)
 
 
-def film(
-    file: Path,
-    mj: mujoco.MjModel,
-    taken: Sequence[Shot],
-    factor: float | None,
-    drawn: Callable[[], None],
-) -> None:
-    """All runs, in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg."""
-    images = _images(mj, taken, factor, drawn)
+def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:
+    """Write all runs in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg.
+
+    drawn: called after each picture.
+    """
+    images = _images(shots, factor, drawn)
     with atomic(file) as partial:
         if kind := PILLOW_FORMATS.get(file.suffix.lower()):
+            timing = {"duration": round(1e3 / RATE), "loop": 0, "quality": 75}
             first = next(images)
-            first.save(
-                partial,
-                format=kind,
-                save_all=True,
-                append_images=images,
-                duration=round(1e3 / RATE),
-                loop=0,
-                quality=75,
-            )
+            first.save(partial, format=kind, save_all=True, append_images=images, **timing)
         else:
             _by_ffmpeg(partial, file.suffix, images)
 
 
-def n_images(taken: Sequence[Shot]) -> int:
-    """How many pictures a film of the runs has."""
-    return sum(len(_times(shot.run)) for shot in taken)
+def n_images(shots: Shots) -> int:
+    """Number of pictures in a film of the runs."""
+    return sum(len(_times(run)) for run in shots.runs)
 
 
 def check_film(file: Path) -> None:
@@ -92,34 +104,34 @@ def check_film(file: Path) -> None:
         raise InputError(f"{file.name} needs the program ffmpeg; .gif and .webp do without")
 
 
-def _times(run: Run) -> NDArray[np.float64]:
+def _times(run: RecordedRun) -> Array:
     return np.arange(0.0, run.recording.time[-1], 1.0 / RATE)
 
 
-def _images(
-    mj: mujoco.MjModel, taken: Sequence[Shot], factor: float | None, drawn: Callable[[], None]
-) -> Iterator[Image.Image]:
-    panel = _Panel(taken, factor)
-    with Offscreen(mj, WIDTH, HEIGHT) as camera:
-        for shot in taken:
-            truth = shot.run.recording.truth
-            for time in _times(shot.run):
+def _images(shots: Shots, factor: float | None, drawn: Callable[[], None]) -> Iterator[Image.Image]:
+    panel = _Panel(shots.contours, factor) if shots.contours else None
+    with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
+        for i, run in enumerate(shots.runs):
+            truth = run.recording.truth
+            for time in _times(run):
                 row = min(int(np.searchsorted(truth.time, time)), len(truth.time) - 1)
-                robot = _robot(camera, truth.qpos[row])
-                yield _beside(robot, panel.at(shot, float(time)) if panel.shown else None)
+                image = _robot(camera, truth.qpos[row])
+                if panel is not None:
+                    cut = shots.contours[i]
+                    lines: list[Line] = [(cut, cut.motor, BLUE, 2), (cut, cut.tool, ORANGE, 3)]
+                    image = _beside(image, panel.draw(f"k = {run.k}", lines, until=float(time)))
+                yield image
                 drawn()
 
 
-def _robot(camera: Offscreen, qpos: NDArray[np.float64]) -> Image.Image:
+def _robot(camera: Offscreen, qpos: Array) -> Image.Image:
     data = mujoco.MjData(camera.mj)
     data.qpos[:] = qpos
     mujoco.mj_forward(camera.mj, data)
     return Image.fromarray(camera.draw(data, named_camera(camera.mj, "whole")))
 
 
-def _beside(robot: Image.Image, panel: Image.Image | None) -> Image.Image:
-    if panel is None:
-        return robot
+def _beside(robot: Image.Image, panel: Image.Image) -> Image.Image:
     image = Image.new("RGB", (robot.width + panel.width, robot.height), "white")
     image.paste(robot, (0, 0))
     image.paste(panel, (robot.width, 0))
@@ -127,58 +139,31 @@ def _beside(robot: Image.Image, panel: Image.Image | None) -> Image.Image:
 
 
 class _Panel:
-    """The plane of the cut, seen from above: y up."""
+    """Tool paths in the plane of the cut, y up, with the magnification that fits all contours."""
 
-    def __init__(self, taken: Sequence[Shot], factor: float | None) -> None:
-        self.taken = taken
-        contours = [shot.contour for shot in taken if shot.contour is not None]
-        self.shown = len(contours) == len(taken)
-        if self.shown:
-            self.factor = factor or fitting_magnification(contours)
-            self.scale = HEIGHT / (contours[0].half_size * 1e3 * 4.4)  # pixels a millimetre
+    def __init__(self, contours: Sequence[Contour], factor: float | None) -> None:
+        self.programmed: Line = (contours[0], 0.0, GREY, 2)
+        self.factor = factor or fitting_magnification(contours)
+        self.scale = HEIGHT / (contours[0].half_size * 1e3 * 4.4)  # pixels a millimetre
 
-    def first_and_last(self) -> Image.Image:
-        first, last = self.taken[0], self.taken[-1]
-        image, draw = self._empty(f"k = {first.run.k} thin, k = {last.run.k} thick")
-        self._line(draw, first.contour, "tool", (245, 190, 130), 2)
-        self._line(draw, last.contour, "motor", tuple(BLUE), 3)
-        self._line(draw, last.contour, "tool", tuple(ORANGE), 3)
-        return image
-
-    def at(self, shot: Shot, time: float) -> Image.Image:
-        image, draw = self._empty(f"k = {shot.run.k}")
-        self._line(draw, shot.contour, "motor", tuple(BLUE), 2, until=time)
-        self._line(draw, shot.contour, "tool", tuple(ORANGE), 3, until=time)
-        return image
-
-    def _empty(self, title: str) -> tuple[Image.Image, ImageDraw.ImageDraw]:
+    def draw(self, title: str, lines: Sequence[Line], until: float = np.inf) -> Image.Image:
+        """Picture of the programmed path and of lines up to the time `until` [s]."""
         image = Image.new("RGB", (HEIGHT, HEIGHT), "white")
-        draw = ImageDraw.Draw(image)
-        font = ImageFont.load_default(size=22)
-        draw.text((20, 14), title, fill=INK, font=font)
-        small = ImageFont.load_default(size=17)
-        said = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
-        draw.text((20, HEIGHT - 34), said, fill=INK, font=small)
-        self._line(draw, self.taken[0].contour, "programmed", tuple(GREY), 2)
-        return image, draw
+        pen, ink = ImageDraw.Draw(image), tuple(INK)
+        pen.text((20, 14), title, fill=ink, font=ImageFont.load_default(size=22))
+        legend = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
+        pen.text((20, HEIGHT - 34), legend, fill=ink, font=ImageFont.load_default(size=17))
+        self._line(pen, self.programmed, np.inf)
+        for line in lines:
+            self._line(pen, line, until)
+        return image
 
-    def _line(
-        self,
-        draw: ImageDraw.ImageDraw,
-        contour: Contour | None,
-        what: str,
-        colour: tuple[int, ...],
-        width: int,
-        until: float = np.inf,
-    ) -> None:
-        assert contour is not None
-        zero = np.zeros(len(contour.time))
-        deviation = {"motor": contour.motor, "tool": contour.tool}.get(what, zero)
+    def _line(self, pen: ImageDraw.ImageDraw, line: Line, until: float) -> None:
+        contour, deviation, colour, width = line
         points = contour.magnified(deviation, self.factor)
-        shown = points[contour.cutting & (contour.time <= until)]
+        shown = points[contour.cutting & (contour.time <= until)] * self.scale + HEIGHT / 2
         if len(shown) > 1:
-            place = shown * self.scale + HEIGHT / 2
-            draw.line([(float(x), float(y)) for x, y in place], fill=colour, width=width)
+            pen.line([(float(x), float(y)) for x, y in shown], fill=tuple(colour), width=width)
 
 
 def _by_ffmpeg(file: Path, suffix: str, images: Iterator[Image.Image]) -> None:

@@ -1,4 +1,4 @@
-"""The geoms of a MuJoCo model as Rerun shapes, body by body, at rest in their body's frame."""
+"""Geoms of a MuJoCo model as Rerun shapes, body by body, in their body's frame."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,18 +9,18 @@ import rerun as rr
 from mujoco import mjtGeom
 
 LARGEST_VISUAL_GROUP = 2
-"""MuJoCo's viewers show groups 0 to 2; by custom collision shapes are in 3."""
+"""MuJoCo's viewers show groups 0 to 2; by convention collision shapes are in 3."""
 FLOOR = 3.0
 """Half side of an infinite plane as drawn [m]."""
 
 
 def body_entity(mj: mujoco.MjModel, body: int, prefix: str = "robot") -> str:
-    """Where a body lives among the entities of a replay."""
+    """Entity of a body in a replay."""
     return f"{prefix}/{mj.body(body).name or f'body_{body}'}"
 
 
 def shapes(mj: mujoco.MjModel, prefix: str = "robot") -> Iterator[tuple[str, rr.AsComponents]]:
-    """(entity, shape) of each visible geom type of each body; poses are in the body's frame."""
+    """Entity and shape of each visible geom type of each body; poses are in the body's frame."""
     visible = (mj.geom_group <= LARGEST_VISUAL_GROUP) & (_colours(mj)[:, 3] > 0)
     for body in range(mj.nbody):
         for kind in np.unique(mj.geom_type[(mj.geom_bodyid == body) & visible]):
@@ -34,7 +34,7 @@ def shapes(mj: mujoco.MjModel, prefix: str = "robot") -> Iterator[tuple[str, rr.
 
 
 def _colours(mj: mujoco.MjModel) -> np.ndarray:
-    """(ngeom, 4), 0..255: a material's colour wins over the geom's own default."""
+    """Colours (ngeom, 4), 0..255; a material's colour overrides the geom's own."""
     rgba = mj.geom_rgba.copy()
     has_material = mj.geom_matid >= 0
     rgba[has_material] = mj.mat_rgba[mj.geom_matid[has_material]]
@@ -42,7 +42,7 @@ def _colours(mj: mujoco.MjModel) -> np.ndarray:
 
 
 def _primitive(mj: mujoco.MjModel, kind: mjtGeom, geoms: np.ndarray) -> rr.AsComponents | None:
-    """One batch of shapes; kinds that Rerun cannot draw are left out."""
+    """Batch of shapes; kinds that Rerun cannot draw are left out."""
     size, centre = mj.geom_size[geoms], mj.geom_pos[geoms]
     common: dict[str, Any] = {
         "quaternions": np.roll(mj.geom_quat[geoms], -1, axis=1),  # Rerun has w last

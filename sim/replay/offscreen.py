@@ -8,10 +8,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..records.errors import InputError
+
 Image = NDArray[np.uint8]
 
 
-class NoGraphicsError(RuntimeError):
+class NoGraphicsError(InputError):
     """This machine has no OpenGL to draw with."""
 
 
@@ -35,7 +37,7 @@ class Offscreen:
             self._context = mujoco.MjrContext(mj, mujoco.mjtFontScale.mjFONTSCALE_150.value)  # pyright: ignore[reportAttributeAccessIssue]
         except Exception as error:
             self._gl.free()
-            raise NoGraphicsError(f"OpenGL does not draw here: {error}") from error
+            raise NoGraphicsError(f"cannot draw without window: {error}") from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         self.mj = mj
 
@@ -62,18 +64,23 @@ class Offscreen:
         return image[::-1]
 
 
-def drawn_model(mj: mujoco.MjModel, source: Path) -> mujoco.MjModel:
-    """The robot on its floor where a scene of it lies beside its file, or the model itself."""
+def drawn_model(mj: mujoco.MjModel, source: Path, own: Path | None = None) -> mujoco.MjModel:
+    """Robot on its floor where a scene lies beside its file `source`, or the model itself.
+
+    own: MJCF file that takes the place of `source` in the scene, such as robot.xml of a run.
+    """
     file = source.with_name(f"{source.stem}_scene.xml")
-    if file.is_file():
+    if not file.is_file():
+        return mj
+    if own is None:
         scene = mujoco.MjModel.from_xml_path(str(file))
-        if scene.nq == mj.nq:
-            return scene
-    return mj
+    else:
+        scene = mujoco.MjModel.from_xml_string(file.read_text(), {source.name: own.read_bytes()})
+    return scene if scene.nq == mj.nq else mj
 
 
 def named_camera(mj: mujoco.MjModel, name: str) -> mujoco.MjvCamera:
-    """A camera of the model, or a free one around its middle where it has none of that name."""
+    """Camera of the model, or a free one around its centre where it has none of that name."""
     camera = mujoco.MjvCamera()
     index = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_CAMERA, name)
     if index >= 0:
@@ -86,7 +93,7 @@ def named_camera(mj: mujoco.MjModel, name: str) -> mujoco.MjvCamera:
 
 
 def _context(width: int, height: int):
-    """A context of OpenGL. Its libraries are looked for when this is called, not before."""
+    """OpenGL context. Its libraries are looked for when this is called, not before."""
     backend = os.environ.get("MUJOCO_GL", "egl").lower()
     os.environ.setdefault("PYOPENGL_PLATFORM", "osmesa" if backend == "osmesa" else "egl")
     try:
@@ -95,8 +102,8 @@ def _context(width: int, height: int):
         else:
             from mujoco.egl import GLContext
         return GLContext(width, height)
-    except Exception as error:  # PyOpenGL says the same with many types
+    except Exception as error:  # PyOpenGL raises many types for it
         raise NoGraphicsError(
-            f"no {backend.upper()} to draw with ({type(error).__name__}: {error}); on Debian "
-            f"install libegl1 and libgl1-mesa-dri, or set MUJOCO_GL=osmesa with libosmesa6"
+            f"cannot draw without window: no {backend.upper()} ({type(error).__name__}: {error}); "
+            "on Debian install libegl1 and libgl1-mesa-dri, or set MUJOCO_GL=osmesa with libosmesa6"
         ) from error

@@ -1,36 +1,27 @@
 """Paths of the tool as a replay draws them: across the programmed path, magnified."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from armside import kinematics
 from armside.arrays import Array
 
-from ..cut.path import Plane
-from ..records.signals import Run
+from ..cut.tool_motion import ToolMotion
+from ..records.signals import RecordedRun
 from ..robot.recording import Recording
 
 MAGNIFICATIONS = (50.0, 20.0, 10.0, 5.0, 2.0)
 LARGEST_SHOWN = 0.75
-"""How far a magnified deviation may reach, as a part of the contour's half size."""
-
-
-class Programmed(Protocol):
-    """What the tool was asked to do."""
-
-    @property
-    def plane(self) -> Plane: ...
-    def position_at(self, time: ArrayLike) -> Array: ...
-    def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]: ...
+"""Largest magnified deviation, relative to the contour's half size."""
 
 
 class Contour:
     """Programmed, motor-side and true tool path of one run in the plane, at the log's instants."""
 
-    def __init__(self, run: Run, motion: Programmed, robot: kinematics.CompiledRobot) -> None:
+    def __init__(
+        self, run: RecordedRun, motion: ToolMotion, robot: kinematics.CompiledRobot
+    ) -> None:
         recording, plane = run.recording, motion.plane
         self.time = recording.time
         self.programmed = plane.from_base(motion.position_at(self.time))[:, :2]
@@ -43,16 +34,20 @@ class Contour:
     def _deviation(self, p: Array) -> Array:
         """(N,) [m], across the path, outwards on a counter-clockwise contour.
 
-        The mean offset while cutting (static deflection) is taken off first: what is left is shape.
+        The mean offset while cutting (static deflection) is subtracted first: the shape remains.
         """
         offset = p - self.programmed
         offset = offset - offset[self.cutting].mean(axis=0)
         return np.einsum("ij,ij->i", offset, self.normal)
 
-    def magnified(self, deviation: Array, factor: float) -> Array:
+    def magnified(self, deviation: Array | float, factor: float) -> Array:
         """(N, 2) [mm], y upwards in Rerun's picture axes, which point down."""
-        p = self.programmed + factor * deviation[:, np.newaxis] * self.normal
+        p = self.programmed + factor * np.expand_dims(deviation, -1) * self.normal
         return 1e3 * p * [1.0, -1.0]
+
+    def cut(self, deviation: Array | float, factor: float) -> Array:
+        """Samples of `magnified` on the contour, without leads: (M, 2) [mm]."""
+        return self.magnified(deviation, factor)[self.cutting]
 
     @property
     def half_size(self) -> float:
@@ -60,7 +55,7 @@ class Contour:
         return float(np.ptp(self.programmed, axis=0).max()) / 2
 
     def spectrum(self, deviation: Array) -> tuple[Array, Array]:
-        """Amplitudes [m] of what lies across the path while cutting, at frequencies [Hz]."""
+        """Frequencies [Hz] and amplitudes [m] of a deviation across the path while cutting."""
         cut = deviation[self.cutting]
         window = np.hanning(len(cut))
         amplitude: Array = 2.0 * np.abs(np.fft.rfft(cut * window)) / window.sum()
@@ -70,7 +65,7 @@ class Contour:
 
 
 def fitting_magnification(contours: Sequence[Contour]) -> float:
-    """The largest of 50, 20, 10, 5, 2, 1 that leaves the contour's shape to be seen."""
+    """Largest of 50, 20, 10, 5, 2, 1 that leaves the contour's shape visible."""
     largest = max(np.abs(c.tool[c.cutting]).max() for c in contours)
     room = LARGEST_SHOWN * contours[0].half_size
     return next((m for m in MAGNIFICATIONS if m * largest <= room), 1.0)

@@ -155,7 +155,7 @@ def test_a_killed_run_leaves_nothing_that_looks_finished(armside_process, tmp_pa
     left = [path.parent for path in tmp_path.rglob("summary.json")]
     assert len(left) == 1
     assert left[0].name.startswith(".")
-    assert ".partial-" in left[0].name
+    assert ".partial" in left[0].name
 
 
 def test_the_folder_of_a_killed_run_can_be_used_again(armside_process, tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from armside.scripts import cli
-from armside.scripts.commands.gallery import PICTURES
+from armside.scripts.figures.gallery import PICTURES
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
 ALIKE = 1.0

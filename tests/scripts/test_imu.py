@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
 
 
 def test_a_run_leaves_its_files(folder):
-    files = {"summary.json", "signals.parquet", "imu.parquet", "replay.rrd"} | FIGURES
+    files = {"summary.json", "signals.parquet", "imu.parquet", "replay.rrd", "robot.xml"} | FIGURES
     assert {file.name for file in folder.iterdir()} == files
 
 

@@ -152,10 +152,10 @@ def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
     ring = np.column_stack([np.cos(angle), np.sin(angle)])
     gone = np.full_like(ring, np.nan)
     cuts = [
-        kerf_figure.Cut(
+        kerf_figure.CutEdges(
             k=0, outer=5.1e-3 * ring, inner=4.9e-3 * ring, deviation=0 * way, roundness=0.0
         ),
-        kerf_figure.Cut(
+        kerf_figure.CutEdges(
             k=3, outer=gone, inner=gone, deviation=np.nan * way, roundness=float("nan")
         ),
     ]

@@ -1,4 +1,4 @@
-"""From a laser run to what its replay shows: the scene, the learning curves, the text."""
+"""Scene of a laser run, made now or stored: robot, paths, learning curves, text."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -7,50 +7,28 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from armside.sim.cell import CELLS
-from armside.sim.records.signals import Run
-from armside.sim.replay.paths import Programmed
-from armside.sim.replay.scene import Scene, write_scenes
+from ..cell import CELLS
+from ..cut.tool_motion import ToolMotion
+from ..records.atomic import atomic
+from ..records.errors import InputError
+from ..records.signals import RecordedRun
+from ..records.stored_run import StoredRun
+from .scene import Scene, write_scenes
 
 Row = Mapping[str, Any]
-DESIGN = (
-    "robot",
-    "pose",
-    "shape",
-    "speed",
-    "measure",
-    "law",
-    "gamma",
-    "delta",
-    "cutoff",
-    "without",
-)
+DESIGN = ("robot", "pose", "shape", "speed", "measure", "law", "gamma", "delta", "cutoff")
 UNITS = {"speed": "mm/s", "delta": "samples", "cutoff": "Hz"}
 
 
-def write_run(
-    file: Path,
+def laser_scene(
     outcome: Mapping[str, Any],
     mj: mujoco.MjModel,
-    runs: Sequence[Run],
-    motion: Programmed,
-) -> None:
-    """Write the replay of a run that has just been made.
-
-    outcome: its summary.
-    """
-    write_scenes(file, [scene(outcome, mj, runs, motion)])
-
-
-def scene(
-    outcome: Mapping[str, Any],
-    mj: mujoco.MjModel,
-    runs: Sequence[Run],
-    motion: Programmed,
+    runs: Sequence[RecordedRun],
+    motion: ToolMotion,
     *,
     name: str = "",
 ) -> Scene:
-    """What is shown of a laser run."""
+    """Scene of a laser run with the summary `outcome`."""
     rows = outcome["iterations"]
     return Scene(
         mj=mj,
@@ -63,8 +41,45 @@ def scene(
     )
 
 
+def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
+    """Scene of a laser run on disk, of nothing but its files.
+
+    Raises:
+        InputError: another experiment, or a run that lacks its path or its robot.
+    """
+    if run.experiment != "laser":
+        raise InputError(
+            f"{run.folder} is a run of {run.experiment}; only those of laser are redrawn"
+        )
+    return laser_scene(run.summary, run.robot, run.signals.runs, run.path, name=name)
+
+
+def write_stored(
+    file: Path, runs: Sequence[StoredRun], *, magnification: float | None = None
+) -> None:
+    """Write the replay of runs on disk: of one of another experiment as it is, of laser runs anew.
+
+    Several are shown side by side under their folders' names, numbered where two are alike.
+
+    Raises:
+        InputError: runs of other experiments side by side, or a file that is missing.
+    """
+    if len(runs) == 1 and runs[0].experiment != "laser":
+        content = runs[0].file("replay.rrd").read_bytes()
+        with atomic(file) as partial:
+            partial.write_bytes(content)
+        return
+    names = [run.folder.resolve().name for run in runs]
+    unique = [f"{name}-{i}" if names.count(name) > 1 else name for i, name in enumerate(names, 1)]
+    scenes = [
+        stored_scene(run, name=name if len(runs) > 1 else "")
+        for run, name in zip(runs, unique, strict=True)
+    ]
+    write_scenes(file, scenes, magnification=magnification)
+
+
 def learning(rows: Sequence[Row]) -> dict[str, list[float]]:
-    """Each motor's 2-norm and the tool's measures, as parts of those of the first run."""
+    """Motor 2-norms and measures of the tool by iteration, relative to the first run."""
     curves = {
         f"motor {i + 1}": [row["motor_two"][i] for row in rows]
         for i in range(len(rows[0]["motor_two"]))
@@ -84,8 +99,8 @@ def about(outcome: Mapping[str, Any]) -> str:
     """Design variables and measures as Markdown."""
     config, rows = outcome["config"], outcome["iterations"]
     design = [
-        f"**{name}** {_said(config[name])} {UNITS.get(name, '')}".rstrip()
-        for name in DESIGN
+        f"**{name}** {_text(config[name])} {UNITS.get(name, '')}".rstrip()
+        for name in (*DESIGN, "without")
         if config.get(name) not in (None, [], ())
     ]
     lines = [
@@ -103,15 +118,15 @@ def about(outcome: Mapping[str, Any]) -> str:
         lines += ["", f"Status: {outcome['status']}."]
     lines += [
         "",
-        "Motors learn from their own angles: their error falls. The tool is what the tracker sees.",
+        "Motors learn from their own angles: their error falls. The tracker measures the tool.",
         "Grey: programmed. Blue: where the motors alone would put the tool. Orange: the tool.",
     ]
     return "\n".join(lines)
 
 
-def _said(value: Any) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, (list, tuple)):
-        return ", ".join(_said(item) for item in value)
+        return ", ".join(_text(item) for item in value)
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from armside.sim.instruments.laser_tracker import TrackerSamples
-from armside.sim.records.signals import Run, read_signals, write_signals
+from armside.sim.records.signals import RecordedRun, read_signals, write_signals
 from armside.sim.robot.drives import GearError
 from armside.sim.robot.recording import Recording, Truth
 
@@ -52,7 +52,7 @@ def some_runs(n=3, seed=0, **size):
         valid = np.arange(len(time)) < len(time) - 5 * k
         position = np.where(valid[:, np.newaxis], rng.normal(size=(len(time), 3)), np.nan)
         tracker = TrackerSamples(time=time, position=position, valid=valid)
-        runs.append(Run(k=k, recording=recording, tracker=tracker))
+        runs.append(RecordedRun(k=k, recording=recording, tracker=tracker))
     return runs
 
 

@@ -12,7 +12,7 @@ from armside.sim.cell import TOOL_QUATERNION, pose
 from armside.sim.cut.contour import Circle
 from armside.sim.cut.path import CuttingPath, Plane
 from armside.sim.cut.tool_motion import plan_cut
-from armside.sim.records.signals import Run
+from armside.sim.records.signals import RecordedRun
 from armside.sim.robot.recording import Recording, Truth
 
 RADIUS = 0.005
@@ -81,15 +81,19 @@ def a_run(k, motion, phi, excess):
         motor_torque=rng.normal(size=phi.shape),
         truth=truth,
     )
-    return Run(k=k, recording=recording)
+    return RecordedRun(k=k, recording=recording)
+
+
+def write(path, mj, runs, motion):
+    from armside.sim.replay.scene import Scene, write_scenes
+
+    write_scenes(path, [Scene(mj=mj, runs=runs, motion=motion, robot=LARGE_ROBOT)])
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory, motion_and_phi, runs):
-    from armside.sim.replay.scene import write_replay
-
     path = tmp_path_factory.mktemp("replay") / "replay.rrd"
-    write_replay(path, MJ, runs, motion_and_phi[0], LARGE_ROBOT)
+    write(path, MJ, runs, motion_and_phi[0])
     return path
 
 
@@ -214,22 +218,18 @@ def test_a_mesh_is_drawn_where_the_physics_has_it():
 
 
 def test_a_model_of_another_robot_is_refused(tmp_path, motion_and_phi, runs):
-    from armside.sim.replay.scene import write_replay
-
     other = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
     with pytest.raises(ValueError, match="18 joint positions, the model has 7"):
-        write_replay(tmp_path / "r.rrd", other, runs, motion_and_phi[0], LARGE_ROBOT)
+        write(tmp_path / "r.rrd", other, runs, motion_and_phi[0])
     assert list(tmp_path.iterdir()) == []
 
 
 def test_motors_that_follow_exactly_show_no_deviation_though_the_tool_does(
     tmp_path, motion_and_phi, runs
 ):
-    from armside.sim.replay.scene import write_replay
-
     motion, phi = motion_and_phi
     run = replace(runs[0], recording=replace(runs[0].recording, motor_angle=phi))
-    write_replay(tmp_path / "r.rrd", MJ, [run], motion, LARGE_ROBOT)
+    write(tmp_path / "r.rrd", MJ, [run], motion)
     ((batch),) = columns(tmp_path / "r.rrd", "arm_error")
     motors = values(batch["scalars"])[motion.on_contour, 1]
     np.testing.assert_allclose(motors, 0.0, rtol=0, atol=1e-3)

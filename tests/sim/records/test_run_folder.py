@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from armside.scripts.shell.errors import InputError
-from armside.sim.records.run_folder import RunFolder, write_whole
+from armside.sim.records.atomic import write_whole
+from armside.sim.records.run_folder import RunFolder
 
 
 def test_files_appear_together_when_the_block_ends(tmp_path):

@@ -1,0 +1,214 @@
+"""Entities of a replay: robot, tool paths, signals and learning curves as Rerun columns."""
+
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+import rerun as rr
+
+from armside.arrays import Array
+
+from ..records.signals import RecordedRun
+from .blueprint import Layout
+from .geoms import body_entity, shapes
+from .paths import Contour
+
+FRAME_PERIOD = 0.02
+"""Period of the robot's pose in the replay [s]."""
+IMU_PERIOD = 0.01
+"""Period of the IMU series in the replay [s]."""
+SPECTRUM_TO = 40.0
+"""Largest frequency shown [Hz]; above it the robot hardly moves."""
+GREY, BLUE, ORANGE, INK = [150, 150, 150], [70, 130, 230], [240, 120, 20], [60, 60, 60]
+TOOL_MAXIMUM = [240, 180, 60]
+AXIS_COLOURS = [
+    [0, 114, 178],
+    [86, 180, 233],
+    [0, 158, 115],
+    [204, 121, 167],
+    [150, 110, 190],
+    [120, 120, 120],
+]
+"""Colours of axes 1 to 6: none is orange, which is the tool's."""
+AXIS_NAMES = [f"axis {i}" for i in range(1, 7)]
+XYZ = ["x", "y", "z"]
+SERIES = {
+    "motor_error": (AXIS_NAMES, AXIS_COLOURS),
+    "correction": (AXIS_NAMES, AXIS_COLOURS),
+    "motor_torque": (AXIS_NAMES, AXIS_COLOURS),
+    "arm_error": (["tool", "motors"], [ORANGE, BLUE]),
+    "imu/acceleration": (XYZ, AXIS_COLOURS[:3]),
+    "imu/angular_velocity": (XYZ, AXIS_COLOURS[:3]),
+    "tracker": (XYZ, AXIS_COLOURS[:3]),
+}
+TOOL_LINES = ("tool RMS", "tool maximum")
+"""Learning curves of the tool; all others are of a motor."""
+
+
+class Entities:
+    """Entities of one experiment in a stream, below its name where it has one."""
+
+    def __init__(self, stream: rr.RecordingStream, layout: Layout) -> None:
+        self.stream, self.layout = stream, layout
+
+    def static(self, path: str, shape: rr.AsComponents) -> None:
+        """Log a shape that does not change."""
+        self.stream.log(self.layout.entity(path), shape, static=True)
+
+    def send(
+        self, path: str, time: Array | float, k: int | Array, columns: rr.ComponentColumnList
+    ) -> None:
+        """Send columns with a row for each time [s] of iteration k."""
+        indexes = _indexes(np.atleast_1d(time), k)
+        self.stream.send_columns(self.layout.entity(path), indexes, columns)
+
+
+def _indexes(time: Array, k: int | Array) -> list[rr.TimeColumn]:
+    return [
+        rr.TimeColumn("time", duration=time),
+        rr.TimeColumn("iteration", sequence=np.broadcast_to(k, len(time))),
+    ]
+
+
+def _every(time: Array, period: float) -> slice:
+    return slice(None, None, max(1, round(period / (time[1] - time[0]))))
+
+
+def _sides(contour: Contour) -> tuple[tuple[str, Array, list[int]], ...]:
+    """Name, deviation across the path and colour of both sides of the gears."""
+    return ("motors", contour.motor, BLUE), ("tool", contour.tool, ORANGE)
+
+
+def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) -> None:
+    """Send shapes, programmed path, names of the series and text, which do not change."""
+    to.static("robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    for entity, shape in shapes(mj, prefix=to.layout.entity("robot")):
+        to.stream.log(entity, shape, static=True)
+    programmed = contour.magnified(0.0, 1.0)
+    line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
+    to.static("plane/programmed", line)
+    for path, (names, colours) in SERIES.items():
+        to.static(path, rr.SeriesLines(names=names, colors=colours))
+    if about:
+        to.static("about", rr.TextDocument(about, media_type="text/markdown"))
+
+
+def send_bodies(
+    stream: rr.RecordingStream,
+    mj: mujoco.MjModel,
+    run: RecordedRun,
+    start: float,
+    prefix: str = "robot",
+) -> None:
+    """Send poses of all bodies over time, by forward kinematics of the joint positions."""
+    truth = run.recording.truth
+    every = _every(truth.time, FRAME_PERIOD)
+    frames, time = truth.qpos[every], start + truth.time[every]
+    position = np.empty((len(frames), mj.nbody, 3))
+    quaternion = np.empty((len(frames), mj.nbody, 4))
+    data = mujoco.MjData(mj)
+    for i, qpos in enumerate(frames):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(mj, data)
+        position[i], quaternion[i] = data.xpos, data.xquat
+    indexes = _indexes(time, run.k)
+    for body in range(1, mj.nbody):
+        columns = rr.Transform3D.columns(
+            translation=position[:, body], quaternion=np.roll(quaternion[:, body], -1, axis=1)
+        )
+        stream.send_columns(body_entity(mj, body, prefix), indexes, columns)
+
+
+def send_paths(
+    to: Entities, runs: Sequence[RecordedRun], contours: Sequence[Contour], starts: Array
+) -> None:
+    """Send all iterations beside each other, always visible; a point runs along the current one."""
+    columns = min(3, len(contours))
+    pitch = 1e3 * contours[0].half_size * 3.3  # [mm], leaves room for a label
+    places = [np.array([i % columns, i // columns]) * pitch for i in range(len(contours))]
+    strips: dict[str, list[Array]] = {"programmed": [], "motors": [], "tool": []}
+    for run, contour, place, start in zip(runs, contours, places, starts, strict=False):
+        for name, deviation, _ in (("programmed", 0.0, GREY), *_sides(contour)):
+            strips[name].append(contour.cut(deviation, to.layout.factor) + place)
+        _send_point(to, "paths/now", run.k, contour, start, place)
+    for (name, lines), colour in zip(strips.items(), (GREY, BLUE, ORANGE), strict=True):
+        to.static(f"paths/{name}", rr.LineStrips2D(lines, colors=colour))
+    heads = [place - np.array([0.0, 0.46 * pitch]) for place in places]
+    labels = [f"k = {run.k}" for run in runs]
+    to.static(
+        "paths/labels", rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True)
+    )
+
+
+def send_contour(to: Entities, k: int, contour: Contour, start: float) -> None:
+    """Send the magnified paths of one iteration, and the tool moving along its own."""
+    for name, deviation, colour in _sides(contour):
+        strip = contour.cut(deviation, to.layout.factor)
+        columns = rr.LineStrips2D.columns(strips=[strip], colors=[colour])
+        to.send(f"plane/{name}", start, k, columns)
+    _send_point(to, "plane/tool_now", k, contour, start)
+
+
+def _send_point(
+    to: Entities, path: str, k: int, contour: Contour, start: float, place: Array | float = 0.0
+) -> None:
+    every = _every(contour.time, FRAME_PERIOD)
+    point = (contour.magnified(contour.tool, to.layout.factor) + place)[every]
+    columns = rr.Points2D.columns(positions=point, colors=[ORANGE] * len(point))
+    to.send(path, start + contour.time[every], k, columns)
+
+
+def send_series(to: Entities, run: RecordedRun, contour: Contour, start: float) -> None:
+    """Send errors, corrections and torques at the log rate, sensors at their own."""
+    recording, tracker = run.recording, run.tracker
+    truth, log = recording.truth, recording.time
+    arm_error = np.where(contour.cutting, [contour.tool, contour.motor], np.nan).T
+    every = _every(truth.time, IMU_PERIOD)
+    series = [
+        ("motor_error", log, 1e3 * recording.error),
+        ("correction", log, 1e3 * recording.correction),
+        ("motor_torque", log, recording.motor_torque),
+        ("arm_error", log, 1e6 * arm_error),
+        ("imu/acceleration", truth.time[every], truth.imu_acceleration[every]),
+        ("imu/angular_velocity", truth.time[every], truth.imu_angular_velocity[every]),
+    ]
+    if tracker is not None:
+        # A lost beam is a gap.
+        position = np.where(tracker.valid[:, np.newaxis], tracker.position, np.nan)
+        series.append(("tracker", tracker.time, 1e3 * (position - to.layout.target)))
+    for path, time, values in series:
+        n, width = values.shape
+        columns = rr.Scalars.columns(scalars=values.ravel()).partition(np.full(n, width))
+        to.send(path, start + time, run.k, columns)
+
+
+def send_learning(
+    to: Entities,
+    runs: Sequence[RecordedRun],
+    learning: Mapping[str, Sequence[float]],
+    starts: Array,
+) -> None:
+    """Send the learning curves [%]: a step over time, a point for each iteration."""
+    starts = starts[: len(runs)]
+    ends = starts + [run.recording.time[-1] for run in runs]
+    time = np.column_stack([starts, ends]).ravel()
+    ks = np.repeat([run.k for run in runs], 2)
+    motors = iter(AXIS_COLOURS)
+    for name, values in learning.items():
+        tool = name in TOOL_LINES
+        colour = (TOOL_MAXIMUM if name.endswith("maximum") else ORANGE) if tool else next(motors)
+        path = f"learning/{name.replace(' ', '_')}"
+        to.static(path, rr.SeriesLines(names=name, colors=colour, widths=3.0 if tool else 1.5))
+        columns = rr.Scalars.columns(scalars=100.0 * np.repeat(values, 2))
+        to.send(path, time, ks, columns)
+
+
+def send_spectrum(to: Entities, k: int, contour: Contour, start: float) -> None:
+    """Send spectra of tool and motors across the path while cutting, for one iteration."""
+    for name, deviation, colour in _sides(contour):
+        frequency, amplitude = contour.spectrum(deviation)
+        shown = frequency <= SPECTRUM_TO
+        columns = rr.BarChart.columns(
+            values=[1e6 * amplitude[shown]], abscissa=[frequency[shown]], color=[colour]
+        )
+        to.send(f"spectrum/{name}", start, k, columns)
