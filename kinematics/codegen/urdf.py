@@ -13,8 +13,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..dh import Joint, Link, Robot
-from ..inverse.wrist_arm import link_transform, standard_links
 from ..limits import Limits
+from ..links import link_transform, standard_links
 from ..rotation import to_roll_pitch_yaw
 
 _UNLIMITED = 1e6  # [N m] or [rad/s]: URDF wants a number where a kinematic model has none

@@ -82,7 +82,7 @@ NO_BODY = Body(mass=0)
 
 
 @dataclass(frozen=True)
-class RobotModel:
+class InertialModel:
     """A robot with its masses and drives. Torques and accelerations are those of the motors."""
 
     robot: Robot

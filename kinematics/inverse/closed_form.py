@@ -8,6 +8,7 @@ away, the elbow bent one way or the other, the wrist turned or flipped.
 from dataclasses import dataclass
 from enum import IntFlag
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from .. import cache as native
+from ..cache import cached_module
 from ..dh import Robot
 from ..limits import Limits
 from .wrist_arm import WristArm, wrist_arm
@@ -160,9 +161,7 @@ def inverse_path(
 
 @cache
 def _kernel() -> Any:
-    from pathlib import Path
-
-    return native.load("inverse", "", Path(__file__).with_name("kernel.py").read_text)
+    return cached_module("inverse", "", Path(__file__).with_name("kernel.py").read_text)
 
 
 def _turned(robot: Robot, phi: Array) -> Array:

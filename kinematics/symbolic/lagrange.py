@@ -10,9 +10,9 @@ from typing import Any
 import sympy as sp
 
 from ..dh import Robot
-from ..equations.forward_kinematics import motor_symbols
-from ..equations.inertial_model import RobotModel
-from ..equations.recursion import settled
+from ..equations.coupling import motor_symbols
+from ..equations.inertial_model import InertialModel
+from ..equations.recursion import simplified_constant
 from ..expressions.exact import Expression, SymbolicMatrix, exact
 from .procedures import angular_jacobian, at, matrix_t
 
@@ -34,9 +34,9 @@ class SymbolicDynamics:
         return self.D * sp.Matrix(phi_ddot) + self.C * rates + self.g + self.f
 
 
-def symbolic_dynamics(model: RobotModel) -> SymbolicDynamics:
+def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
     """All terms of (2.15) as expressions of phi, phi_dot and the model's own symbols."""
-    phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "d")
+    phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "phi_dot")
     D, potential = _energies(model, phi)
     for i, motor in enumerate(model.motors):
         D[i, i] += exact(motor.inertia)
@@ -65,12 +65,14 @@ def _christoffel(D: SymbolicMatrix, phi: Any, phi_dot: Any) -> SymbolicMatrix:
 def _collected(expression: Expression) -> Expression:
     """Constant sines and cosines as numbers, and like terms together."""
     constants = {
-        f: settled(f) for f in expression.atoms(sp.cos, sp.sin) if f.is_number and f not in (0, 1)
+        f: simplified_constant(f)
+        for f in expression.atoms(sp.cos, sp.sin)
+        if f.is_number and f not in (0, 1)
     }
     return sp.expand(expression.xreplace(constants))
 
 
-def _energies(model: RobotModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
+def _energies(model: InertialModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
     """D of all bodies, and the potential energy."""
     robot = at(model.robot, phi)
     T = [frame.applyfunc(_collected) for frame in matrix_t(robot)]
@@ -92,7 +94,7 @@ def _energies(model: RobotModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
     return D.applyfunc(sp.expand), sp.expand(potential)
 
 
-def _angular(model: RobotModel, robot: Robot, number: int) -> SymbolicMatrix:
+def _angular(model: InertialModel, robot: Robot, number: int) -> SymbolicMatrix:
     """omega of one link per motor rate: joint axes times coupling."""
     n = model.robot.n_joints
     coupling = sp.Matrix(n, n, lambda i, j: exact(model.robot.coupling[i, j]))

@@ -13,7 +13,8 @@ from typing import Any
 import sympy as sp
 
 from ..dh import Convention, Joint, Link, Robot
-from ..equations.chain import joint_variables, parameters
+from ..equations.chain import exact_parameters
+from ..equations.coupling import joint_variables
 from ..expressions.exact import SymbolicMatrix
 from ..expressions.symbols import differentiate, functions_of_time, moving, t
 
@@ -32,7 +33,7 @@ def at(robot: Robot, phi: Sequence[Any]) -> Robot:
     variables = iter(joint_variables(robot, tuple(map(sp.sympify, phi))))
     links = []
     for link in robot.links:
-        theta, d, a, alpha = parameters(link)
+        theta, d, a, alpha = exact_parameters(link)
         if link.joint is Joint.REVOLUTE:
             theta += next(variables)
         elif link.joint is Joint.PRISMATIC:
@@ -48,7 +49,7 @@ def motor_functions(robot: Robot) -> tuple[Any, ...]:
 
 def matrix_a(link: Link, convention: Convention = Convention.STANDARD) -> SymbolicMatrix:
     """Link transform A_i. Thesis (3.29)."""
-    theta, d, a, alpha = parameters(link)
+    theta, d, a, alpha = exact_parameters(link)
     c, s, ca, sa = sp.cos(theta), sp.sin(theta), sp.cos(alpha), sp.sin(alpha)
     if convention is Convention.MODIFIED:
         return sp.Matrix(
@@ -179,7 +180,7 @@ def joint_rates(robot: Robot, variables: Sequence[Any] | None) -> SymbolicMatrix
     """
     values = []
     for index in robot.moving:
-        theta, d, _, _ = parameters(robot.links[index])
+        theta, d, _, _ = exact_parameters(robot.links[index])
         values.append(theta if robot.links[index].joint is Joint.REVOLUTE else d)
     if variables is None:
         variables = functions_of_time(values)

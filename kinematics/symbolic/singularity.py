@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..dh import Link, Robot
-from ..equations.chain import parameters
+from ..equations.chain import exact_parameters
 from ..expressions.exact import Expression
-from ..inverse.wrist_arm import standard_links, wrist_arm
+from ..inverse.wrist_arm import wrist_arm
+from ..links import standard_links
 from .procedures import jacobian, matrix_t
 
 
@@ -41,7 +42,7 @@ def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
     theta = [sp.Symbol(f"theta_{i}", real=True) if i in (2, 3, 5) else 0 for i in range(1, 7)]
     six = [link for link in standard_links(robot) if link.moves]
     links = [
-        Link(angle, *parameters(link)[1:], link.joint)
+        Link(angle, *exact_parameters(link)[1:], link.joint)
         for angle, link in zip(theta, six, strict=True)
     ]
     links[5] = Link()  # the tool moved to the wrist centre

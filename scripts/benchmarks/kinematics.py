@@ -14,7 +14,7 @@ import numpy as np
 
 from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
 from armside.kinematics.compiled import compile_dynamics
-from armside.kinematics.equations.inertial_model import Body, RobotModel
+from armside.kinematics.equations.inertial_model import Body, InertialModel
 
 from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
 from .timing import Row, interleaved
@@ -130,7 +130,7 @@ def _dynamics() -> list[Row]:
     A batch stands beside a loop over the peer's single calls.
     """
     body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
-    model = RobotModel(LARGE_ROBOT, (body,) * 6)
+    model = InertialModel(LARGE_ROBOT, (body,) * 6)
     ours, peer = compile_dynamics(model), None
     with suppress(ImportError):
         peer = pinocchio_dynamics(model)

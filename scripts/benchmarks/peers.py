@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics import Joint, Robot
-from armside.kinematics.equations.inertial_model import RobotModel
-from armside.kinematics.inverse.wrist_arm import link_transform, standard_links
+from armside.kinematics.equations.inertial_model import InertialModel
+from armside.kinematics.links import link_transform, standard_links
 
 
 def pinocchio_model(robot: Robot) -> tuple[Any, int]:
@@ -32,7 +32,7 @@ def pinocchio_model(robot: Robot) -> tuple[Any, int]:
     return model, model.addFrame(tool)
 
 
-def pinocchio_dynamics(model: RobotModel) -> SimpleNamespace:
+def pinocchio_dynamics(model: InertialModel) -> SimpleNamespace:
     """mass_matrix(q) and inverse_dynamics(q, v, a) of a model without motors, standard convention.
 
     The mass matrix is handed over as Pinocchio makes it: its upper triangle is filled.

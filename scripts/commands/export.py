@@ -12,7 +12,7 @@ from ..shell.console import Report
 from ..shell.options import Common, options
 
 if TYPE_CHECKING:
-    from armside.kinematics.equations.program import Program
+    from armside.kinematics.equations.program import StraightLineProgram
 
 ROBOTS: dict[str, tuple[Robot, Limits]] = {
     "irb1400": (kinematics.IRB1400, kinematics.IRB1400_LIMITS),
@@ -72,11 +72,9 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     return write(program, Language(cfg.to), name), program.operations
 
 
-def equations(robot: Robot, what: Equations) -> "Program":
+def equations(robot: Robot, what: Equations) -> "StraightLineProgram":
     """The straight-line program of one choice of `--what`."""
-    from armside.kinematics.equations import forward_kinematics as motion
-    from armside.kinematics.equations import imu_equations as measurement
+    from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    name = what.replace("-", "_")
-    home = measurement if what.startswith("measurement") else motion
-    return getattr(home, name)(robot)
+    home = imu_equations if what.startswith("measurement") else forward_kinematics
+    return getattr(home, what.replace("-", "_"))(robot)

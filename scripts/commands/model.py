@@ -16,7 +16,7 @@ from .export import ROBOTS, RobotName
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from armside.kinematics.symbolic.report import ModelReport
+    from armside.kinematics.symbolic.description import ModelReport
 
 AXIS = 0.08
 """Drawn length of a frame's axes [m]."""
@@ -41,7 +41,7 @@ class ModelCfg:
 
 def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     """Describe a robot: D-H table, T in the zero pose, reach, singular configurations."""
-    from armside.kinematics.symbolic.report import as_latex, as_text, describe
+    from armside.kinematics.symbolic.description import as_latex, as_text, describe
 
     report, found = Report(common), describe(ROBOTS[cfg.robot][0])
     zero = [[float(x) for x in found.zero_pose.row(i)] for i in range(4)]
@@ -99,7 +99,7 @@ def draw(file: Path, robot: RobotName) -> None:
     """All link frames in the zero pose, x red, y green, z blue, seen from the side and front."""
     from matplotlib.lines import Line2D
 
-    from armside.kinematics.symbolic.report import frame_positions
+    from armside.kinematics.symbolic.description import frame_positions
 
     from ..figures.laser import new_figure, save
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
-from armside.kinematics.inverse.wrist_arm import link_transform
+from armside.kinematics.links import link_transform
 
 from ..commands.verify import Table, Verdict
 

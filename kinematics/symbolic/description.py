@@ -11,7 +11,7 @@ from sympy.printing.str import StrPrinter
 from armside.arrays import Array
 
 from ..dh import Robot
-from ..equations.chain import parameters
+from ..equations.chain import exact_parameters
 from ..expressions.exact import Expression, SymbolicMatrix
 from ..expressions.symbols import symbol
 from ..inverse.wrist_arm import UnsolvableGeometryError, wrist_arm
@@ -36,7 +36,7 @@ class ModelReport:
 def describe(robot: Robot) -> ModelReport:
     """All of it, exact where the robot's numbers are."""
     phi = [symbol("phi", i) for i in range(1, robot.n_joints + 1)]
-    table = tuple(parameters(link) for link in at(robot, phi).links)
+    table = tuple(exact_parameters(link) for link in at(robot, phi).links)
     try:
         reach, found = wrist_arm(robot).reach, conditions(robot)
     except UnsolvableGeometryError:
