@@ -47,14 +47,13 @@ class CompiledRobot:
     """Numeric kinematics of one robot; see `compile`. Each function is built on first use.
 
     Functions accept anything array-like; C-contiguous float64 arrays take the fast path. They
-    return `out` when it is given, else a new array. Another process that is sent the object gets
-    the robot and loads its functions from the cache folder.
+    return `out` when it is given, else a new array. A process that receives the pickled object
+    loads the functions from the cache folder.
     """
 
     def __init__(self, robot: Robot, cache: Path | str | None = None) -> None:
         _refuse_symbols("compile", robot.name, robot.free_symbols)
-        self.robot = robot
-        self._cache = cache
+        self.robot, self._cache = robot, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.robot, self._cache)
@@ -115,9 +114,7 @@ class CompiledDynamics:
 
     def __init__(self, model: InertialModel, cache: Path | str | None = None) -> None:
         _refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
-        self.model = model
-        self._n = model.robot.n_joints
-        self._cache = cache
+        self.model, self._n, self._cache = model, model.robot.n_joints, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.model, self._cache)
@@ -172,32 +169,27 @@ class CompiledDynamics:
         """flexible_rate_jacobian(x, tau): dx'/dx, shape (4 n, 4 n)."""
         return self._rate_jacobian("flexible_rate", 4 * self._n)
 
+    def _program(self, name: str) -> Any:
+        from .equations import coriolis, dynamics, state_equations
+
+        home = state_equations if name.endswith("_rate") else dynamics
+        return getattr(coriolis if name == "coriolis_matrix" else home, name)(self.model)
+
     def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
-        def program() -> Any:
-            from .equations import coriolis, dynamics
-
-            home = coriolis if name == "coriolis_matrix" else dynamics
-            return getattr(home, name)(self.model)
-
-        module = native_module(name, self.model.key, program, self._cache)
+        module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
         return native_function(module, (self._n,) * arguments, shape)
 
     def _rate(self, name: str, size: int) -> Any:
-        def program() -> Any:
-            from .equations import state_equations
-
-            return getattr(state_equations, name)(self.model)
-
-        module = native_module(name, self.model.key, program, self._cache)
+        module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
         return native_function(module, (size, self._n), (size,))
 
     def _rate_jacobian(self, name: str, size: int) -> StateFunction:
         """Columns are directional derivatives along the axes of x, one batch for all."""
 
         def program() -> Any:
-            from .equations import state_equations
+            from .equations.state_equations import rate_tangent
 
-            return state_equations.rate_tangent(getattr(state_equations, name)(self.model))
+            return rate_tangent(self._program(name))
 
         n, units = self._n, np.eye(size)
         module = native_module(f"{name}_tangent", self.model.key, program, self._cache)
@@ -231,19 +223,13 @@ class CompiledMeasurement:
     """Numeric measurement equations of one robot and IMU; see `compile_measurement`."""
 
     def __init__(
-        self,
-        robot: Robot,
-        gravity: tuple[float, ...],
-        frame: int | None,
-        cache: Path | str | None = None,
+        self, robot: Robot, gravity: tuple[float, ...], frame: int | None, cache: Path | str | None
     ) -> None:
         _refuse_symbols("compile_measurement", robot.name, robot.free_symbols)
-        self.robot = robot
-        self._setting = (gravity, frame)
-        self._cache = cache
+        self.robot, self._imu, self._cache = robot, (gravity, frame), cache
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.robot, *self._setting, self._cache)
+        return type(self), (self.robot, *self._imu, self._cache)
 
     @cached_property
     def reading(self) -> MotionFunction:
@@ -260,9 +246,9 @@ class CompiledMeasurement:
         def program() -> Any:
             from .equations import imu_equations
 
-            return getattr(imu_equations, name)(self.robot, *self._setting)
+            return getattr(imu_equations, name)(self.robot, *self._imu)
 
-        key = repr((self.robot.key, self._setting))
+        key = repr((self.robot.key, self._imu))
         module = native_module(name, key, program, self._cache)
         return native_function(module, (self.robot.n_joints,) * 3, shape)
 

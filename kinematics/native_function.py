@@ -38,15 +38,13 @@ def native_module(
     return cached_module(name, key, source, folder)
 
 
-def native_function(
-    module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]
-) -> Callable[..., Array]:
+def native_function(module: ModuleType, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Any:
     """Function of a module whose one to three arguments are vectors of given sizes.
 
     It takes a batch as one leading axis of every argument, and `out=`.
     """
-    makers = {1: _one, 2: _two, 3: _three}
-    return makers[len(sizes)](module.one, np.empty, shape, _general(module, sizes, shape))
+    maker = (_one, _two, _three)[len(sizes) - 1]
+    return maker(module.one, np.empty, shape, _general(module, sizes, shape))
 
 
 def _one(one: Any, empty: Any, shape: tuple[int, ...], general: Any) -> Callable[..., Array]:
