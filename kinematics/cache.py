@@ -1,4 +1,4 @@
-"""Generated modules on disk: written once, compiled by numba once, loaded by every process after.
+"""Cache of generated modules on disk: written and compiled by numba once, then only loaded.
 
 The folder is the platform's cache folder for `armside` unless an argument names another. Where it
 cannot be written the module is compiled in memory, which costs time in each process and no more.

@@ -17,14 +17,8 @@ def link_transform(link: Link, variable: float = 0.0) -> Array:
     d = float(link.d) + (variable if link.joint is Joint.PRISMATIC else 0.0)
     a, alpha = float(link.a), float(link.alpha)
     c, s, ca, sa = cos(theta), sin(theta), cos(alpha), sin(alpha)
-    return np.array(
-        [
-            [c, -s * ca, s * sa, a * c],
-            [s, c * ca, -c * sa, a * s],
-            [0.0, sa, ca, d],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
+    rows = [c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0.0, sa, ca, d]
+    return np.array([*rows, [0.0, 0.0, 0.0, 1.0]])
 
 
 def chain_transform(links: Iterable[Link]) -> Array:

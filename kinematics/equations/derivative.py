@@ -17,17 +17,12 @@ def _step_derivative(
 ) -> Expression:
     """The directional derivative of one expression, given those of its symbols."""
     parts = [
-        _partial(expression, symbol) * known[symbol]
+        # The derivative of a sign is 0, its impulse at the jump left out.
+        expression.diff(symbol).replace(sp.DiracDelta, lambda *_: sp.S.Zero) * known[symbol]
         for symbol in sorted(expression.free_symbols, key=str)
         if known.get(symbol, 0) != 0
     ]
     return tape(sp.Add(*parts))
-
-
-def _partial(expression: Expression, symbol: sp.Basic) -> Expression:
-    """The derivative where it exists: a sign has none at its jump and 0 elsewhere."""
-    derivative = expression.diff(symbol)
-    return derivative.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
 
 
 def _direction(

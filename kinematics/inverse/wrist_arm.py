@@ -1,7 +1,6 @@
-"""Is this robot an elbow arm with a spherical wrist, and which one? The numbers of its geometry.
+"""Geometry of an elbow arm with a spherical wrist, and the test that a robot is one.
 
-A standard Denavit-Hartenberg table is asked; a modified one is the same chain cut elsewhere, so
-it is re-cut first.
+Both work on a standard Denavit-Hartenberg table; a modified one is converted first.
 """
 
 from dataclasses import dataclass, replace
@@ -21,12 +20,12 @@ _FALLBACK = "use armside.kinematics.inverse_numeric, which needs a start configu
 
 
 class UnsolvableGeometryError(ValueError):
-    """The robot is not of a kind that the closed form covers."""
+    """A robot that is no elbow arm with a spherical wrist: no closed form."""
 
 
 @dataclass(frozen=True)
 class WristArm:
-    """What the closed form needs: constant ends, plane geometry, and the constant part of theta."""
+    """Constants of the closed form: transforms at both ends, plane geometry, coupling."""
 
     head_inverse: Array
     """(4, 4): inverse of the links before the first joint."""

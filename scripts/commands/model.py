@@ -16,7 +16,7 @@ from .export import ROBOTS, RobotName
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from armside.kinematics.symbolic.description import ModelReport
+    from armside.kinematics.symbolic.description import RobotDescription
 
 AXIS = 0.08
 """Drawn length of a frame's axes [m]."""
@@ -64,7 +64,7 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     report.summary(outcome)
 
 
-def _singular(found: "ModelReport") -> dict[str, str]:
+def _singular(found: "RobotDescription") -> dict[str, str]:
     """Name: expression of theta that vanishes there."""
     if found.singularities is None:
         return {}
@@ -74,7 +74,7 @@ def _singular(found: "ModelReport") -> dict[str, str]:
 
 def _print(
     report: Report,
-    found: "ModelReport",
+    found: "RobotDescription",
     table: list[list[str]],
     zero: list[list[float]],
     singular: dict[str, str],
