@@ -28,12 +28,12 @@ Equations = Literal[
 @options
 @dataclass(frozen=True, kw_only=True)
 class ExportCfg:
-    """Which equations of which robot, and in what language."""
+    """The equations of a robot to write, and the language."""
 
     robot: RobotName = "irb1400"
-    """Which robot; irb1400-imu has the two constant links to its IMU."""
+    """Robot; irb1400-imu has the two constant links to its IMU."""
     what: Equations = "jacobian"
-    """Which function of the motor angles; of no meaning for urdf."""
+    """Function of the motor angles; not used for urdf."""
     to: Literal["c", "matlab", "fortran", "python", "latex", "urdf"] = "c"
     """Language; urdf is the robot itself, for ROS."""
 
@@ -59,7 +59,7 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
 
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
-    """Name and text of each file, and how many operations the code takes."""
+    """Name and text of each file, and the number of operations of the code."""
     robot, limits = ROBOTS[cfg.robot]
     if cfg.to == "urdf":
         from armside.kinematics.codegen.urdf import urdf

@@ -9,7 +9,7 @@ import sympy as sp
 from armside.kinematics import IRB1400, Link, Robot
 from armside.kinematics.equations import forward_kinematics
 from armside.kinematics.expressions.symbols import symbol
-from armside.kinematics.symbolic import procedures as symbolic
+from armside.kinematics.symbolic import procedures
 
 PAGE = (Path(__file__).parents[2] / "docs" / "toolbox.md").read_text(encoding="utf-8")
 
@@ -27,10 +27,10 @@ def test_all_blocks_of_python_run_in_order():
 
 
 def test_functions_of_the_table_exist():
-    names = re.findall(r"`symbolic\.(\w+)`", PAGE)
+    names = re.findall(r"`procedures\.(\w+)`", PAGE)
     assert len(names) >= 16
     for name in names:
-        assert callable(getattr(symbolic, name))
+        assert callable(getattr(procedures, name))
 
 
 @pytest.mark.parametrize(
