@@ -169,7 +169,7 @@ class Robot:
     def motor_angles(self, q: ArrayLike) -> Array:
         """Motor angles phi of joint variables q, shape (..., n_joints). Inverse of (4.10)."""
         right = np.asarray(q, dtype=np.float64) - self.offset
-        return np.linalg.solve(self.coupling, right[..., None])[..., 0]
+        return np.asarray(np.linalg.solve(self.coupling, right[..., None])[..., 0], np.float64)
 
 
 def _constant(name: str, value: ArrayLike | None, default: Array) -> Array:

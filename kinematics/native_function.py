@@ -106,10 +106,11 @@ def _general(module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Cal
             )
         # Compiled signatures know one kind of array: read-only arguments are copied.
         arrays = [a if a.flags.writeable else a.copy() for a in arrays]
-        direct = out is not None and out.flags.c_contiguous and out.flags.writeable
-        result = out if direct else np.empty(expected)
+        result = np.empty(expected)
+        if out is not None and out.flags.c_contiguous and out.flags.writeable:
+            result = out
         (module.many if batch else module.one)(*arrays, result)
-        if out is None or direct:
+        if out is None or result is out:
             return result
         out[...] = result
         return out

@@ -15,7 +15,6 @@ import sympy as sp
 from ..expressions.exact import Expression, exact
 from . import coupling
 from .composite import joint_mass_matrix, solved
-from .coupling import joint_rates, joint_variables, motor_symbols
 from .inertial_model import InertialModel
 from .program import Argument, StraightLineProgram, Tape
 from .recursion import (
@@ -46,7 +45,7 @@ def inputs_of(model: InertialModel, *names: str) -> list[Argument]:
 
 def joint_chain(model: InertialModel, tape: Tape) -> list[JointTransform]:
     """Joint transforms with the bodies of the model, at the symbols phi1..phin."""
-    q = joint_variables(model.robot, motor_symbols(model.robot))
+    q = coupling.joint_variables(model.robot, coupling.motor_symbols(model.robot))
     return joint_transforms(body_chain(model.robot, model.bodies), q, tape)
 
 
@@ -56,11 +55,9 @@ def _wrench(tape: Tape, inertia: Inertia, motion: FrameMotion) -> tuple[Vector, 
     tangential = crossed(tape, motion.alpha, h)
     h_ddot = added(tape, tangential, crossed(tape, omega, crossed(tape, omega, h)))
     force = tuple(tape(inertia.mass * a + w) for a, w in zip(motion.a, h_ddot, strict=True))
-    moment = added(
-        tape,
-        tensor_times(tape, inertia.tensor, motion.alpha),
-        crossed(tape, omega, tensor_times(tape, inertia.tensor, omega)),
-    )
+    moment = tensor_times(tape, inertia.tensor, motion.alpha)
+    gyroscopic = crossed(tape, omega, tensor_times(tape, inertia.tensor, omega))
+    moment = added(tape, moment, gyroscopic)
     return (force[0], force[1], force[2]), added(tape, moment, crossed(tape, h, motion.a))
 
 
@@ -95,7 +92,7 @@ def friction(model: InertialModel, tape: Tape, rates: Sequence[Any]) -> list[Exp
     ]
 
 
-def motor_torques(
+def frictionless_torques(
     model: InertialModel,
     tape: Tape,
     rates: Sequence[Any],
@@ -104,14 +101,9 @@ def motor_torques(
 ) -> list[Expression]:
     """Left side of (2.15) without friction; inertias of the bodies replaced if given."""
     chain = joint_chain(model, tape)
-    torques = newton_euler(
-        tape,
-        chain,
-        inertias or [joint.segment.inertia for joint in chain],
-        joint_rates(model.robot, tape, rates),
-        joint_rates(model.robot, tape, accelerations),
-        model.gravity,
-    )
+    inertias = inertias or [joint.segment.inertia for joint in chain]
+    motion = [coupling.joint_rates(model.robot, tape, v) for v in (rates, accelerations)]
+    torques = newton_euler(tape, chain, inertias, *motion, model.gravity)
     torques = coupling.motor_torques(model.robot, tape, torques)
     return [
         tape(torque + exact(motor.inertia) * acceleration)
@@ -130,14 +122,14 @@ def inverse_dynamics(model: InertialModel) -> StraightLineProgram:
 def _with_friction(
     model: InertialModel, tape: Tape, rates: Sequence[Any], accelerations: Sequence[Any]
 ) -> list[Expression]:
-    torques = motor_torques(model, tape, rates, accelerations)
+    torques = frictionless_torques(model, tape, rates, accelerations)
     return [tape(u + v) for u, v in zip(torques, friction(model, tape, rates), strict=True)]
 
 
 def gravity_torque(model: InertialModel) -> StraightLineProgram:
     """g(phi). Thesis (2.15)."""
     tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
-    torques = motor_torques(model, tape, zeros, zeros)
+    torques = frictionless_torques(model, tape, zeros, zeros)
     return _program(model, tape, "gravity_torque", inputs_of(model, "phi"), "g", torques)
 
 
@@ -183,7 +175,7 @@ def parametric_torque(model: InertialModel) -> StraightLineProgram:
     inputs = inputs_of(model, "phi", "phi_dot", "phi_ddot")
     inertias = symbolic_inertias(model.robot.n_joints)
     theta = tuple(e for inertia in inertias for e in inertia.elements)
-    torques = motor_torques(model, tape, inputs[1].elements, inputs[2].elements, inertias)
+    torques = frictionless_torques(model, tape, inputs[1].elements, inputs[2].elements, inertias)
     motor = [exact(m.inertia) * a for m, a in zip(model.motors, inputs[2].elements, strict=True)]
     torques = [tape(t - m) for t, m in zip(torques, motor, strict=True)]
     inputs.insert(3, Argument("theta", (len(theta),), theta))

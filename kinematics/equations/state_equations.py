@@ -22,9 +22,9 @@ from .derivative import tangent
 from .dynamics import (
     forward_dynamics,
     friction,
+    frictionless_torques,
     inputs_of,
     motor_mass_matrix,
-    motor_torques,
     notes,
 )
 from .inertial_model import InertialModel, Motor
@@ -84,7 +84,7 @@ def _arm_acceleration(
 ) -> list[Expression]:
     """Acceleration of the arm without its motors."""
     alone = replace(model, motors=(Motor(),) * model.robot.n_joints)
-    bias = motor_torques(alone, tape, rates, [sp.S.Zero] * len(rates))
+    bias = frictionless_torques(alone, tape, rates, [sp.S.Zero] * len(rates))
     right = [tape(t - b) for t, b in zip(torque, bias, strict=True)]
     return solved(tape, motor_mass_matrix(alone, tape), right)
 

@@ -72,7 +72,7 @@ def manipulability(J: ArrayLike) -> Array:
 def distance_to_singularity(J: ArrayLike) -> Array:
     """Least singular value of Jacobians (..., 6, n), shape (...)."""
     values = np.linalg.svd(np.asarray(J, dtype=np.float64), compute_uv=False)
-    return values[..., -1]
+    return np.asarray(values[..., -1], dtype=np.float64)
 
 
 def lost_directions(J: ArrayLike, tolerance: float = 1e-9) -> Array:
