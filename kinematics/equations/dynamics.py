@@ -102,8 +102,8 @@ def frictionless_torques(
     """Left side of (2.15) without friction; inertias of the bodies replaced if given."""
     chain = joint_chain(model, tape)
     inertias = inertias or [joint.segment.inertia for joint in chain]
-    motion = [coupling.joint_rates(model.robot, tape, v) for v in (rates, accelerations)]
-    torques = newton_euler(tape, chain, inertias, *motion, model.gravity)
+    q_dot, q_ddot = (coupling.joint_rates(model.robot, tape, v) for v in (rates, accelerations))
+    torques = newton_euler(tape, chain, inertias, q_dot, q_ddot, model.gravity)
     torques = coupling.motor_torques(model.robot, tape, torques)
     return [
         tape(torque + exact(motor.inertia) * acceleration)
