@@ -2,8 +2,8 @@
 
 Units are SI and radians. phi are motor angles on the arm side of the gearbox; joint variables are
 coupling @ phi + offset. Six-vectors are (v, omega) in base axes, quaternions have w first, and
-T_a_b takes coordinates in frame b to frame a: p_a = T_a_b @ p_b. SymPy and numba are imported by
-what needs them, not by this package.
+T_a_b takes coordinates in frame b to frame a: p_a = T_a_b @ p_b. SymPy and numba are imported
+only when a function needs them.
 """
 
 from .compiled import CompiledRobot as CompiledRobot
@@ -15,8 +15,8 @@ from .dh import Joint as Joint
 from .dh import Link as Link
 from .dh import Robot as Robot
 from .equations.inertial_model import Body as Body
+from .equations.inertial_model import InertialModel as InertialModel
 from .equations.inertial_model import Motor as Motor
-from .equations.inertial_model import RobotModel as RobotModel
 from .inverse.closed_form import Branches as Branches
 from .inverse.closed_form import Singularity as Singularity
 from .inverse.closed_form import UnreachableError as UnreachableError

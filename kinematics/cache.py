@@ -1,4 +1,4 @@
-"""Generated modules on disk: written once, compiled by numba once, loaded by every process after.
+"""Cache of generated modules on disk: written and compiled by numba once, then only loaded.
 
 The folder is the platform's cache folder for `armside` unless an argument names another. Where it
 cannot be written the module is compiled in memory, which costs time in each process and no more.
@@ -19,7 +19,7 @@ _PACKAGE = Path(__file__).parent
 
 
 def cache_folder() -> Path:
-    """Where generated code is kept by default."""
+    """Folder of generated code by default."""
     from platformdirs import user_cache_path
 
     return user_cache_path("armside", appauthor=False) / "kinematics"
@@ -27,7 +27,7 @@ def cache_folder() -> Path:
 
 @cache
 def _generator() -> bytes:
-    """Digest of the code that generates code: a changed generator must not find old files."""
+    """Digest of this package: a changed generator must not find old files."""
     digest = hashlib.sha256()
     for file in sorted(_PACKAGE.rglob("*.py")):
         digest.update(file.read_bytes())
@@ -37,11 +37,13 @@ def _generator() -> bytes:
 _LOADING = RLock()
 
 
-def load(name: str, key: str, source: Callable[[], str], folder: Path | None = None) -> ModuleType:
-    """The module that `source()` is the text of, from the cache when `key` is there already."""
+def cached_module(
+    name: str, key: str, source: Callable[[], str], folder: Path | str | None = None
+) -> ModuleType:
+    """The module with text `source()`, from the cache when `key` is there already."""
     digest = hashlib.sha256(_generator() + name.encode() + key.encode()).hexdigest()[:16]
     module_name = f"{name}_{digest}"
-    path = (folder or cache_folder()) / f"{module_name}.py"
+    path = Path(folder or cache_folder()) / f"{module_name}.py"
     with _LOADING:  # a second thread must not see a module that is half imported
         loaded = sys.modules.get(module_name)
         if loaded is not None and getattr(loaded, "__file__", None) == str(path):
@@ -59,7 +61,7 @@ def _from_disk(module_name: str, path: Path, source: Callable[[], str]) -> Modul
 
 
 def _write(path: Path, text: str) -> None:
-    """Put a whole file in place, or nothing."""
+    """Write a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     try:

@@ -1,31 +1,27 @@
-"""A robot of numbers as compiled functions of its motor angles: kinematics and dynamics."""
+"""A robot of numbers as compiled functions of its motor angles: kinematics, dynamics, sensors."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from . import cache as native
-from .binding import bind
 from .dh import Robot
-from .equations.inertial_model import RobotModel
-
-if TYPE_CHECKING:
-    from .equations.program import Program
+from .equations.inertial_model import InertialModel
+from .native_function import native_function, native_module
 
 
-class OfAngles(Protocol):
+class AngleFunction(Protocol):
     """A function of motor angles; a batch of N has a leading axis in arguments and result."""
 
     def __call__(self, phi: ArrayLike, /, out: Array | None = None) -> Array: ...
 
 
-class OfRates(Protocol):
+class RateFunction(Protocol):
     """A function of motor angles and their rates."""
 
     def __call__(
@@ -33,48 +29,42 @@ class OfRates(Protocol):
     ) -> Array: ...
 
 
-class OfState(Protocol):
+class MotionFunction(Protocol):
+    """A function of motor angles, their rates, and accelerations or torques."""
+
+    def __call__(
+        self, phi: ArrayLike, phi_dot: ArrayLike, third: ArrayLike, /, out: Array | None = None
+    ) -> Array: ...
+
+
+class StateFunction(Protocol):
     """A function of a state x and motor torques tau."""
 
     def __call__(self, x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array: ...
 
 
-class OfMotion(Protocol):
-    """A function of motor angles, their rates, and accelerations or torques."""
-
-    def __call__(
-        self,
-        phi: ArrayLike,
-        phi_dot: ArrayLike,
-        third: ArrayLike,
-        /,
-        out: Array | None = None,
-    ) -> Array: ...
-
-
 class CompiledRobot:
     """Numeric kinematics of one robot; see `compile`. Each function is built on first use.
 
-    Functions accept anything array-like; C-contiguous float64 arrays take the short way. They
-    return `out` when it is given, else a new array.
+    Functions accept anything array-like; C-contiguous float64 arrays take the fast path. They
+    return `out` when it is given, else a new array. A process that receives the pickled object
+    loads the functions from the cache folder.
     """
 
-    def __init__(self, robot: Robot, cache: Path | None = None) -> None:
+    def __init__(self, robot: Robot, cache: Path | str | None = None) -> None:
         _refuse_symbols("compile", robot.name, robot.free_symbols)
-        self.robot = robot
-        self._cache = cache
+        self.robot, self._cache = robot, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Another process gets the robot and loads its functions from the cache folder."""
         return type(self), (self.robot, self._cache)
 
     @cached_property
-    def pose(self) -> OfAngles:
+    def pose(self) -> AngleFunction:
         """pose(phi): T_base_tool, shape (4, 4). Thesis (3.26)."""
         return self._function("pose", 1, (4, 4))
 
     @cached_property
-    def jacobian(self) -> OfAngles:
+    def jacobian(self) -> AngleFunction:
         """jacobian(phi): shape (6, n), (v, omega) of the tool origin in base axes for motor rates.
 
         Thesis (3.39), with (4.10): J_phi = J_theta coupling.
@@ -82,26 +72,25 @@ class CompiledRobot:
         return self._function("jacobian", 1, (6, self.robot.n_joints))
 
     @cached_property
-    def jacobian_rate(self) -> OfRates:
+    def jacobian_rate(self) -> RateFunction:
         """jacobian_rate(phi, phi_dot): shape (6, n), dJ/dt. Thesis (4.5)."""
         return self._function("jacobian_rate", 2, (6, self.robot.n_joints))
 
     @cached_property
-    def acceleration(self) -> OfMotion:
+    def acceleration(self) -> MotionFunction:
         """acceleration(phi, phi_dot, phi_ddot): shape (6,), classical (v_dot, omega_dot) of the
         tool origin in base axes, without gravity. Thesis (3.57).
         """
         return self._function("acceleration", 3, (6,))
 
     def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
-        def source() -> str:
-            from .codegen import numba_module
-            from .equations import forward_kinematics as motion
+        def program() -> Any:
+            from .equations import forward_kinematics
 
-            return numba_module(getattr(motion, name)(self.robot))
+            return getattr(forward_kinematics, name)(self.robot)
 
-        module = native.load(name, self.robot.key, source, self._cache)
-        return bind(module, (self.robot.n_joints,) * arguments, shape)
+        module = native_module(name, self.robot.key, program, self._cache)
+        return native_function(module, (self.robot.n_joints,) * arguments, shape)
 
 
 def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
@@ -114,105 +103,97 @@ def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
     Raises:
         ValueError: a D-H parameter is symbolic.
     """
-    return CompiledRobot(robot, None if cache is None else Path(cache))
+    return CompiledRobot(robot, cache)
 
 
-class CompiledModel:
-    """Numeric dynamics of one robot model; see `compile_dynamics`. Built on first use.
+class CompiledDynamics:
+    """Numeric dynamics of one inertial model; see `compile_dynamics`. Built on first use.
 
     Torques are those of the motors on the arm side of the gear. Thesis (2.15).
     """
 
-    def __init__(self, model: RobotModel, cache: Path | None = None) -> None:
+    def __init__(self, model: InertialModel, cache: Path | str | None = None) -> None:
         _refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
-        self.model = model
-        self._cache = cache
+        self.model, self._n, self._cache = model, model.robot.n_joints, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.model, self._cache)
 
     @cached_property
-    def mass_matrix(self) -> OfAngles:
+    def mass_matrix(self) -> AngleFunction:
         """mass_matrix(phi): D, shape (n, n), rotor inertia included."""
-        n = self.model.robot.n_joints
-        return self._function("mass_matrix", 1, (n, n))
+        return self._function("mass_matrix", 1, (self._n, self._n))
 
     @cached_property
-    def gravity_torque(self) -> OfAngles:
+    def gravity_torque(self) -> AngleFunction:
         """gravity_torque(phi): g, shape (n,)."""
-        return self._function("gravity_torque", 1)
+        return self._function("gravity_torque", 1, (self._n,))
 
     @cached_property
-    def bias_torque(self) -> OfRates:
+    def bias_torque(self) -> RateFunction:
         """bias_torque(phi, phi_dot): C phi_dot + g + f, shape (n,)."""
-        return self._function("bias_torque", 2)
+        return self._function("bias_torque", 2, (self._n,))
 
     @cached_property
-    def coriolis_matrix(self) -> OfRates:
+    def coriolis_matrix(self) -> RateFunction:
         """coriolis_matrix(phi, phi_dot): C, shape (n, n), with dD/dt - 2 C skew. Thesis (2.16)."""
-        n = self.model.robot.n_joints
-        return self._function("coriolis_matrix", 2, (n, n))
+        return self._function("coriolis_matrix", 2, (self._n, self._n))
 
     @cached_property
-    def inverse_dynamics(self) -> OfMotion:
+    def inverse_dynamics(self) -> MotionFunction:
         """inverse_dynamics(phi, phi_dot, phi_ddot): tau, shape (n,), friction included."""
-        return self._function("inverse_dynamics", 3)
+        return self._function("inverse_dynamics", 3, (self._n,))
 
     @cached_property
-    def forward_dynamics(self) -> OfMotion:
+    def forward_dynamics(self) -> MotionFunction:
         """forward_dynamics(phi, phi_dot, tau): phi_ddot, shape (n,)."""
-        return self._function("forward_dynamics", 3)
+        return self._function("forward_dynamics", 3, (self._n,))
 
     @cached_property
-    def rigid_rate(self) -> OfState:
+    def rigid_rate(self) -> StateFunction:
         """rigid_rate(x, tau): x', x = (phi, phi_dot), shape (2 n,)."""
-        return self._rate("rigid_rate", 2)
+        return self._rate("rigid_rate", 2 * self._n)
 
     @cached_property
-    def flexible_rate(self) -> OfState:
+    def flexible_rate(self) -> StateFunction:
         """flexible_rate(x, tau): x', x = (phi_arm, phi_motor, rates), shape (4 n,). K12."""
-        return self._rate("flexible_rate", 4)
+        return self._rate("flexible_rate", 4 * self._n)
 
     @cached_property
-    def rigid_rate_jacobian(self) -> OfState:
+    def rigid_rate_jacobian(self) -> StateFunction:
         """rigid_rate_jacobian(x, tau): dx'/dx, shape (2 n, 2 n)."""
-        return self._rate_jacobian("rigid_rate", 2)
+        return self._rate_jacobian("rigid_rate", 2 * self._n)
 
     @cached_property
-    def flexible_rate_jacobian(self) -> OfState:
+    def flexible_rate_jacobian(self) -> StateFunction:
         """flexible_rate_jacobian(x, tau): dx'/dx, shape (4 n, 4 n)."""
-        return self._rate_jacobian("flexible_rate", 4)
+        return self._rate_jacobian("flexible_rate", 4 * self._n)
 
-    def _function(self, name: str, arguments: int, shape: tuple[int, ...] = ()) -> Any:
-        def program() -> "Program":
-            from .equations import coriolis, dynamics
+    def _program(self, name: str) -> Any:
+        from .equations import coriolis, dynamics, state_equations
 
-            home = coriolis if name == "coriolis_matrix" else dynamics
-            return getattr(home, name)(self.model)
+        home = state_equations if name.endswith("_rate") else dynamics
+        return getattr(coriolis if name == "coriolis_matrix" else home, name)(self.model)
 
-        n = self.model.robot.n_joints
-        return bind(self._module(name, program), (n,) * arguments, shape or (n,))
+    def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
+        module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
+        return native_function(module, (self._n,) * arguments, shape)
 
-    def _rate(self, name: str, orders: int) -> Any:
-        def program() -> "Program":
-            from .equations import state_equations as process
+    def _rate(self, name: str, size: int) -> Any:
+        module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
+        return native_function(module, (size, self._n), (size,))
 
-            return getattr(process, name)(self.model)
-
-        n = self.model.robot.n_joints
-        return bind(self._module(name, program), (orders * n, n), (orders * n,))
-
-    def _rate_jacobian(self, name: str, orders: int) -> OfState:
+    def _rate_jacobian(self, name: str, size: int) -> StateFunction:
         """Columns are directional derivatives along the axes of x, one batch for all."""
 
-        def program() -> "Program":
-            from .equations import state_equations as process
+        def program() -> Any:
+            from .equations.state_equations import rate_tangent
 
-            return process.rate_tangent(getattr(process, name)(self.model))
+            return rate_tangent(self._program(name))
 
-        size, n = orders * self.model.robot.n_joints, self.model.robot.n_joints
-        along = bind(self._module(f"{name}_tangent", program), (size, n, size), (size,))
-        units = np.eye(size)
+        n, units = self._n, np.eye(size)
+        module = native_module(f"{name}_tangent", self.model.key, program, self._cache)
+        along = native_function(module, (size, n, size), (size,))
 
         def function(x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array:
             x, tau = np.asarray(x, dtype=np.float64), np.asarray(tau, dtype=np.float64)
@@ -228,59 +209,48 @@ class CompiledModel:
 
         return function
 
-    def _module(self, name: str, program: "Callable[[], Program]") -> Any:
-        def source() -> str:
-            from .codegen import numba_module
 
-            return numba_module(program())
-
-        return native.load(name, self.model.key, source, self._cache)
-
-
-def compile_dynamics(model: RobotModel, *, cache: Path | str | None = None) -> CompiledModel:
-    """Compiled dynamics of a robot model, all of whose parameters must be numbers.
+def compile_dynamics(model: InertialModel, *, cache: Path | str | None = None) -> CompiledDynamics:
+    """Compiled dynamics of an inertial model, all of whose parameters must be numbers.
 
     Args:
         cache: folder for generated code; the platform's cache folder by default.
     """
-    return CompiledModel(model, None if cache is None else Path(cache))
+    return CompiledDynamics(model, cache)
 
 
-class CompiledSensor:
-    """Numeric measurement equations of one robot and sensor; see `compile_measurement`."""
+class CompiledMeasurement:
+    """Numeric measurement equations of one robot and IMU; see `compile_measurement`."""
 
     def __init__(
-        self, robot: Robot, gravity: tuple[float, ...], frame: int | None, cache: Path | None
+        self, robot: Robot, gravity: tuple[float, ...], frame: int | None, cache: Path | str | None
     ) -> None:
         _refuse_symbols("compile_measurement", robot.name, robot.free_symbols)
-        self.robot = robot
-        self._place = (gravity, frame)
-        self._cache = cache
+        self.robot, self._imu, self._cache = robot, (gravity, frame), cache
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.robot, *self._place, self._cache)
+        return type(self), (self.robot, *self._imu, self._cache)
 
     @cached_property
-    def reading(self) -> OfMotion:
+    def reading(self) -> MotionFunction:
         """reading(phi, phi_dot, phi_ddot): y, shape (n + 6,): motor angles, gyro, accelerometer."""
         return self._function("measurement", (self.robot.n_joints + 6,))
 
     @cached_property
-    def jacobian(self) -> OfMotion:
+    def jacobian(self) -> MotionFunction:
         """jacobian(phi, phi_dot, phi_ddot): H = dy/d(phi, phi_dot, phi_ddot), (n + 6, 3 n)."""
         n = self.robot.n_joints
         return self._function("measurement_jacobian", (n + 6, 3 * n))
 
     def _function(self, name: str, shape: tuple[int, ...]) -> Any:
-        def source() -> str:
-            from .codegen import numba_module
-            from .equations import imu_equations as measurement
+        def program() -> Any:
+            from .equations import imu_equations
 
-            return numba_module(getattr(measurement, name)(self.robot, *self._place))
+            return getattr(imu_equations, name)(self.robot, *self._imu)
 
-        key = repr((self.robot.key, self._place))
-        module = native.load(name, key, source, self._cache)
-        return bind(module, (self.robot.n_joints,) * 3, shape)
+        key = repr((self.robot.key, self._imu))
+        module = native_module(name, key, program, self._cache)
+        return native_function(module, (self.robot.n_joints,) * 3, shape)
 
 
 def compile_measurement(
@@ -289,16 +259,15 @@ def compile_measurement(
     frame: int | None = None,
     *,
     cache: Path | str | None = None,
-) -> CompiledSensor:
+) -> CompiledMeasurement:
     """Compiled equations of the encoders and of an IMU at a frame of the robot. Row F01.
 
     Args:
         gravity: [m/s^2] in base axes.
-        frame: the IMU sits in this link's frame; the last one by default.
+        frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
         cache: folder for generated code; the platform's cache folder by default.
     """
-    place = tuple(float(value) for value in gravity)
-    return CompiledSensor(robot, place, frame, None if cache is None else Path(cache))
+    return CompiledMeasurement(robot, tuple(float(value) for value in gravity), frame, cache)
 
 
 def _refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:

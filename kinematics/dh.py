@@ -1,11 +1,11 @@
 """A robot as Denavit-Hartenberg data: links, joint types, motor-to-joint coupling, convention.
 
-A link is four parameters and a joint type; a robot is its links plus the linear map from motor
-angles to joint variables. Nothing here computes; `symbolic` and `compile` do.
+A link is four parameters and a joint type; a robot is its links and the linear map from motor
+angles to joint variables. Equations follow from these data: see `symbolic` and `compile`.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Joint(Enum):
-    """What a link's joint moves: its angle theta, its offset d, or nothing."""
+    """Type of a joint: its variable is the angle theta, the offset d, or it has none."""
 
     REVOLUTE = "revolute"
     PRISMATIC = "prismatic"
@@ -58,6 +58,11 @@ def checked(name: str, value: Any) -> "Scalar":
     raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
 
 
+def symbols_of(values: Iterable[Any]) -> frozenset[Any]:
+    """Symbols and functions of time in numbers and SymPy expressions."""
+    return frozenset().union(*(getattr(value, "free_symbols", ()) for value in values))
+
+
 @dataclass(frozen=True)
 class Link:
     """One row of a Denavit-Hartenberg table. Thesis (4.11).
@@ -85,24 +90,23 @@ class Link:
 
     @property
     def moves(self) -> bool:
-        """Whether the link has a joint variable."""
+        """True if the link has a joint variable."""
         return self.joint is not Joint.FIXED
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """Links in order from the base, and how n motors turn n joints. Thesis (4.9), (4.10), (4.12).
+    """Links in order from the base, and the coupling of n motors to n joints. Thesis (4.9)-(4.12).
 
     joint variables = coupling @ phi + offset, over the moving links, where phi are motor angles
-    on the arm side of the gearbox [rad] (or metres for a prismatic joint). The default coupling
-    is the identity and the default offset zero.
+    on the arm side of the gearbox [rad] (or metres for a prismatic joint).
     """
 
     links: tuple[Link, ...]
-    coupling: Array = None  # type: ignore[assignment]
-    """shape (n_joints, n_joints)"""
-    offset: Array = None  # type: ignore[assignment]
-    """shape (n_joints,) [rad or m]"""
+    coupling: Array
+    """shape (n_joints, n_joints), the identity by default"""
+    offset: Array
+    """shape (n_joints,) [rad or m], zero by default"""
     convention: Convention = Convention.STANDARD
     name: str = "robot"
 
@@ -122,11 +126,11 @@ class Robot:
                 f"convention must be Convention.STANDARD or Convention.MODIFIED, got {convention!r}"
             )
         n = sum(link.moves for link in links)
-        object.__setattr__(self, "links", links)
-        object.__setattr__(self, "coupling", _constant("coupling", coupling, np.eye(n)))
-        object.__setattr__(self, "offset", _constant("offset", offset, np.zeros(n)))
-        object.__setattr__(self, "convention", convention)
-        object.__setattr__(self, "name", name)
+        coupling = _constant("coupling", coupling, np.eye(n))
+        offset = _constant("offset", offset, np.zeros(n))
+        vars(self).update(
+            links=links, coupling=coupling, offset=offset, convention=convention, name=name
+        )
         if n and np.linalg.matrix_rank(self.coupling) < n:
             raise ValueError(f"coupling must be invertible, got\n{self.coupling}")
 
@@ -143,18 +147,14 @@ class Robot:
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols and functions of time in the D-H parameters; empty for a robot of numbers."""
-        found: set[Any] = set()
-        for link in self.links:
-            for value in (link.theta, link.d, link.a, link.alpha):
-                found |= getattr(value, "free_symbols", set())
-        return frozenset(found)
+        values = (v for link in self.links for v in (link.theta, link.d, link.a, link.alpha))
+        return symbols_of(values)
 
     @cached_property
     def key(self) -> str:
-        """Text that two robots share exactly when all their data are equal (names apart)."""
-        return repr(
-            (self.links, self.coupling.tolist(), self.offset.tolist(), self.convention.value)
-        )
+        """Text that is equal for two robots exactly when all their data but names are equal."""
+        arrays = self.coupling.tolist(), self.offset.tolist()
+        return repr((self.links, *arrays, self.convention.value))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Robot) and self.key == other.key
@@ -167,14 +167,13 @@ class Robot:
         return np.asarray(phi, dtype=np.float64) @ self.coupling.T + self.offset
 
     def motor_angles(self, q: ArrayLike) -> Array:
-        """Motor angles phi of joint variables q, shape (..., n_joints): (4.10) inverted."""
+        """Motor angles phi of joint variables q, shape (..., n_joints). Inverse of (4.10)."""
         right = np.asarray(q, dtype=np.float64) - self.offset
-        solved = np.linalg.solve(self.coupling, right[..., None])[..., 0]
-        return np.asarray(solved, dtype=np.float64)
+        return np.asarray(np.linalg.solve(self.coupling, right[..., None])[..., 0], np.float64)
 
 
 def _constant(name: str, value: ArrayLike | None, default: Array) -> Array:
-    """A read-only array of the default's shape."""
+    """A read-only array with the shape of the default."""
     array = np.array(default if value is None else value, dtype=np.float64)
     if array.shape != default.shape:
         raise ValueError(

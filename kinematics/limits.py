@@ -1,4 +1,4 @@
-"""Where the motors of a robot may go and how fast: data, and one question about it."""
+"""Ranges and greatest speeds of the motors of a robot."""
 
 import math
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Limits:
             raise ValueError(f"lower must be below upper, got {self.lower} and {self.upper}")
 
     def contain(self, phi: ArrayLike) -> NDArray[np.bool_]:
-        """Whether configurations phi, shape (..., n), respect every range; shape (...)."""
+        """True for each configuration phi, shape (..., n), that is in every range; shape (...)."""
         phi = np.asarray(phi, dtype=np.float64)
         inside = ((phi >= self.lower) & (phi <= self.upper)).all(axis=-1)
         for bound in self.coupled:

@@ -1,23 +1,19 @@
-"""The two robots of the project, the source of each number beside it.
+"""The IRB1400 and the large robot, with the source of each number.
 
 Zero pose of both: upper arm vertical, forearm horizontal and forward, tool z-axis forward.
 """
 
 from math import pi
 
+import numpy as np
+
 from .dh import Joint, Link, Robot
 from .limits import CoupledRange, Limits, degrees
 
 # Motor 3 sits at the foot and drives link 3 through a parallelogram: theta_3 = phi_3 - phi_2.
 # Thesis (4.10).
-_PARALLELOGRAM = [
-    [1, 0, 0, 0, 0, 0],
-    [0, 1, 0, 0, 0, 0],
-    [0, -1, 1, 0, 0, 0],
-    [0, 0, 0, 1, 0, 0],
-    [0, 0, 0, 0, 1, 0],
-    [0, 0, 0, 0, 0, 1],
-]
+_PARALLELOGRAM = np.eye(6)
+_PARALLELOGRAM[2, 1] = -1
 _ZERO_POSE = [0, -pi / 2, 0, 0, 0, pi]  # thesis (4.9)
 
 # Thesis Table 4.2, from the blueprint of the ABB IRB1400 (5 kg, 1.44 m).
@@ -38,10 +34,7 @@ IMU_LINKS = (
     Link(theta=pi / 2, d=-0.026, alpha=pi / 2, joint=Joint.FIXED),
 )
 IRB1400_IMU = Robot(
-    (*_IRB1400_LINKS, *IMU_LINKS),
-    coupling=_PARALLELOGRAM,
-    offset=_ZERO_POSE,
-    name="IRB1400 with IMU",
+    (*_IRB1400_LINKS, *IMU_LINKS), _PARALLELOGRAM, offset=_ZERO_POSE, name="IRB1400 with IMU"
 )
 
 # Joint limits and speeds of the IRB1410, the same arm: 4rtur1t0/ARTE robots/ABB/IRB1410.

@@ -1,7 +1,7 @@
 """Rotation matrices and four ways to write them, numeric. Thesis 3.2.3; quaternions w first.
 
-Every representation but the quaternion loses something somewhere; `*_singular` tells where, and
-the functions from a matrix return a defined member there:
+Every representation but the quaternion has singularities; `*_singular` detects them, and there
+the functions from a matrix return a defined member of the solutions:
 
     axis/angle       angle 0: any axis, z is returned; angle pi: the axis has two signs, the one
                      whose first nonzero component is positive is returned
@@ -50,20 +50,16 @@ def to_axis_angle(R: ArrayLike) -> tuple[Array, Array]:
     """Unit axis, shape (..., 3), and angle in [0, pi]."""
     vector = _rotation(R).as_rotvec()
     angle = np.linalg.norm(vector, axis=-1)
-    axis = np.where(
-        angle[..., None] > 0,
-        vector / np.where(angle == 0, 1.0, angle)[..., None],
-        [0.0, 0.0, 1.0],
-    )
-    first = np.take_along_axis(
-        axis, np.argmax(np.abs(axis) > SINGULAR, axis=-1)[..., None], axis=-1
-    )
-    turned = (np.pi - angle < HALF_TURN)[..., None] & (first < 0)
-    return np.where(turned, -axis, axis), angle
+    unit = vector / np.where(angle == 0, 1.0, angle)[..., None]
+    axis = np.where(angle[..., None] > 0, unit, [0.0, 0.0, 1.0])
+    nonzero = np.argmax(np.abs(axis) > SINGULAR, axis=-1)[..., None]
+    first = np.take_along_axis(axis, nonzero, axis=-1)
+    opposite = (np.pi - angle < HALF_TURN)[..., None] & (first < 0)
+    return np.where(opposite, -axis, axis), angle
 
 
 def axis_angle_singular(R: ArrayLike) -> NDArray[np.bool_]:
-    """The angle is 0 or pi."""
+    """True at angles 0 and pi, shape (...)."""
     return np.sin(_rotation(R).magnitude()) < SINGULAR
 
 
@@ -78,7 +74,7 @@ def to_euler_zyz(R: ArrayLike) -> Array:
 
 
 def euler_zyz_singular(R: ArrayLike) -> NDArray[np.bool_]:
-    """theta is 0 or pi."""
+    """True at theta 0 and pi, shape (...)."""
     _rotation(R)
     return np.hypot(np.asarray(R)[..., 0, 2], np.asarray(R)[..., 1, 2]) < SINGULAR
 
@@ -94,7 +90,7 @@ def to_roll_pitch_yaw(R: ArrayLike) -> Array:
 
 
 def roll_pitch_yaw_singular(R: ArrayLike) -> NDArray[np.bool_]:
-    """pitch is +-pi/2."""
+    """True at pitch +-pi/2, shape (...)."""
     _rotation(R)
     return np.hypot(np.asarray(R)[..., 0, 0], np.asarray(R)[..., 1, 0]) < SINGULAR
 
@@ -119,7 +115,7 @@ def to_quaternion(R: ArrayLike) -> Array:
 
 
 def quaternion_product(p: ArrayLike, q: ArrayLike) -> Array:
-    """p q: first the rotation q, then p."""
+    """Product p q, shape (..., 4): the rotation q, then p."""
     p, q = np.asarray(p, dtype=np.float64), np.asarray(q, dtype=np.float64)
     w = p[..., 0] * q[..., 0] - (p[..., 1:] * q[..., 1:]).sum(-1)
     v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
@@ -127,13 +123,10 @@ def quaternion_product(p: ArrayLike, q: ArrayLike) -> Array:
 
 
 def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:
-    """Rotation at constant angular velocity about one axis, s from 0 to 1, the shorter way.
+    """Unit quaternions (N, 4), w >= 0, of the shortest rotation at constant angular velocity.
 
     Args:
-        s: shape (N,), each in [0, 1].
-
-    Returns:
-        unit quaternions (N, 4), w >= 0. Half a turn apart the way is one of two, and defined.
+        s: shape (N,), each in [0, 1], from the start to the end.
     """
     ends = Rotation.from_quat(np.array([q_start, q_end], dtype=np.float64), scalar_first=True)
     return Slerp([0.0, 1.0], ends)(np.atleast_1d(s)).as_quat(canonical=True, scalar_first=True)

@@ -1,4 +1,4 @@
-"""Straight-line programs as text in five languages, and as the numba module we run ourselves.
+"""Straight-line programs as source text in five languages, and as the numba module of `compile`.
 
 Every function says in its header comment which robot it belongs to, the convention, units, and
 the order of its arguments. Matrices are row by row in C and matrices elsewhere.
@@ -7,14 +7,14 @@ the order of its arguments. Matrices are row by row in C and matrices elsewhere.
 from collections.abc import Callable
 from enum import Enum
 
-from ..equations.program import Program
+from ..equations.program import StraightLineProgram
 from . import c, fortran, latex, matlab, python
 from .naming import distinct
 from .python import numba_module as numba_module
 
 
 class Language(Enum):
-    """What a program can be written in; the value is the word of the command line."""
+    """Target language; the value is the word of the command line."""
 
     C = "c"
     MATLAB = "matlab"
@@ -23,7 +23,7 @@ class Language(Enum):
     LATEX = "latex"
 
 
-_WRITERS: dict[Language, Callable[[Program, str], dict[str, str]]] = {
+_WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] = {
     Language.C: c.write,
     Language.MATLAB: matlab.write,
     Language.FORTRAN: fortran.write,
@@ -32,7 +32,9 @@ _WRITERS: dict[Language, Callable[[Program, str], dict[str, str]]] = {
 }
 
 
-def write(program: Program, language: Language, name: str | None = None) -> dict[str, str]:
+def write(
+    program: StraightLineProgram, language: Language, name: str | None = None
+) -> dict[str, str]:
     """Files of a program: name and text of each.
 
     Args:

@@ -4,8 +4,8 @@ import textwrap
 
 import sympy as sp
 
-from ..equations.program import Block, Program
-from .printing import Printer, header, step_lines
+from ..equations.program import StraightLineProgram
+from .printing import Printer, header, input_elements, step_lines, subscripts
 
 
 class FortranPrinter(Printer):
@@ -19,40 +19,28 @@ class FortranPrinter(Printer):
         return f"(merge(1.0_dp, 0.0_dp, {x} > 0) - merge(1.0_dp, 0.0_dp, {x} < 0))"
 
 
-def write(program: Program, name: str) -> dict[str, str]:
-    printer, blocks = FortranPrinter(), [*program.inputs, *program.outputs]
-    symbols = [s for b in program.inputs for s in b.elements] + [s for s, _ in program.steps]
+def write(program: StraightLineProgram, name: str) -> dict[str, str]:
+    printer, inputs = FortranPrinter(), input_elements(program)
+    symbols = [symbol for symbol, _, _ in inputs] + [symbol for symbol, _ in program.steps]
     lines = [f"! {line}".rstrip() for line in header(program, name)]
-    arguments = ", ".join(block.name for block in blocks)
     lines += [
-        f"subroutine {name}({arguments}) bind(c)",
+        f"subroutine {name}({', '.join(b.name for b in program.arguments)}) bind(c)",
         "  use, intrinsic :: iso_c_binding, only: dp => c_double",
         "  implicit none",
     ]
     lines += [f"  real(dp), intent(in) :: {b.name}({b.shape[0]})" for b in program.inputs]
-    for block in program.outputs:
-        lines.append(f"  real(dp), intent(out) :: {block.name}({', '.join(map(str, block.shape))})")
+    for b in program.outputs:
+        lines.append(f"  real(dp), intent(out) :: {b.name}({', '.join(map(str, b.shape))})")
     lines += [f"  real(dp) :: {symbol}" for symbol in symbols]
-    lines += [
-        f"  {symbol} = {block.name}({i + 1})"
-        for block in program.inputs
-        for i, symbol in enumerate(block.elements)
-    ]
+    lines += [f"  {symbol} = {argument}({i + 1})" for symbol, argument, i in inputs]
     lines += step_lines(program, printer, "  {} = {}")
-    for block in program.outputs:
-        lines += [
-            f"  {block.name}({_index(block, i)}) = {printer.doprint(element)}"
-            for i, element in enumerate(block.elements)
-        ]
+    lines += [
+        f"  {b.name}({index}) = {printer.doprint(element)}"
+        for b in program.outputs
+        for index, element in zip(subscripts(b.shape, 1), b.elements, strict=True)
+    ]
     lines.append(f"end subroutine {name}")
     return {f"{name}.f90": "\n".join(map(_continued, lines)) + "\n"}
-
-
-def _index(block: Block, i: int) -> str:
-    """Subscripts of element i in row-major order."""
-    if len(block.shape) == 1:
-        return f"{i + 1}"
-    return f"{i // block.shape[1] + 1}, {i % block.shape[1] + 1}"
 
 
 def _continued(line: str) -> str:

@@ -2,17 +2,16 @@
 
 import sympy as sp
 
-from ..equations.program import Program
+from ..equations.program import StraightLineProgram
 from .printing import header
 
 
-def write(program: Program, name: str) -> dict[str, str]:
-    lines = [f"% {line}".rstrip() for line in header(program, name)]
-    lines.append("\\begin{align*}")
-    lines += [f"  {sp.latex(s)} &= {sp.latex(e)} \\\\" for s, e in program.steps]
-    for block in program.outputs:
-        rows, columns = block.shape if len(block.shape) == 2 else (block.shape[0], 1)
-        matrix = sp.Matrix(rows, columns, list(block.elements))
-        lines.append(f"  {sp.latex(sp.Symbol(block.name))} &= {sp.latex(matrix)} \\\\")
-    lines[-1] = lines[-1].removesuffix(" \\\\")
-    return {f"{name}.tex": "\n".join([*lines, "\\end{align*}", ""])}
+def write(program: StraightLineProgram, name: str) -> dict[str, str]:
+    lines = [f"  {sp.latex(s)} &= {sp.latex(e)}" for s, e in program.steps]
+    for b in program.outputs:
+        matrix = sp.Matrix(*(*b.shape, 1)[:2], list(b.elements))
+        lines.append(f"  {sp.latex(sp.Symbol(b.name))} &= {sp.latex(matrix)}")
+    comment = [f"% {line}".rstrip() for line in header(program, name)]
+    equations = " \\\\\n".join(lines)
+    text = "\n".join([*comment, "\\begin{align*}", equations, "\\end{align*}", ""])
+    return {f"{name}.tex": text}

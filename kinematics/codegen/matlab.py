@@ -1,7 +1,7 @@
 """MATLAB and Octave: one function file, vectors are columns, matrices are matrices."""
 
-from ..equations.program import Program
-from .printing import Printer, header, step_lines
+from ..equations.program import StraightLineProgram
+from .printing import Printer, header, input_elements, step_lines, subscripts
 
 
 class MatlabPrinter(Printer):
@@ -9,25 +9,23 @@ class MatlabPrinter(Printer):
         return f"sign({x})"
 
 
-def write(program: Program, name: str) -> dict[str, str]:
+def write(program: StraightLineProgram, name: str) -> dict[str, str]:
     printer = MatlabPrinter()
-    outputs = ", ".join(block.name for block in program.outputs)
-    inputs = ", ".join(block.name for block in program.inputs)
+    outputs = ", ".join(b.name for b in program.outputs)
+    inputs = ", ".join(b.name for b in program.inputs)
     lines = [f"function [{outputs}] = {name}({inputs})"]
     lines += [f"% {line}".rstrip() for line in header(program, name)]
     lines.append("% vectors are columns")
     lines += [
-        f"  {symbol} = {block.name}({i + 1});"
-        for block in program.inputs
-        for i, symbol in enumerate(block.elements)
+        f"  {symbol} = {argument}({i + 1});" for symbol, argument, i in input_elements(program)
     ]
     lines += step_lines(program, printer, "  {} = {};")
-    for block in program.outputs:
-        rows, columns = block.shape if len(block.shape) == 2 else (block.shape[0], 1)
-        lines.append(f"  {block.name} = zeros({rows}, {columns});")
+    for b in program.outputs:
+        rows, columns = (*b.shape, 1)[:2]
+        lines.append(f"  {b.name} = zeros({rows}, {columns});")
         lines += [
-            f"  {block.name}({i // columns + 1}, {i % columns + 1}) = {printer.doprint(element)};"
-            for i, element in enumerate(block.elements)
+            f"  {b.name}({index}) = {printer.doprint(element)};"
+            for index, element in zip(subscripts((rows, columns), 1), b.elements, strict=True)
             if element != 0
         ]
     return {f"{name}.m": "\n".join([*lines, "end", ""])}

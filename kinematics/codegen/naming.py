@@ -1,10 +1,10 @@
-"""Names that every language can take: no two alike but for case, none that a language reserves."""
+"""Names that are valid in every language: distinct without regard to case, none reserved."""
 
 from dataclasses import replace
 
 import sympy as sp
 
-from ..equations.program import Block, Program
+from ..equations.program import Argument, StraightLineProgram
 
 _RESERVED = {
     *("lambda", "in", "is", "if", "for", "while", "def", "pass", "as", "or", "and", "not", "del"),
@@ -14,27 +14,20 @@ _RESERVED = {
 }
 
 
-def distinct(program: Program) -> Program:
-    """The same program with steps numbered without gaps, and a trailing underscore where names
-    collide.
-    """
-    taken = {block.name.lower() for block in program.inputs} | _RESERVED
-    outputs = []
-    for block in program.outputs:
-        name = _free(block.name, taken)
-        taken.add(name.lower())
-        outputs.append(block._replace(name=name))
+def distinct(program: StraightLineProgram) -> StraightLineProgram:
+    """The program with steps numbered without gaps, and underscores after names that collide."""
+    taken = {argument.name.lower() for argument in program.inputs} | _RESERVED
+    outputs = [b._replace(name=_free(b.name, taken)) for b in program.outputs]
     renamed: dict[sp.Basic, sp.Basic] = {}
-    wanted = [(s, str(s)) for block in program.inputs for s in block.elements]
+    wanted = [(s, str(s)) for argument in program.inputs for s in argument.elements]
     wanted += [(s, f"x{number}") for number, (s, _) in enumerate(program.steps)]
     for symbol, wish in wanted:
         name = _free(wish, taken)
-        taken.add(name.lower())
         if name != str(symbol):
             renamed[symbol] = sp.Symbol(name, real=True)
 
-    def new(block: Block) -> Block:
-        return block._replace(elements=tuple(e.xreplace(renamed) for e in block.elements))
+    def new(argument: Argument) -> Argument:
+        return argument._replace(elements=tuple(e.xreplace(renamed) for e in argument.elements))
 
     return replace(
         program,
@@ -45,6 +38,8 @@ def distinct(program: Program) -> Program:
 
 
 def _free(name: str, taken: set[str]) -> str:
+    """The name with underscores until it is not taken; then it is."""
     while name.lower() in taken:
         name += "_"
+    taken.add(name.lower())
     return name

@@ -1,8 +1,10 @@
-"""Python for numba: the module that this project itself runs."""
+"""Python for numba: the module that `compile` runs."""
 
-from ..equations.program import Block, Program
+from collections.abc import Sequence
+
+from ..equations.program import Argument, StraightLineProgram
 from .naming import distinct
-from .printing import Printer, header, step_lines
+from .printing import Printer, header, input_elements, step_lines, subscripts
 
 
 class PythonPrinter(Printer):
@@ -10,7 +12,7 @@ class PythonPrinter(Printer):
         return f"(1.0 if {x} > 0 else -1.0 if {x} < 0 else 0.0)"
 
 
-def write(program: Program, name: str) -> dict[str, str]:
+def write(program: StraightLineProgram, name: str) -> dict[str, str]:
     return {f"{name}.py": numba_module(program, name)}
 
 
@@ -18,51 +20,42 @@ def _array(dimensions: int) -> str:
     return "f8[" + ":, " * (dimensions - 1) + "::1]"
 
 
-def _check(blocks: tuple[Block, ...], batched: bool) -> str:
-    """Shapes are checked where it costs nothing: a wrong one would read past an array."""
+def _check(arrays: Sequence[Argument], batched: bool) -> str:
+    """Statement that refuses wrong shapes, which would read past an array."""
     tests = []
-    for block in blocks:
-        for axis, size in enumerate(block.shape):
-            tests.append(f"{block.name}.shape[{axis + batched}] != {size}")
+    for array in arrays:
+        for axis, size in enumerate(array.shape):
+            tests.append(f"{array.name}.shape[{axis + batched}] != {size}")
         if batched:
-            tests.append(f"{block.name}.shape[0] != {blocks[0].name}.shape[0]")
+            tests.append(f"{array.name}.shape[0] != {arrays[0].name}.shape[0]")
     return "    if " + " or ".join(tests) + ":\n        raise ValueError\n"
 
 
-def _stores(printer: Printer, block: Block) -> str:
-    columns = block.shape[-1]
-    flat = len(block.shape) == 1
-    return "".join(
-        f"    {block.name}[{i if flat else f'{i // columns}, {i % columns}'}] = "
-        f"{printer.doprint(element)}\n"
-        for i, element in enumerate(block.elements)
-    )
-
-
-def numba_module(program: Program, name: str | None = None) -> str:
+def numba_module(program: StraightLineProgram, name: str | None = None) -> str:
     """Module with `one(inputs..., outputs...)` and `many`, whose arrays have a leading axis."""
     program, printer, name = distinct(program), PythonPrinter(), name or program.name
-    blocks = (*program.inputs, *program.outputs)
-    arguments = ", ".join(block.name for block in blocks)
-    body = "".join(
-        f"    {symbol} = {block.name}[{i}]\n"
-        for block in program.inputs
-        for i, symbol in enumerate(block.elements)
-    )
-    body += "".join(f"{line}\n" for line in step_lines(program, printer, "    {} = {}"))
-    body += "".join(_stores(printer, block) for block in program.outputs)
-    one = ", ".join(_array(len(b.shape)) for b in blocks)
-    many = ", ".join(_array(len(b.shape) + 1) for b in blocks)
-    rows = ", ".join(f"{b.name}[k]" for b in blocks)
+    arrays = program.arguments
+    arguments = ", ".join(array.name for array in arrays)
+    lines = [f"    {symbol} = {array}[{i}]" for symbol, array, i in input_elements(program)]
+    lines += step_lines(program, printer, "    {} = {}")
+    lines += [
+        f"    {b.name}[{index}] = {printer.doprint(element)}"
+        for b in program.outputs
+        for index, element in zip(subscripts(b.shape), b.elements, strict=True)
+    ]
+    body = "\n".join(lines) + "\n"
+    one = ", ".join(_array(len(b.shape)) for b in arrays)
+    many = ", ".join(_array(len(b.shape) + 1) for b in arrays)
+    rows = ", ".join(f"{b.name}[k]" for b in arrays)
     head = "\n".join(header(program, name))
     return (
         f'"""{head}\n"""\n\n'
         "from math import cos, sin, sqrt\n\n"
         "from numba import njit\n\n\n"
         f'@njit("void({one})", cache=True, error_model="numpy")\n'
-        f"def {name}({arguments}):\n{_check(blocks, False)}{body}\n\n"
+        f"def {name}({arguments}):\n{_check(arrays, False)}{body}\n\n"
         f'@njit("void({many})", cache=True, error_model="numpy", nogil=True)\n'
-        f"def many({arguments}):\n{_check(blocks, True)}"
-        f"    for k in range({blocks[0].name}.shape[0]):\n        {name}({rows})\n\n\n"
+        f"def many({arguments}):\n{_check(arrays, True)}"
+        f"    for k in range({arrays[0].name}.shape[0]):\n        {name}({rows})\n\n\n"
         f"one = {name}\n"
     )

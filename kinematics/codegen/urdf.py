@@ -1,4 +1,4 @@
-"""A robot of numbers as URDF, for users of ROS: its joints, frames and limits, without masses.
+"""URDF of a robot of numbers, for ROS: its joints, frames and limits, without masses.
 
 URDF knows no motor coupling: its joints are the joint variables less their offset, so that all
 joints at zero is phi = 0, and the coupling to the motors is stated in a comment.
@@ -13,8 +13,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..dh import Joint, Link, Robot
-from ..inverse.wrist_arm import link_transform, standard_links
 from ..limits import Limits
+from ..links import link_transform, standard_links
 from ..rotation import to_roll_pitch_yaw
 
 _UNLIMITED = 1e6  # [N m] or [rad/s]: URDF wants a number where a kinematic model has none
@@ -42,37 +42,32 @@ def urdf(robot: Robot, limits: Limits | None = None) -> str:
     for link in standard_links(robot):
         if link.moves:
             before, after = _split(link, float(robot.offset[number]))
+            limit = _limit(robot, number, limits)
             number += 1
-            limit = _limit(robot, number - 1, limits)
-            lines += _joint(
-                f"joint_{number}", link, parent, f"link_{number}", place @ before, limit
-            )
-            parent, place = f"link_{number}", after
+            child = f"link_{number}"
+            lines += _joint(f"joint_{number}", link, parent, child, place @ before, limit)
+            parent, place = child, after
         else:
             place = place @ link_transform(link)
-    fixed = Link(joint=Joint.FIXED)
-    lines += _joint("tool0_joint", fixed, parent, "tool0", place, "")
+    lines += _joint("tool0_joint", Link(joint=Joint.FIXED), parent, "tool0", place, "")
     return "\n".join([*lines, "</robot>", ""])
 
 
 def _split(link: Link, offset: float) -> tuple[Array, Array]:
-    """What of a standard link lies before its joint at zero, and what after it."""
-    turn, rise = float(link.theta), float(link.d)
-    before = Link(theta=turn + offset, joint=Joint.FIXED)
+    """Transforms of a standard link before its joint, at zero, and after it."""
+    theta, d = float(link.theta), float(link.d)
+    before = Link(theta=theta + offset, joint=Joint.FIXED)
     if link.joint is Joint.PRISMATIC:
-        before = Link(theta=turn, d=rise + offset, joint=Joint.FIXED)
-        rise = 0.0
-    after = replace(link, theta=0, d=rise, joint=Joint.FIXED)
+        before, d = Link(theta=theta, d=d + offset, joint=Joint.FIXED), 0.0
+    after = replace(link, theta=0, d=d, joint=Joint.FIXED)
     return link_transform(before), link_transform(after)
 
 
 def _coupling(robot: Robot) -> list[str]:
-    """joint_3 = phi_3 - phi_2, for each joint that is not its own motor."""
+    """Comment joint_3 = phi_3 - phi_2, for each joint that is not its own motor."""
     lines = []
-    for number, (row, unit) in enumerate(
-        zip(robot.coupling, np.eye(robot.n_joints), strict=True), 1
-    ):
-        if not np.array_equal(row, unit):
+    for number, row in enumerate(robot.coupling, 1):
+        if not np.array_equal(row, np.eye(robot.n_joints)[number - 1]):
             terms = [f"{k:+g} phi_{i}" for i, k in enumerate(row, 1) if k]
             lines.append(f"     Coupling: joint_{number} = {' '.join(terms)}, phi: motor angles.")
     return lines
@@ -80,17 +75,12 @@ def _coupling(robot: Robot) -> list[str]:
 
 def _limit(robot: Robot, index: int, limits: Limits | None) -> str:
     """The limit element of a joint; a coupled joint has the range of its combination."""
-    if limits is None:
-        limits = Limits(
-            lower=(-math.pi,) * robot.n_joints,
-            upper=(math.pi,) * robot.n_joints,
-            speed=(_UNLIMITED,) * robot.n_joints,
-        )
-    lower, upper = limits.lower[index], limits.upper[index]
-    for bound in limits.coupled:
-        if np.array_equal(bound.coefficients, robot.coupling[index]):
-            lower, upper = bound.lower, bound.upper
-    speed = limits.speed[index]
+    lower, upper, speed = -math.pi, math.pi, _UNLIMITED
+    if limits is not None:
+        lower, upper, speed = limits.lower[index], limits.upper[index], limits.speed[index]
+        for bound in limits.coupled:
+            if np.array_equal(bound.coefficients, robot.coupling[index]):
+                lower, upper = bound.lower, bound.upper
     return (
         f'<limit lower="{lower!r}" upper="{upper!r}" velocity="{speed!r}" effort="{_UNLIMITED:g}"/>'
     )
@@ -98,8 +88,7 @@ def _limit(robot: Robot, index: int, limits: Limits | None) -> str:
 
 def _joint(name: str, link: Link, parent: str, child: str, place: Array, limit: str) -> list[str]:
     yaw, pitch, roll = to_roll_pitch_yaw(place[:3, :3])  # URDF: fixed axes x, y, z
-    xyz = " ".join(repr(float(v)) for v in place[:3, 3])
-    rpy = " ".join(repr(float(v)) for v in (roll, pitch, yaw))
+    xyz, rpy = (" ".join(map(repr, map(float, v))) for v in (place[:3, 3], (roll, pitch, yaw)))
     lines = [
         f'  <joint name="{name}" type="{link.joint.value}">',
         f'    <parent link="{parent}"/>',

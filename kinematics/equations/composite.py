@@ -1,4 +1,4 @@
-"""The mass matrix of joint variables by composite bodies, and a solver for it.
+"""Mass matrix of the joint variables by composite rigid bodies, and its L D L^T solver.
 
 Each joint carries everything beyond it as one body. Intermediates are named on a tape.
 """
@@ -7,41 +7,38 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from ..dh import Joint
 from ..expressions.exact import Expression
-from .chain import Vector, added, crossed
 from .program import Tape
-from .recursion import Inertia, Step
+from .recursion import Inertia, JointTransform
+from .vectors import UPPER, Matrix, Vector, added, crossed, symmetric, upper
 
-Matrix = list[list[Expression]]
 
-
-def _rotated(tape: Tape, step: Step, tensor: Sequence[Expression]) -> tuple[Expression, ...]:
+def _rotated(
+    tape: Tape, joint: JointTransform, tensor: Sequence[Expression]
+) -> tuple[Expression, ...]:
     """R I R^T from frame i to frame i - 1 axes."""
     xx, xy, xz, yy, yz, zz = tensor
-    c, s = step.cosine, step.sine
-    if step.segment.joint is Joint.REVOLUTE:
+    c, s = joint.cosine, joint.sine
+    if joint.revolute:
         cs, cc = tape(c * s), tape(c * c)
         difference = tape(xx - yy)
-        share = tape(cc * difference - 2 * cs * xy)
+        change = tape(cc * difference - 2 * cs * xy)
         new_xy = tape(cs * difference + (2 * cc - 1) * xy)
-        xx, yy, xy = tape(yy + share), tape(xx - share), new_xy
+        xx, yy, xy = tape(yy + change), tape(xx - change), new_xy
         xz, yz = tape(c * xz - s * yz), tape(s * xz + c * yz)
-    turn, full = step.segment.turn, sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    half = (turn * full).applyfunc(tape)
-    whole = half * turn.T
-    return tuple(tape(whole[i, j]) for i in range(3) for j in range(i, 3))
+    R = joint.segment.rotation
+    half = (R * symmetric((xx, xy, xz, yy, yz, zz))).applyfunc(tape)
+    return tuple(map(tape, upper(half * R.T)))
 
 
 def _shifted(tape: Tape, inertia: Inertia, r: Vector) -> Inertia:
-    """About an origin from which the old one lies at r."""
+    """Inertia about an origin from which the old one lies at r."""
     h, m = inertia.moment, inertia.mass
     moment = tuple(tape(h[i] + m * r[i]) for i in range(3))
     between = tuple(tape(h[i] + moment[i]) for i in range(3))  # 2 h + m r
     products = [[tape(r[i] * between[j]) for j in range(3)] for i in range(3)]
     tensor = []
-    for position, (i, j) in enumerate([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]):
-        old = inertia.tensor[position]
+    for old, (i, j) in zip(inertia.tensor, UPPER, strict=True):
         if i == j:
             k, n = [axis for axis in range(3) if axis != i]
             tensor.append(tape(old + products[k][k] + products[n][n]))
@@ -55,8 +52,8 @@ def _sum(tape: Tape, u: Inertia, v: Inertia) -> Inertia:
     return Inertia(total[0], (total[1], total[2], total[3]), tuple(total[4:]))
 
 
-def joint_mass_matrix(tape: Tape, chain: Sequence[Step]) -> Matrix:
-    """D_theta by composite bodies: each joint carries everything beyond it as one body."""
+def joint_mass_matrix(tape: Tape, chain: Sequence[JointTransform]) -> Matrix:
+    """D_theta, n x n, by the composite-rigid-body algorithm."""
     n = len(chain)
     D: Matrix = [[sp.S.Zero] * n for _ in range(n)]
     composite = chain[-1].segment.inertia
@@ -65,35 +62,35 @@ def joint_mass_matrix(tape: Tape, chain: Sequence[Step]) -> Matrix:
             outer = chain[j + 1]
             h = outer.out(tape, composite.moment)
             moved = Inertia(composite.mass, h, _rotated(tape, outer, composite.tensor))
-            composite = _sum(tape, chain[j].segment.inertia, _shifted(tape, moved, outer.shift))
+            moved = _shifted(tape, moved, outer.translation)
+            composite = _sum(tape, chain[j].segment.inertia, moved)
         force, moment = _momentum(composite, chain[j])
-        D[j][j] = moment[2] if chain[j].segment.joint is Joint.REVOLUTE else force[2]
+        D[j][j] = moment[2] if chain[j].revolute else force[2]
         for i in reversed(range(j)):
-            step = chain[i + 1]
-            force = step.out(tape, force)
-            moment = added(tape, step.out(tape, moment), crossed(tape, step.shift, force))
-            revolute = chain[i].segment.joint is Joint.REVOLUTE
-            D[i][j] = D[j][i] = moment[2] if revolute else force[2]
+            joint = chain[i + 1]
+            force = joint.out(tape, force)
+            moment = joint.out(tape, moment)
+            moment = added(tape, moment, crossed(tape, joint.translation, force))
+            D[i][j] = D[j][i] = moment[2] if chain[i].revolute else force[2]
     return D
 
 
-def _momentum(inertia: Inertia, step: Step) -> tuple[Vector, Vector]:
+def _momentum(inertia: Inertia, joint: JointTransform) -> tuple[Vector, Vector]:
     """Linear and angular momentum of a body at unit rate of its joint."""
     h, tensor, zero = inertia.moment, inertia.tensor, sp.S.Zero
-    if step.segment.joint is Joint.REVOLUTE:
+    if joint.revolute:
         return (-h[1], h[0], zero), (tensor[2], tensor[4], tensor[5])
     return (zero, zero, inertia.mass), (h[1], -h[0], zero)
 
 
 def solved(tape: Tape, D: Matrix, right: Sequence[Expression]) -> list[Expression]:
-    """D^-1 right for a positive definite D, as D = L diag L^T with named intermediates."""
+    """D^-1 right for a positive definite D, by the factors L diag L^T."""
     n = len(right)
     L: Matrix = [[sp.S.Zero] * n for _ in range(n)]
     pivot: list[Expression] = []
     for j in range(n):
         carried = [tape(L[j][k] * pivot[k]) for k in range(j)]
-        below = [tape(D[j][j] - sp.Add(*(L[j][k] * carried[k] for k in range(j))))]
-        pivot.append(below[0])
+        pivot.append(tape(D[j][j] - sp.Add(*(L[j][k] * carried[k] for k in range(j)))))
         inverse = tape(1 / pivot[j])
         for i in range(j + 1, n):
             rest = D[i][j] - sp.Add(*(L[i][k] * carried[k] for k in range(j)))

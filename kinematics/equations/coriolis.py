@@ -16,38 +16,47 @@ from typing import Any
 
 import sympy as sp
 
-from ..dh import Joint
-from ..expressions.exact import Expression, SymbolicMatrix
-from .chain import ZERO, Vector, added, combined, crossed, joint_variables, scaled
-from .composite import Matrix
-from .dynamics import blocks, coupled, model_notes, transposed
-from .forward_kinematics import motor_symbols
-from .inertial_model import RobotModel
-from .program import Block, Program, Tape
-from .recursion import Step, steps, tree
+from ..expressions.exact import Expression
+from ..expressions.rotation_symbolic import skew
+from .coupling import congruent, joint_rates
+from .dynamics import inputs_of, joint_chain, notes
+from .inertial_model import InertialModel
+from .program import Argument, StraightLineProgram, Tape
+from .recursion import JointTransform
+from .vectors import (
+    UPPER,
+    ZERO,
+    Matrix,
+    Vector,
+    added,
+    combined,
+    crossed,
+    scaled,
+    symmetric,
+    tensor_times,
+)
 
 Six = tuple[Vector, Vector]
 Rows = tuple[Vector, Vector, Vector]
 
 
-def coriolis_matrix(model: RobotModel) -> Program:
+def coriolis_matrix(model: InertialModel) -> StraightLineProgram:
     """C(phi, phi_dot), n x n, in motor angles: coupling^T C_theta coupling."""
     tape = Tape()
-    inputs = blocks(model, "phi", "phi_dot")
-    q = joint_variables(model.robot, motor_symbols(model.robot))
-    chain = steps(tree(model.robot, model.bodies), q, tape)
-    C = _joint_coriolis(tape, chain, coupled(model, tape, inputs[1].elements))
-    n = len(C)
-    columns = [transposed(model, tape, [C[i][j] for i in range(n)]) for j in range(n)]
-    rows = [transposed(model, tape, [columns[j][i] for j in range(n)]) for i in range(n)]
-    out = Block("C", (n, n), tuple(e for row in rows for e in row))
-    return tape.program("coriolis_matrix", inputs, [out], model_notes(model))
+    inputs = inputs_of(model, "phi", "phi_dot")
+    chain = joint_chain(model, tape)
+    rates = joint_rates(model.robot, tape, inputs[1].elements)
+    C = congruent(model.robot, tape, _joint_coriolis(tape, chain, rates))
+    out = Argument("C", (len(C), len(C)), tuple(e for row in C for e in row))
+    return tape.program("coriolis_matrix", inputs, [out], notes(model))
 
 
-def _joint_coriolis(tape: Tape, chain: Sequence[Step], rates: Sequence[Expression]) -> Matrix:
+def _joint_coriolis(
+    tape: Tape, chain: Sequence[JointTransform], rates: Sequence[Expression]
+) -> Matrix:
     n = len(chain)
     frames = _frames(tape, chain)
-    S = [_screw(tape, step, frame) for step, frame in zip(chain, frames, strict=True)]
+    S = [_screw(tape, joint, frame) for joint, frame in zip(chain, frames, strict=True)]
     V: Six = (ZERO, ZERO)
     S_dot: list[Six] = []
     bodies = []
@@ -68,22 +77,18 @@ def _joint_coriolis(tape: Tape, chain: Sequence[Step], rates: Sequence[Expressio
     return C
 
 
-def _frames(tape: Tape, chain: Sequence[Step]) -> list[tuple[Rows, Vector]]:
+def _frames(tape: Tape, chain: Sequence[JointTransform]) -> list[tuple[Rows, Vector]]:
     """Axes (columns) and origin of each body frame in base axes."""
-    one, zero = sp.S.One, sp.S.Zero
-    axes: Rows = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    x, y, z = sp.eye(3).tolist()
+    axes: Rows = (tuple(x), tuple(y), tuple(z))
     origin = ZERO
     frames = []
-    for step in chain:
-        for axis, distance in zip(axes, step.shift, strict=True):
+    for joint in chain:
+        for axis, distance in zip(axes, joint.translation, strict=True):
             origin = added(tape, origin, scaled(tape, distance, axis))
-        turned = [_mixed(tape, axes, tuple(step.segment.turn[:, k])) for k in range(3)]
-        c, s = step.cosine, step.sine
-        axes = (
-            combined(tape, c, turned[0], s, turned[1]),
-            combined(tape, -s, turned[0], c, turned[1]),
-            turned[2],
-        )
+        x, y, z = (_mixed(tape, axes, tuple(joint.segment.rotation[:, k])) for k in range(3))
+        c, s = joint.cosine, joint.sine
+        axes = (combined(tape, c, x, s, y), combined(tape, -s, x, c, y), z)
         frames.append((axes, origin))
     return frames
 
@@ -94,10 +99,10 @@ def _mixed(tape: Tape, axes: Rows, v: Sequence[Any]) -> Vector:
     return (parts[0], parts[1], parts[2])
 
 
-def _screw(tape: Tape, step: Step, frame: tuple[Rows, Vector]) -> Six:
+def _screw(tape: Tape, joint: JointTransform, frame: tuple[Rows, Vector]) -> Six:
     """(v, omega) at the base origin of unit joint rate."""
     axes, origin = frame
-    if step.segment.joint is Joint.REVOLUTE:
+    if joint.revolute:
         return crossed(tape, origin, axes[2]), axes[2]
     return axes[2], ZERO
 
@@ -108,14 +113,16 @@ def _bracket(tape: Tape, V: Six, S: Six) -> Six:
     return linear, crossed(tape, V[1], S[1])
 
 
-def _body(tape: Tape, step: Step, frame: tuple[Rows, Vector], V: Six) -> list[Expression]:
+def _body(
+    tape: Tape, joint: JointTransform, frame: tuple[Rows, Vector], V: Six
+) -> list[Expression]:
     """m, h (3), I_origin (6), p (3), E (9) of one body group: all add up over bodies."""
     axes, origin = frame
-    inertia = step.segment.inertia
+    inertia = joint.segment.inertia
     m = inertia.mass
     h_local = _mixed(tape, axes, inertia.moment)  # first moment about the body frame's origin
     h = added(tape, h_local, scaled(tape, m, origin))
-    tensor = _turned(tape, axes, inertia.tensor)  # about the body frame's origin, base axes
+    tensor = _in_base_axes(tape, axes, inertia.tensor)  # about the body frame's origin, base axes
     omega = V[1]
     at_origin = added(tape, V[0], crossed(tape, omega, origin))
     # With c = o + r, r in the body: -m S(c) S(c') = -S(o) S(p) - S(h) S(o') - m S(r) S(omega x r),
@@ -131,12 +138,8 @@ def _body(tape: Tape, step: Step, frame: tuple[Rows, Vector], V: Six) -> list[Ex
 
 def _rotational(tape: Tape, tensor: Sequence[Expression], omega: Vector) -> Matrix:
     """(S(omega) I - I S(omega) - S(I omega)) / 2 for a tensor about a point of the body."""
-    xx, xy, xz, yy, yz, zz = tensor
-    I = sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])  # noqa: E741 - the field's name
-    W = _skew(omega)
-    momentum = [tape(sp.Add(*(I[i, j] * omega[j] for j in range(3)))) for i in range(3)]
-    K = _skew(momentum)
-    WI = (W * I).applyfunc(tape)
+    K = skew(tensor_times(tape, tensor, omega))
+    WI = (skew(omega) * symmetric(tensor)).applyfunc(tape)
     # I S(omega) = -(S(omega) I)^T
     return [[tape((WI[i, j] + WI[j, i] - K[i, j]) / 2) for j in range(3)] for i in range(3)]
 
@@ -149,15 +152,10 @@ def _minus_double_skew(tape: Tape, E: Matrix, u: Vector, v: Vector) -> Matrix:
     ]
 
 
-def _turned(tape: Tape, axes: Rows, tensor: Sequence[Expression]) -> list[Expression]:
-    xx, xy, xz, yy, yz, zz = tensor
-    full = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    half = [_mixed(tape, axes, row) for row in full]  # rows in body axes, columns in base axes
-    return [
-        tape(sp.Add(*(axes[k][i] * half[k][j] for k in range(3))))
-        for i in range(3)
-        for j in range(i, 3)
-    ]
+def _in_base_axes(tape: Tape, axes: Rows, tensor: Sequence[Expression]) -> list[Expression]:
+    full = symmetric(tensor)  # rows in body axes; half: columns in base axes
+    half = [_mixed(tape, axes, tuple(full[i, :])) for i in range(3)]
+    return [tape(sp.Add(*(axes[k][i] * half[k][j] for k in range(3)))) for i, j in UPPER]
 
 
 def _parallel(
@@ -166,34 +164,24 @@ def _parallel(
     """Tensor about the base origin, from which the old origin lies at r."""
     moved = added(tape, h, scaled(tape, m, r))
     total = tape(sp.Add(*(r[k] * (h[k] + moved[k]) for k in range(3))))
-    result = []
-    for position, (i, j) in enumerate([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]):
-        old = tensor[position] + (total if i == j else 0)
-        result.append(tape(old - r[i] * moved[j] - h[i] * r[j]))
-    return result
+    return [
+        tape(old + (total if i == j else 0) - r[i] * moved[j] - h[i] * r[j])
+        for old, (i, j) in zip(tensor, UPPER, strict=True)
+    ]
 
 
 def _weighted(tape: Tape, whole: Sequence[Expression], S_dot: Six, S: Six) -> Six:
     """M S' + B S."""
     m, h, tensor, p, E = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:]
-    xx, xy, xz, yy, yz, zz = tensor
     h_, p_ = (h[0], h[1], h[2]), (p[0], p[1], p[2])
     v, w = S_dot
     force = added(tape, scaled(tape, m, v), crossed(tape, w, h_))
     force = added(tape, force, crossed(tape, S[1], p_))
-    turning = (
-        tape(xx * w[0] + xy * w[1] + xz * w[2]),
-        tape(xy * w[0] + yy * w[1] + yz * w[2]),
-        tape(xz * w[0] + yz * w[1] + zz * w[2]),
-    )
+    spin = tensor_times(tape, tensor, w)
     rows = [tape(sp.Add(*(E[3 * i + j] * S[1][j] for j in range(3)))) for i in range(3)]
-    moment = added(tape, added(tape, crossed(tape, h_, v), turning), (rows[0], rows[1], rows[2]))
+    moment = added(tape, added(tape, crossed(tape, h_, v), spin), (rows[0], rows[1], rows[2]))
     return force, moment
 
 
 def _dot(tape: Tape, S: Six, F: Six) -> Expression:
     return tape(sp.Add(*(S[k][i] * F[k][i] for k in range(2) for i in range(3))))
-
-
-def _skew(v: Sequence[Expression]) -> SymbolicMatrix:
-    return sp.Matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])

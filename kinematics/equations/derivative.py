@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from ..expressions.exact import Expression
-from .program import Block, Program, Tape
+from .program import Argument, StraightLineProgram, Tape
 
 
 def _step_derivative(
@@ -17,32 +17,28 @@ def _step_derivative(
 ) -> Expression:
     """The directional derivative of one expression, given those of its symbols."""
     parts = [
-        _partial(expression, symbol) * known[symbol]
+        # The derivative of a sign is 0, its impulse at the jump left out.
+        expression.diff(symbol).replace(sp.DiracDelta, lambda *_: sp.S.Zero) * known[symbol]
         for symbol in sorted(expression.free_symbols, key=str)
         if known.get(symbol, 0) != 0
     ]
     return tape(sp.Add(*parts))
 
 
-def _partial(expression: Expression, symbol: sp.Basic) -> Expression:
-    """The derivative where it exists: a sign has none at its jump and 0 elsewhere."""
-    derivative = expression.diff(symbol)
-    return derivative.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
-
-
 def _direction(
-    tape: Tape, program: Program, seeds: Mapping[Expression, Expression]
+    tape: Tape, program: StraightLineProgram, seeds: Mapping[Expression, Expression]
 ) -> list[tuple[Expression, ...]]:
-    """Directional derivatives of each output block, intermediates named on the tape."""
+    """Directional derivatives of each output argument, intermediates named on the tape."""
     known = dict(seeds)
     for symbol, expression in program.steps:
         known[symbol] = _step_derivative(tape, expression, known)
     return [
-        tuple(_step_derivative(tape, e, known) for e in block.elements) for block in program.outputs
+        tuple(_step_derivative(tape, e, known) for e in argument.elements)
+        for argument in program.outputs
     ]
 
 
-def tangent(program: Program, seeds: Mapping[str, str]) -> Program:
+def tangent(program: StraightLineProgram, seeds: Mapping[str, str]) -> StraightLineProgram:
     """Jacobian-vector product: outputs differentiated along given rates of some inputs.
 
     Args:
@@ -51,25 +47,27 @@ def tangent(program: Program, seeds: Mapping[str, str]) -> Program:
     tape = Tape(program)
     rates: dict[Expression, Expression] = {}
     new_inputs = []
-    for block in program.inputs:
-        if block.name in seeds:
-            symbols = tuple(sp.Symbol(f"{e}_rate", real=True) for e in block.elements)
-            rates.update(zip(block.elements, symbols, strict=True))
-            new_inputs.append(Block(seeds[block.name], block.shape, symbols))
+    for argument in program.inputs:
+        if argument.name in seeds:
+            symbols = tuple(sp.Symbol(f"{e}_rate", real=True) for e in argument.elements)
+            rates.update(zip(argument.elements, symbols, strict=True))
+            new_inputs.append(Argument(seeds[argument.name], argument.shape, symbols))
     elements = _direction(tape, program, rates)
     outputs = [
-        Block(f"{block.name}_rate", block.shape, values)
-        for block, values in zip(program.outputs, elements, strict=True)
+        Argument(f"{argument.name}_rate", argument.shape, values)
+        for argument, values in zip(program.outputs, elements, strict=True)
     ]
     return tape.program(
         f"{program.name}_rate", [*program.inputs, *new_inputs], outputs, program.notes
     )
 
 
-def jacobian(program: Program, with_respect_to: Sequence[str]) -> Program:
+def jacobian_of(
+    program: StraightLineProgram, with_respect_to: Sequence[str]
+) -> StraightLineProgram:
     """The matrix of partial derivatives of all outputs (in a row) to all named inputs.
 
-    Output block `H`, shape (number of output elements, number of input elements).
+    Output argument `H`, shape (number of output elements, number of input elements).
     """
     tape = Tape(program)
     variables = [e for b in program.inputs if b.name in with_respect_to for e in b.elements]
@@ -78,9 +76,9 @@ def jacobian(program: Program, with_respect_to: Sequence[str]) -> Program:
         raise ValueError(f"unknown inputs {sorted(missing)}; inputs: {names}")
     columns = []
     for variable in variables:
-        blocks = _direction(tape, program, {variable: sp.S.One})
-        columns.append([e for block in blocks for e in block])
+        arguments = _direction(tape, program, {variable: sp.S.One})
+        columns.append([e for argument in arguments for e in argument])
     rows = len(columns[0])
     elements = tuple(column[row] for row in range(rows) for column in columns)
-    out = Block("H", (rows, len(columns)), elements)
+    out = Argument("H", (rows, len(columns)), elements)
     return tape.program(f"{program.name}_jacobian", program.inputs, [out], program.notes)

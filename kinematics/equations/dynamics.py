@@ -3,7 +3,7 @@
     D(phi) phi'' + C(phi, phi') phi' + g(phi) + f(phi') = tau
 
 in motor angles phi and motor torques tau on the arm side of the gear: with theta = M phi + theta0,
-D = M^T D_theta M + diag(motor inertia), tau = M^T tau_theta + what the motors themselves need.
+D = M^T D_theta M + diag(motor inertia), tau = M^T tau_theta + torque of the motors themselves.
 Nothing is expanded: each intermediate of the recursions keeps a name.
 """
 
@@ -12,114 +12,79 @@ from typing import Any
 
 import sympy as sp
 
-from ..dh import Joint
 from ..expressions.exact import Expression, exact
-from .chain import ZERO, Vector, added, crossed, joint_variables
-from .composite import Matrix, joint_mass_matrix, solved
-from .forward_kinematics import motor_symbols, notes
-from .inertial_model import RobotModel
-from .program import Block, Program, Tape
-from .recursion import Inertia, State, Step, forward, steps, symbolic_inertias, tree
+from . import coupling
+from .composite import joint_mass_matrix, solved
+from .inertial_model import InertialModel
+from .program import Argument, StraightLineProgram, Tape
+from .recursion import (
+    FrameMotion,
+    Inertia,
+    JointTransform,
+    body_chain,
+    forward,
+    joint_transforms,
+    symbolic_inertias,
+)
+from .vectors import ZERO, Matrix, Vector, added, crossed, tensor_times
 
 
-def model_notes(model: RobotModel) -> tuple[str, ...]:
-    """Notes of a program that has torques in it."""
-    gravity = [str(value) for value in model.gravity]
+def notes(model: InertialModel) -> tuple[str, ...]:
+    """Notes of the robot, its torques and gravity, for the header of generated code."""
     return (
-        *notes(model.robot),
+        *coupling.notes(model.robot),
         "tau: motor torques on the arm side of the gear [N m]",
-        f"gravity: ({', '.join(gravity)}) m/s^2 in base axes",
+        f"gravity: ({', '.join(map(str, model.gravity))}) m/s^2 in base axes",
     )
 
 
-def blocks(model: RobotModel, *names: str) -> list[Block]:
-    """Inputs by name (phi, phi_dot, phi_ddot, tau), and the symbolic parameters if any."""
-    suffixes = {"phi": "", "phi_dot": "d", "phi_ddot": "dd"}
-    n = model.robot.n_joints
-    result = []
-    for name in names:
-        if name == "tau":
-            symbols = tuple(sp.Symbol(f"tau{i}", real=True) for i in range(1, n + 1))
-        else:
-            symbols = motor_symbols(model.robot, suffixes[name])
-        result.append(Block(name, (n,), symbols))
-    parameters = tuple(sorted(model.free_symbols, key=str))
-    if parameters:
-        result.append(Block("parameters", (len(parameters),), parameters))
-    return result
+def inputs_of(model: InertialModel, *names: str) -> list[Argument]:
+    """Inputs among phi, phi_dot, phi_ddot, tau, and the symbolic parameters if any."""
+    return coupling.motor_inputs(model.robot, *names, symbols=model.free_symbols)
 
 
-def coupled(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[Expression]:
-    """Joint quantities from motor quantities: coupling times values."""
-    return [
-        tape(sp.Add(*(exact(k) * v for k, v in zip(row, values, strict=True) if k)))
-        for row in model.robot.coupling
-    ]
+def joint_chain(model: InertialModel, tape: Tape) -> list[JointTransform]:
+    """Joint transforms with the bodies of the model, at the symbols phi1..phin."""
+    q = coupling.joint_variables(model.robot, coupling.motor_symbols(model.robot))
+    return joint_transforms(body_chain(model.robot, model.bodies), q, tape)
 
 
-def transposed(model: RobotModel, tape: Tape, values: Sequence[Any]) -> list[Expression]:
-    """Motor torques from joint torques: coupling^T times values."""
-    return [
-        tape(sp.Add(*(exact(k) * v for k, v in zip(column, values, strict=True) if k)))
-        for column in model.robot.coupling.T
-    ]
+def _wrench(tape: Tape, inertia: Inertia, motion: FrameMotion) -> tuple[Vector, Vector]:
+    """Force and moment about the frame's origin that give a body its motion."""
+    h, omega = inertia.moment, motion.omega
+    tangential = crossed(tape, motion.alpha, h)
+    h_ddot = added(tape, tangential, crossed(tape, omega, crossed(tape, omega, h)))
+    force = tuple(tape(inertia.mass * a + w) for a, w in zip(motion.a, h_ddot, strict=True))
+    moment = tensor_times(tape, inertia.tensor, motion.alpha)
+    gyroscopic = crossed(tape, omega, tensor_times(tape, inertia.tensor, omega))
+    moment = added(tape, moment, gyroscopic)
+    return (force[0], force[1], force[2]), added(tape, moment, crossed(tape, h, motion.a))
 
 
-def _steps(model: RobotModel, tape: Tape) -> list[Step]:
-    q = joint_variables(model.robot, motor_symbols(model.robot))
-    return steps(tree(model.robot, model.bodies), q, tape)
-
-
-def _tensor_times(tape: Tape, tensor: Sequence[Expression], v: Vector) -> Vector:
-    xx, xy, xz, yy, yz, zz = tensor
-    return (
-        tape(xx * v[0] + xy * v[1] + xz * v[2]),
-        tape(xy * v[0] + yy * v[1] + yz * v[2]),
-        tape(xz * v[0] + yz * v[1] + zz * v[2]),
-    )
-
-
-def _wrench(tape: Tape, inertia: Inertia, state: State) -> tuple[Vector, Vector]:
-    """Force and moment about the origin that make a body move so."""
-    h, omega = inertia.moment, state.omega
-    turning = added(
-        tape,
-        crossed(tape, state.alpha, h),
-        crossed(tape, omega, crossed(tape, omega, h)),
-    )
-    force = tuple(tape(inertia.mass * a + w) for a, w in zip(state.a, turning, strict=True))
-    moment = added(
-        tape,
-        _tensor_times(tape, inertia.tensor, state.alpha),
-        crossed(tape, omega, _tensor_times(tape, inertia.tensor, omega)),
-    )
-    return (force[0], force[1], force[2]), added(tape, moment, crossed(tape, h, state.a))
-
-
-def joint_torques(
+def newton_euler(
     tape: Tape,
-    chain: Sequence[Step],
+    chain: Sequence[JointTransform],
     inertias: Sequence[Inertia],
     rates: Sequence[Any],
     accelerations: Sequence[Any],
     gravity: Sequence[Any],
 ) -> list[Expression]:
-    """Torques of the joint variables by one pass out and one pass back (Newton-Euler)."""
+    """Torques of the joint variables by one pass outward and one inward."""
     up = tuple(-exact(value) for value in gravity)
-    states = forward(tape, chain, rates, accelerations, (up[0], up[1], up[2]))
+    motions = forward(tape, chain, rates, accelerations, (up[0], up[1], up[2]))
     force, moment = ZERO, ZERO
     torques = []
-    for i in reversed(range(len(chain))):
-        own_force, own_moment = _wrench(tape, inertias[i], states[i])
+    for joint, inertia, motion in reversed(list(zip(chain, inertias, motions, strict=True))):
+        own_force, own_moment = _wrench(tape, inertia, motion)
         force, moment = added(tape, force, own_force), added(tape, moment, own_moment)
-        revolute = chain[i].segment.joint is Joint.REVOLUTE
-        torques.append(moment[2] if revolute else force[2])
-        force = chain[i].out(tape, force)
-        moment = added(tape, chain[i].out(tape, moment), crossed(tape, chain[i].shift, force))
+        torques.append(moment[2] if joint.revolute else force[2])
+        force = joint.out(tape, force)
+        moment = joint.out(tape, moment)
+        moment = added(tape, moment, crossed(tape, joint.translation, force))
     return torques[::-1]
 
 
-def friction(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[Expression]:
+def friction(model: InertialModel, tape: Tape, rates: Sequence[Any]) -> list[Expression]:
     """f(phi') = viscous phi' + coulomb sign(phi')."""
     return [
         tape(exact(motor.viscous) * rate + exact(motor.coulomb) * sp.sign(rate))
@@ -127,117 +92,105 @@ def friction(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[Expres
     ]
 
 
-def motor_torques(
-    model: RobotModel,
+def frictionless_torques(
+    model: InertialModel,
     tape: Tape,
     rates: Sequence[Any],
     accelerations: Sequence[Any],
-    gravity: Sequence[Any] | None = None,
     inertias: Sequence[Inertia] | None = None,
 ) -> list[Expression]:
-    """All of (2.15) but friction, motor side of the coupling."""
-    chain = _steps(model, tape)
-    torques = joint_torques(
-        tape,
-        chain,
-        inertias or [step.segment.inertia for step in chain],
-        coupled(model, tape, rates),
-        coupled(model, tape, accelerations),
-        model.gravity if gravity is None else gravity,
-    )
+    """Left side of (2.15) without friction; inertias of the bodies replaced if given."""
+    chain = joint_chain(model, tape)
+    inertias = inertias or [joint.segment.inertia for joint in chain]
+    q_dot, q_ddot = (coupling.joint_rates(model.robot, tape, v) for v in (rates, accelerations))
+    torques = newton_euler(tape, chain, inertias, q_dot, q_ddot, model.gravity)
+    torques = coupling.motor_torques(model.robot, tape, torques)
     return [
         tape(torque + exact(motor.inertia) * acceleration)
-        for torque, motor, acceleration in zip(
-            transposed(model, tape, torques), model.motors, accelerations, strict=True
-        )
+        for torque, motor, acceleration in zip(torques, model.motors, accelerations, strict=True)
     ]
 
 
-def inverse_dynamics(model: RobotModel) -> Program:
+def inverse_dynamics(model: InertialModel) -> StraightLineProgram:
     """tau(phi, phi_dot, phi_ddot), friction included. Thesis (2.15)."""
     tape = Tape()
-    inputs = blocks(model, "phi", "phi_dot", "phi_ddot")
-    rates, accelerations = inputs[1].elements, inputs[2].elements
-    torques = motor_torques(model, tape, rates, accelerations)
-    total = [tape(u + v) for u, v in zip(torques, friction(model, tape, rates), strict=True)]
-    return _program(model, tape, "inverse_dynamics", inputs, "tau", total)
+    inputs = inputs_of(model, "phi", "phi_dot", "phi_ddot")
+    tau = _with_friction(model, tape, inputs[1].elements, inputs[2].elements)
+    return _program(model, tape, "inverse_dynamics", inputs, "tau", tau)
 
 
-def gravity_torque(model: RobotModel) -> Program:
-    """g(phi). Thesis (2.15)."""
-    tape = Tape()
-    zeros = [sp.S.Zero] * model.robot.n_joints
-    torques = motor_torques(model, tape, zeros, zeros)
-    return _program(model, tape, "gravity_torque", blocks(model, "phi"), "g", torques)
-
-
-def bias_torque(model: RobotModel) -> Program:
-    """C(phi, phi_dot) phi_dot + g(phi) + f(phi_dot): (2.15) without its first term."""
-    tape = Tape()
-    inputs = blocks(model, "phi", "phi_dot")
-    torques = _bias(model, tape, inputs[1].elements)
-    return _program(model, tape, "bias_torque", inputs, "b", torques)
-
-
-def _bias(model: RobotModel, tape: Tape, rates: Sequence[Any]) -> list[Expression]:
-    zeros = [sp.S.Zero] * model.robot.n_joints
-    torques = motor_torques(model, tape, rates, zeros)
+def _with_friction(
+    model: InertialModel, tape: Tape, rates: Sequence[Any], accelerations: Sequence[Any]
+) -> list[Expression]:
+    torques = frictionless_torques(model, tape, rates, accelerations)
     return [tape(u + v) for u, v in zip(torques, friction(model, tape, rates), strict=True)]
 
 
-def motor_mass_matrix(model: RobotModel, tape: Tape) -> Matrix:
+def gravity_torque(model: InertialModel) -> StraightLineProgram:
+    """g(phi). Thesis (2.15)."""
+    tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
+    torques = frictionless_torques(model, tape, zeros, zeros)
+    return _program(model, tape, "gravity_torque", inputs_of(model, "phi"), "g", torques)
+
+
+def bias_torque(model: InertialModel) -> StraightLineProgram:
+    """C(phi, phi_dot) phi_dot + g(phi) + f(phi_dot): (2.15) without its first term."""
+    tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
+    inputs = inputs_of(model, "phi", "phi_dot")
+    torques = _with_friction(model, tape, inputs[1].elements, zeros)
+    return _program(model, tape, "bias_torque", inputs, "b", torques)
+
+
+def motor_mass_matrix(model: InertialModel, tape: Tape) -> Matrix:
     """D = M^T D_theta M + diag(motor inertia)."""
-    D = joint_mass_matrix(tape, _steps(model, tape))
-    n = len(D)
-    half = [transposed(model, tape, [D[i][j] for i in range(n)]) for j in range(n)]  # columns
-    full = [transposed(model, tape, [half[j][i] for j in range(n)]) for i in range(n)]
+    D = coupling.congruent(model.robot, tape, joint_mass_matrix(tape, joint_chain(model, tape)))
     for i, motor in enumerate(model.motors):
-        full[i][i] = tape(full[i][i] + exact(motor.inertia))
-    return full
+        D[i][i] = tape(D[i][i] + exact(motor.inertia))
+    return D
 
 
-def mass_matrix(model: RobotModel) -> Program:
+def mass_matrix(model: InertialModel) -> StraightLineProgram:
     """D(phi), n x n. Thesis (2.15)."""
     tape = Tape()
     D = motor_mass_matrix(model, tape)
     elements = [D[max(i, j)][min(i, j)] for i in range(len(D)) for j in range(len(D))]
-    return _program(model, tape, "mass_matrix", blocks(model, "phi"), "D", elements, len(D))
+    return _program(model, tape, "mass_matrix", inputs_of(model, "phi"), "D", elements, len(D))
 
 
-def forward_dynamics(model: RobotModel) -> Program:
+def forward_dynamics(model: InertialModel) -> StraightLineProgram:
     """phi_ddot(phi, phi_dot, tau): (2.15) solved for the acceleration."""
-    tape = Tape()
-    inputs = blocks(model, "phi", "phi_dot", "tau")
-    bias = _bias(model, tape, inputs[1].elements)
+    tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
+    inputs = inputs_of(model, "phi", "phi_dot", "tau")
+    bias = _with_friction(model, tape, inputs[1].elements, zeros)
     right = [tape(t - b) for t, b in zip(inputs[2].elements, bias, strict=True)]
     x = solved(tape, motor_mass_matrix(model, tape), right)
     return _program(model, tape, "forward_dynamics", inputs, "phi_ddot", x)
 
 
-def parametric_torque(model: RobotModel) -> Program:
+def parametric_torque(model: InertialModel) -> StraightLineProgram:
     """tau without friction as a function also of Theta, ten parameters for each moving group:
     m, h (3), I about the body frame (Ixx, Ixy, Ixz, Iyy, Iyz, Izz). Linear in Theta: (2.17).
     """
     tape = Tape()
-    inputs = blocks(model, "phi", "phi_dot", "phi_ddot")
+    inputs = inputs_of(model, "phi", "phi_dot", "phi_ddot")
     inertias = symbolic_inertias(model.robot.n_joints)
     theta = tuple(e for inertia in inertias for e in inertia.elements)
-    torques = motor_torques(model, tape, inputs[1].elements, inputs[2].elements, inertias=inertias)
+    torques = frictionless_torques(model, tape, inputs[1].elements, inputs[2].elements, inertias)
     motor = [exact(m.inertia) * a for m, a in zip(model.motors, inputs[2].elements, strict=True)]
     torques = [tape(t - m) for t, m in zip(torques, motor, strict=True)]
-    inputs.insert(3, Block("theta", (len(theta),), theta))
+    inputs.insert(3, Argument("theta", (len(theta),), theta))
     return _program(model, tape, "parametric_torque", inputs, "tau", torques)
 
 
 def _program(
-    model: RobotModel,
+    model: InertialModel,
     tape: Tape,
     name: str,
-    inputs: Sequence[Block],
+    inputs: Sequence[Argument],
     output: str,
     elements: Sequence[Expression],
     rows: int | None = None,
-) -> Program:
+) -> StraightLineProgram:
     n = len(elements)
     shape = (n,) if rows is None else (rows, n // rows)
-    return tape.program(name, inputs, [Block(output, shape, tuple(elements))], model_notes(model))
+    return tape.program(name, inputs, [Argument(output, shape, tuple(elements))], notes(model))

@@ -1,7 +1,7 @@
-"""What sensors on a robot read, as functions of its motion: the equations of a filter. Row F01.
+"""Measurement equations of the motor encoders and an IMU, as functions of the motion. Row F01.
 
 y = (motor angles, angular velocity, specific force): the encoder of each motor, and a gyro and an
-accelerometer at the last frame, in that frame's axes. The accelerometer reads R^T (a - gravity).
+accelerometer in the axes of a link's frame. The accelerometer reads R^T (a - gravity).
 """
 
 from collections.abc import Sequence
@@ -10,67 +10,58 @@ from typing import Any
 
 from ..dh import Robot
 from ..expressions.exact import exact
-from .chain import ZERO, Vector, joint_variables
-from .derivative import jacobian
-from .dynamics import coupled
-from .forward_kinematics import motor_symbols, notes, parameter_block
-from .inertial_model import NO_BODY, RobotModel
-from .program import Block, Program, Tape
-from .recursion import State, forward, steps, swept, times, tree
+from .coupling import joint_rates, joint_variables, motor_inputs, notes
+from .derivative import jacobian_of
+from .program import Argument, StraightLineProgram, Tape
+from .recursion import FrameMotion, body_chain, forward, joint_transforms
+from .vectors import ZERO, Vector, added, lever_acceleration, times
 
 
 def measurement(
     robot: Robot, gravity: Sequence[Any] = (0, 0, -9.82), frame: int | None = None
-) -> Program:
+) -> StraightLineProgram:
     """y(phi, phi_dot, phi_ddot), shape (n + 6,).
 
     Args:
         gravity: [m/s^2] in base axes.
-        frame: the sensor sits in this link's frame; the last one by default.
+        frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
     """
     frame = len(robot.links) if frame is None else frame
     if not 0 < frame <= len(robot.links):
         raise ValueError(f"frame must be 1 to {len(robot.links)}, got {frame}")
     tape = Tape()
-    inputs = [
-        Block(name, (robot.n_joints,), motor_symbols(robot, suffix))
-        for name, suffix in (("phi", ""), ("phi_dot", "d"), ("phi_ddot", "dd"))
-    ]
-    state = sensor_motion(tape, robot, frame, inputs, gravity)
-    y = (*inputs[0].elements, *state.omega, *state.a)
-    told = (
+    inputs = motor_inputs(robot, "phi", "phi_dot", "phi_ddot")
+    motion = _frame_motion(tape, robot, frame, inputs, gravity)
+    y = (*inputs[0].elements, *motion.omega, *motion.a)
+    lines = (
         *notes(robot),
         f"sensor: in the axes of frame {frame}; gravity {tuple(map(str, gravity))} m/s^2",
         "y: motor angles [rad], angular velocity [rad/s], specific force [m/s^2]",
     )
-    out = Block("y", (len(y),), y)
-    return tape.program("measurement", [*inputs, *parameter_block(robot)], [out], told)
+    return tape.program("measurement", inputs, [Argument("y", (len(y),), y)], lines)
 
 
-def sensor_motion(
-    tape: Tape, robot: Robot, frame: int, inputs: Sequence[Block], gravity: Sequence[Any]
-) -> State:
+def _frame_motion(
+    tape: Tape, robot: Robot, frame: int, inputs: Sequence[Argument], gravity: Sequence[Any]
+) -> FrameMotion:
     """omega, alpha and specific force of a link's frame in its own axes."""
-    model = RobotModel(robot, (NO_BODY,) * len(robot.links))
-    part = Robot(robot.links[:frame], convention=robot.convention)
-    carried = tree(part)
-    k = part.n_joints
+    chain = body_chain(Robot(robot.links[:frame], convention=robot.convention))
+    k = len(chain.segments)
     q = joint_variables(robot, inputs[0].elements)[:k]
-    rates = coupled(model, tape, inputs[1].elements)[:k]
-    accelerations = coupled(model, tape, inputs[2].elements)[:k]
+    rates = joint_rates(robot, tape, inputs[1].elements)[:k]
+    accelerations = joint_rates(robot, tape, inputs[2].elements)[:k]
     up: Vector = tuple(-exact(value) for value in gravity)
-    chain = steps(carried, q, tape)
-    states = forward(tape, chain, rates, accelerations, up)
-    last = states[-1] if states else State(ZERO, ZERO, up)
-    arm = swept(tape, last.omega, last.alpha, tuple(carried.tool_shift))
-    a: Vector = tuple(tape(u + v) for u, v in zip(last.a, arm, strict=True))
-    turn = carried.tool_turn.T
-    return State(times(tape, turn, last.omega), times(tape, turn, last.alpha), times(tape, turn, a))
+    motions = forward(tape, joint_transforms(chain, q, tape), rates, accelerations, up)
+    last = motions[-1] if motions else FrameMotion(ZERO, ZERO, up)
+    lever: Vector = tuple(chain.tool_translation)
+    a = added(tape, last.a, lever_acceleration(tape, last.omega, last.alpha, lever))
+    R = chain.tool_rotation.T
+    return FrameMotion(*(times(tape, R, vector) for vector in (last.omega, last.alpha, a)))
 
 
 def measurement_jacobian(
     robot: Robot, gravity: Sequence[Any] = (0, 0, -9.82), frame: int | None = None
-) -> Program:
+) -> StraightLineProgram:
     """H = dy / d(phi, phi_dot, phi_ddot), shape (n + 6, 3 n), derived from `measurement`."""
-    program = jacobian(measurement(robot, gravity, frame), ("phi", "phi_dot", "phi_ddot"))
+    program = jacobian_of(measurement(robot, gravity, frame), ("phi", "phi_dot", "phi_ddot"))
     return replace(program, name="measurement_jacobian")

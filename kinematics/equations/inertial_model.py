@@ -1,11 +1,11 @@
-"""What a robot weighs: bodies on its links, motors on its joints, gravity. Data only."""
+"""Inertial model of a robot: bodies on its links, motors on its joints, gravity."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dh import Robot, checked
+from ..dh import Robot, checked, symbols_of
 
 if TYPE_CHECKING:
     from ..dh import Scalar
@@ -17,7 +17,7 @@ _SLACK = 1e-9  # relative: how far rounding may take an inertia below the triang
 class Body:
     """A rigid body on a link, in the axes of that link's Denavit-Hartenberg frame.
 
-    Parameters are numbers or SymPy symbols; numbers are checked to belong to a real body.
+    Parameters are numbers or SymPy symbols; numbers must be physically consistent.
     """
 
     mass: "Scalar"
@@ -47,8 +47,8 @@ def _check_inertia(inertia: tuple[Any, ...]) -> None:
     slack = _SLACK * max(float(np.abs(moments).max()), 1e-12)
     if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
         raise ValueError(
-            f"inertia {inertia} is that of no body: principal moments {moments.tolist()} must be "
-            ">= 0 and obey the triangle inequality"
+            f"inertia {inertia} is not physically consistent: principal moments "
+            f"{moments.tolist()} must be >= 0 and obey the triangle inequality"
         )
 
 
@@ -69,21 +69,16 @@ class Motor:
 
     def __post_init__(self) -> None:
         for name in ("inertia", "viscous", "coulomb", "stiffness", "damping"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            value = checked(name, value)
-            if isinstance(value, int | float) and value < 0:
-                raise ValueError(f"{name} must be >= 0, got {value}")
-            object.__setattr__(self, name, value)
-
-
-NO_BODY = Body(mass=0)
+            if (value := getattr(self, name)) is not None:
+                value = checked(name, value)
+                if isinstance(value, int | float) and value < 0:
+                    raise ValueError(f"{name} must be >= 0, got {value}")
+                object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True)
-class RobotModel:
-    """A robot with its masses and drives. Torques and accelerations are those of the motors."""
+class InertialModel:
+    """A robot with the inertia of its bodies and its drives; torques are those of the motors."""
 
     robot: Robot
     bodies: tuple[Body, ...]
@@ -94,33 +89,27 @@ class RobotModel:
     """[m/s^2] in base axes."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "bodies", tuple(self.bodies))
         motors = tuple(self.motors) or (Motor(),) * self.robot.n_joints
-        object.__setattr__(self, "motors", motors)
         gravity = tuple(checked("gravity", value) for value in self.gravity)
-        object.__setattr__(self, "gravity", gravity)
+        vars(self).update(bodies=tuple(self.bodies), motors=motors, gravity=gravity)
         for name, expected in (("bodies", len(self.robot.links)), ("motors", self.robot.n_joints)):
-            if len(getattr(self, name)) != expected:
-                raise ValueError(
-                    f"{self.robot.name} needs {expected} {name}, got {len(getattr(self, name))}"
-                )
+            if (given := len(getattr(self, name))) != expected:
+                raise ValueError(f"{self.robot.name} needs {expected} {name}, got {given}")
         if len(gravity) != 3:
             raise ValueError(f"gravity must have 3 components, got {len(gravity)}")
 
     @property
     def key(self) -> str:
-        """Text that two models share exactly when all their numbers are equal."""
+        """Text that is equal for two models exactly when all their numbers are equal."""
         return repr((self.robot.key, self.bodies, self.motors, self.gravity))
 
     @property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols among all parameters, the robot's included."""
-        found: set[Any] = set(self.robot.free_symbols)
-        values: list[Any] = [*self.gravity]
+        values: list[Any] = [
+            *self.gravity,
+            *(v for motor in self.motors for v in vars(motor).values()),
+        ]
         for body in self.bodies:
             values += [body.mass, *body.com, *body.inertia]
-        for motor in self.motors:
-            values += [motor.inertia, motor.viscous, motor.coulomb, motor.stiffness, motor.damping]
-        for value in values:
-            found |= getattr(value, "free_symbols", set())
-        return frozenset(found)
+        return self.robot.free_symbols | symbols_of(values)

@@ -1,8 +1,8 @@
 """Straight-line programs: named intermediates and outputs, the form all generated code comes from.
 
 A `Tape` names each intermediate as it is built, so a recursion over the links never expands; the
-same expression, or its negative, gets one name. `Program.from_expressions` reaches the same form
-from finished expressions by sharing their common parts.
+same expression, or its negative, gets one name. `StraightLineProgram.from_expressions` shares the
+common parts of finished expressions.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,7 +14,7 @@ import sympy as sp
 from ..expressions.exact import Expression
 
 
-class Block(NamedTuple):
+class Argument(NamedTuple):
     """An array argument: its name, shape and elements in row-major order."""
 
     name: str
@@ -23,45 +23,48 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Program:
+class StraightLineProgram:
     """`steps` in order, each a new name and its expression; then `outputs`. Inputs are symbols."""
 
     name: str
-    inputs: tuple[Block, ...]
+    inputs: tuple[Argument, ...]
     steps: tuple[tuple[sp.Symbol, Expression], ...]
-    outputs: tuple[Block, ...]
+    outputs: tuple[Argument, ...]
     notes: tuple[str, ...] = ()
-    """What a reader of generated code must know: robot, convention, units, orders."""
+    """Robot, convention, units and orders, for the reader of generated code."""
+
+    @property
+    def arguments(self) -> tuple[Argument, ...]:
+        """Inputs, then outputs."""
+        return self.inputs + self.outputs
 
     @property
     def operations(self) -> int:
         """Arithmetic operations and function calls, as SymPy counts them."""
         expressions = [expression for _, expression in self.steps]
-        for block in self.outputs:
-            expressions += block.elements
-        return int(sp.count_ops(expressions))
+        return int(sp.count_ops(expressions + [e for b in self.outputs for e in b.elements]))
 
     def expressions(self) -> tuple[Expression, ...]:
         """All output elements with the names substituted back: full expressions of the inputs."""
         known: dict[Expression, Expression] = {}
         for symbol, expression in self.steps:
             known[symbol] = expression.xreplace(known)
-        return tuple(e.xreplace(known) for block in self.outputs for e in block.elements)
+        return tuple(e.xreplace(known) for argument in self.outputs for e in argument.elements)
 
     @classmethod
     def from_expressions(
         cls,
         name: str,
-        inputs: Sequence[Block],
-        outputs: Sequence[Block],
+        inputs: Sequence[Argument],
+        outputs: Sequence[Argument],
         notes: tuple[str, ...] = (),
-    ) -> "Program":
+    ) -> "StraightLineProgram":
         """Share the common parts of finished expressions."""
-        flat = [element for block in outputs for element in block.elements]
+        flat = [element for argument in outputs for element in argument.elements]
         steps, reduced = sp.cse(flat, symbols=sp.numbered_symbols("x", real=True), order="none")
         rest = iter(reduced)
         shared = tuple(
-            Block(b.name, b.shape, tuple(next(rest) for _ in b.elements)) for b in outputs
+            Argument(b.name, b.shape, tuple(next(rest) for _ in b.elements)) for b in outputs
         )
         return cls(name, tuple(inputs), tuple(steps), shared, notes)
 
@@ -69,7 +72,7 @@ class Program:
 class Tape:
     """Gives a name to each intermediate expression, once."""
 
-    def __init__(self, program: Program | None = None) -> None:
+    def __init__(self, program: StraightLineProgram | None = None) -> None:
         """An empty tape, or one that continues the steps of a program."""
         self.steps: list[tuple[sp.Symbol, Expression]] = list(program.steps) if program else []
         self._names = {expression: symbol for symbol, expression in self.steps}
@@ -93,16 +96,16 @@ class Tape:
     def program(
         self,
         name: str,
-        inputs: Iterable[Block],
-        outputs: Iterable[Block],
+        inputs: Iterable[Argument],
+        outputs: Iterable[Argument],
         notes: tuple[str, ...] = (),
-    ) -> Program:
+    ) -> StraightLineProgram:
         """The tape so far as a program; steps that no output needs are dropped."""
         outputs = tuple(outputs)
-        needed = set().union(*(e.free_symbols for block in outputs for e in block.elements))
+        needed = set().union(*(e.free_symbols for argument in outputs for e in argument.elements))
         kept = []
         for symbol, expression in reversed(self.steps):
             if symbol in needed:
                 needed |= expression.free_symbols
                 kept.append((symbol, expression))
-        return Program(name, tuple(inputs), tuple(reversed(kept)), outputs, notes)
+        return StraightLineProgram(name, tuple(inputs), tuple(reversed(kept)), outputs, notes)

@@ -1,4 +1,4 @@
-"""A robot as joints and rigid groups of bodies, each in axes that move with it.
+"""A robot as a chain of joints and rigid bodies, each in axes that move with it.
 
 Body frame i is the frame just after joint i has moved. Between body frame i - 1 and joint i lies a
 constant transform; for the usual twists of +-90 degrees it costs no arithmetic at all.
@@ -13,13 +13,14 @@ import sympy as sp
 from ..dh import Convention, Joint, Robot
 from ..expressions.exact import Expression, SymbolicMatrix, exact
 from ..expressions.rotation_symbolic import about_x, about_z
-from .chain import ZERO, Vector, added, crossed, parameters, scaled
+from .chain import exact_parameters
 from .inertial_model import Body
 from .program import Tape
+from .vectors import ZERO, Vector, added, lever_acceleration, scaled, symmetric, times, upper
 
 
-def settled(expression: Any) -> Expression:
-    """A constant as a fraction where it is one, else as a float; symbols stay."""
+def simplified_constant(expression: Any) -> Expression:
+    """A constant as a fraction if it is one, else as a float; symbols stay."""
     expression = sp.sympify(expression)
     if expression.is_number and not expression.is_Rational:
         return sp.Float(expression.evalf(17), 17)
@@ -28,7 +29,7 @@ def settled(expression: Any) -> Expression:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Mass, first moment and inertia about the origin of a frame: linear in all its numbers."""
+    """Mass, first moment and inertia tensor about the origin of a frame: linear in all of them."""
 
     mass: Expression
     moment: Vector
@@ -37,30 +38,31 @@ class Inertia:
 
     @property
     def elements(self) -> tuple[Expression, ...]:
+        """All ten numbers: mass, moment, tensor."""
         return (self.mass, *self.moment, *self.tensor)
 
 
 @dataclass(frozen=True)
 class Segment:
-    """The way from body frame i - 1 to body frame i, and what moves with frame i."""
+    """Constant transform from body frame i - 1 to joint i, and the body that moves with frame i."""
 
     joint: Joint
-    turn: SymbolicMatrix
-    """Constant rotation R_{i-1, joint}."""
-    shift: SymbolicMatrix
-    """Constant translation, in body frame i - 1."""
+    rotation: SymbolicMatrix
+    """R_{i-1, joint}."""
+    translation: SymbolicMatrix
+    """In body frame i - 1."""
     constant: Expression
     """Added to the joint variable."""
     inertia: Inertia
 
 
 @dataclass(frozen=True)
-class Tree:
+class BodyChain:
     """All segments, and the constant transform from the last body frame to the tool frame."""
 
     segments: tuple[Segment, ...]
-    tool_turn: SymbolicMatrix
-    tool_shift: SymbolicMatrix
+    tool_rotation: SymbolicMatrix
+    tool_translation: SymbolicMatrix
 
 
 class _Placement:
@@ -70,23 +72,23 @@ class _Placement:
         self.R, self.p = sp.eye(3), sp.zeros(3, 1)
 
     def rotate(self, R: SymbolicMatrix) -> None:
-        self.R = (self.R * R).applyfunc(settled)
+        self.R = (self.R * R).applyfunc(simplified_constant)
 
     def translate(self, x: Any, z: Any) -> None:
-        self.p = (self.p + self.R * sp.Matrix([x, 0, z])).applyfunc(settled)
+        self.p = (self.p + self.R * sp.Matrix([x, 0, z])).applyfunc(simplified_constant)
 
 
-def tree(robot: Robot, bodies: Sequence[Body] = ()) -> Tree:
-    """Segments of a robot; without bodies everything weighs nothing."""
+def body_chain(robot: Robot, bodies: Sequence[Body] = ()) -> BodyChain:
+    """Segments of a robot, massless without bodies."""
     joints: list[tuple[Joint, SymbolicMatrix, SymbolicMatrix, Expression]] = []
     groups: list[list[Expression]] = []
     place = _Placement()
     for number, link in enumerate(robot.links):
-        theta, d, a, alpha = parameters(link)
+        theta, d, a, alpha = exact_parameters(link)
         if robot.convention is Convention.MODIFIED:
             place.rotate(about_x(alpha))
             place.translate(a, 0)
-        constant, rise = theta, d
+        constant = theta
         if link.joint is not Joint.REVOLUTE:
             place.rotate(about_z(theta))
             constant = d
@@ -95,7 +97,7 @@ def tree(robot: Robot, bodies: Sequence[Body] = ()) -> Tree:
             groups.append([sp.S.Zero] * 10)
             place = _Placement()
         if link.joint is not Joint.PRISMATIC:
-            place.translate(0, rise)
+            place.translate(0, d)
         if robot.convention is Convention.STANDARD:
             place.translate(a, 0)
             place.rotate(about_x(alpha))
@@ -105,11 +107,11 @@ def tree(robot: Robot, bodies: Sequence[Body] = ()) -> Tree:
     segments = tuple(
         Segment(*joint, _inertia(group)) for joint, group in zip(joints, groups, strict=True)
     )
-    return Tree(segments, place.R, place.p)
+    return BodyChain(segments, place.R, place.p)
 
 
 def _inertia(elements: Sequence[Any]) -> Inertia:
-    values = tuple(map(settled, elements))
+    values = tuple(map(simplified_constant, elements))
     return Inertia(values[0], values[1:4], values[4:])
 
 
@@ -117,9 +119,8 @@ def _placed(body: Body, place: _Placement) -> tuple[Expression, ...]:
     """Mass, first moment and inertia about the body frame's origin, in its axes."""
     m, c = exact(body.mass), place.p + place.R * sp.Matrix([exact(v) for v in body.com])
     xx, yy, zz, xy, xz, yz = map(exact, body.inertia)
-    tensor = place.R * sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) * place.R.T
-    about = tensor + m * (c.dot(c) * sp.eye(3) - c * c.T)
-    return (m, *(m * c), *(about[i, j] for i in range(3) for j in range(i, 3)))
+    tensor = place.R * symmetric((xx, xy, xz, yy, yz, zz)) * place.R.T
+    return (m, *(m * c), *upper(tensor + m * (c.dot(c) * sp.eye(3) - c * c.T)))
 
 
 def symbolic_inertias(n: int) -> list[Inertia]:
@@ -131,56 +132,51 @@ def symbolic_inertias(n: int) -> list[Inertia]:
 
 
 @dataclass(frozen=True)
-class Step:
-    """One joint at its joint variable: rotation and translation from frame i to frame i - 1."""
+class JointTransform:
+    """Rotation and translation from frame i to frame i - 1 at a value of the joint variable."""
 
     segment: Segment
     cosine: Expression
     sine: Expression
-    shift: Vector
+    translation: Vector
+
+    @property
+    def revolute(self) -> bool:
+        """False for a prismatic joint."""
+        return self.segment.joint is Joint.REVOLUTE
 
     def out(self, tape: Tape, v: Vector) -> Vector:
         """Frame i axes to frame i - 1 axes."""
         c, s = self.cosine, self.sine
-        turned = (tape(c * v[0] - s * v[1]), tape(s * v[0] + c * v[1]), v[2])
-        return times(tape, self.segment.turn, turned)
+        rotated = (tape(c * v[0] - s * v[1]), tape(s * v[0] + c * v[1]), v[2])
+        return times(tape, self.segment.rotation, rotated)
 
     def into(self, tape: Tape, v: Vector) -> Vector:
         """Frame i - 1 axes to frame i axes."""
         c, s = self.cosine, self.sine
-        x, y, z = times(tape, self.segment.turn.T, v)
+        x, y, z = times(tape, self.segment.rotation.T, v)
         return (tape(c * x + s * y), tape(c * y - s * x), z)
 
 
-def steps(tree: Tree, q: Sequence[Expression], tape: Tape) -> list[Step]:
-    """All joints at their variables."""
+def joint_transforms(chain: BodyChain, q: Sequence[Expression], tape: Tape) -> list[JointTransform]:
+    """Transforms of all joints at joint variables q."""
     result = []
-    for segment, variable in zip(tree.segments, q, strict=True):
+    for segment, variable in zip(chain.segments, q, strict=True):
         value = segment.constant + variable
-        shift: Vector = tuple(segment.shift)
+        translation: Vector = tuple(segment.translation)
         if segment.joint is Joint.REVOLUTE:
             cosine, sine = tape(sp.cos(value)), tape(sp.sin(value))
         else:
             cosine, sine = sp.S.One, sp.S.Zero
-            shift = added(tape, shift, scaled(tape, tape(value), tuple(segment.turn[:, 2])))
-        result.append(Step(segment, cosine, sine, shift))
+            along = scaled(tape, tape(value), tuple(segment.rotation[:, 2]))
+            translation = added(tape, translation, along)
+        result.append(JointTransform(segment, cosine, sine, translation))
     return result
 
 
-def times(tape: Tape, M: SymbolicMatrix, v: Vector) -> Vector:
-    rows = [tape(sp.Add(*(tape(M[i, j]) * v[j] for j in range(3)))) for i in range(3)]
-    return (rows[0], rows[1], rows[2])
-
-
-def swept(tape: Tape, omega: Vector, alpha: Vector, arm: Vector) -> Vector:
-    """alpha x arm + omega x (omega x arm)."""
-    inner = crossed(tape, omega, arm)
-    return added(tape, crossed(tape, alpha, arm), crossed(tape, omega, inner))
-
-
 @dataclass(frozen=True)
-class State:
-    """Motion of a body frame in its own axes; the acceleration is that of its origin."""
+class FrameMotion:
+    """Motion of a body frame in its own axes; `a` is the acceleration of its origin."""
 
     omega: Vector
     alpha: Vector
@@ -189,19 +185,18 @@ class State:
 
 def forward(
     tape: Tape,
-    steps: Sequence[Step],
+    chain: Sequence[JointTransform],
     rates: Sequence[Expression],
     accelerations: Sequence[Expression],
     base_acceleration: Vector,
-) -> list[State]:
+) -> list[FrameMotion]:
     """Motion of each body frame from joint rates and accelerations, base first."""
-    state = State(ZERO, ZERO, base_acceleration)
-    states = []
-    for step, rate, rate_dot in zip(steps, rates, accelerations, strict=True):
-        a = added(tape, state.a, swept(tape, state.omega, state.alpha, step.shift))
-        omega, alpha = step.into(tape, state.omega), step.into(tape, state.alpha)
-        a = step.into(tape, a)
-        if step.segment.joint is Joint.REVOLUTE:
+    omega, alpha, a = ZERO, ZERO, base_acceleration
+    motions = []
+    for joint, rate, rate_dot in zip(chain, rates, accelerations, strict=True):
+        a = added(tape, a, lever_acceleration(tape, omega, alpha, joint.translation))
+        omega, alpha, a = joint.into(tape, omega), joint.into(tape, alpha), joint.into(tape, a)
+        if joint.revolute:
             alpha = (
                 tape(alpha[0] + omega[1] * rate),
                 tape(alpha[1] - omega[0] * rate),
@@ -214,6 +209,5 @@ def forward(
                 tape(a[1] - 2 * omega[0] * rate),
                 tape(a[2] + rate_dot),
             )
-        state = State(omega, alpha, a)
-        states.append(state)
-    return states
+        motions.append(FrameMotion(omega, alpha, a))
+    return motions

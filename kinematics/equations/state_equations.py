@@ -6,7 +6,7 @@ motor angles on the arm side of the gear:
     D phi_a'' + C phi_a' + g = k (phi_m - phi_a) + d (phi_m' - phi_a')
     J phi_m'' + f(phi_m') + k (phi_m - phi_a) + d (phi_m' - phi_a') = tau
 
-which is thesis (2.18) with its signs put right, in each joint of the robot. D here is without
+which is thesis (2.18) with its signs corrected, in each joint of the robot. D here is without
 rotor inertia, which belongs to the motors' own equation.
 """
 
@@ -20,29 +20,29 @@ from ..expressions.exact import Expression, exact
 from .composite import solved
 from .derivative import tangent
 from .dynamics import (
-    blocks,
     forward_dynamics,
     friction,
-    model_notes,
+    frictionless_torques,
+    inputs_of,
     motor_mass_matrix,
-    motor_torques,
+    notes,
 )
-from .inertial_model import Motor, RobotModel
-from .program import Block, Program, Tape
+from .inertial_model import InertialModel, Motor
+from .program import Argument, StraightLineProgram, Tape
 
 
-def rigid_rate(model: RobotModel) -> Program:
+def rigid_rate(model: InertialModel) -> StraightLineProgram:
     """x'(x, tau) with x = (phi, phi_dot), shape (2 n,)."""
     program = forward_dynamics(model)
     phi, phi_dot, tau = program.inputs[:3]
-    x = Block("x", (2 * len(phi.elements),), phi.elements + phi_dot.elements)
-    rate = Block("x_dot", x.shape, phi_dot.elements + program.outputs[0].elements)
+    x = Argument("x", (2 * len(phi.elements),), phi.elements + phi_dot.elements)
+    rate = Argument("x_dot", x.shape, phi_dot.elements + program.outputs[0].elements)
     inputs = (x, tau, *program.inputs[3:])
-    told = (*program.notes, "x: motor angles, their rates")
-    return replace(program, name="rigid_rate", inputs=inputs, outputs=(rate,), notes=told)
+    lines = (*program.notes, "x: motor angles, their rates")
+    return replace(program, name="rigid_rate", inputs=inputs, outputs=(rate,), notes=lines)
 
 
-def flexible_rate(model: RobotModel) -> Program:
+def flexible_rate(model: InertialModel) -> StraightLineProgram:
     """x'(x, tau) with x = (phi_arm, phi_motor, their rates), shape (4 n,).
 
     Raises:
@@ -53,26 +53,26 @@ def flexible_rate(model: RobotModel) -> Program:
         if motor.stiffness is None or motor.inertia == 0:
             raise ValueError(f"motor {number} needs a stiffness and an inertia, got {motor}")
     tape = Tape()
-    arm, arm_rate = (block.elements for block in blocks(model, "phi", "phi_dot")[:2])
+    phi, phi_dot, tau, *parameters = inputs_of(model, "phi", "phi_dot", "tau")
+    arm, arm_rate = phi.elements, phi_dot.elements
     motor_angle = tuple(sp.Symbol(f"psi{i}", real=True) for i in range(1, n + 1))
     motor_rate = tuple(sp.Symbol(f"psid{i}", real=True) for i in range(1, n + 1))
-    tau = blocks(model, "tau")[0]
-    spring = spring_torques(model, tape, (arm, motor_angle, arm_rate, motor_rate))
+    spring = _spring_torques(model, tape, (arm, motor_angle, arm_rate, motor_rate))
     arm_acceleration = _arm_acceleration(model, tape, arm_rate, spring)
-    lost = friction(model, tape, motor_rate)
+    losses = friction(model, tape, motor_rate)
     motor_acceleration = [
         tape((t - f - s) / exact(motor.inertia))
-        for t, f, s, motor in zip(tau.elements, lost, spring, model.motors, strict=True)
+        for t, f, s, motor in zip(tau.elements, losses, spring, model.motors, strict=True)
     ]
-    x = Block("x", (4 * n,), (*arm, *motor_angle, *arm_rate, *motor_rate))
+    x = Argument("x", (4 * n,), (*arm, *motor_angle, *arm_rate, *motor_rate))
     rate = (*arm_rate, *motor_rate, *arm_acceleration, *motor_acceleration)
-    told = (*model_notes(model), "x: arm angles (as motor angles), motor angles, and their rates")
-    inputs = [x, tau, *blocks(model, "phi")[1:]]
-    return tape.program("flexible_rate", inputs, [Block("x_dot", (4 * n,), rate)], told)
+    lines = (*notes(model), "x: arm angles (as motor angles), motor angles, and their rates")
+    out = Argument("x_dot", (4 * n,), rate)
+    return tape.program("flexible_rate", [x, tau, *parameters], [out], lines)
 
 
-def spring_torques(model: RobotModel, tape: Tape, state: Sequence[Any]) -> list[Expression]:
-    """k (phi_m - phi_a) + d (phi_m' - phi_a'), each gear, arm side."""
+def _spring_torques(model: InertialModel, tape: Tape, state: Sequence[Any]) -> list[Expression]:
+    """k (phi_m - phi_a) + d (phi_m' - phi_a') of each gear, arm side."""
     return [
         tape(exact(motor.stiffness) * (m - a) + exact(motor.damping) * (md - ad))
         for motor, a, m, ad, md in zip(model.motors, *state, strict=True)
@@ -80,15 +80,15 @@ def spring_torques(model: RobotModel, tape: Tape, state: Sequence[Any]) -> list[
 
 
 def _arm_acceleration(
-    model: RobotModel, tape: Tape, rates: Sequence[Any], torque: Sequence[Any]
+    model: InertialModel, tape: Tape, rates: Sequence[Any], torque: Sequence[Any]
 ) -> list[Expression]:
-    """The arm alone, without its motors."""
+    """Acceleration of the arm without its motors."""
     alone = replace(model, motors=(Motor(),) * model.robot.n_joints)
-    bias = motor_torques(alone, tape, rates, [sp.S.Zero] * len(rates))
+    bias = frictionless_torques(alone, tape, rates, [sp.S.Zero] * len(rates))
     right = [tape(t - b) for t, b in zip(torque, bias, strict=True)]
     return solved(tape, motor_mass_matrix(alone, tape), right)
 
 
-def rate_tangent(program: Program) -> Program:
+def rate_tangent(program: StraightLineProgram) -> StraightLineProgram:
     """Directional derivative of a state equation along x_change, for Jacobians column by column."""
     return replace(tangent(program, {"x": "x_change"}), name=f"{program.name}_tangent")

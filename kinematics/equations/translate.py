@@ -6,10 +6,10 @@ import sympy as sp
 
 from ..expressions.exact import SymbolicMatrix
 from ..expressions.symbols import code_names
-from .program import Block, Program
+from .program import Argument, StraightLineProgram
 
 
-def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> Program:
+def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> StraightLineProgram:
     """A program that computes an expression or matrix from its own variables.
 
     Functions of time and their derivatives get code names (phi_1(t) -> phi_1, then phi_1d and
@@ -20,10 +20,10 @@ def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> Progr
     plain = matrix.xreplace(code_names(list(matrix)))
     variables = tuple(sorted(plain.free_symbols, key=_order))
     shape = plain.shape if plain.shape[1] > 1 else (plain.shape[0],)
-    inputs = [Block("q", (len(variables),), variables)]
+    inputs = [Argument("q", (len(variables),), variables)]
     order = f"q: {', '.join(map(str, variables))}"
-    return Program.from_expressions(
-        name, inputs, [Block("result", shape, tuple(plain))], (*notes, order)
+    return StraightLineProgram.from_expressions(
+        name, inputs, [Argument("result", shape, tuple(plain))], (*notes, order)
     )
 
 

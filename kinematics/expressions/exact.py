@@ -1,8 +1,4 @@
-"""What the type checker is told about SymPy, whose own annotations are partial.
-
-An element of a SymPy matrix is annotated as an element, a list or a matrix; a derivative as an
-array. We know which it is, and say so once, here, instead of at each place.
-"""
+"""Exact SymPy numbers of floats, and type aliases for SymPy, whose own annotations are partial."""
 
 from typing import Any, TypeAlias
 
@@ -13,19 +9,18 @@ Expression: TypeAlias = Any
 SymbolicMatrix: TypeAlias = Any
 """A SymPy matrix."""
 
-
 _PARTS_OF_PI = 12
 
 
 def exact(value: Any) -> Expression:
-    """A length or factor: the decimal fraction that a float was written as."""
+    """The decimal fraction that a float (a length or factor) was written as; expressions stay."""
     if isinstance(value, sp.Expr):
         return value
     return sp.Integer(value) if isinstance(value, int) else sp.Rational(repr(float(value)))
 
 
 def exact_angle(value: Any) -> Expression:
-    """An angle: a float that is a multiple of pi/12 to its last bits becomes that multiple."""
+    """Like `exact`, but a float that is a multiple of pi/12 to its last bits becomes that."""
     if isinstance(value, sp.Expr):
         return value
     parts = float(value) / float(sp.pi) * _PARTS_OF_PI

@@ -1,4 +1,4 @@
-"""Text to expression, for the argument forms of thesis Table 4.1 and nothing else.
+"""Parser of link parameters, for the argument forms of thesis Table 4.1 and nothing else.
 
     sum    = [sign] term {sign term}
     term   = factor {("*" | "/") factor}      at most one factor is not a number, and no divisor
@@ -25,7 +25,7 @@ _LONGEST = 200
 
 
 class GrammarError(ValueError):
-    """Text that Table 4.1 has no form for."""
+    """Text outside the grammar of Table 4.1."""
 
 
 def parse(text: str) -> Expression:

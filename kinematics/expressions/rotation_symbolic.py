@@ -1,4 +1,4 @@
-"""The representations of `rotation` as SymPy formulas. Thesis (3.9)-(3.14).
+"""Rotation matrices and their representations as SymPy formulas. Thesis (3.9)-(3.14).
 
 To a matrix: exact for all values. From a matrix: the formula of the regular case; where its
 representation is singular the arguments of an atan2 vanish together, see `rotation`.
@@ -48,7 +48,7 @@ def to_axis_angle(R: SymbolicMatrix) -> tuple[SymbolicMatrix, Expression]:
 
 
 def from_euler_zyz(phi: Any, theta: Any, psi: Any) -> SymbolicMatrix:
-    """Thesis (3.10)."""
+    """R_z(phi) R_y(theta) R_z(psi). Thesis (3.10)."""
     return about_z(phi) * about_y(theta) * about_z(psi)
 
 

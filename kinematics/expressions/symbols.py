@@ -56,7 +56,7 @@ def differentiate(expression: Any, variable: Any) -> Any:
 
 
 def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
-    """Names that code can use: q_1(t) -> q_1, its derivatives -> q_1d, q_1dd. Thesis 4.2.2.
+    """Names for generated code: q_1(t) -> q_1, its derivatives q_1d, q_1dd. Thesis 4.2.2.
 
     Apply with `expression.xreplace(...)`; derivatives come first so that none is left half named.
     """

@@ -1,13 +1,14 @@
 """Inverse kinematics in closed form: every branch of an elbow arm with a spherical wrist.
 
 Thesis (2.7)-(2.10). Solutions are motor angles phi, so a coupling is solved for as well. Branches
-are numbered 4 shoulder + 2 elbow + wrist, each 0 or 1: the shoulder facing the target or turned
-away, the elbow bent one way or the other, the wrist turned or flipped.
+are numbered 4 shoulder + 2 elbow + wrist, each 0 or 1: the shoulder facing the target or facing
+away, the elbow angle positive or negative, the wrist regular or flipped.
 """
 
 from dataclasses import dataclass
 from enum import IntFlag
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from .. import cache as native
+from ..cache import cached_module
 from ..dh import Robot
 from ..limits import Limits
 from .wrist_arm import WristArm, wrist_arm
 
-_ORTHOGONAL = 1e-6  # how far R^T R may be from the identity before T counts as no rigid motion
+_ORTHOGONAL = 1e-6  # greatest element of R^T R - 1 of a rigid motion
 
 
 class Singularity(IntFlag):
-    """Why a solution is one member of a family; the free angle keeps its reference value."""
+    """Singularities that leave an angle of a solution free; it keeps its reference value."""
 
     NONE = 0
     SHOULDER = 1
@@ -40,9 +41,9 @@ class UnreachableError(ValueError):
 
     def __init__(self, robot: Robot, index: int, distance: float) -> None:
         self.index = index
-        """Which target of the batch."""
+        """Number of the target in its batch."""
         self.distance = distance
-        """How far outside the wrist centre would have to be [m]."""
+        """Distance of the wrist centre from the workspace [m]."""
         super().__init__(
             f"target {index} is out of reach of {robot.name}: its wrist centre lies "
             f"{distance * 1e3:.3f} mm outside the workspace"
@@ -70,21 +71,16 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
             zero by default.
 
     Raises:
-        UnreachableError: a target has no solution; says by how much.
+        UnreachableError: a target has no solution; says its distance from the workspace.
         UnsolvableGeometryError: the robot is of another kind.
     """
     arm = wrist_arm(robot)
     W, single = _targets(arm, T)
-    start = _configuration(reference)
-    phi = np.empty((len(W), 8, 6))
-    flags = np.empty((len(W), 8), dtype=np.int8)
-    outside = np.empty(len(W))
-    theta_start = arm.M @ start + arm.constant
-    _kernel().solve_all(
-        W, arm.geometry, arm.M_inverse, arm.constant, theta_start, phi, flags, outside
-    )
-    exists = flags >= 0
+    n, g, theta_start = len(W), arm.geometry, arm.M @ _configuration(reference) + arm.constant
+    phi, flags, outside = np.empty((n, 8, 6)), np.empty((n, 8), dtype=np.int8), np.empty(n)
+    _kernel().solve_all(W, g, arm.M_inverse, arm.constant, theta_start, phi, flags, outside)
     _raise_unreachable(robot, outside)
+    exists = flags >= 0
     phi[~exists] = np.nan
     singular = np.maximum(flags, 0)
     if single:
@@ -95,15 +91,11 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
 def inverse_nearest(
     robot: Robot, T: ArrayLike, previous: ArrayLike | None = None, limits: Limits | None = None
 ) -> Array:
-    """The solution nearest to a previous configuration (zero by default), within limits if given.
-
-    With limits, whole turns are added where they bring an angle into its range.
+    """The solution nearest to a previous configuration (zero by default), shape (6,) [rad].
 
     Args:
         T: shape (4, 4).
-
-    Returns:
-        phi, shape (6,) [rad].
+        limits: ranges that the solution is in; multiples of 2 pi are added to reach them.
 
     Raises:
         ValueError: no branch is within the limits.
@@ -114,7 +106,7 @@ def inverse_nearest(
         raise ValueError(f"T must have shape (4, 4), got {np.shape(T)}; see inverse_path")
     candidates = found.phi[found.exists]
     if limits is not None:
-        candidates = _turned(robot, candidates)
+        candidates = _unwrapped(robot, candidates)
         candidates = candidates[limits.contain(candidates)]
         if not len(candidates):
             raise ValueError(
@@ -127,15 +119,12 @@ def inverse_nearest(
 def inverse_path(
     robot: Robot, T: ArrayLike, start: ArrayLike | None = None, limits: Limits | None = None
 ) -> Array:
-    """One branch through a sequence of targets, each solution the nearest to the one before.
+    """One branch through a sequence of targets, shape (N, 6) [rad], without jumps by 2 pi.
 
     Args:
         T: shape (N, 4, 4), T_base_tool along the path.
         start: shape (6,), the first solution is the nearest to it (to zero by default).
-        limits: the first solution is chosen within them; leaving them later is an error.
-
-    Returns:
-        phi, shape (N, 6) [rad], without jumps of whole turns.
+        limits: ranges of the first solution; leaving them later is an error.
     """
     arm = wrist_arm(robot)
     W, single = _targets(arm, T)
@@ -160,13 +149,11 @@ def inverse_path(
 
 @cache
 def _kernel() -> Any:
-    from pathlib import Path
-
-    return native.load("inverse", "", Path(__file__).with_name("kernel.py").read_text)
+    return cached_module("inverse", "", Path(__file__).with_name("kernel.py").read_text)
 
 
-def _turned(robot: Robot, phi: Array) -> Array:
-    """Each solution with every combination of -1, 0, 1 whole turns of the joints, (..., 6)."""
+def _unwrapped(robot: Robot, phi: Array) -> Array:
+    """Each solution with -2 pi, 0, 2 pi added to its joints in every combination, (..., 6)."""
     turns = 2 * np.pi * np.stack(np.meshgrid(*[[-1, 0, 1]] * 6), axis=-1).reshape(-1, 6)
     return (phi[:, None] + np.linalg.solve(robot.coupling, turns.T).T).reshape(-1, 6)
 

@@ -1,6 +1,6 @@
 """Closed-form inverse kinematics of an elbow arm with a spherical wrist: the compiled part.
 
-`native` compiles a copy of this file from the cache folder; `inverse` holds the interface and the
+`cache` compiles a copy of this file in the cache folder; `closed_form` holds the interface and the
 meaning of the arguments. Angles here are full D-H angles theta. The geometry `g` is
 (d1, a1, sin alpha1, cos alpha1, a2, L, beta, h, sigma, t, s, sin alpha3, cos alpha3): from the
 shoulder the wrist centre is at a2 in direction theta2 plus L in direction theta2 + sigma theta3 +
@@ -12,7 +12,7 @@ from math import atan2, cos, floor, hypot, pi, sin, sqrt
 import numpy as np
 from numba import njit
 
-TOUCHING = 1e-10  # [m], how far outside the reach still counts as rounding
+TOUCHING = 1e-10  # [m], distance outside the reach that counts as rounding
 ALIGNED = 1e-10  # sine, or [m], below which a free angle takes its reference value
 STRETCHED = 1e-7  # sine of the elbow; rounding of 1e-16 m at the edge of the reach makes it 1e-8
 
@@ -52,10 +52,10 @@ def _wrist(R, th1, th2, th3, g, reference, theta, flipped):
     sine = sqrt(r13 * r13 + r23 * r23)
     th5 = atan2(sine, -t * s * r33)
     aligned = sine < ALIGNED
-    # When aligned only theta4 +- theta6 is determined: theta4 stays where it was.
+    # When aligned only theta4 +- theta6 is determined: theta4 keeps its reference value.
     th4 = reference[3] if aligned else atan2(s * r23, s * r13)
     c4, s4, c5, s5 = cos(th4), sin(th4), cos(th5), sin(th5)
-    # theta6 from what theta4 and theta5 leave, so that a rounding of theta4 is compensated
+    # theta6 from the rest of the rotation, so that a rounding of theta4 is compensated
     th6 = atan2(t * s * (s4 * r11 - c4 * r21), c5 * (c4 * r11 + s4 * r21) + t * s5 * r31)
     turn = 0.0 if aligned else pi
     theta[0], theta[1], theta[2], theta[3], theta[4], theta[5] = th1, th2, th3, th4, th5, th6
@@ -68,8 +68,8 @@ def _wrist(R, th1, th2, th3, g, reference, theta, flipped):
 def _branches(W, g, reference, theta, flags):
     """All eight branches of W = T from base axes to just after Rot_z(theta6).
 
-    Fills theta (8, 6) and flags (8,), -1 where a branch does not exist. Returns how far [m] the
-    wrist centre is outside the reach, 0 where it is inside.
+    Fills theta (8, 6) and flags (8,), -1 where a branch does not exist. Returns the distance [m]
+    of the wrist centre outside the reach, 0 where it is inside.
     """
     d1, a1, sa, ca, a2, L, beta, h, sigma = g[0], g[1], g[2], g[3], g[4], g[5], g[6], g[7], g[8]
     x, y, z = W[0, 3], W[1, 3], W[2, 3] - d1

@@ -13,7 +13,7 @@ _MAX_STEPS = 200
 
 
 class NotConvergedError(ValueError):
-    """No configuration was found from this start; the target may be out of reach."""
+    """No configuration found from a start; the target may be out of reach."""
 
 
 def inverse_numeric(robot: Robot, T: ArrayLike, start: ArrayLike, tolerance: float = 1e-9) -> Array:
@@ -64,5 +64,5 @@ def pose_error(T_base_a: Array, T_base_b: Array) -> Array:
     """(translation, rotation vector) in base axes that takes frame a to frame b, shape (6,)."""
     from scipy.spatial.transform import Rotation
 
-    turn = Rotation.from_matrix(T_base_b[:3, :3] @ T_base_a[:3, :3].T).as_rotvec()
-    return np.concatenate([T_base_b[:3, 3] - T_base_a[:3, 3], turn])
+    rotation = Rotation.from_matrix(T_base_b[:3, :3] @ T_base_a[:3, :3].T).as_rotvec()
+    return np.concatenate([T_base_b[:3, 3] - T_base_a[:3, 3], rotation])

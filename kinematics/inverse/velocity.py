@@ -1,4 +1,4 @@
-"""Joint rates and accelerations for a wanted motion of the tool. Thesis (2.11)-(2.14), (3.58)."""
+"""Inverse velocity and acceleration of the tool, and statics. Thesis (2.11)-(2.14), (3.58)."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,16 @@ from armside.arrays import Array
 from ..compiled import CompiledRobot
 
 RANK = 1e-10
-"""Singular values below this part of the greatest count as zero."""
+"""Singular values below this fraction of the greatest count as zero."""
 
 
 class InconsistentMotionError(ValueError):
-    """The wanted motion is outside the range of the Jacobian: (2.12) does not hold."""
+    """A motion of the tool outside the range of the Jacobian, against (2.12)."""
 
 
 @dataclass(frozen=True)
 class Rates:
-    """q_dot, and what is said about it."""
+    """Joint rates or accelerations that give the tool its motion."""
 
     value: Array
     """shape (n,)"""
@@ -32,7 +32,7 @@ def inverse_velocity(J: ArrayLike, X_dot: ArrayLike, b: ArrayLike | None = None)
 
     Args:
         J: shape (m, n).
-        X_dot: shape (m,), wanted (v, omega).
+        X_dot: shape (m,), desired (v, omega).
         b: shape (n,), added through the null space, (I - J^+ J) b; zero by default.
 
     Raises:

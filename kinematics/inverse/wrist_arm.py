@@ -1,7 +1,6 @@
-"""Is this robot an elbow arm with a spherical wrist, and which one? The numbers of its geometry.
+"""Geometry of an elbow arm with a spherical wrist, and the test that a robot is one.
 
-A standard Denavit-Hartenberg table is asked; a modified one is the same chain cut elsewhere, so
-it is re-cut first.
+Both work on a standard Denavit-Hartenberg table; a modified one is converted first.
 """
 
 from dataclasses import dataclass, replace
@@ -13,19 +12,20 @@ import numpy as np
 from armside.arrays import Array
 
 from .. import rigid
-from ..dh import Convention, Joint, Link, Robot
+from ..dh import Joint, Link, Robot
+from ..links import chain_transform, link_transform, standard_links
 
 _TINY = 1e-12  # [m] or [-]: a table's zero, or the cosine of a table's pi/2
 _FALLBACK = "use armside.kinematics.inverse_numeric, which needs a start configuration"
 
 
 class UnsolvableGeometryError(ValueError):
-    """The robot is not of a kind that the closed form covers."""
+    """A robot that is no elbow arm with a spherical wrist: no closed form."""
 
 
 @dataclass(frozen=True)
 class WristArm:
-    """What the closed form needs: constant ends, plane geometry, and the constant part of theta."""
+    """Constants of the closed form: transforms at both ends, plane geometry, coupling."""
 
     head_inverse: Array
     """(4, 4): inverse of the links before the first joint."""
@@ -43,37 +43,6 @@ class WristArm:
         """Least and greatest distance of the wrist centre from axis 2 [m], in the arm's plane."""
         a2, L = self.geometry[4], self.geometry[5]
         return abs(a2 - L), a2 + L
-
-
-def link_transform(link: Link, variable: float = 0.0) -> Array:
-    """A of a link of numbers, standard convention. Thesis (3.29)."""
-    theta = float(link.theta) + (variable if link.joint is Joint.REVOLUTE else 0.0)
-    d = float(link.d) + (variable if link.joint is Joint.PRISMATIC else 0.0)
-    a, alpha = float(link.a), float(link.alpha)
-    c, s, ca, sa = cos(theta), sin(theta), cos(alpha), sin(alpha)
-    return np.array(
-        [
-            [c, -s * ca, s * sa, a * c],
-            [s, c * ca, -c * sa, a * s],
-            [0.0, sa, ca, d],
-            [0.0, 0.0, 0.0, 1.0],
-        ]
-    )
-
-
-def standard_links(robot: Robot) -> tuple[Link, ...]:
-    """The same chain as standard links; a modified table gains one constant link in front."""
-    if robot.convention is Convention.STANDARD:
-        return robot.links
-    first = Link(a=robot.links[0].a, alpha=robot.links[0].alpha, joint=Joint.FIXED)
-    nexts = (*robot.links[1:], Link())
-    return (
-        first,
-        *(
-            replace(link, a=after.a, alpha=after.alpha)
-            for link, after in zip(robot.links, nexts, strict=True)
-        ),
-    )
 
 
 @lru_cache(maxsize=64)
@@ -94,8 +63,10 @@ def wrist_arm(robot: Robot) -> WristArm:
         _require(link.joint is Joint.REVOLUTE, robot, f"joint {number} is not revolute")
     _check_wrist(robot, six)
     _check_arm(robot, six)
-    head = _product(links[:first])
-    tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ _product(links[last + 1 :])
+    head = chain_transform(links[:first])
+    tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ chain_transform(
+        links[last + 1 :]
+    )
     M = robot.coupling.copy()
     return WristArm(
         rigid.inverse(head),
@@ -105,13 +76,6 @@ def wrist_arm(robot: Robot) -> WristArm:
         np.asarray(np.linalg.inv(M), dtype=np.float64),
         robot.offset + [float(link.theta) for link in six],
     )
-
-
-def _product(links: tuple[Link, ...]) -> Array:
-    T = np.eye(4)
-    for link in links:
-        T = T @ link_transform(link)
-    return T
 
 
 def _require(condition: bool, robot: Robot, complaint: str) -> None:

@@ -1,7 +1,7 @@
 """Dynamics of small robots as full symbolic matrices, by energies and Christoffel symbols.
 
-Thesis (2.15), (2.16). Independent of the recursions of `dynamics`, and much slower: one to three
-joints. Larger robots have `dynamics`, where intermediates keep names.
+Thesis (2.15), (2.16). Independent of the recursions of `equations.dynamics` and much slower: for
+one to three joints.
 """
 
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ from typing import Any
 
 import sympy as sp
 
-from ..dh import Robot
-from ..equations.forward_kinematics import motor_symbols
-from ..equations.inertial_model import RobotModel
-from ..equations.recursion import settled
+from ..equations.coupling import motor_symbols
+from ..equations.inertial_model import InertialModel
+from ..equations.recursion import simplified_constant
+from ..equations.vectors import symmetric
 from ..expressions.exact import Expression, SymbolicMatrix, exact
-from .procedures import angular_jacobian, at, matrix_t
+from .procedures import angular_jacobian, at, exact_coupling, matrix_t
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class SymbolicDynamics:
         return self.D * sp.Matrix(phi_ddot) + self.C * rates + self.g + self.f
 
 
-def symbolic_dynamics(model: RobotModel) -> SymbolicDynamics:
+def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
     """All terms of (2.15) as expressions of phi, phi_dot and the model's own symbols."""
-    phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "d")
+    phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "phi_dot")
     D, potential = _energies(model, phi)
     for i, motor in enumerate(model.motors):
         D[i, i] += exact(motor.inertia)
@@ -53,26 +53,27 @@ def _christoffel(D: SymbolicMatrix, phi: Any, phi_dot: Any) -> SymbolicMatrix:
     """C_kj = sum_i (dD_kj/dphi_i + dD_ki/dphi_j - dD_ij/dphi_k) phi_dot_i / 2."""
     n = len(phi)
     d = [D.diff(angle) for angle in phi]
-    return sp.Matrix(
-        n,
-        n,
-        lambda k, j: sp.Add(
-            *((d[i][k, j] + d[j][k, i] - d[k][i, j]) * phi_dot[i] / 2 for i in range(n))
-        ),
-    )
+
+    def element(k: int, j: int) -> Expression:
+        terms = ((d[i][k, j] + d[j][k, i] - d[k][i, j]) * phi_dot[i] / 2 for i in range(n))
+        return sp.Add(*terms)
+
+    return sp.Matrix(n, n, element)
 
 
 def _collected(expression: Expression) -> Expression:
     """Constant sines and cosines as numbers, and like terms together."""
     constants = {
-        f: settled(f) for f in expression.atoms(sp.cos, sp.sin) if f.is_number and f not in (0, 1)
+        f: simplified_constant(f)
+        for f in expression.atoms(sp.cos, sp.sin)
+        if f.is_number and f not in (0, 1)
     }
     return sp.expand(expression.xreplace(constants))
 
 
-def _energies(model: RobotModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
+def _energies(model: InertialModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
     """D of all bodies, and the potential energy."""
-    robot = at(model.robot, phi)
+    robot, coupling = at(model.robot, phi), exact_coupling(model.robot)
     T = [frame.applyfunc(_collected) for frame in matrix_t(robot)]
     n = len(phi)
     D, potential = sp.zeros(n, n), sp.S.Zero
@@ -83,17 +84,10 @@ def _energies(model: RobotModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
         frame = T[number + 1]
         c = frame[:3, 3] + frame[:3, :3] * sp.Matrix([exact(v) for v in body.com])
         J_c = c.jacobian(phi)
-        J_omega = _angular(model, robot, number).applyfunc(_collected)
+        J_omega = (angular_jacobian(robot, number + 1) * coupling).applyfunc(_collected)
         xx, yy, zz, xy, xz, yz = map(exact, body.inertia)
-        tensor = sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        tensor = symmetric((xx, xy, xz, yy, yz, zz))
         local = (frame[:3, :3].T * J_omega).applyfunc(sp.expand)
         D += exact(body.mass) * J_c.T * J_c + local.T * tensor * local
         potential -= exact(body.mass) * gravity.dot(c)
     return D.applyfunc(sp.expand), sp.expand(potential)
-
-
-def _angular(model: RobotModel, robot: Robot, number: int) -> SymbolicMatrix:
-    """omega of one link per motor rate: joint axes times coupling."""
-    n = model.robot.n_joints
-    coupling = sp.Matrix(n, n, lambda i, j: exact(model.robot.coupling[i, j]))
-    return angular_jacobian(robot, number + 1) * coupling

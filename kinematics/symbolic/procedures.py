@@ -13,8 +13,9 @@ from typing import Any
 import sympy as sp
 
 from ..dh import Convention, Joint, Link, Robot
-from ..equations.chain import joint_variables, parameters
-from ..expressions.exact import SymbolicMatrix
+from ..equations.chain import exact_parameters
+from ..equations.coupling import joint_variables
+from ..expressions.exact import SymbolicMatrix, exact
 from ..expressions.symbols import differentiate, functions_of_time, moving, t
 
 Links = Sequence[Link] | Robot
@@ -32,11 +33,9 @@ def at(robot: Robot, phi: Sequence[Any]) -> Robot:
     variables = iter(joint_variables(robot, tuple(map(sp.sympify, phi))))
     links = []
     for link in robot.links:
-        theta, d, a, alpha = parameters(link)
-        if link.joint is Joint.REVOLUTE:
-            theta += next(variables)
-        elif link.joint is Joint.PRISMATIC:
-            d += next(variables)
+        theta, d, a, alpha = exact_parameters(link)
+        theta += next(variables) if link.joint is Joint.REVOLUTE else 0
+        d += next(variables) if link.joint is Joint.PRISMATIC else 0
         links.append(Link(theta, d, a, alpha, link.joint))
     return Robot(links, convention=robot.convention, name=robot.name)
 
@@ -48,25 +47,13 @@ def motor_functions(robot: Robot) -> tuple[Any, ...]:
 
 def matrix_a(link: Link, convention: Convention = Convention.STANDARD) -> SymbolicMatrix:
     """Link transform A_i. Thesis (3.29)."""
-    theta, d, a, alpha = parameters(link)
+    theta, d, a, alpha = exact_parameters(link)
     c, s, ca, sa = sp.cos(theta), sp.sin(theta), sp.cos(alpha), sp.sin(alpha)
     if convention is Convention.MODIFIED:
-        return sp.Matrix(
-            [
-                [c, -s, 0, a],
-                [s * ca, c * ca, -sa, -sa * d],
-                [s * sa, c * sa, ca, ca * d],
-                [0, 0, 0, 1],
-            ]
-        )
-    return sp.Matrix(
-        [
-            [c, -s * ca, s * sa, a * c],
-            [s, c * ca, -c * sa, a * s],
-            [0, sa, ca, d],
-            [0, 0, 0, 1],
-        ]
-    )
+        rows = [c, -s, 0, a], [s * ca, c * ca, -sa, -sa * d], [s * sa, c * sa, ca, ca * d]
+    else:
+        rows = [c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d]
+    return sp.Matrix([*rows, [0, 0, 0, 1]])
 
 
 def matrix_t(links: Links, start: int = 0) -> list[SymbolicMatrix]:
@@ -110,66 +97,50 @@ def _complete(links: Links) -> Robot:
     return Robot(links)
 
 
-def _joint_frames(robot: Robot) -> list[tuple[Link, SymbolicMatrix]]:
-    """Each moving link with a transform whose z axis is its joint axis.
+def jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
+    """J = (J_v; J_omega), 6 x n, from the rates of the D-H joint variables. Thesis (3.39).
 
-    In the standard convention that is frame i - 1, in the modified one frame i.
+    frame: the frame whose origin moves, the last by default; columns of joints beyond it are zero.
     """
+    robot = _complete(links)
+    n = len(robot.links)
+    frame = n if frame is None else frame
+    if not 0 < frame <= n:
+        raise ValueError(f"frame must be 1 to {n}, got {frame}")
     T = matrix_t(robot)
+    origin, zero = position_t(T[frame]), sp.zeros(3, 1)
+    # The z axis of a joint is that of frame i - 1, in the modified convention of frame i.
     shift = 0 if robot.convention is Convention.STANDARD else 1
-    return [(robot.links[i], T[i + shift]) for i in robot.moving]
+    columns = []
+    for i in robot.moving:
+        z, joint = T[i + shift][:3, 2], robot.links[i].joint
+        if i >= frame:
+            columns.append([zero, zero])
+        elif joint is Joint.REVOLUTE:
+            columns.append([z.cross(origin - position_t(T[i + shift])), z])
+        else:
+            columns.append([z, zero])
+    return sp.Matrix.hstack(*(sp.Matrix.vstack(*column) for column in columns))
 
 
 def linear_jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
-    """J_v, 3 x n, of the origin of a frame (the last by default) from the rates of the D-H joint
-    variables. Columns of joints beyond the frame are zero. Thesis (3.45), (3.46), 3.4.4.
-    """
-    robot = _complete(links)
-    frame = _frame(robot, frame)
-    tool = position_t(matrix_t(robot)[frame])
-    columns = []
-    for index, (link, T) in zip(robot.moving, _joint_frames(robot), strict=True):
-        if index >= frame:
-            columns.append(sp.zeros(3, 1))
-        elif link.joint is Joint.REVOLUTE:
-            columns.append(T[:3, 2].cross(tool - T[:3, 3]))
-        else:
-            columns.append(T[:3, 2])
-    return sp.Matrix.hstack(*columns)
+    """J_v, 3 x n. Thesis (3.45), (3.46), 3.4.4; see `jacobian`."""
+    return jacobian(links, frame)[:3, :]
 
 
 def angular_jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
-    """J_omega, 3 x n, from the rates of the D-H joint variables. Thesis (3.51)."""
-    robot = _complete(links)
-    frame = _frame(robot, frame)
-    columns = [
-        T[:3, 2] if link.joint is Joint.REVOLUTE and index < frame else sp.zeros(3, 1)
-        for index, (link, T) in zip(robot.moving, _joint_frames(robot), strict=True)
-    ]
-    return sp.Matrix.hstack(*columns)
-
-
-def jacobian(links: Links, frame: int | None = None) -> SymbolicMatrix:
-    """J = (J_v; J_omega), 6 x n, from the rates of the D-H joint variables. Thesis (3.39)."""
-    return sp.Matrix.vstack(linear_jacobian(links, frame), angular_jacobian(links, frame))
+    """J_omega, 3 x n. Thesis (3.51); see `jacobian`."""
+    return jacobian(links, frame)[3:, :]
 
 
 def motor_jacobian(robot: Robot, phi: Sequence[Any], frame: int | None = None) -> SymbolicMatrix:
     """J_phi = J_theta coupling, from the rates of the motors."""
-    coupling = robot.coupling
-    exact_coupling = sp.Matrix(
-        robot.n_joints, robot.n_joints, lambda i, j: sp.nsimplify(repr(float(coupling[i, j])))
-    )
-    return jacobian(at(robot, phi), frame) * exact_coupling
+    return jacobian(at(robot, phi), frame) * exact_coupling(robot)
 
 
-def _frame(robot: Robot, frame: int | None) -> int:
-    n = len(robot.links)
-    if frame is None:
-        return n
-    if not 0 < frame <= n:
-        raise ValueError(f"frame must be 1 to {n}, got {frame}")
-    return frame
+def exact_coupling(robot: Robot) -> SymbolicMatrix:
+    """The coupling with rational elements, n x n."""
+    return sp.Matrix(robot.coupling.tolist()).applyfunc(lambda k: exact(float(k)))
 
 
 def joint_rates(robot: Robot, variables: Sequence[Any] | None) -> SymbolicMatrix:
@@ -179,7 +150,7 @@ def joint_rates(robot: Robot, variables: Sequence[Any] | None) -> SymbolicMatrix
     """
     values = []
     for index in robot.moving:
-        theta, d, _, _ = parameters(robot.links[index])
+        theta, d, _, _ = exact_parameters(robot.links[index])
         values.append(theta if robot.links[index].joint is Joint.REVOLUTE else d)
     if variables is None:
         variables = functions_of_time(values)
@@ -194,30 +165,31 @@ def joint_rates(robot: Robot, variables: Sequence[Any] | None) -> SymbolicMatrix
     return sp.Matrix(rates)
 
 
-def _timed(expression: SymbolicMatrix, variables: Sequence[Any] | None) -> SymbolicMatrix:
-    """Constant symbols among the variables become functions of time."""
+def velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
+    """(v; omega) of the last frame: J times joint rates, coupling included. Thesis (3.52).
+
+    variables: functions of time (or constant symbols standing for them) that vary; all functions
+        of time by default.
+    """
+    robot = _complete(links)
     symbols: list[Any] = [v for v in variables or () if isinstance(v, sp.Symbol)]
-    return expression.xreplace({v: sp.Function(v.name, real=True)(t) for v in symbols})
+    timed = {v: sp.Function(v.name, real=True)(t) for v in symbols}
+    return jacobian(robot).xreplace(timed) * joint_rates(robot, variables)
 
 
 def linear_velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
-    """v of the last frame: J_v times joint rates, coupling included. Thesis (3.52).
-
-    variables: which functions of time (or symbols standing for them) move; all by default.
-    """
-    robot = _complete(links)
-    return _timed(linear_jacobian(robot), variables) * joint_rates(robot, variables)
+    """v of the last frame. Thesis (3.52); see `velocity`."""
+    return velocity(links, variables)[:3, :]
 
 
 def angular_velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
-    """omega of the last frame. Thesis (3.52)."""
-    robot = _complete(links)
-    return _timed(angular_jacobian(robot), variables) * joint_rates(robot, variables)
+    """omega of the last frame. Thesis (3.52); see `velocity`."""
+    return velocity(links, variables)[3:, :]
 
 
-def velocity(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
-    """(v; omega). Thesis (3.52)."""
-    return sp.Matrix.vstack(linear_velocity(links, variables), angular_velocity(links, variables))
+def acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
+    """(a; omega') of the last frame. Thesis (3.57)."""
+    return velocity(links, variables).diff(t)
 
 
 def linear_acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
@@ -228,11 +200,6 @@ def linear_acceleration(links: Links, variables: Sequence[Any] | None = None) ->
 def angular_acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
     """d/dt (J_omega theta'). Thesis (3.57)."""
     return angular_velocity(links, variables).diff(t)
-
-
-def acceleration(links: Links, variables: Sequence[Any] | None = None) -> SymbolicMatrix:
-    """(a; omega'). Thesis (3.57)."""
-    return velocity(links, variables).diff(t)
 
 
 def joint_torques(links: Links, wrench: Any, frame: int | None = None) -> SymbolicMatrix:

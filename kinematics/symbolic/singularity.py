@@ -1,4 +1,4 @@
-"""Where an arm loses a direction: symbolic conditions and numeric measures. Thesis 3.4.4."""
+"""Singular configurations: symbolic conditions and numeric measures. Thesis 3.4.4."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..dh import Link, Robot
-from ..equations.chain import parameters
+from ..equations.chain import exact_parameters
 from ..expressions.exact import Expression
-from ..inverse.wrist_arm import standard_links, wrist_arm
+from ..inverse.wrist_arm import wrist_arm
+from ..links import standard_links
 from .procedures import jacobian, matrix_t
 
 
@@ -31,8 +32,7 @@ def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
     """(arm, wrist) factors of det J_theta at the wrist centre, in theta_2, theta_3 and theta_5.
 
     A spherical wrist makes J block triangular there, so det J = det J_11 det J_22. The first does
-    not change when the arm turns about axis 1, nor the second about axes 4 and 6: those angles
-    are taken as zero.
+    not depend on the angle of axis 1, nor the second on those of axes 4 and 6: they are taken as 0.
 
     Raises:
         UnsolvableGeometryError: the wrist is not spherical, or the arm no elbow arm.
@@ -40,10 +40,8 @@ def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
     wrist_arm(robot)
     theta = [sp.Symbol(f"theta_{i}", real=True) if i in (2, 3, 5) else 0 for i in range(1, 7)]
     six = [link for link in standard_links(robot) if link.moves]
-    links = [
-        Link(angle, *parameters(link)[1:], link.joint)
-        for angle, link in zip(theta, six, strict=True)
-    ]
+    pairs = zip(theta, six, strict=True)
+    links = [Link(angle, *exact_parameters(link)[1:], link.joint) for angle, link in pairs]
     links[5] = Link()  # the tool moved to the wrist centre
     J = jacobian(links)
     wrist_axes = matrix_t(links)[3][:3, :3].T * J[3:, 3:]
@@ -66,19 +64,19 @@ def conditions(robot: Robot) -> SingularConditions:
 
 
 def manipulability(J: ArrayLike) -> Array:
-    """sqrt(det(J J^T)) of Jacobians (..., 6, n): zero where a direction is lost, or n < 6."""
+    """sqrt(det(J J^T)) of Jacobians (..., 6, n): zero if J has rank < 6."""
     J = np.asarray(J, dtype=np.float64)
     return np.prod(np.linalg.svd(J, compute_uv=False), axis=-1)
 
 
 def distance_to_singularity(J: ArrayLike) -> Array:
-    """Least singular value of J: how near a direction is to being lost; shape (...)."""
+    """Least singular value of Jacobians (..., 6, n), shape (...)."""
     values = np.linalg.svd(np.asarray(J, dtype=np.float64), compute_uv=False)
     return np.asarray(values[..., -1], dtype=np.float64)
 
 
 def lost_directions(J: ArrayLike, tolerance: float = 1e-9) -> Array:
-    """Unit six-vectors (v, omega) that one Jacobian cannot make, as columns, shape (6, k)."""
+    """Unit six-vectors (v, omega) outside the range of one Jacobian, as columns, shape (6, k)."""
     U, S, _ = np.linalg.svd(np.asarray(J, dtype=np.float64))
     rank = int((tolerance * max(S[0], 1e-300) < S).sum())
     return U[:, rank:]

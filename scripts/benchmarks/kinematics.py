@@ -1,7 +1,7 @@
-"""`armside bench kinematics`: our compiled functions beside Pinocchio and the Robotics Toolbox.
+"""`armside bench kinematics`: the compiled functions beside Pinocchio and the Robotics Toolbox.
 
-All are timed from Python to the moment the result is in a NumPy array. The peers know no coupling
-and are given joint variables, which favours them on the IRB1400.
+The time of a call from Python ends when the result is in a NumPy array. The peers have no coupling
+and take joint variables, which favours them on the IRB1400.
 """
 
 import tempfile
@@ -12,9 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, compile, inverse_branches
-from armside.kinematics.compiled import compile_dynamics
-from armside.kinematics.equations.inertial_model import Body, RobotModel
+from armside.kinematics import (
+    IRB1400,
+    IRB1400_IMU,
+    LARGE_ROBOT,
+    Body,
+    InertialModel,
+    compile,
+    compile_dynamics,
+    inverse_branches,
+)
 
 from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
 from .timing import Row, interleaved
@@ -40,13 +47,11 @@ def _random(*shape: int) -> np.ndarray:
 
 
 def _peers() -> dict[str, Any]:
-    """Name: object with pose, jacobian, acceleration of the IRB1400, as far as installed."""
+    """Name: object with pose, jacobian, acceleration of the IRB1400, of each installed peer."""
     found: dict[str, Any] = {}
     for name, build in (("Pinocchio", pinocchio_functions), ("Robotics Toolbox", toolbox_robot)):
-        try:
+        with suppress(ImportError):
             found[name] = build(IRB1400)
-        except ImportError:
-            continue
     return found
 
 
@@ -75,7 +80,7 @@ def _against(
     peers: dict[str, Callable[..., Any] | None],
     arguments: tuple[np.ndarray, ...],
 ) -> list[Row]:
-    """A row for each peer that is there, or one row without."""
+    """A row for each installed peer, or one row without."""
     rows = []
     for peer, function in peers.items():
         if function is not None:
@@ -85,7 +90,7 @@ def _against(
 
 
 def _into_given_arrays() -> list[Row]:
-    """The same with `out=`: the peer's result is copied into the caller's array."""
+    """Single calls with `out=`: the peer's result is copied into the caller's array."""
     ours, peer = compile(IRB1400), _peers().get("Pinocchio")
     phi, rate, acceleration = _random(3, 6)
     rows = []
@@ -130,7 +135,7 @@ def _dynamics() -> list[Row]:
     A batch stands beside a loop over the peer's single calls.
     """
     body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
-    model = RobotModel(LARGE_ROBOT, (body,) * 6)
+    model = InertialModel(LARGE_ROBOT, (body,) * 6)
     ours, peer = compile_dynamics(model), None
     with suppress(ImportError):
         peer = pinocchio_dynamics(model)
@@ -162,7 +167,7 @@ def _inverse() -> Row:
 
 
 def _first_use() -> Row:
-    """Generate and compile pose, Jacobian and acceleration with nothing in the cache."""
+    """Time to generate and compile pose, Jacobian and acceleration with an empty cache."""
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
         fresh = compile(IRB1400_IMU, cache=folder)

@@ -1,4 +1,4 @@
-"""The same robot in other libraries, to be timed beside ours. None of them is a dependency."""
+"""Robots of `kinematics` in other libraries, for benchmarks. None of them is a dependency."""
 
 # pyright: reportMissingImports=false
 
@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from armside.kinematics import Joint, Robot
-from armside.kinematics.equations.inertial_model import RobotModel
-from armside.kinematics.inverse.wrist_arm import link_transform, standard_links
+from armside.kinematics import InertialModel, Joint, Robot
+from armside.kinematics.links import link_transform, standard_links
 
 
 def pinocchio_model(robot: Robot) -> tuple[Any, int]:
@@ -32,7 +31,7 @@ def pinocchio_model(robot: Robot) -> tuple[Any, int]:
     return model, model.addFrame(tool)
 
 
-def pinocchio_dynamics(model: RobotModel) -> SimpleNamespace:
+def pinocchio_dynamics(model: InertialModel) -> SimpleNamespace:
     """mass_matrix(q) and inverse_dynamics(q, v, a) of a model without motors, standard convention.
 
     The mass matrix is handed over as Pinocchio makes it: its upper triangle is filled.
@@ -59,7 +58,7 @@ def pinocchio_dynamics(model: RobotModel) -> SimpleNamespace:
 
 
 def pinocchio_functions(robot: Robot) -> SimpleNamespace:
-    """pose(q), jacobian(q), acceleration(q, v, a): the quickest ways we know to a NumPy array."""
+    """pose(q), jacobian(q), acceleration(q, v, a): the fastest calls to a NumPy array."""
     model, tool = pinocchio_model(robot)
     import pinocchio as pin
 

@@ -12,7 +12,7 @@ from ..shell.console import Report
 from ..shell.options import Common, options
 
 if TYPE_CHECKING:
-    from armside.kinematics.equations.program import Program
+    from armside.kinematics.equations.program import StraightLineProgram
 
 ROBOTS: dict[str, tuple[Robot, Limits]] = {
     "irb1400": (kinematics.IRB1400, kinematics.IRB1400_LIMITS),
@@ -28,12 +28,12 @@ Equations = Literal[
 @options
 @dataclass(frozen=True, kw_only=True)
 class ExportCfg:
-    """Which equations of which robot, and in what language."""
+    """The equations of a robot to write, and the language."""
 
     robot: RobotName = "irb1400"
-    """Which robot; irb1400-imu has the two constant links to its IMU."""
+    """Robot; irb1400-imu has the two constant links to its IMU."""
     what: Equations = "jacobian"
-    """Which function of the motor angles; of no meaning for urdf."""
+    """Function of the motor angles; not used for urdf."""
     to: Literal["c", "matlab", "fortran", "python", "latex", "urdf"] = "c"
     """Language; urdf is the robot itself, for ROS."""
 
@@ -59,7 +59,7 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
 
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
-    """Name and text of each file, and how many operations the code takes."""
+    """Name and text of each file, and the number of operations of the code."""
     robot, limits = ROBOTS[cfg.robot]
     if cfg.to == "urdf":
         from armside.kinematics.codegen.urdf import urdf
@@ -72,11 +72,9 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     return write(program, Language(cfg.to), name), program.operations
 
 
-def equations(robot: Robot, what: Equations) -> "Program":
+def equations(robot: Robot, what: Equations) -> "StraightLineProgram":
     """The straight-line program of one choice of `--what`."""
-    from armside.kinematics.equations import forward_kinematics as motion
-    from armside.kinematics.equations import imu_equations as measurement
+    from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    name = what.replace("-", "_")
-    home = measurement if what.startswith("measurement") else motion
-    return getattr(home, name)(robot)
+    home = imu_equations if what.startswith("measurement") else forward_kinematics
+    return getattr(home, what.replace("-", "_"))(robot)

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from armside.kinematics import Robot
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
@@ -16,23 +17,21 @@ from .export import ROBOTS, RobotName
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from armside.kinematics.symbolic.report import ModelReport
-
 AXIS = 0.08
 """Drawn length of a frame's axes [m]."""
 HALF_WIDTH = 0.4
-"""Of the front view [m]."""
+"""Half of the width of the front view [m]."""
 AXIS_COLORS = ("#D55E00", "#009E73", "#0072B2")
-"""x, y, z."""
+"""Colours of the x, y and z axes."""
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class ModelCfg:
-    """Which robot, and what to make of it."""
+    """The robot, and the form of its description."""
 
     robot: RobotName = "irb1400"
-    """Which robot; irb1400-imu has the two constant links to its IMU."""
+    """Robot; irb1400-imu has the two constant links to its IMU."""
     latex: bool = False
     """Print the table and the zero pose as LaTeX."""
     plot: bool = False
@@ -41,20 +40,22 @@ class ModelCfg:
 
 def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     """Describe a robot: D-H table, T in the zero pose, reach, singular configurations."""
-    from armside.kinematics.symbolic.report import as_latex, as_text, describe
+    from armside.kinematics.symbolic.description import as_latex, as_text, describe
 
-    report, found = Report(common), describe(ROBOTS[cfg.robot][0])
-    zero = [[float(x) for x in found.zero_pose.row(i)] for i in range(4)]
-    table = [[as_text(value) for value in row] for row in found.table]
-    singular = _singular(found)
+    report, robot = Report(common), describe(ROBOTS[cfg.robot][0])
+    found = robot.singularities
+    values: dict[str, Any] = {
+        "table": [[as_text(value) for value in row] for row in robot.table],
+        "zero_pose": [[float(x) for x in robot.zero_pose.row(i)] for i in range(4)],
+        "reach": robot.reach,
+        "singular": {name: str(value) for name, value in vars(found).items()} if found else {},
+    }
     if cfg.latex:
-        for line in as_latex(found).splitlines():
+        for line in as_latex(robot).splitlines():
             report.line(line)
     else:
-        _print(report, found, table, zero, singular)
-    outcome = summary(
-        "model", cfg, common, table=table, zero_pose=zero, reach=found.reach, singular=singular
-    )
+        _print(report, robot.robot, **values)
+    outcome = summary("model", cfg, common, **values)
     if cfg.plot or common.out is not None:
         with RunFolder("model", seed=common.seed, out=common.out) as folder:
             (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
@@ -64,32 +65,21 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     report.summary(outcome)
 
 
-def _singular(found: "ModelReport") -> dict[str, str]:
-    """Name: expression of theta that vanishes there."""
-    if found.singularities is None:
-        return {}
-    names = ("elbow", "shoulder", "wrist")
-    return {name: str(getattr(found.singularities, name)) for name in names}
-
-
 def _print(
     report: Report,
-    found: "ModelReport",
+    robot: Robot,
     table: list[list[str]],
-    zero: list[list[float]],
+    zero_pose: list[list[float]],
+    reach: tuple[float, float] | None,
     singular: dict[str, str],
 ) -> None:
-    robot = found.robot
     title = f"{robot.name}, {robot.convention.value} Denavit-Hartenberg, phi: motor angles"
     columns = ("link", "theta [rad]", "d [m]", "a [m]", "alpha [rad]", "joint")
-    rows = [
-        (str(i), *row, link.joint.value)
-        for i, (row, link) in enumerate(zip(table, robot.links, strict=True), 1)
-    ]
-    report.table(title, columns, rows)
-    report.table("Tool at phi = 0", ("x", "y", "z", "p [m]"), zero)
-    if found.reach is not None:
-        low, high = found.reach
+    pairs = enumerate(zip(table, robot.links, strict=True), 1)
+    report.table(title, columns, [(str(i), *row, link.joint.value) for i, (row, link) in pairs])
+    report.table("Tool at phi = 0", ("x", "y", "z", "p [m]"), zero_pose)
+    if reach is not None:
+        low, high = reach
         report.line(f"Wrist centre {low:.3f} to {high:.3f} m from axis 2, in the plane of the arm")
     for name, expression in singular.items():
         report.line(f"Singular, {name}: {expression} = 0")
@@ -99,7 +89,7 @@ def draw(file: Path, robot: RobotName) -> None:
     """All link frames in the zero pose, x red, y green, z blue, seen from the side and front."""
     from matplotlib.lines import Line2D
 
-    from armside.kinematics.symbolic.report import frame_positions
+    from armside.kinematics.symbolic.description import frame_positions
 
     from ..figures.laser import new_figure, save
 
@@ -119,7 +109,7 @@ def draw(file: Path, robot: RobotName) -> None:
 
 
 def _frames(view: "Axes", origins: np.ndarray, axes: np.ndarray) -> None:
-    """Origins (m, 2) joined by a line, each with three axes (m, 2, 3); numbers where frames are."""
+    """Origins (m, 2) joined by a line, each with its three axes (m, 2, 3) and its number."""
     view.plot(*origins.T, color="#999999", lw=2)
     numbers: dict[tuple[float, float], list[str]] = {}
     for number, (origin, directions) in enumerate(zip(origins, axes, strict=True)):

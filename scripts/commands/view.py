@@ -1,4 +1,4 @@
-"""`armside view`: MuJoCo's own viewer on a robot, with a slider for each motor."""
+"""`armside view`: MuJoCo's viewer of a robot, with a slider for each motor."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,22 +14,22 @@ from ..shell.options import Common, options
 from ..viewers.display import check_display
 
 SERVO = 2.0 * np.pi * 5.0
-"""Bandwidth of the sliders' servos [rad/s]: quick to the eye, slow beside the arm's modes."""
+"""Bandwidth of the sliders' servos [rad/s], far below the resonances of the arm."""
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class ViewCfg:
-    """What to look at."""
+    """The robot to show."""
 
     robot: Literal["large", "irb1400"] = "large"
-    """Which robot."""
+    """Robot."""
     model: Path | None = None
-    """MJCF file to look at in place of that robot's own."""
+    """MJCF file to show in place of that robot's own."""
 
 
 def view(*, cfg: ViewCfg = ViewCfg(), common: Common = Common()) -> None:
-    """Look at a robot in MuJoCo's own viewer; sliders move its motors under gravity.
+    """Show a robot in MuJoCo's own viewer; sliders move its motors under gravity.
 
     Needs a display. Without one: armside replay --web, --png.
     """
@@ -46,8 +46,8 @@ def view(*, cfg: ViewCfg = ViewCfg(), common: Common = Common()) -> None:
 def posable(cfg: ViewCfg) -> mujoco.MjModel:
     """The robot on its floor, each motor held by a stiff position servo with a slider.
 
-    The drives of the asset take torques of a controller that is not there: they would let the arm
-    fall. The springs between motors and links stay as they are.
+    The drives of the asset need the torques of a controller, which the viewer has not. The springs
+    between motors and links stay as they are.
 
     Raises:
         ValueError: the file is no model, or has no joints motor_1, motor_2 ...
@@ -60,12 +60,8 @@ def posable(cfg: ViewCfg) -> mujoco.MjModel:
     motors = [joint for joint in spec.joints if joint.name.startswith("motor_")]
     if not motors:
         raise ValueError(f"{source} has no joints motor_1, motor_2, ...")
-    for actuator in list(spec.actuators):
-        spec.delete(actuator)
-    for sensor in list(spec.sensors):
-        spec.delete(sensor)
-    for key in list(spec.keys):
-        spec.delete(key)
+    for element in [*spec.actuators, *spec.sensors, *spec.keys]:
+        spec.delete(element)
     inertia = _inertia(spec)
     for joint in motors:
         servo = spec.add_actuator(name=joint.name.replace("motor", "axis"), target=joint.name)
@@ -88,7 +84,7 @@ def _inertia(spec: mujoco.MjSpec) -> dict[str, float]:
 
 
 def hold(mj: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Set every slider to where its motor is."""
+    """Set every slider to the angle of its motor."""
     data.ctrl[:] = np.clip(
         data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]], *mj.actuator_ctrlrange.T
     )

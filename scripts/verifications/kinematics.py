@@ -1,28 +1,28 @@
-"""The claim of `armside verify kinematics`: generated code and closed-form inverse, anywhere."""
+"""`armside verify kinematics`: generated code and the closed-form inverse in random poses."""
 
 from collections.abc import Iterable
 
 import numpy as np
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
-from armside.kinematics.inverse.wrist_arm import link_transform
+from armside.kinematics.links import link_transform
 
 from ..commands.verify import Table, Verdict
 
 CONFIGURATIONS = 1000
-"""Per seed and robot."""
+"""Number of configurations for each seed and robot."""
 POSE, INVERSE, DERIVATIVE = 1e-13, 1e-11, 1e-8
 """Greatest errors: rounding of a product, of an inverse, of central differences (h = 1e-6)."""
 
 
 def kinematics(seeds: Iterable[int]) -> Table:
-    """Configurations over whole turns of all six motors; one row per seed and robot."""
+    """Errors over configurations in (-pi, pi) of all motors; one row for each seed and robot."""
     rows = [
         (seed, robot.name, *_row(robot, np.random.default_rng(seed)))
         for seed in seeds
         for robot in (IRB1400, LARGE_ROBOT)
     ]
-    pose, back, lost, derivative = np.array([row[2:] for row in rows], dtype=float).T
+    pose, inverse, missing, derivative = np.array([row[2:] for row in rows], dtype=float).T
     return Table(
         title=f"Kinematics at {CONFIGURATIONS} random configurations for each row",
         columns=(
@@ -36,8 +36,8 @@ def kinematics(seeds: Iterable[int]) -> Table:
         rows=rows,
         verdicts=(
             Verdict(f"generated poses are exact to {POSE:g}", bool((pose <= POSE).all())),
-            Verdict(f"every branch has its pose to {INVERSE:g}", bool((back <= INVERSE).all())),
-            Verdict("one branch is always where the pose came from", bool((lost == 0).all())),
+            Verdict(f"every branch has its pose to {INVERSE:g}", bool((inverse <= INVERSE).all())),
+            Verdict("one branch is always the original configuration", bool((missing == 0).all())),
             Verdict(
                 f"Jacobians are derivatives to {DERIVATIVE:g}",
                 bool((derivative <= DERIVATIVE).all()),
@@ -59,11 +59,11 @@ def _row(robot: Robot, rng: np.random.Generator) -> tuple[float, float, int, flo
     back = functions.pose(found.phi[found.exists]) - T[target]
     gap = (found.phi - phi[:, None]) @ robot.coupling.T
     gap = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi))).max(axis=-1)
-    lost = int((np.nanmin(gap, axis=1) > 1e-6).sum())
+    missing = int((np.nanmin(gap, axis=1) > 1e-6).sum())
     return (
         float(np.abs(T - product).max()),
         float(np.abs(back).max()),
-        lost,
+        missing,
         float(np.abs(_differences(functions, phi) - functions.jacobian(phi)[:, :3]).max()),
     )
 

@@ -45,6 +45,7 @@ class Rest:
 class RestResult:
     """One experiment at rest, run and evaluated."""
 
+    experiment: RestExperiment
     run: ImuRun
     rest: Rest
     loop_error: float
@@ -67,6 +68,7 @@ def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
     loaded = robot.load(np.tile(ZERO_POSE, (n, 1)), motors_on_at=experiment.off)
     run = sense(loaded, experiment.imu, seed)
     return RestResult(
+        experiment=experiment,
         run=run,
         rest=at_rest(run.samples, experiment.off, experiment.imu.rate),
         loop_error=largest_gap(run.recording, loaded.model.mj),

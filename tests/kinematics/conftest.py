@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.kinematics import Convention, Joint, Link, Robot
-from armside.kinematics.equations.inertial_model import Body, Motor, RobotModel
+from armside.kinematics.equations.inertial_model import Body, InertialModel, Motor
 
 
 @pytest.fixture(scope="session")
@@ -65,7 +65,7 @@ def make_body(rng: np.random.Generator) -> Body:
     return Body(mass=masses.sum().round(2), com=tuple(com.round(2)), inertia=np.round(inertia, 3))
 
 
-def make_model(rng: np.random.Generator, robot: Robot) -> RobotModel:
+def make_model(rng: np.random.Generator, robot: Robot) -> InertialModel:
     motors = [
         Motor(
             inertia=rng.uniform(0.1, 1),
@@ -76,7 +76,7 @@ def make_model(rng: np.random.Generator, robot: Robot) -> RobotModel:
         )
         for _ in range(robot.n_joints)
     ]
-    return RobotModel(
+    return InertialModel(
         robot, [make_body(rng) for _ in robot.links], motors, tuple(rng.normal(size=3) * 5)
     )
 
@@ -89,3 +89,14 @@ def random_robot():
 @pytest.fixture(scope="session")
 def random_model():
     return make_model
+
+
+@pytest.fixture(scope="session")
+def central() -> Callable[..., np.ndarray]:
+    """Jacobian of a function of a vector by central differences."""
+
+    def differences(function, x: np.ndarray, h: float = 1e-6) -> np.ndarray:
+        columns = [(function(x + h * e) - function(x - h * e)) / (2 * h) for e in np.eye(len(x))]
+        return np.stack(columns, axis=-1)
+
+    return differences

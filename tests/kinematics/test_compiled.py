@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile
-from armside.kinematics.equations import forward_kinematics as motion
+from armside.kinematics.equations import forward_kinematics
 
 ROOT = Path(__file__).parents[2]
 RNG = np.random.default_rng(0)
@@ -129,7 +129,10 @@ def test_random_robots_obey_the_product_and_its_derivatives(
 ):
     rng = np.random.default_rng(n)
     robot = random_robot(rng, n, convention)
-    pose, jacobian = interpreted(motion.pose(robot)), interpreted(motion.jacobian(robot))
+    pose, jacobian = (
+        interpreted(forward_kinematics.pose(robot)),
+        interpreted(forward_kinematics.jacobian(robot)),
+    )
     phi, rate, rate_dot = rng.uniform(-1, 1, (3, n))
     np.testing.assert_allclose(pose(phi), product(robot, phi), rtol=0, atol=1e-13)
 
@@ -144,10 +147,10 @@ def test_random_robots_obey_the_product_and_its_derivatives(
     spin = T_dot[:3, :3] @ T[:3, :3].T
     expected = [*T_dot[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
     np.testing.assert_allclose(twist(0.0), expected, rtol=0, atol=3e-9)
-    acceleration = interpreted(motion.acceleration(robot))(phi, rate, rate_dot)
+    acceleration = interpreted(forward_kinematics.acceleration(robot))(phi, rate, rate_dot)
     differences = (twist(h) - twist(-h)) / (2 * h)
     np.testing.assert_allclose(acceleration, differences, rtol=0, atol=3e-9)
-    J_dot = interpreted(motion.jacobian_rate(robot))(phi, rate)
+    J_dot = interpreted(forward_kinematics.jacobian_rate(robot))(phi, rate)
     np.testing.assert_allclose(
         jacobian(phi) @ rate_dot + J_dot @ rate, acceleration, rtol=0, atol=1e-12
     )
@@ -159,7 +162,7 @@ def test_compiled_code_is_the_interpreted_code(interpreted, random_robot, tmp_pa
     functions = compile(robot, cache=tmp_path)
     phi, rate, rate_dot = rng.uniform(-1, 1, (3, 3))
     for name, arguments in (("pose", (phi,)), ("acceleration", (phi, rate, rate_dot))):
-        expected = interpreted(getattr(motion, name)(robot))(*arguments)
+        expected = interpreted(getattr(forward_kinematics, name)(robot))(*arguments)
         actual = getattr(functions, name)(*arguments)
         np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-14)
 

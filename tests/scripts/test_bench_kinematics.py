@@ -37,7 +37,7 @@ def test_calls_and_batches_are_within_their_part_of_pinocchio():
 def test_peers_and_ours_compute_the_same():
     import numpy as np
 
-    from armside.kinematics import LARGE_ROBOT, Body, RobotModel, compile, compile_dynamics
+    from armside.kinematics import LARGE_ROBOT, Body, InertialModel, compile, compile_dynamics
 
     pytest.importorskip("pinocchio", reason="pinocchio (pip install pin) is an optional peer")
     from armside.scripts.benchmarks.peers import pinocchio_dynamics, pinocchio_functions
@@ -54,7 +54,7 @@ def test_peers_and_ours_compute_the_same():
         atol=1e-12,
     )
     body = Body(mass=50.0, com=(-0.1, 0.05, 0.2), inertia=(3.0, 2.5, 2.0, 0.1, -0.2, 0.3))
-    model = RobotModel(LARGE_ROBOT, (body,) * 6)
+    model = InertialModel(LARGE_ROBOT, (body,) * 6)
     theirs, dynamics = pinocchio_dynamics(model), compile_dynamics(model)
     D = np.triu(theirs.mass_matrix(q))
     np.testing.assert_allclose(D, np.triu(dynamics.mass_matrix(phi)), rtol=0, atol=1e-11)

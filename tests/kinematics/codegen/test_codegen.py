@@ -12,19 +12,19 @@ import sympy as sp
 
 from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, Convention, Joint, Link, Robot
 from armside.kinematics.codegen import Language, write
-from armside.kinematics.equations import dynamics
-from armside.kinematics.equations import forward_kinematics as motion
-from armside.kinematics.equations import imu_equations as measurement
-from armside.kinematics.equations.program import Program
+from armside.kinematics.equations import dynamics, forward_kinematics, imu_equations
+from armside.kinematics.equations.program import StraightLineProgram
 from armside.kinematics.equations.translate import program_of
 from armside.kinematics.expressions.symbols import moving
 from armside.kinematics.symbolic import procedures as symbolic
 
 RNG = np.random.default_rng(0)
-Evaluate = Callable[[Program, list[np.ndarray]], np.ndarray]
+Evaluate = Callable[[StraightLineProgram, list[np.ndarray]], np.ndarray]
 
 
-def run_c(program: Program, arguments: list[np.ndarray], folder: Path, cc: str) -> np.ndarray:
+def run_c(
+    program: StraightLineProgram, arguments: list[np.ndarray], folder: Path, cc: str
+) -> np.ndarray:
     symbol = f"c{len(list(folder.iterdir()))}"  # a library is loaded once for each name
     for name, text in write(program, Language.C, symbol).items():
         (folder / name).write_text(text)
@@ -38,7 +38,9 @@ def run_c(program: Program, arguments: list[np.ndarray], folder: Path, cc: str) 
     return out
 
 
-def run_fortran(program: Program, arguments: list[np.ndarray], folder: Path, fc: str) -> np.ndarray:
+def run_fortran(
+    program: StraightLineProgram, arguments: list[np.ndarray], folder: Path, fc: str
+) -> np.ndarray:
     symbol = f"f{len(list(folder.iterdir()))}"
     ((name, text),) = write(program, Language.FORTRAN, symbol).items()
     (folder / name).write_text(text)
@@ -52,7 +54,9 @@ def run_fortran(program: Program, arguments: list[np.ndarray], folder: Path, fc:
     return out
 
 
-def run_octave(programs: list[tuple[Program, list[np.ndarray]]], folder: Path, octave: str):
+def run_octave(
+    programs: list[tuple[StraightLineProgram, list[np.ndarray]]], folder: Path, octave: str
+):
     """All programs in one start of Octave, results printed with all their digits."""
     script = []
     for k, (program, arguments) in enumerate(programs):
@@ -69,19 +73,31 @@ def run_octave(programs: list[tuple[Program, list[np.ndarray]]], folder: Path, o
     ]
 
 
-def handful(random_model, random_robot) -> list[Program]:
+def handful(random_model, random_robot) -> list[StraightLineProgram]:
     """Kinematics of the two robots, and a few random ones, dynamics among them."""
     rng = np.random.default_rng(1)
-    programs = [build(IRB1400) for build in (motion.pose, motion.jacobian, motion.jacobian_rate)]
-    programs += [motion.acceleration(IRB1400_IMU), motion.jacobian(LARGE_ROBOT)]
-    programs.append(measurement.measurement(IRB1400_IMU))
+    programs = [
+        build(IRB1400)
+        for build in (
+            forward_kinematics.pose,
+            forward_kinematics.jacobian,
+            forward_kinematics.jacobian_rate,
+        )
+    ]
+    programs += [
+        forward_kinematics.acceleration(IRB1400_IMU),
+        forward_kinematics.jacobian(LARGE_ROBOT),
+    ]
+    programs.append(imu_equations.measurement(IRB1400_IMU))
     for n, convention in ((2, Convention.STANDARD), (7, Convention.MODIFIED)):
-        programs.append(motion.acceleration(random_robot(rng, n, convention)))
+        programs.append(forward_kinematics.acceleration(random_robot(rng, n, convention)))
     model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
     programs += [dynamics.inverse_dynamics(model), dynamics.mass_matrix(model)]
     symbols = [Link("q[1](t)", "d[1]", "a[1]", "alpha[1]"), Link("q[2](t)", 0, "a[2]", 0)]
     programs.append(program_of("velocity", symbolic.velocity(symbols)))
-    programs.append(motion.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")])))
+    programs.append(
+        forward_kinematics.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")]))
+    )
     return programs
 
 
@@ -124,9 +140,9 @@ def test_python_computes_what_the_symbols_say(interpreted):
     exact = [sp.Rational(repr(float(x))) for x in phi]
     for robot in (IRB1400, LARGE_ROBOT):
         T = symbolic.matrix_t(symbolic.at(robot, exact))[-1].evalf(30)
-        assert_close(interpreted(motion.pose(robot))(phi), np.array(T, dtype=float))
+        assert_close(interpreted(forward_kinematics.pose(robot))(phi), np.array(T, dtype=float))
         J = symbolic.motor_jacobian(robot, exact).evalf(30)
-        assert_close(interpreted(motion.jacobian(robot))(phi), np.array(J, dtype=float))
+        assert_close(interpreted(forward_kinematics.jacobian(robot))(phi), np.array(J, dtype=float))
 
 
 def test_python_acceleration_is_the_symbolic_one(interpreted):
@@ -138,12 +154,12 @@ def test_python_acceleration_is_the_symbolic_one(interpreted):
     assert used == [name for name in names if name != "phi_6"]  # the last axis shows no angle
     motion_ = RNG.uniform(-1, 1, (3, 6))
     values = [x for name, x in zip(names, motion_.ravel(), strict=True) if name in used]
-    actual = interpreted(motion.acceleration(IRB1400))(*motion_)
+    actual = interpreted(forward_kinematics.acceleration(IRB1400))(*motion_)
     assert_close(actual, interpreted(program)(values))
 
 
 def test_c_allocates_nothing_and_states_robot_convention_units_and_orders():
-    header, source = write(motion.jacobian(IRB1400), Language.C).values()
+    header, source = write(forward_kinematics.jacobian(IRB1400), Language.C).values()
     assert "void jacobian(const double *phi, double *J);" in header
     assert not re.search(r"malloc|static|\[\d*\]\s*=\s*\{", source)
     for text in (header, source):
@@ -153,12 +169,12 @@ def test_c_allocates_nothing_and_states_robot_convention_units_and_orders():
 
 def test_the_coupling_is_stated_in_every_language():
     for language in Language:
-        text = "".join(write(motion.pose(IRB1400), language).values())
+        text = "".join(write(forward_kinematics.pose(IRB1400), language).values())
         assert "-1.0, 1.0" in text
 
 
 def test_latex_has_one_line_for_each_intermediate():
-    program = motion.pose(IRB1400)
+    program = forward_kinematics.pose(IRB1400)
     (text,) = write(program, Language.LATEX).values()
     assert text.count(r"\\") >= len(program.steps)
     assert r"\cos{\left(\phi_{1} \right)}" in text
@@ -167,7 +183,7 @@ def test_latex_has_one_line_for_each_intermediate():
 def test_names_that_languages_reserve_or_confuse_are_changed():
     robot = Robot([Link(a="lambda", d="phi"), Link(a="X0", joint=Joint.PRISMATIC)])
     for language in (Language.C, Language.PYTHON, Language.FORTRAN):
-        text = "".join(write(motion.jacobian(robot), language).values())
+        text = "".join(write(forward_kinematics.jacobian(robot), language).values())
         names = re.findall(r"^\s*(?:const double )?(\w+) = ", text, re.MULTILINE)
         assert "lambda" not in names
         assert len(names) == len({name.lower() for name in names})
@@ -175,7 +191,7 @@ def test_names_that_languages_reserve_or_confuse_are_changed():
 
 def test_a_file_name_that_is_no_name_is_refused():
     with pytest.raises(ValueError, match="letters, digits and _"):
-        write(motion.pose(IRB1400), Language.C, "../pose")
+        write(forward_kinematics.pose(IRB1400), Language.C, "../pose")
 
 
 def test_functions_of_time_become_names_that_code_can_use():

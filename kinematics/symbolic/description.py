@@ -1,4 +1,4 @@
-"""What a person wants to know of a robot: its table, zero pose, reach and singularities."""
+"""Description of a robot: its D-H table, zero pose, reach and singular configurations."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +11,8 @@ from sympy.printing.str import StrPrinter
 from armside.arrays import Array
 
 from ..dh import Robot
-from ..equations.chain import parameters
-from ..expressions.exact import Expression, SymbolicMatrix
+from ..equations.chain import exact_parameters
+from ..expressions.exact import Expression, SymbolicMatrix, exact
 from ..expressions.symbols import symbol
 from ..inverse.wrist_arm import UnsolvableGeometryError, wrist_arm
 from .procedures import at, matrix_t
@@ -20,8 +20,8 @@ from .singularity import SingularConditions, conditions
 
 
 @dataclass(frozen=True)
-class ModelReport:
-    """A robot described."""
+class RobotDescription:
+    """D-H table, zero pose, reach and singularities, exact where the robot's numbers are."""
 
     robot: Robot
     table: tuple[tuple[Expression, ...], ...]
@@ -33,15 +33,15 @@ class ModelReport:
     singularities: SingularConditions | None
 
 
-def describe(robot: Robot) -> ModelReport:
-    """All of it, exact where the robot's numbers are."""
+def describe(robot: Robot) -> RobotDescription:
+    """The description of a robot of numbers or symbols."""
     phi = [symbol("phi", i) for i in range(1, robot.n_joints + 1)]
-    table = tuple(parameters(link) for link in at(robot, phi).links)
+    table = tuple(exact_parameters(link) for link in at(robot, phi).links)
     try:
         reach, found = wrist_arm(robot).reach, conditions(robot)
     except UnsolvableGeometryError:
         reach, found = None, None
-    return ModelReport(robot, table, matrix_t(robot)[-1], reach, found)
+    return RobotDescription(robot, table, matrix_t(robot)[-1], reach, found)
 
 
 class _DecimalText(StrPrinter):
@@ -59,27 +59,22 @@ def as_text(value: Any) -> str:
     return _DecimalText().doprint(value)
 
 
-def as_latex(report: ModelReport) -> str:
-    """The table and the zero pose for a paper."""
+def as_latex(description: RobotDescription) -> str:
+    """The table and the zero pose as LaTeX."""
     show = _DecimalLatex().doprint
     lines = [
         "\\begin{tabular}{rllll}",
         "  link & $\\theta_i$ [rad] & $d_i$ [m] & $a_i$ [m] & $\\alpha_i$ [rad] \\\\ \\hline",
     ]
-    for number, row in enumerate(report.table, 1):
+    for number, row in enumerate(description.table, 1):
         lines.append(f"  {number} & {' & '.join(f'${show(v)}$' for v in row)} \\\\")
-    return "\n".join(
-        [*lines, "\\end{tabular}", "", f"\\[ T_0^n(0) = {show(report.zero_pose)} \\]", ""]
-    )
+    zero_pose = f"\\[ T_0^n(0) = {show(description.zero_pose)} \\]"
+    return "\n".join([*lines, "\\end{tabular}", "", zero_pose, ""])
 
 
 def frame_positions(robot: Robot, phi: Array | None = None) -> tuple[Array, Array]:
-    """Origins (m, 3) and rotations (m, 3, 3) of all frames, base first, at phi (zero by default).
-
-    Thesis Fig 3.1, 5.3.
-    """
+    """Origins (m, 3) and rotations (m, 3, 3) of all frames, base first. Thesis Fig 3.1, 5.3."""
     angles = np.zeros(robot.n_joints) if phi is None else np.asarray(phi, dtype=np.float64)
-    exact = [sp.Rational(repr(float(a))) for a in angles]
-    T = [np.array(M.evalf(), dtype=np.float64) for M in matrix_t(at(robot, exact))]
-    stacked = np.stack(T)
-    return stacked[:, :3, 3], stacked[:, :3, :3]
+    frames = matrix_t(at(robot, [exact(float(angle)) for angle in angles]))
+    T = np.stack([np.array(M.evalf(), dtype=np.float64) for M in frames])
+    return T[:, :3, 3], T[:, :3, :3]

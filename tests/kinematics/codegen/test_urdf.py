@@ -39,13 +39,13 @@ def tool(model: mujoco.MjModel, q: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("convention", Convention)
 def test_random_robots_keep_their_pose(convention, random_robot, interpreted):
-    from armside.kinematics.equations import forward_kinematics as motion
+    from armside.kinematics.equations import forward_kinematics
 
     rng = np.random.default_rng(3)
     for n in (1, 3, 6):
         robot = random_robot(rng, n, convention)
         phi = rng.uniform(-1, 1, n)
-        expected = interpreted(motion.pose(robot))(phi)
+        expected = interpreted(forward_kinematics.pose(robot))(phi)
         actual = tool(loaded(robot), robot.coupling @ phi)
         np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-12)
 

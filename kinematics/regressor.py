@@ -1,4 +1,4 @@
-"""Dynamics linear in the inertial parameters, and which of those matter. Thesis (2.17).
+"""Dynamics linear in the inertial parameters, and its base parameters. Thesis (2.17).
 
 Theta has ten numbers for each moving group of bodies: mass, first moment (3), inertia about the
 body frame's origin (xx, xy, xz, yy, yz, zz). Columns of Y are torques of unit parameters.
@@ -6,29 +6,30 @@ body frame's origin (xx, xy, xz, yy, yz, zz). Columns of Y are torques of unit p
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .. import cache as native
-from .inertial_model import RobotModel
+from .equations.inertial_model import InertialModel
+from .native_function import native_module
 
 RANK = 1e-9
-"""Singular values below this part of the greatest count as zero."""
+"""Columns of Y whose residual is below this fraction of the greatest column count as dependent."""
 
 
-def parameters(model: RobotModel) -> Array:
+def inertial_parameters(model: InertialModel) -> Array:
     """Theta of a model of numbers, shape (10 n,)."""
-    from .recursion import tree
+    from .equations.recursion import body_chain
 
-    segments = tree(model.robot, model.bodies).segments
+    segments = body_chain(model.robot, model.bodies).segments
     return np.array([float(e) for segment in segments for e in segment.inertia.elements])
 
 
 def regressor(
-    model: RobotModel,
+    model: InertialModel,
     phi: ArrayLike,
     phi_dot: ArrayLike,
     phi_ddot: ArrayLike,
@@ -51,25 +52,21 @@ def regressor(
     rows = [np.repeat(np.atleast_2d(a), 10 * n, axis=0) for a in motion]
     units = np.tile(np.eye(10 * n), (len(rows[0]) // (10 * n), 1))
     torques = np.empty((len(units), n))
-    _module(model, None if cache is None else Path(cache)).many(*rows, units, torques)
+
+    def program() -> Any:
+        from .equations.dynamics import parametric_torque
+
+        return parametric_torque(model)
+
+    key = repr((model.robot.key, model.gravity))
+    native_module("parametric_torque", key, program, cache).many(*rows, units, torques)
     Y = torques.reshape(-1, 10 * n, n).swapaxes(1, 2)
     return Y[0] if motion[0].ndim == 1 else Y
 
 
-def _module(model: RobotModel, cache: Path | None):
-    def source() -> str:
-        from ..codegen import numba_module
-        from .dynamics import parametric_torque
-
-        return numba_module(parametric_torque(model))
-
-    key = repr((model.robot.key, model.gravity))
-    return native.load("parametric_torque", key, source, cache)
-
-
 @dataclass(frozen=True)
 class BaseParameters:
-    """The combinations of Theta that motion can show."""
+    """Identifiable combinations of the inertial parameters Theta."""
 
     independent: tuple[int, ...]
     """Indices of columns of Y that span all of it."""
@@ -82,11 +79,11 @@ class BaseParameters:
 
 
 def base_parameters(
-    model: RobotModel, rng: np.random.Generator, samples: int = 60
+    model: InertialModel, rng: np.random.Generator, samples: int = 60
 ) -> BaseParameters:
     """Base parameters by the numeric rank of Y over random motions.
 
-    Columns are taken in order, each that is no combination of those before it.
+    Columns of Y are taken in order, without those that combine the columns before.
     """
     n = model.robot.n_joints
     motion = rng.uniform(-np.pi, np.pi, (3, samples, n))

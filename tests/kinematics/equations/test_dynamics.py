@@ -7,18 +7,24 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
-from armside.kinematics.compiled import compile_dynamics
+from armside.kinematics import (
+    IRB1400,
+    LARGE_ROBOT,
+    Convention,
+    Joint,
+    Link,
+    Robot,
+    compile_dynamics,
+)
 from armside.kinematics.equations import coriolis, dynamics
-from armside.kinematics.equations.inertial_model import Body, Motor, RobotModel
-from armside.kinematics.equations.regressor import base_parameters, parameters, regressor
-from armside.kinematics.inverse.wrist_arm import link_transform
+from armside.kinematics.equations.inertial_model import Body, InertialModel, Motor
+from armside.kinematics.links import link_transform
 from armside.kinematics.symbolic.lagrange import symbolic_dynamics
 
 ROUNDING = 1e-10  # relative
 
 
-def mujoco_model(model: RobotModel) -> mujoco.MjModel:
+def mujoco_model(model: InertialModel) -> mujoco.MjModel:
     """The same bodies and joints, written for MuJoCo from the D-H table; joints are theta."""
     spec = mujoco.MjSpec()
     spec.option.gravity = [float(g) for g in model.gravity]
@@ -84,7 +90,7 @@ def test_recursions_agree_with_mujoco(n, convention, random_model, random_robot,
     assert_relative(solved, rate_dot, 1e-9)  # conditioning of D
 
 
-def lost(model: RobotModel, rate: np.ndarray) -> np.ndarray:
+def lost(model: InertialModel, rate: np.ndarray) -> np.ndarray:
     """Friction torque of each motor."""
     viscous = np.array([motor.viscous for motor in model.motors])
     coulomb = np.array([motor.coulomb for motor in model.motors])
@@ -175,7 +181,7 @@ def test_rotor_inertia_acts_on_the_motor_and_not_through_the_coupling(interprete
     links = [Link(a=1), Link(a=1)]
     robot = Robot(links, coupling=[[1, 0], [-1, 1]])
     massless = [Body(mass=0)] * 2
-    model = RobotModel(robot, massless, [Motor(inertia=3), Motor(inertia=5)])
+    model = InertialModel(robot, massless, [Motor(inertia=3), Motor(inertia=5)])
     D = interpreted(dynamics.mass_matrix(model))(np.zeros(2))
     np.testing.assert_allclose(D, np.diag([3, 5]), rtol=0, atol=1e-15)
 
@@ -184,7 +190,7 @@ def test_two_link_arm_is_the_textbook_one():
     """Point masses at the tips of a planar arm, gravity along -y."""
     m1, m2, l1, l2, g = sp.symbols("m1 m2 l1 l2 g", positive=True)
     robot = Robot([Link(a=l1), Link(a=l2)])
-    model = RobotModel(robot, [Body(mass=m1), Body(mass=m2)], gravity=(0, -g, 0))
+    model = InertialModel(robot, [Body(mass=m1), Body(mass=m2)], gravity=(0, -g, 0))
     full = symbolic_dynamics(model)
     (q1, q2), (v1, v2) = full.phi, full.phi_dot
     c2 = sp.cos(q2)
@@ -205,40 +211,12 @@ def test_symbolic_recursion_is_the_symbolic_energy():
     """The recursion's names substituted back are Lagrange's expressions."""
     m1, m2, l1, l2 = sp.symbols("m1 m2 l1 l2", positive=True)
     robot = Robot([Link(a=l1, alpha=np.pi / 2), Link(a=l2)])
-    model = RobotModel(robot, [Body(mass=m1), Body(mass=m2)])
+    model = InertialModel(robot, [Body(mass=m1), Body(mass=m2)])
     full = symbolic_dynamics(model)
     recursion = sp.Matrix(2, 2, dynamics.mass_matrix(model).expressions())
     assert sp.simplify(recursion - full.D) == sp.zeros(2)
     gravity = sp.Matrix(dynamics.gravity_torque(model).expressions())
     assert sp.simplify(gravity - full.g) == sp.zeros(2, 1)
-
-
-def test_regressor_times_parameters_is_the_torque(random_model, random_robot, tmp_path):
-    rng = np.random.default_rng(4)
-    model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
-    model = RobotModel(model.robot, model.bodies, gravity=model.gravity)
-    motion = rng.uniform(-1, 1, (3, 5, 3))
-    Y = regressor(model, *motion, cache=tmp_path)
-    tau = compile_dynamics(model, cache=tmp_path).inverse_dynamics(*motion)
-    assert_relative(Y @ parameters(model), tau)
-    single = regressor(model, *motion[:, 0], cache=tmp_path)
-    assert np.array_equal(single, Y[0])
-
-
-def test_base_parameters_of_a_planar_arm(tmp_path, monkeypatch):
-    """Gravity along the axes: two moments of inertia and the coupling through two first moments
-    remain of twenty parameters.
-    """
-    robot = Robot([Link(a=0.7), Link(a=0.4)])
-    model = RobotModel(robot, [Body(mass=1)] * 2, gravity=(0, 0, -9.82))
-    found = base_parameters(model, np.random.default_rng(0))
-    assert len(found.independent) == 4
-    rng = np.random.default_rng(1)
-    motion = rng.uniform(-2, 2, (3, 20, 2))
-    Y = regressor(model, *motion)
-    theta = rng.normal(size=20)
-    reduced = Y[..., list(found.independent)] @ found.values(theta)
-    np.testing.assert_allclose(reduced, Y @ theta, rtol=0, atol=1e-10)
 
 
 def test_masses_that_no_body_has_are_refused():
@@ -253,12 +231,12 @@ def test_masses_that_no_body_has_are_refused():
     with pytest.raises(ValueError, match="inertia must be >= 0"):
         Motor(inertia=-1)
     with pytest.raises(ValueError, match="needs 6 bodies, got 5"):
-        RobotModel(LARGE_ROBOT, [Body(mass=1)] * 5)
+        InertialModel(LARGE_ROBOT, [Body(mass=1)] * 5)
     with pytest.raises(ValueError, match="needs 6 motors, got 1"):
-        RobotModel(LARGE_ROBOT, [Body(mass=1)] * 6, [Motor()])
+        InertialModel(LARGE_ROBOT, [Body(mass=1)] * 6, [Motor()])
 
 
 def test_a_model_with_symbols_cannot_be_compiled():
-    model = RobotModel(Robot([Link(a=1)]), [Body(mass=sp.Symbol("m"))])
+    model = InertialModel(Robot([Link(a=1)]), [Body(mass=sp.Symbol("m"))])
     with pytest.raises(ValueError, match="has symbols: m"):
         compile_dynamics(model)

@@ -319,23 +319,6 @@ def test_robots_of_another_kind_are_refused_with_the_fallback(robot, complaint):
     assert "inverse_numeric" in str(caught.value)
 
 
-def test_numeric_fallback_solves_a_wrist_that_is_not_spherical():
-    robot = changed(3, a=0.05)
-    functions = compile(robot)
-    phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
-    found = inverse_numeric(robot, functions.pose(phi), start=phi + 0.3)
-    np.testing.assert_allclose(functions.pose(found), functions.pose(phi), rtol=0, atol=1e-9)
-
-
-def test_numeric_fallback_says_what_remains_when_it_fails():
-    T = np.eye(4)
-    T[0, 3] = 10.0
-    with pytest.raises(NotConvergedError, match="mm and"):
-        inverse_numeric(LARGE_ROBOT, T, start=np.full(6, 0.1))
-    with pytest.raises(ValueError, match="finite"):
-        inverse_numeric(LARGE_ROBOT, T * np.nan, start=np.zeros(6))
-
-
 def test_a_path_of_2000_targets_is_solved_within_15_ms():
     """5 ms on an idle core; three times that here."""
     T = compile(LARGE_ROBOT).pose(np.random.default_rng(0).uniform(-2, 2, (2000, 6)))

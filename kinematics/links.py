@@ -1,0 +1,39 @@
+"""Link transforms of a robot of numbers, in the standard Denavit-Hartenberg convention."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import cos, sin
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .dh import Convention, Joint, Link, Robot
+
+
+def link_transform(link: Link, variable: float = 0.0) -> Array:
+    """A_i of a standard link at a joint variable [rad or m], shape (4, 4). Thesis (3.29)."""
+    theta = float(link.theta) + (variable if link.joint is Joint.REVOLUTE else 0.0)
+    d = float(link.d) + (variable if link.joint is Joint.PRISMATIC else 0.0)
+    a, alpha = float(link.a), float(link.alpha)
+    c, s, ca, sa = cos(theta), sin(theta), cos(alpha), sin(alpha)
+    rows = [c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0.0, sa, ca, d]
+    return np.array([*rows, [0.0, 0.0, 0.0, 1.0]])
+
+
+def chain_transform(links: Iterable[Link]) -> Array:
+    """Product of the link transforms at joint variables 0, shape (4, 4)."""
+    T = np.eye(4)
+    for link in links:
+        T = T @ link_transform(link)
+    return T
+
+
+def standard_links(robot: Robot) -> tuple[Link, ...]:
+    """The same chain as standard links; a modified table gains one constant link in front."""
+    if robot.convention is Convention.STANDARD:
+        return robot.links
+    base = Link(a=robot.links[0].a, alpha=robot.links[0].alpha, joint=Joint.FIXED)
+    following = (*robot.links[1:], Link())
+    pairs = zip(robot.links, following, strict=True)
+    return (base, *(replace(link, a=after.a, alpha=after.alpha) for link, after in pairs))

@@ -1,0 +1,92 @@
+"""State equations of rigid and flexible joints, with derived Jacobians."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from armside.kinematics import (
+    Body,
+    Convention,
+    InertialModel,
+    Link,
+    Motor,
+    Robot,
+    compile_dynamics,
+)
+from armside.kinematics.equations import state_equations
+from armside.kinematics.equations.dynamics import forward_dynamics
+
+RNG = np.random.default_rng(0)
+
+
+@pytest.fixture(scope="module")
+def model(random_model, random_robot):
+    rng = np.random.default_rng(7)
+    return random_model(rng, random_robot(rng, 2, Convention.STANDARD))
+
+
+def test_rigid_process_jacobian_is_the_finite_difference(model, tmp_path, central):
+    functions = compile_dynamics(model, cache=tmp_path)
+    x, tau = RNG.uniform(-1, 1, 4), RNG.uniform(-1, 1, 2)
+    F = functions.rigid_rate_jacobian(x, tau)
+    expected = central(lambda x: functions.rigid_rate(x, tau), x)
+    np.testing.assert_allclose(F, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+    assert np.array_equal(functions.rigid_rate_jacobian(x, tau, out=np.empty((4, 4))), F)
+    with pytest.raises(ValueError, match=r"x must be \(4,\) and tau \(2,\)"):
+        functions.rigid_rate_jacobian(x[:3], tau)
+
+
+def test_flexible_process_jacobian_is_the_finite_difference(model, interpreted, central):
+    rate = interpreted(state_equations.flexible_rate(model))
+    along = interpreted(state_equations.rate_tangent(state_equations.flexible_rate(model)))
+    x, tau = RNG.uniform(-1, 1, 8), RNG.uniform(-1, 1, 2)
+    F = np.stack([along(x, tau, e) for e in np.eye(8)], axis=-1)
+    expected = central(lambda x: rate(x, tau), x)
+    np.testing.assert_allclose(F, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+
+
+def test_flexible_joint_of_one_link_is_the_two_mass_model():
+    """(8.1), (8.2) on the arm side: motor inertia rg^2 J_m, ... with the signs of the errata."""
+    J, Ja, k, d, fm = sp.symbols("J J_a k d f_m", positive=True)
+    motor = Motor(inertia=J, viscous=fm, stiffness=k, damping=d)
+    body = Body(mass=0, inertia=(0, 0, Ja, 0, 0, 0))
+    one = InertialModel(Robot([Link()]), [body], [motor], gravity=(0, 0, 0))
+    program = state_equations.flexible_rate(one)
+    qa, qm, qad, qmd = program.inputs[0].elements
+    (tau,) = program.inputs[1].elements
+    spring = k * (qm - qa) + d * (qmd - qad)
+    expected = [qad, qmd, spring / Ja, (tau - fm * qmd - spring) / J]
+    difference = sp.Matrix(program.expressions()) - sp.Matrix(expected)
+    assert sp.simplify(difference) == sp.zeros(4, 1)
+    A = sp.Matrix(program.expressions()).jacobian([qa, qm, qad, qmd])
+    assert sp.simplify(A.det()) == 0  # the rigid-body pole at zero, lost with (2.18) as printed
+
+
+def test_stiff_springs_move_the_arm_as_rigid_joints_do(model, interpreted, central):
+    """Both halves given one motion and the torques that rigid dynamics asks for."""
+    stiff = [
+        Motor(inertia=m.inertia, viscous=m.viscous, coulomb=m.coulomb, stiffness=1e6)
+        for m in model.motors
+    ]
+    model = InertialModel(model.robot, model.bodies, stiff, model.gravity)
+    phi, rate, tau = RNG.uniform(-1, 1, (3, 2))
+    rigid = interpreted(forward_dynamics(model))(phi, rate, tau)
+    # The deflection at which arm and motor accelerate alike carries the arm's share of torque.
+    flexible = interpreted(state_equations.flexible_rate(model))
+
+    def gap(deflection):
+        x = np.concatenate([phi, phi + deflection, rate, rate])
+        a = flexible(x, tau)[4:]
+        return a[2:] - a[:2]
+
+    slope = central(gap, np.zeros(2), h=1e-7)
+    deflection = np.linalg.solve(slope, -gap(np.zeros(2)))
+    x = np.concatenate([phi, phi + deflection, rate, rate])
+    np.testing.assert_allclose(flexible(x, tau)[4:6], rigid, rtol=1e-6)
+
+
+def test_flexible_joints_need_springs(random_robot):
+    robot = random_robot(np.random.default_rng(0), 1, Convention.STANDARD)
+    model = InertialModel(robot, [Body(mass=1)] * len(robot.links), [Motor(inertia=1)])
+    with pytest.raises(ValueError, match="motor 1 needs a stiffness and an inertia"):
+        state_equations.flexible_rate(model)
