@@ -1,7 +1,6 @@
 """Every figure of chapter 8, and four more: each draws one PNG and returns its table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,25 +23,9 @@ from armside.ilc.laws.heuristic import Heuristic
 from armside.ilc.models.system import unit_circle
 from armside.ilc.models.two_mass import TwoMassLoop
 from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.sim.evaluation.check import Table
 
 from .laser import COLORS, INK, REFERENCE, new_figure, save
-
-
-@dataclass(frozen=True, kw_only=True)
-class Table:
-    """What a figure says in numbers."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: Sequence[Sequence[Any]]
-
-    def value(self, column: str, *beginning: Any) -> float:
-        """The number in a column of the row that begins with these cells. Raises KeyError."""
-        for row in self.rows:
-            if tuple(row[: len(beginning)]) == beginning:
-                return float(row[self.columns.index(column)])
-        raise KeyError(f"no row of {self.title!r} begins with {beginning}")
-
 
 LOOP = TwoMassLoop()
 T_S = LOOP.sample_time

@@ -15,6 +15,7 @@ import numpy as np
 from armside import kinematics
 from armside.arrays import Array
 from armside.sim.cell import CELLS
+from armside.sim.evaluation.check import Check, Table
 from armside.sim.imu.experiment import WINDOW
 from armside.sim.imu.vibration import lines
 
@@ -22,7 +23,7 @@ from ..commands.imu import ImuExperimentCfg, robot_model
 from ..figures import imu as figures
 from ..jobs.store import Job, Result
 from .imu_job import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, ImuJob, RestJob
-from .report import Check, Grid, Part, Section
+from .report import Part, Section
 
 Read = Callable[[Job], Result]
 
@@ -82,8 +83,8 @@ def rest(seed: int) -> Part:
             "width. It names a peak at 27 Hz, but not the line near 15 Hz that x and y have here.",
             figures=["5.2.png", "5.2-spectrum.png"],
             checks=noise(result),
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="Acceleration about its mean [m/s²]",
                     columns=["", *XYZ],
                     rows=[
@@ -190,8 +191,8 @@ def mounting(seed: int) -> Part:
                     high=1e-3,
                 ),
             ],
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="IMU in the zero pose [mm]",
                     columns=["", *XYZ],
                     rows=[
@@ -314,8 +315,8 @@ def sequential(seed: int) -> Part:
                     high=10.0,
                 ),
             ],
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="Largest peak of each motor while others move [1e-4 rad]",
                     columns=["", *(f"motor {i}" for i in range(1, 7))],
                     rows=[_row("with feedforward", aided), _row("without", unaided)],
@@ -428,8 +429,8 @@ def position(seed: int) -> Part:
             "one, which shows how gears and structure bend, under gravity even at rest.",
             figures=files,
             checks=[*elastic, rigid],
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="Tool to D-H, largest in each direction [mm]",
                     columns=["", *XYZ],
                     rows=[
@@ -488,8 +489,8 @@ def angular_velocity(seed: int) -> Part:
                     high=0.15,
                 ),
             ],
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="Angular velocity, measured less predicted, RMS [rad/s]",
                     columns=["processed", *XYZ],
                     rows=[
@@ -546,8 +547,8 @@ def acceleration(seed: int) -> Part:
                     high=1e-3,
                 ),
             ],
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title="Acceleration, measured less predicted, RMS [m/s²]",
                     columns=["processed", *XYZ],
                     rows=[
@@ -602,8 +603,8 @@ def error_along(seed: int) -> Part:
             "Where it is large, and in which axes, says more.",
             figures=["5.10.png"],
             checks=windows(result),
-            grids=[
-                Grid(
+            tables=[
+                Table(
                     title=f"Largest RMS over {WINDOW:g} s",
                     columns=["processed", "", *XYZ],
                     rows=[

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.chapter8 import SHIFTS
+from armside.sim.evaluation.check import Check, Table
 
 from ..figures.two_mass import (
     AS_STATED,
@@ -17,10 +18,9 @@ from ..figures.two_mass import (
     LOOP,
     ONE_LESS,
     THESIS_SHIFT,
-    Table,
 )
 from ..jobs.store import Job, Result
-from .report import Check, Grid, Part, Section
+from .report import Part, Section
 
 GRID_STEP = 0.0022
 """Between the frequencies of Fig. 8.3 near 1.2 Hz [Hz]."""
@@ -58,7 +58,7 @@ def _part(
             caption=caption,
             figures=[f"{name}.png"],
             checks=compare(table),
-            grids=[Grid(title=table.title, columns=table.columns, rows=table.rows)],
+            tables=[table],
         )
 
     return Part([], draw)

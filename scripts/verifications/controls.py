@@ -1,4 +1,4 @@
-"""The claims of `armside verify estimation-controls`: what helps, what does not, and what it costs.
+"""The claims of `armside verify estimation-controls`: variants of sensor, model and law compared.
 
 Estimation error (3D RMS) of the first run, and the tool's deviation after five updates.
 """
@@ -15,11 +15,11 @@ from armside.sim.estimation.arm_learning import ArmLaw, ArmLearningCfg, Commissi
 from armside.sim.estimation.arm_springs import SpringPrior
 from armside.sim.estimation.imu_health import ImuError, mended
 from armside.sim.estimation.kinematic_filter import kinematic_deviation
+from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.plant import Pass
 
 from ..arm_side import GEAR_EFFECTS, Case, rms
-from ..commands.verify import Table, Verdict
 from ..jobs.workers import Workers
 from .estimation import error, fk_path
 
@@ -27,19 +27,19 @@ POSES = ("p1", "p2", "p3")
 UPDATES = 5
 _DEFAULT = "identified (the default)"
 _KINEMATICS, _NO_DYNAMICS = "motor-angle kinematics", "kinematic filter, no dynamics"
-DEAF = 1e3
-"""Noise of a sensor that is not to be listened to, over its own."""
+SILENCED = 1e3
+"""Noise of a sensor that is excluded from the estimate, over its own."""
 
 
 def learned(case: Case, cfg: ArmLearningCfg) -> tuple[Commissioned, Pass, float, float]:
-    """What was commissioned, the first run, and arm RMS before and after learning [m]."""
+    """The commissioned arm, the first run, and arm RMS before and after learning [m]."""
     known, iterations = case.on_arm_side(cfg, UPDATES)
     runs = list(iterations)
     return known, runs[0].trial.result, rms(runs)[0], rms(runs)[-1]
 
 
 def variants() -> dict[str, tuple[ImuCfg, ArmLearningCfg]]:
-    """Name: unit at the tool, and how it is learned from."""
+    """Sensor unit at the tool and configuration of learning, by name."""
     unit, usual = ImuCfg(), ArmLearningCfg()
     unknown = replace(usual, identified=False, law_identified=False)
 
@@ -57,11 +57,11 @@ def variants() -> dict[str, tuple[ImuCfg, ArmLearningCfg]]:
         "heuristic law": (unit, replace(usual, law=ArmLaw.HEURISTIC)),
         "norm-optimal law": (unit, replace(usual, law=ArmLaw.NORM_OPTIMAL)),
         "gyro only": (
-            replace(unit, accelerometer=_louder(unit.accelerometer, DEAF)),
-            # Nothing then tells where gravity is: the check of it must let everything pass.
+            replace(unit, accelerometer=_louder(unit.accelerometer, SILENCED)),
+            # Gravity is then unobservable: its check must let everything pass.
             replace(usual, prior=SpringPrior(mounting=1.0)),
         ),
-        "accelerometer only": (replace(unit, gyroscope=_louder(unit.gyroscope, DEAF)), usual),
+        "accelerometer only": (replace(unit, gyroscope=_louder(unit.gyroscope, SILENCED)), usual),
         "noise / 8": (noisy(1 / 8), usual),
         "noise x 4": (noisy(4.0), usual),
     }
@@ -74,70 +74,55 @@ def variants() -> dict[str, tuple[ImuCfg, ArmLearningCfg]]:
 
 
 def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
-    """With a range that holds its noise."""
+    """A noisier triad, with a range that holds its noise."""
     range_ = triad.range * max(1.0, factor)
     return replace(triad, noise_density=factor * triad.noise_density, range=range_)
 
 
 class Found(NamedTuple):
-    """What one way of measuring and learning leaves of one cut."""
+    """Errors of one cut with one variant."""
 
     error: float = np.nan
-    """Of the first run's path [m], 3D RMS; NaN where learning was refused."""
+    """Estimation error of the first run's path [m], 3D RMS; NaN where learning was refused."""
     ratio: float = np.nan
-    """Of the tool's deviation after `UPDATES` over that before; NaN where nothing is learned."""
+    """Deviation of the tool after `UPDATES` over that before; NaN where nothing is learned."""
 
 
 def controls(seeds: Iterable[int]) -> Table:
     """Medians over seeds at each pose; structure and gears of linear springs.
 
     Learning is refused where no springs make the model explain the readings; medians are those of
-    the cuts that are left.
+    the cuts that remain.
     """
     cases = [(seed, pose) for seed in seeds for pose in POSES]
     with Workers() as workers:
         found = list(zip(cases, workers.map(_tried, cases), strict=True))
-    by_pose = {
-        name: [[each[name] for (_, at), each in found if at == pose] for pose in POSES]
-        for name in (_KINEMATICS, _NO_DYNAMICS, *variants())
-    }
-    errors = {
-        name: 1e6 * np.array([_median([f.error for f in at]) for at in cuts])
-        for name, cuts in by_pose.items()
-    }
-    left = {
-        name: np.array([_median([f.ratio for f in at]) for at in cuts])
-        for name, cuts in by_pose.items()
-    }
-    refused = {
-        name: sum(np.isnan(cut.error) for at in cuts for cut in at)
-        for name, cuts in by_pose.items()
-    }
+    errors, ratios, refused = {}, {}, {}
+    for name in (_KINEMATICS, _NO_DYNAMICS, *variants()):
+        cuts = [[each[name] for (_, at), each in found if at == pose] for pose in POSES]
+        errors[name] = 1e6 * np.array([_median([cut.error for cut in at]) for at in cuts])
+        ratios[name] = np.array([_median([cut.ratio for cut in at]) for at in cuts])
+        refused[name] = sum(np.isnan(cut.error) for at in cuts for cut in at)
     return Table(
-        title="What the estimate needs: error of the tool's path, and what learning leaves",
-        columns=(
+        "What the estimate needs: error of the tool's path, and what learning leaves",
+        (
             "",
             *(f"{pose}: error 3D [µm]" for pose in POSES),
             *(f"{pose}: k = 5 over k = 0" for pose in POSES),
             "refused",
         ),
-        rows=[
-            [
-                name,
-                *errors[name].tolist(),
-                *left[name].tolist(),
-                f"{refused[name]} of {len(cases)}",
-            ]
-            for name in by_pose
+        [
+            [name, *errors[name].tolist(), *ratios[name].tolist(), f"{n} of {len(cases)}"]
+            for name, n in refused.items()
         ],
-        verdicts=[
-            Verdict(
+        [
+            all_hold(
                 "negative control: without dynamics errors are more than twice as large",
-                bool((errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT]).all()),
+                errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT],
             ),
-            Verdict(
+            all_hold(
                 "negative control: without identification averaging runs leaves twice as much",
-                bool((left["not identified, 4 runs averaged"] > 2.0 * left[_DEFAULT]).all()),
+                ratios["not identified, 4 runs averaged"] > 2.0 * ratios[_DEFAULT],
             ),
         ],
     )
@@ -149,7 +134,7 @@ def _median(values: Sequence[float]) -> float:
 
 
 def _tried(case: tuple[int, str]) -> dict[str, Found]:
-    """Every way, on one robot at one pose, by name."""
+    """All variants on one robot at one pose, by name."""
     seed, pose = case
     cut = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
     found = {_KINEMATICS: Found(), _NO_DYNAMICS: Found()}

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from armside.sim.evaluation.check import Table, all_hold
+
 from ..commands.imu import BEST, ImuExperimentCfg, evaluated_again, prepare, run_one
-from ..commands.verify import Table, Verdict
 
 BASE = ImuExperimentCfg(robot="large")
 MAPPED = replace(BASE, **BEST)
@@ -46,14 +47,14 @@ def imu_large(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(
+            all_hold(
                 f"acceleration is predicted within {ACCELERATION:g} m/s^2 RMS",
                 bool((a < ACCELERATION).all()),
             ),
-            Verdict(
+            all_hold(
                 f"angular velocity within {ANGULAR_VELOCITY:g} rad/s RMS",
                 bool((omega < ANGULAR_VELOCITY).all()),
             ),
-            Verdict("clocks are synchronised to 1 ms", bool((np.abs(clock) < 1.0).all())),
+            all_hold("clocks are synchronised to 1 ms", bool((np.abs(clock) < 1.0).all())),
         ),
     )

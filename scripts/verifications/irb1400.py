@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.imu.vibration import lines
 
 from ..commands.imu import (
@@ -17,7 +18,6 @@ from ..commands.imu import (
     run_one,
     run_rest,
 )
-from ..commands.verify import Table, Verdict
 from ..thesis.imu_job import fast_over_slow, in_the_rectangle
 
 BASE = ImuExperimentCfg()
@@ -80,50 +80,50 @@ def imu(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(
+            all_hold(
                 "clock offsets are found with a standard deviation below 0.3 ms",
                 bool(clock.std() < 0.3),
             ),
-            Verdict("and no error above 1 ms", bool((np.abs(clock) < 1.0).all())),
-            Verdict(
+            all_hold("and no error above 1 ms", bool((np.abs(clock) < 1.0).all())),
+            all_hold(
                 "the acceleration error stays inside 0.8 m/s^2 in every 0.5 s window",
                 bool((window < 0.8).all()),
             ),
-            Verdict(
+            all_hold(
                 "it is smallest in z: its largest window, and its RMS",
                 bool((_smallest_in_z(window) & _smallest_in_z(numbers[:, 2:5])).all()),
             ),
-            Verdict(
+            all_hold(
                 "processed as in the thesis it reaches 0.15 to 0.8 m/s^2 in x and y and 0.35 in z",
                 bool(((thesis[:, :2] >= 0.15) & (thesis[:, :2] <= 0.8)).all())
                 and bool((thesis[:, 2] <= 0.35).all()),
             ),
-            Verdict(
+            all_hold(
                 "smaller in z than in y always, than in both in most seeds: the tilt of the "
                 "mounting, which the thesis leaves in, shows in z",
                 bool((thesis[:, 2] < thesis[:, 1]).all() and _smallest_in_z(thesis).mean() > 0.5),
             ),
-            Verdict(
+            all_hold(
                 "it is largest in x and y within the rectangle; processed as in the thesis in nine "
                 "of ten seeds",
                 bool(inside.all() and inside_as_thesis.mean() >= 0.9),
             ),
-            Verdict(
+            all_hold(
                 "its RMS in the rectangle is at least three times that in the slow circle",
                 bool((ratio >= 3.0).all()),
             ),
-            Verdict(
+            all_hold(
                 "angular velocity is predicted within 0.025 rad/s RMS", bool((omega < 0.025).all())
             ),
-            Verdict(
+            all_hold(
                 "the tool is 0.2 to 2 mm from where the motors say",
                 bool(((distance > 0.2) & (distance < 2.0)).all()),
             ),
-            Verdict("the linkage opens by less than 1 um in every run", bool((loop < 1.0).all())),
-            Verdict(
+            all_hold("the linkage opens by less than 1 um in every run", bool((loop < 1.0).all())),
+            all_hold(
                 "with feedforward no idle motor moves 2e-4 rad or more", bool((pushed < 2.0).all())
             ),
-            Verdict(
+            all_hold(
                 "without feedforward some idle motor moves 2e-4 to 10e-4 rad",
                 bool(((pushed_unaided > 2.0) & (pushed_unaided < 10.0)).all()),
             ),
@@ -160,18 +160,18 @@ def imu_causes(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(
+            all_hold(
                 "delays of the sensors left in raise the error",
                 total["sensor delays left in"] > total["as chosen"],
             ),
-            Verdict(
+            all_hold(
                 "filtering what the rates predict, not the rates, lowers it",
                 total["mapped, then filtered"] < total["as chosen"],
             ),
-            Verdict(
+            all_hold(
                 "central differences lower it", total["central differences"] < total["as chosen"]
             ),
-            Verdict(
+            all_hold(
                 "rigid, the robot has less than a third of the error, processed alike",
                 total["rigid robot, both"] < total["both"] / 3,
             ),
@@ -202,19 +202,19 @@ def rest(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(
+            all_hold(
                 "with motors off the noise is the sensor's, 0.009 to 0.014 m/s^2",
                 bool(((off > 0.009) & (off < 0.014)).all()),
             ),
-            Verdict(
+            all_hold(
                 "with motors on it is at least three times larger in y and z",
                 bool((on[:, 1:] > 3.0 * off[:, 1:]).all()),
             ),
-            Verdict(
+            all_hold(
                 "and its 99.7 % level is 0.15 to 0.45 m/s^2 there",
                 bool(((level[:, 1:] > 0.15) & (level[:, 1:] < 0.45)).all()),
             ),
-            Verdict(
+            all_hold(
                 "the averaged spectrum has a line at 25 to 30 Hz in y, at least 0.2 of the highest",
                 max(near_27, default=0.0) >= 0.2,
             ),

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors
 from armside.sim.tuning.evaluation import Policy, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
-from ..commands.verify import Table, Verdict
 from ..jobs.workers import cores
 from ..studies.policy import Network
 from ..studies.tuned_design import load_design
@@ -112,7 +112,7 @@ def iterations(seeds: Iterable[int]) -> Table:
             for name, values in rows.items()
         ],
         verdicts=[
-            Verdict(
+            all_hold(
                 "the searched design is made for its budget: after ten iterations it leaves more",
                 bool(search[-1] > search[4]),
             )
@@ -131,11 +131,11 @@ def _against(one: np.ndarray, other: np.ndarray) -> str:
     return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
 
 
-def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
+def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
     """Paired: the same episodes."""
     gain = logs[other] - logs[name]
     error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
-    return Verdict(
+    return all_hold(
         f"the {name} leaves less error at the tool than the {other} "
         f"(mean by more than {SIGNIFICANT:g} standard errors)",
         bool(gain.mean() > SIGNIFICANT * error),
@@ -152,8 +152,9 @@ def identified() -> Design:
 
     Values beyond the ranges of the env are brought to their ends.
     """
+    from armside.sim.calibration.targets import SPEEDS, identify
+
     from ..thesis.chapter9.designs import design_for
-    from ..thesis.chapter9.sections import SPEEDS, identify
     from ..thesis.chapter9.table import STUDIES
 
     jobs = {

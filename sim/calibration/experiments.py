@@ -23,7 +23,7 @@ from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD, Job, VirtualRobot
 from . import targets
-from .targets import POSES, RIPPLE_BAND
+from .targets import POSES, RIPPLE_BAND, Result
 
 _TRACKER_STRIDE = 2  # physics steps per tracker sample
 
@@ -45,7 +45,7 @@ def learned(
     cutoff: float = 10.0,
     delta: int = 3,
     iterations: int = 5,
-) -> dict[str, Array]:
+) -> Result:
     """Run one experiment of the nominal robot; a result as `targets` reads it, of the true tool.
 
     speed: [m/s]. cutoff: [Hz].
@@ -61,6 +61,7 @@ def learned(
     error = np.array([trial.error for trial in trials])
     gear = model.drives.gear
     start, end = motion.contour_time
+    end_of_motion = motion.rest_before + motion.timing.duration
     return {
         "motor_inf": np.array([measures.inf_norm(e) for e in error * gear]),
         "motor_two": np.array([measures.two_norm(e) for e in error * gear]),
@@ -75,7 +76,7 @@ def learned(
         "error": error,
         "correction": np.array([trial.correction for trial in trials]),
         "gear": gear,
-        "motion_end": np.searchsorted(motion.time, motion.rest_before + motion.timing.duration),
+        "motion_end": np.array(np.searchsorted(motion.time, end_of_motion)),
     }
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -67,16 +67,6 @@ CHILDREN = 4
 DIGITS = 3
 EFFECTS = frozenset(Effect)
 
-Item, Result = TypeVar("Item"), TypeVar("Result")
-
-
-class Map(Protocol):
-    """`map` over any workers: results in the order of the items."""
-
-    def __call__(
-        self, function: Callable[[Item], Result], items: Iterable[Item], /
-    ) -> Iterable[Result]: ...
-
 
 @dataclass(frozen=True)
 class Candidate:
@@ -85,6 +75,11 @@ class Candidate:
     trim: Trim
     checks: tuple[Check, ...]
     score: float
+
+
+Task = tuple[Trim, float]
+"""A trim to evaluate, and the score at which to give up."""
+Map = Callable[[Callable[[Task], Candidate], Iterable[Task]], Iterable[Candidate]]
 
 
 def checks(model: RobotModel) -> list[Check]:
@@ -123,7 +118,7 @@ def evaluate(trim: Trim, give_up_at: float = np.inf) -> Candidate:
     return Candidate(trim, tuple(found), score(found))
 
 
-def _evaluate(task: tuple[Trim, float]) -> Candidate:
+def _evaluate(task: Task) -> Candidate:
     return evaluate(*task)
 
 

@@ -115,9 +115,9 @@ def compare(**ours: ArrayLike) -> list[Check]:
     ]
 
 
-def fall(result: Result, name: str = "arm_rms") -> float:
-    """A measure of the tool at k = 5 over that at k = 0."""
-    return float(result[name][AT] / result[name][0])
+def over_first(result: Result, name: str = "arm_rms") -> Array:
+    """A measure at k = 5 over that at k = 0."""
+    return result[name][AT] / result[name][0]
 
 
 def over(one: Result, other: Result, name: str = "arm_rms", k: int = AT) -> Array:
@@ -154,11 +154,11 @@ def predicted_rates(
 
 def arm_side(base: ByPose) -> list[Check]:
     """(b): the arm improves at p1, not at p2 and p3. Thesis 9.4.3, Fig 9.11."""
-    p1, p2, p3 = (fall(base[pose]) for pose in POSES)
+    p1, p2, p3 = (over_first(base[pose]) for pose in POSES)
     rms = base["p2"]["arm_rms"]
     return compare(
         b1=p1,
-        b2=fall(base["p1"], "arm_maxdev"),
+        b2=over_first(base["p1"], "arm_maxdev"),
         b3=rms[AT] / rms[1],
         b4=rms[1 : AT + 1].max() / rms[1],
         b5=p3,

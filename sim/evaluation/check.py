@@ -54,7 +54,8 @@ class Check:
 
 def all_hold(statement: str, cases: ArrayLike) -> Check:
     """The check that a statement holds in every case; its number is that of the exceptions."""
-    return Check("", statement, "", np.size(cases) - np.count_nonzero(cases), high=0.0)
+    exceptions = np.size(cases) - np.count_nonzero(cases)
+    return Check("", statement, "", float(exceptions), high=0.0)
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,12 @@ from armside.scripts.commands.imu import (
     prepare,
     run_one,
 )
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.store import Store
-from armside.scripts.shell.registry import load
 from armside.scripts.thesis import chapter5
+from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
 
-CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "5"}
+CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "5"}
 KNOWN_TO_DIFFER = {"E07.3"}
 """The tool bends by more than the prototype's did."""
 

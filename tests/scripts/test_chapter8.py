@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.figures.two_mass import Table
-from armside.scripts.shell.registry import load
+from armside.scripts.thesis.entries import ENTRIES
+from armside.sim.evaluation.check import Table
 
-CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "8"}
+CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "8"}
 KNOWN_TO_DIFFER = {"S03.3", "S04.6", "S05.6", "S05.7"}
 """11 Hz in Fig 8.6, the shift of 5 in Figs 8.7 and 8.8."""
 
@@ -67,10 +66,10 @@ def test_a_figure_that_says_something_else_fails_there(
     name, row, column, factor, fails, sections, monkeypatch, folder
 ):
     """The verdict is that of the table that was drawn."""
-    (grid,) = sections[name].grids
-    rows = [list(cells) for cells in grid.rows]
-    rows[row][grid.columns.index(column)] *= factor
-    table = Table(title=grid.title, columns=tuple(grid.columns), rows=rows)
+    (drawn,) = sections[name].tables
+    rows = [list(cells) for cells in drawn.rows]
+    rows[row][drawn.columns.index(column)] *= factor
+    table = replace(drawn, rows=rows)
     monkeypatch.setitem(two_mass_figures.FIGURES, name, lambda file, seed: table)
     section = CHAPTER[name](0).draw(nothing_is_run, folder)
     assert {check.id for check in section.checks if not check.holds} - KNOWN_TO_DIFFER == fails

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from armside.ilc.models.system import System
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.workers import Workers
 from armside.scripts.learning_job import LearningJob
-from armside.scripts.shell.registry import load
+from armside.scripts.thesis.chapter9 import figures
 from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
-from armside.scripts.thesis.chapter9.sections import bands, figures
-from armside.scripts.thesis.chapter9.table import POSES, STUDIES, laser
+from armside.scripts.thesis.chapter9.table import STUDIES, laser
+from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.verifications.chapter9 import found
+from armside.sim.calibration import targets
+from armside.sim.calibration.targets import POSES
 
-CHAPTER = [entry for entry in ENTRIES if entry.part.startswith("armside.scripts.thesis.chapter9.")]
+CHAPTER = [entry for entry in ENTRIES if ".chapter9." in entry.load().__module__]
 K = 6
 N = 380
 
@@ -31,7 +32,7 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
     rms = 3e-4 * np.array(arm.get(pose, [1, 1.05, 1.1, 1.1, 1.1, 1.1]))[np.minimum(k, 5)]
     t = 0.004 * np.arange(N)[:, None]
     u = np.sin(np.pi * t / t[-1]) ** 2 * np.sin(2 * np.pi * 2.0 * t + np.arange(6)) * 1e-3
-    response = bands.THESIS_MODEL.simulate(u)
+    response = targets.THESIS_MODEL.simulate(u)
     share = 1.0 - np.minimum(1.0, 0.4**k)
     error = response * (1.0 - share[:, None, None])
     turn = 2 * np.pi * np.arange(197) / 197
@@ -75,9 +76,9 @@ def holding(checks):
 
 def test_the_story_of_the_thesis_is_inside_the_bands():
     base = {pose: result(pose) for pose in POSES}
-    assert all(holding(bands.motor_side(base)).values())
-    assert all(holding(bands.arm_side(base)).values())
-    assert all(holding(bands.criterion_of()).values())
+    assert all(holding(targets.motor_side(base)).values())
+    assert all(holding(targets.arm_side(base)).values())
+    assert all(holding(targets.criterion_of()).values())
 
 
 @pytest.mark.parametrize(
@@ -94,13 +95,13 @@ def test_the_story_of_the_thesis_is_inside_the_bands():
 def test_another_story_on_the_arm_side_fails_where_it_differs(pose, rms, fails):
     base = {p: result(p) for p in POSES}
     base[pose]["arm_rms"] = 3e-4 * np.array(rms)
-    assert {name for name, holds in holding(bands.arm_side(base)).items() if not holds} == fails
+    assert {name for name, holds in holding(targets.arm_side(base)).items() if not holds} == fails
 
 
 def test_motors_that_do_not_learn_fail():
     base = {pose: result(pose) for pose in POSES}
     base["p2"]["motor_inf"] = np.tile(base["p2"]["motor_inf"][:1], (K, 1))
-    assert not any(holding(bands.motor_side(base))[name] for name in ("a1", "a3", "a4"))
+    assert not any(holding(targets.motor_side(base))[name] for name in ("a1", "a3", "a4"))
 
 
 def test_repeatability_is_the_difference_over_the_best_error():
@@ -109,7 +110,7 @@ def test_repeatability_is_the_difference_over_the_best_error():
     first["motor_inf"] = np.full((K, 6), 0.02)
     second["motor_inf"] = np.full((K, 6), 0.03)
     second["error"] = first["error"] + 2e-5
-    values = bands.repeatability_per_iteration(first, second)
+    values = targets.repeatability_per_iteration(first, second)
     assert values == pytest.approx(np.full(K, 2e-5 * 200.0 / 0.02))
 
 
@@ -129,7 +130,7 @@ def test_thesis_table_of_experiments_is_complete():
 
 @pytest.mark.parametrize("entry", CHAPTER, ids=lambda entry: entry.id)
 def test_every_section_is_drawn_captioned_and_compared(entry, tmp_path, assert_complete):
-    part = load(entry.part)(0)
+    part = entry.load()(0)
     assert_complete(part.draw(thesis_like, tmp_path), tmp_path)
 
 

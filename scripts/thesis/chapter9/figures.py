@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
+from armside.sim.calibration.targets import Band
 
 from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
 
@@ -126,11 +127,12 @@ def criterion(
     save(figure, file)
 
 
-def simulated(file: Path, time: Array, cases: Mapping[str, tuple[Array, Array]]) -> None:
+def simulated(file: Path, sample_time: float, cases: Mapping[str, tuple[Array, Array]]) -> None:
     """Measured response to the correction and its simulation by a model; (N,) [mrad] each."""
     figure, grid = _grid(-(-len(cases) // 2), 2, 4.6, 2.4)
     _title(figure, "Response of the motor to the correction, and the identified model")
     for axes, (name, (measured, model)) in zip(grid, cases.items(), strict=False):
+        time = sample_time * np.arange(len(measured))
         axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, $y_5 - y_0$")
         axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, $T_u u_5$")
         axes.set_title(name, loc="left", fontsize=9)
@@ -143,18 +145,19 @@ def simulated(file: Path, time: Array, cases: Mapping[str, tuple[Array, Array]])
 
 
 def distributions(
-    file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, tuple[float, float]]
+    file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, Band]
 ) -> None:
     """Histograms of samples, a panel each; a band that should hold them is shaded."""
     figure, grid = _grid(-(-len(content) // 3), min(3, len(content)), 3.3, 2.6)
     _title(figure, title)
     for axes, (name, values) in zip(grid, content.items(), strict=False):
-        low, high = bands.get(name, (np.nan, np.nan))
         axes.hist(values, bins=20, color=COLORS[0])
         left, right = axes.get_xlim()
-        if np.isfinite(low) or np.isfinite(high):
-            start = low if np.isfinite(low) else left
-            stop = high if np.isfinite(high) else right
+        if name in bands:
+            start, stop = (
+                end if end is not None else limit
+                for end, limit in ((bands[name].low, left), (bands[name].high, right))
+            )
             axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
             axes.set_xlim(min(left, start), max(right, stop))
         axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
@@ -186,19 +189,11 @@ def fields(
     figure, grid = _grid(-(-n // 3), min(3, n), 0.52 * len(columns) + 0.8, height)
     _title(figure, title)
     for axes, (name, (values, holds)) in zip(grid, content.items(), strict=False):
-        for i in range(len(rows)):
-            for j in range(len(columns)):
-                color = "#BFE3D6" if holds[i, j] else "#F6D3C2"
-                axes.add_patch(_cell(j, i, color))
-                axes.text(
-                    j,
-                    i,
-                    f"{values[i, j]:.2f}",
-                    ha="center",
-                    va="center",
-                    fontsize=7,
-                    color=INK if holds[i, j] else "#8A2E00",
-                )
+        for (i, j), value in np.ndenumerate(values):
+            back, ink = ("#BFE3D6", INK) if holds[i, j] else ("#F6D3C2", "#8A2E00")
+            cell = Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=back, edgecolor="white")
+            axes.add_patch(cell)
+            axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=7, color=ink)
         axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
         axes.set_xticks(range(len(columns)), columns)
         axes.set_yticks(range(len(rows)), rows)
@@ -211,10 +206,6 @@ def fields(
         axes.set_ylabel(row_label, fontsize=8)
     figure.text(0.5, 0.02, "green: as in the thesis; orange: not", ha="center", fontsize=8)
     save(figure, file)
-
-
-def _cell(column: int, row: int, color: str) -> Rectangle:
-    return Rectangle((column - 0.5, row - 0.5), 1.0, 1.0, facecolor=color, edgecolor="white")
 
 
 def _title(figure: Figure, text: str) -> None:

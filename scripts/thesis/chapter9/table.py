@@ -1,14 +1,15 @@
-"""The experiments of thesis 9.4.1-9.4.5 as data: what each varies, and what it holds fixed."""
+"""The experiments of thesis 9.4.1-9.4.5 as data: options that vary, and options that are fixed."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
+from armside.sim.calibration.targets import POSES, SPEEDS
+
 from ...commands.laser import LaserCfg
 from ...learning_job import LearningJob
 
-POSES = ("p1", "p2", "p3")
 _PER_MOTOR = ("gamma", "delta", "cutoff")
 
 
@@ -72,7 +73,7 @@ STUDIES: Mapping[str, Study] = {
     ),
     "identification": Study(
         what="9.4.2, (9.11), Fig 9.8: learning at several velocities, two positions",
-        over={"pose": ("p1", "p2"), "speed": (30.0, 40.0, 60.0)},
+        over={"pose": ("p1", "p2"), "speed": SPEEDS},
     ),
     "operating point": Study(
         what="9.4.3, Figs 9.9-9.11: learning at each position",
