@@ -16,12 +16,8 @@ FRACTION = 0.8
 """Of the seeds, at which each band must hold: four of five."""
 NAMED = ("position", "stability", "identification", "operating point", "shift, arm", "cutoff")
 EXPERIMENTS = {name: STUDIES[name] for name in NAMED} | {
-    "velocity": Study(
-        what="the ends of Fig 9.6",
-        fixed={"iterations": 0},
-        over={"speed": (10.0, 80.0, 100.0), "pose": POSES},
-    ),
-    "repeatability": Study(what="(9.10)", over={"pose": ("p1",)}, repetitions=2),
+    "velocity": Study({"speed": (10.0, 80.0, 100.0), "pose": POSES}, {"iterations": 0}),
+    "repeatability": Study({"pose": ("p1",)}, repetitions=2),
 }
 """All experiments that the bands need."""
 

@@ -13,15 +13,14 @@ from ...learning_job import LearningJob
 _PER_MOTOR = ("gamma", "delta", "cutoff")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Study:
     """A set of experiments that differ in one or two options of `armside laser`."""
 
-    what: str
-    fixed: Mapping[str, Any] = field(default_factory=dict)
-    """Options that are not the default (40 mm/s, gamma 0.9, delta 3, 10 Hz, five updates)."""
     over: Mapping[str, tuple[Any, ...]]
     """Options that vary, all combinations."""
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    """Options that are not the default (40 mm/s, gamma 0.9, delta 3, 10 Hz, five updates)."""
     repetitions: int = 1
 
     def jobs(self, seed: int) -> dict[Any, LearningJob]:
@@ -51,51 +50,29 @@ def _options(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 STUDIES: Mapping[str, Study] = {
-    "position": Study(
-        what="9.4.1, Fig 9.5: nominal error by position",
-        fixed={"speed": 50.0, "iterations": 0},
-        over={"pose": POSES},
-    ),
+    # 9.4.1, Fig 9.5: nominal error by position
+    "position": Study({"pose": POSES}, {"speed": 50.0, "iterations": 0}),
+    # 9.4.1, Fig 9.6: nominal error by velocity; p3 is ours
     "velocity": Study(
-        what="9.4.1, Fig 9.6: nominal error by velocity; p3 is ours",
-        fixed={"iterations": 0},
-        over={"speed": tuple(map(float, range(10, 101, 10))), "pose": POSES},
+        {"speed": tuple(map(float, range(10, 101, 10))), "pose": POSES}, {"iterations": 0}
     ),
-    "repeatability": Study(
-        what="9.4.1, (9.10): identical experiments; the thesis has two",
-        over={"pose": ("p1",)},
-        repetitions=12,
-    ),
-    "stability": Study(
-        what="9.4.2, Fig 9.7: ten iterations",
-        fixed={"speed": 50.0, "iterations": 10},
-        over={"pose": POSES},
-    ),
-    "identification": Study(
-        what="9.4.2, (9.11), Fig 9.8: learning at several velocities, two positions",
-        over={"pose": ("p1", "p2"), "speed": SPEEDS},
-    ),
-    "operating point": Study(
-        what="9.4.3, Figs 9.9-9.11: learning at each position",
-        over={"pose": POSES},
-    ),
-    "shift": Study(
-        what="9.4.4, Fig 9.12: the time shift, motor side",
-        fixed={"speed": 50.0},
-        over={"delta": tuple(range(1, 9))},
-    ),
-    "shift, arm": Study(
-        what="9.4.4, Fig 9.13: the time shift, arm side",
-        over={"pose": ("p1", "p2"), "delta": (3, 6)},
-    ),
-    "cutoff": Study(
-        what="9.4.5, Figs 9.14, 9.16, 9.17: the cutoff",
-        over={"pose": ("p1", "p2"), "cutoff": (10.0, 15.0)},
-    ),
+    # 9.4.1, (9.10): identical experiments; the thesis has two
+    "repeatability": Study({"pose": ("p1",)}, repetitions=12),
+    # 9.4.2, Fig 9.7: ten iterations
+    "stability": Study({"pose": POSES}, {"speed": 50.0, "iterations": 10}),
+    # 9.4.2, (9.11), Fig 9.8: learning at several velocities, two positions
+    "identification": Study({"pose": ("p1", "p2"), "speed": SPEEDS}),
+    # 9.4.3, Figs 9.9-9.11: learning at each position
+    "operating point": Study({"pose": POSES}),
+    # 9.4.4, Fig 9.12: the time shift, motor side
+    "shift": Study({"delta": tuple(range(1, 9))}, {"speed": 50.0}),
+    # 9.4.4, Fig 9.13: the time shift, arm side
+    "shift, arm": Study({"pose": ("p1", "p2"), "delta": (3, 6)}),
+    # 9.4.5, Figs 9.14, 9.16, 9.17: the cutoff
+    "cutoff": Study({"pose": ("p1", "p2"), "cutoff": (10.0, 15.0)}),
+    # 9.4.5, Fig 9.15: the cutoff in small steps
     "cutoff, spread": Study(
-        what="9.4.5, Fig 9.15: the cutoff in small steps",
-        fixed={"speed": 50.0},
-        over={"cutoff": (5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0, 22.5)},
+        {"cutoff": (5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0, 22.5)}, {"speed": 50.0}
     ),
 }
 """By name. Experiments that several figures share are run once."""
