@@ -1,4 +1,4 @@
-"""Chapter 9: the story holds on the virtual robot, and another story would be noticed."""
+"""Chapter 9: its findings hold on the virtual robot, and other behaviour is noticed."""
 
 import re
 from pathlib import Path
@@ -23,7 +23,7 @@ N = 380
 
 
 def result(pose="p1", iterations=5, speed=40.0, **changed):
-    """What an experiment leaves that goes as the thesis tells, in round numbers."""
+    """The result of an experiment with the findings of the thesis, in round numbers."""
     k = np.arange(iterations + 1)
     fall = np.maximum(0.2**k, 0.03)
     worst = np.array([0.1, 0.12, 0.5, 0.35, 0.1, 0.2]) * {"p1": 0.9, "p2": 0.7, "p3": 1.0}[pose]
@@ -33,10 +33,10 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
     t = 0.004 * np.arange(N)[:, None]
     u = np.sin(np.pi * t / t[-1]) ** 2 * np.sin(2 * np.pi * 2.0 * t + np.arange(6)) * 1e-3
     response = targets.THESIS_MODEL.simulate(u)
-    share = 1.0 - np.minimum(1.0, 0.4**k)
-    error = response * (1.0 - share[:, None, None])
-    turn = 2 * np.pi * np.arange(197) / 197
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    fraction = 1.0 - np.minimum(1.0, 0.4**k)
+    error = response * (1.0 - fraction[:, None, None])
+    angle = 2 * np.pi * np.arange(197) / 197
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return {
         "motor_inf": motor,
         "motor_two": 8.0 * motor,
@@ -44,7 +44,7 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
         "arm_maxdev": 2.0 * rms,
         "ripple": 0.3 * rms,
         "error": error,
-        "correction": share[:, None, None] * u,
+        "correction": fraction[:, None, None] * u,
         "path": (5e-3 + rms[:, None, None]) * circle,
         "reached_speed": np.array(1e-3 * min(speed, 81.0)),
         "gear": np.full(6, 200.0),
@@ -74,7 +74,7 @@ def holding(checks):
     return {check.id: check.holds for check in checks}
 
 
-def test_the_story_of_the_thesis_is_inside_the_bands():
+def test_the_findings_of_the_thesis_are_inside_the_bands():
     base = {pose: result(pose) for pose in POSES}
     assert all(holding(targets.motor_side(base)).values())
     assert all(holding(targets.arm_side(base)).values())
@@ -92,7 +92,7 @@ def test_the_story_of_the_thesis_is_inside_the_bands():
         ("p1", [1, 0.5, np.nan, np.nan, np.nan, np.nan], {"b1", "b6"}),
     ],
 )
-def test_another_story_on_the_arm_side_fails_where_it_differs(pose, rms, fails):
+def test_other_behaviour_of_the_arm_fails_where_it_differs(pose, rms, fails):
     base = {p: result(p) for p in POSES}
     base[pose]["arm_rms"] = 3e-4 * np.array(rms)
     assert {name for name, holds in holding(targets.arm_side(base)).items() if not holds} == fails

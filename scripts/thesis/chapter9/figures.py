@@ -187,7 +187,7 @@ def _panels(
 ) -> Iterator[list[Axes]]:
     """Panels named by `content`, width x height [inch], to draw into; then saved to the file.
 
-    One title above, one legend below, labels at the outer axes. names: size of their letters.
+    One title above, one legend below, labels at the outer axes. names: their font size.
     """
     titles = list(content)
     columns = min(columns, len(titles))
@@ -198,9 +198,9 @@ def _panels(
     for axes, name in zip(used, titles, strict=True):
         axes.set_title(name, loc="left", fontsize=names)
     for axes in used[-columns:]:
-        axes.set_xlabel(xlabel, fontsize=names)
+        axes.set_xlabel(xlabel)
     for axes in used[::columns]:
-        axes.set_ylabel(ylabel, fontsize=names)
+        axes.set_ylabel(ylabel, fontsize=9)
     for axes in grid[len(titles) :]:
         axes.set_visible(False)
     _legend(figure, used[0])
