@@ -12,7 +12,7 @@ from ..shell.console import cell
 from .report import FIGURES, Section
 
 COLUMNS = ("", "what", "thesis", "ours", "band", "verdict")
-"""Of a table of checks."""
+"""Columns of a table of checks."""
 
 STYLE = """
 :root { color-scheme: light dark; }
@@ -29,7 +29,7 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 
 
 def count(sections: Sequence[Section]) -> str:
-    """How many checks hold, in words."""
+    """Number of checks that hold, in words."""
     checks = [check for section in sections for check in section.checks]
     holding = sum(check.holds for check in checks)
     return f"{holding} of {len(checks)} comparisons with the thesis hold"

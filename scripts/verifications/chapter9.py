@@ -13,7 +13,7 @@ from ..thesis.chapter9.identification import LAW
 from ..thesis.chapter9.table import STUDIES, Study
 
 FRACTION = 0.8
-"""Of the seeds, at which each band must hold: four of five."""
+"""Fraction of the seeds at which each band must hold: four of five."""
 NAMED = ("position", "stability", "identification", "operating point", "shift, arm", "cutoff")
 EXPERIMENTS = {name: STUDIES[name] for name in NAMED} | {
     "velocity": Study({"speed": (10.0, 80.0, 100.0), "pose": POSES}, {"iterations": 0}),

@@ -1,4 +1,4 @@
-"""A report is resumable, honest about what fails, and never loses what is finished."""
+"""A report is resumable, shows its failures, and never loses finished results."""
 
 import json
 import os

@@ -28,7 +28,7 @@ from . import figures
 from .table import STUDIES
 
 POSES = ("p1", "p2")
-"""Of estimation and of validation."""
+"""Positions of estimation and of validation."""
 DELAYS = range(3, 9)
 """[samples], of the tables."""
 LAW = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
