@@ -1,80 +1,30 @@
 """`armside verify NAME`: the full instance of a claim, over many seeds, as a table in the docs.
 
-A claim is a function `(seeds) -> Table` and one line in CLAIMS. The test suite calls the same
-function with one or two seeds; this command calls it with all of them.
+The test suite calls the function of a claim with one or two seeds; this command with all of them.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from armside.sim.records.atomic import write_whole
 from armside.sim.records.summary import summary
 
-from ..shell.console import Report, cell, keep
+from ..shell.console import Report, keep
 from ..shell.errors import RunFailed
 from ..shell.options import Common, options
-from ..shell.registry import load, unknown
-
-
-class Verdict(NamedTuple):
-    """One statement about all rows of a table, and whether it holds."""
-
-    statement: str
-    holds: bool
-
-
-@dataclass(frozen=True)
-class Table:
-    """What a claim found: one row per case, and what follows from them."""
-
-    title: str
-    columns: Sequence[str]
-    rows: Sequence[Sequence[Any]]
-    verdicts: Sequence[Verdict]
-
-    def __post_init__(self) -> None:
-        for row in self.rows:
-            if len(row) != len(self.columns):
-                raise ValueError(f"a row has {len(row)} cells for {len(self.columns)} columns")
-
-
-class Claim(NamedTuple):
-    """Where the function is, and how many seeds its full instance takes."""
-
-    function: str
-    n_seeds: int
-
-
-CLAIMS: dict[str, Claim] = {
-    "kinematics": Claim("armside.scripts.verifications.kinematics:kinematics", n_seeds=10),
-    "laser": Claim("armside.scripts.verifications.laser:laser", n_seeds=20),
-    "ablations": Claim("armside.scripts.verifications.ablations:ablations", n_seeds=3),
-    "env": Claim("armside.scripts.verifications.env:env", n_seeds=1000),
-    "tuning": Claim("armside.scripts.verifications.tuning:tuning", n_seeds=100),
-    "tuning-iterations": Claim("armside.scripts.verifications.tuning:iterations", n_seeds=100),
-    "sweep": Claim("armside.scripts.verifications.sweep:sweep", n_seeds=10),
-    "sweep-memory": Claim("armside.scripts.verifications.sweep:memory", n_seeds=10_000),
-    "chapter9": Claim("armside.scripts.verifications.chapter9:chapter9", n_seeds=5),
-    "imu": Claim("armside.scripts.verifications.irb1400:imu", n_seeds=20),
-    "estimation": Claim("armside.scripts.verifications.estimation:estimation", n_seeds=10),
-    "estimation-controls": Claim("armside.scripts.verifications.controls:controls", n_seeds=10),
-    "imu-causes": Claim("armside.scripts.verifications.irb1400:imu_causes", n_seeds=5),
-    "imu-large": Claim("armside.scripts.verifications.imu_large:imu_large", n_seeds=10),
-    "imu-rest": Claim("armside.scripts.verifications.irb1400:rest", n_seeds=10),
-    "laser-irb1400": Claim("armside.scripts.verifications.irb1400_laser:laser", n_seeds=20),
-    "laser-irb1400-design": Claim("armside.scripts.verifications.irb1400_laser:design", n_seeds=20),
-}
-"""Name: claim. A new claim is one line here."""
+from ..shell.registry import unknown
+from ..thesis.pages import claim_page
+from ..verifications.claims import CLAIMS
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class VerifyCfg:
-    """How much of a claim to verify."""
+    """Extent of a verification, and place of its page."""
 
     seeds: int | None = None
     """Number of seeds, counted up from --seed [default: the full instance of the claim]."""
@@ -97,38 +47,33 @@ def verify(name: Name, /, *, cfg: VerifyCfg = VerifyCfg(), common: Common = Comm
     seeds = range(common.seed, common.seed + n_seeds)
     report = Report(common)
     with report.progress(f"verifying {name}", total=n_seeds) as step:
-        table: Table = load(CLAIMS[name].function)(_Counted(seeds, step))
+        table = CLAIMS[name].load()(_Counted(seeds, step))
+    verdicts = [(verdict.statement, verdict.holds) for verdict in table.verdicts]
+    failed = [statement for statement, holds in verdicts if not holds]
     outcome = summary(
         "verify",
         {"name": name, "seeds": n_seeds, "docs": cfg.docs},
         common,
-        status="done" if all(v.holds for v in table.verdicts) else "failed",
-        table=table,
+        status="failed" if failed else "done",
+        table={
+            "title": table.title,
+            "columns": table.columns,
+            "rows": table.rows,
+            "verdicts": verdicts,
+        },
     )
     cfg.docs.mkdir(parents=True, exist_ok=True)
     command = f"armside verify {name} --seeds {n_seeds} --seed {common.seed}"
-    page = markdown(table, command, outcome["config"]["versions"])
+    page = claim_page(table, command, outcome["config"]["versions"])
     write_whole(cfg.docs / f"verify-{name}.md", page)
     keep(outcome, common)
 
     report.table(table.title, table.columns, table.rows)
     for verdict in table.verdicts:
-        report.line(f"{'holds' if verdict.holds else 'FAILS'}: {verdict.statement}")
+        report.line(f"{verdict.verdict}: {verdict.statement}")
     report.summary(outcome)
-    failed = [verdict.statement for verdict in table.verdicts if not verdict.holds]
     if failed:
-        raise RunFailed(f"{len(failed)} of {len(table.verdicts)} statements fail: {failed[0]}")
-
-
-def markdown(table: Table, command: str, versions: dict[str, str]) -> str:
-    """The page of a table: what made it, what it says, and every row."""
-    made_by = ", ".join(f"{name} {number}" for name, number in versions.items())
-    verdicts = [f"- {'holds' if v.holds else '**fails**'}: {v.statement}" for v in table.verdicts]
-    rows = [[cell(value) for value in row] for row in table.rows]
-    lines = [list(table.columns), ["---"] * len(table.columns), *rows]
-    grid = ["| " + " | ".join(words) + " |" for words in lines]
-    head = [f"# {table.title}", "", f"Written by `{command}` with {made_by}.", ""]
-    return "\n".join([*head, *verdicts, "", *grid]) + "\n"
+        raise RunFailed(f"{len(failed)} of {len(verdicts)} statements fail: {failed[0]}")
 
 
 class _Counted(tuple[int, ...]):

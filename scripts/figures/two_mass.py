@@ -15,10 +15,11 @@ from armside.ilc.analysis import (
     largest_gamma,
 )
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
+from armside.sim.evaluation.check import Table
 
 from . import two_mass_designs as designs
 from .laser import COLORS, INK, REFERENCE, save
-from .two_mass_panels import LOOP, T_S, Table, decibel, finish, panels
+from .two_mass_panels import LOOP, T_S, decibel, finish, panels
 
 SHOWN = (0, 1, 2, 5)
 """Iterations of the time signals."""

@@ -13,9 +13,10 @@ from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.ilc.laws.heuristic import Heuristic
 from armside.ilc.models.system import unit_circle
 from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.sim.evaluation.check import Table
 
 from .laser import INK, save
-from .two_mass_panels import LOOP, T_S, Table, finish, panels
+from .two_mass_panels import LOOP, T_S, finish, panels
 
 LAW = Heuristic(Q=ZeroPhaseButterworth(17.0, T_S), gamma=study.GAMMA, delta=study.DELTA)
 

@@ -1,7 +1,6 @@
 """Panels and tables of the figures of chapter 8."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,22 +13,6 @@ from .laser import COLORS, new_figure, save
 
 LOOP = TwoMassLoop()
 T_S = LOOP.sample_time
-
-
-@dataclass(frozen=True)
-class Table:
-    """Numbers of a figure."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: Sequence[Sequence[Any]]
-
-    def value(self, column: str, *beginning: Any) -> float:
-        """The number in a column of the row that begins with these cells. Raises KeyError."""
-        for row in self.rows:
-            if tuple(row[: len(beginning)]) == beginning:
-                return float(row[self.columns.index(column)])
-        raise KeyError(f"no row of {self.title!r} begins with {beginning}")
 
 
 def panels(width: float, height: float, rows: int = 1, columns: int = 1, **shared: Any) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
+from armside.sim.evaluation.check import Table
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu.evaluation import WINDOW
 from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE
@@ -18,7 +19,7 @@ from ..figures import imu as figures
 from ..jobs.store import Result
 from . import chapter5_checks as checks
 from .imu_job import ImuJob, RestJob
-from .report import Grid, Part, Section
+from .report import Part, Section
 
 Draw = Callable[..., Section]
 """Called with the folder for figures and the results of the section's jobs."""
@@ -55,13 +56,13 @@ def _section(*jobs: ImuJob | RestJob) -> Callable[[Draw], Callable[[int], Part]]
     return part_of
 
 
-def _grid(title: str, rows: Iterable[tuple[str, Array]], columns: Sequence[str] = "xyz") -> Grid:
+def _grid(title: str, rows: Iterable[tuple[str, Array]], columns: Sequence[str] = "xyz") -> Table:
     """A table of named vectors."""
     cells = [[name, *map(float, values)] for name, values in rows]
-    return Grid(title=title, columns=["", *columns], rows=cells)
+    return Table(title=title, columns=["", *columns], rows=cells)
 
 
-def _by_processing(title: str, result: Result, name: str) -> Grid:
+def _by_processing(title: str, result: Result, name: str) -> Table:
     """A vector of the results, by the processing."""
     rows = ((label, result[f"{prefix}{name}"]) for label, prefix in PROCESSED.items())
     return replace(_grid(title, rows), columns=["processed", *"xyz"])
@@ -89,7 +90,7 @@ def rest(folder: Path, result: Result) -> Section:
         "width. It names a peak at 27 Hz, but not the line near 15 Hz that x and y have here.",
         figures=["5.2.png", "5.2-spectrum.png"],
         checks=checks.noise(result),
-        grids=[_grid("Acceleration about its mean [m/s²]", levels.items())],
+        tables=[_grid("Acceleration about its mean [m/s²]", levels.items())],
     )
 
 
@@ -115,7 +116,7 @@ def mounting(folder: Path) -> Section:
         caption="Two links without a joint lead from the tool's frame to the IMU's, because "
         "one standard D-H link cannot. In the zero pose the IMU's axes are those of the base.",
         checks=checks.mounted(T_base_tool, T_base_imu, site),
-        grids=[_grid("IMU in the zero pose [mm]", positions.items())],
+        tables=[_grid("IMU in the zero pose [mm]", positions.items())],
     )
 
 
@@ -161,7 +162,7 @@ def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Se
         "a motor creeps on from where friction stopped it, mostly in the wrist.",
         figures=files,
         checks=checks.one_at_a_time(arm, wrist, aided, unaided),
-        grids=[_grid(title, peaks.items(), [f"motor {i}" for i in range(1, 7)])],
+        tables=[_grid(title, peaks.items(), [f"motor {i}" for i in range(1, 7)])],
     )
 
 
@@ -206,7 +207,7 @@ def position(folder: Path, *runs: Result) -> Section:
         "under gravity even at rest.",
         figures=files,
         checks=checks.distances(results),
-        grids=[_grid("Tool to D-H, largest in each direction [mm]", furthest.items())],
+        tables=[_grid("Tool to D-H, largest in each direction [mm]", furthest.items())],
     )
 
 
@@ -225,7 +226,7 @@ def angular_velocity(folder: Path, result: Result) -> Section:
         "filter after the map, little error remains.",
         figures=["5.8.png"],
         checks=checks.rates(result),
-        grids=[_by_processing(title, result, "angular_velocity_rms")],
+        tables=[_by_processing(title, result, "angular_velocity_rms")],
     )
 
 
@@ -241,7 +242,7 @@ def acceleration(folder: Path, result: Result) -> Section:
         "motor angles, both filtered at 5 Hz, after the synchronisation.",
         figures=["5.9.png"],
         checks=checks.accelerations(result),
-        grids=[_by_processing(title, result, "acceleration_rms")],
+        tables=[_by_processing(title, result, "acceleration_rms")],
     )
 
 
@@ -268,7 +269,7 @@ def error_along(folder: Path, result: Result) -> Section:
         for what, key in (("[m/s²]", "max"), ("at [s]", "time"))
     ]
     columns = ["processed", "", *"xyz"]
-    table = Grid(title=f"Largest RMS over {WINDOW:g} s", columns=columns, rows=rows)
+    table = Table(title=f"Largest RMS over {WINDOW:g} s", columns=columns, rows=rows)
     return Section(
         id="5.10",
         title="Fig. 5.10: RMS of the acceleration error along the motion",
@@ -279,7 +280,7 @@ def error_along(folder: Path, result: Result) -> Section:
         "The instants and axes of its largest values are stronger evidence.",
         figures=["5.10.png"],
         checks=checks.windows(result),
-        grids=[table],
+        tables=[table],
     )
 
 

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from armside.arrays import Array
+from armside.sim.evaluation.check import Check
 from armside.sim.imu.phases import FAST_CIRCLE, SLOW_CIRCLE
 from armside.sim.imu.vibration import lines
 
 from ..jobs.store import Result
-from .report import Check
 
 FROM_TCP0 = (32.0, -26.0, 90.0)  # [mm], of the IMU in the zero pose, base axes, thesis (5.1)
 COUNT = 2.0 * np.pi / (2**12 - 1)  # [rad] of the encoder, motor side, thesis 5.3.1

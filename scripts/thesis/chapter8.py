@@ -9,11 +9,12 @@ from pathlib import Path
 
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.two_mass_study import SHIFTS
+from armside.sim.evaluation.check import Check, Table
 
 from ..figures.two_mass import AS_STATED, AT_THESIS_SHIFT, FIGURES, ONE_LESS, THESIS_SHIFT
-from ..figures.two_mass_panels import LOOP, Table
+from ..figures.two_mass_panels import LOOP
 from ..jobs.store import Job, Result
-from .report import Check, Grid, Part, Section
+from .report import Part, Section
 
 GRID_STEP = 0.0022
 """Step of the frequencies of Fig. 8.3 near 1.2 Hz [Hz]."""
@@ -53,7 +54,7 @@ def _section(name: str, title: str, caption: str) -> Callable[[Compare], Callabl
                     caption=caption,
                     figures=[f"{name}.png"],
                     checks=compare(table),
-                    grids=[Grid(title=table.title, columns=table.columns, rows=table.rows)],
+                    tables=[table],
                 )
 
             return Part([], draw)

@@ -1,12 +1,18 @@
 """A report as pages: Markdown beside the figures, and one HTML file that needs nothing else."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+from typing import Any
+
+from armside.sim.evaluation.check import Check, Table
 
 from ..shell.console import cell
-from .report import FIGURES, Check, Grid, Section
+from .report import FIGURES, Section
+
+COLUMNS = ("", "what", "thesis", "ours", "band", "verdict")
+"""Columns of a table of checks."""
 
 STYLE = """
 :root { color-scheme: light dark; }
@@ -22,15 +28,17 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 """
 
 
-def _verdict(check: Check) -> str:
-    return "holds" if check.holds else "FAILS"
-
-
 def count(sections: Sequence[Section]) -> str:
-    """How many checks hold, in words."""
+    """Number of checks that hold, in words."""
     checks = [check for section in sections for check in section.checks]
     holding = sum(check.holds for check in checks)
     return f"{holding} of {len(checks)} comparisons with the thesis hold"
+
+
+def check_row(check: Check) -> list[str]:
+    """The cells of a check, below `COLUMNS`."""
+    ours = cell(check.ours)
+    return [check.id, check.statement, check.thesis, ours, check.band, check.verdict]
 
 
 def markdown(title: str, sections: Sequence[Section]) -> str:
@@ -40,37 +48,26 @@ def markdown(title: str, sections: Sequence[Section]) -> str:
         lines += [f"## {section.title}", "", section.caption, ""]
         lines += [f"![{section.title}]({FIGURES}/{name})\n" for name in section.figures]
         if section.checks:
-            lines += _pipes(_check_columns(), [_check_row(check) for check in section.checks])
-            lines += [
-                f"- {check.id} fails: {check.reason}"
-                for check in section.checks
-                if check.reason and not check.holds
-            ]
+            lines += _pipes(COLUMNS, [check_row(check) for check in section.checks])
+            failed = [check for check in section.checks if check.reason and not check.holds]
+            lines += [f"- {check.id} fails: {check.reason}" for check in failed]
             lines.append("")
-        for grid in section.grids:
-            rows = [[cell(value) for value in row] for row in grid.rows]
-            lines += [f"**{grid.title}**", "", *_pipes(grid.columns, rows)]
+        for table in section.tables:
+            lines += [f"**{table.title}**", "", *_pipes(table.columns, table.rows)]
         lines += [f"*{_made(section)}*", ""]
     return "\n".join(lines)
 
 
-def _check_columns() -> list[str]:
-    return ["", "what", "thesis", "ours", "band", "verdict"]
+def claim_page(table: Table, command: str, versions: Mapping[str, str]) -> str:
+    """The page of a verified claim: the command that made it, its verdicts, and every row."""
+    made_by = ", ".join(f"{name} {number}" for name, number in versions.items())
+    verdicts = [f"- {'holds' if v.holds else '**fails**'}: {v.statement}" for v in table.verdicts]
+    head = [f"# {table.title}", "", f"Written by `{command}` with {made_by}.", ""]
+    return "\n".join([*head, *verdicts, "", *_pipes(table.columns, table.rows)])
 
 
-def _check_row(check: Check) -> list[str]:
-    return [
-        check.id,
-        check.statement,
-        check.thesis,
-        cell(float(check.ours)),
-        check.band,
-        _verdict(check),
-    ]
-
-
-def _pipes(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    grid = [list(columns), ["---"] * len(columns), *rows]
+def _pipes(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:
+    grid = [columns, ["---"] * len(columns), *([cell(value) for value in row] for row in rows)]
     return ["| " + " | ".join(w.replace("|", "\\|") for w in words) + " |" for words in grid] + [""]
 
 
@@ -102,7 +99,7 @@ def _section_html(i: int, section: Section, figures: Path) -> str:
         parts.append(f'<p><img alt="{alt}" src="data:image/png;base64,{data}"></p>')
     if section.checks:
         parts.append(_checks_html(section.checks))
-    parts += [_grid_html(grid) for grid in section.grids]
+    parts += [_table_html(table) for table in section.tables]
     parts.append(f'<p class="made">{escape(_made(section))}</p>\n')
     return "\n".join(parts)
 
@@ -110,34 +107,28 @@ def _section_html(i: int, section: Section, figures: Path) -> str:
 def _checks_html(checks: Sequence[Check]) -> str:
     rows = []
     for check in checks:
-        words = _check_row(check)
-        verdict = words.pop()
-        cells = "".join(
-            f'<td class="number">{escape(word)}</td>' if i == 3 else f"<td>{escape(word)}</td>"
-            for i, word in enumerate(words)
-        )
+        *words, verdict = check_row(check)
+        cells = "".join(_cell_html(word, number=i == 3) for i, word in enumerate(words))
         kind = "holds" if check.holds else "fails"
-        why = f'<div class="reason">{escape(check.reason)}</div>' if kind == "fails" else ""
+        why = "" if check.holds else f'<div class="reason">{escape(check.reason)}</div>'
         rows.append(f'<tr>{cells}<td class="{kind}">{verdict}{why}</td></tr>')
-    return _table(_check_columns(), rows)
+    return _rows_html(COLUMNS, rows)
 
 
-def _grid_html(grid: Grid) -> str:
+def _table_html(table: Table) -> str:
     rows = [
-        "<tr>"
-        + "".join(
-            f"<td>{escape(value)}</td>"
-            if isinstance(value, str)
-            else f'<td class="number">{escape(cell(value))}</td>'
-            for value in row
-        )
-        + "</tr>"
-        for row in grid.rows
+        f"<tr>{''.join(_cell_html(v, number=not isinstance(v, str)) for v in row)}</tr>"
+        for row in table.rows
     ]
-    return f"<p><b>{escape(grid.title)}</b></p>{_table(grid.columns, rows)}"
+    return f"<p><b>{escape(table.title)}</b></p>{_rows_html(table.columns, rows)}"
 
 
-def _table(columns: Sequence[str], rows: Sequence[str]) -> str:
+def _cell_html(value: Any, *, number: bool) -> str:
+    kind = ' class="number"' if number else ""
+    return f"<td{kind}>{escape(cell(value))}</td>"
+
+
+def _rows_html(columns: Sequence[str], rows: Sequence[str]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     return (
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>'

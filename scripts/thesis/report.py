@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from armside.sim.evaluation.check import Check, Table
 from armside.sim.records.atomic import write_whole
 from armside.sim.records.run_folder import check_destination
 from armside.sim.records.summary import dumps, plain
@@ -18,54 +19,11 @@ from ..shell.errors import InputError
 MARKER = "report.json"
 KIND = "armside report"
 RESULTS, SECTIONS, FIGURES = "results", "sections", "figures"
+Read = Callable[[Job], Result]
+"""Reader of the result of a job."""
 
 
 @dataclass(frozen=True)
-class Check:
-    """One number of ours beside the thesis's, and the band it should lie in, ends included."""
-
-    id: str
-    statement: str
-    """What is measured, so that a reader knows what the number means."""
-    thesis: str
-    """What the thesis has; words where it gives no number."""
-    ours: float
-    low: float | None = None
-    high: float | None = None
-    reason: str = ""
-    """Why it fails, where that is known; shown only if it does."""
-
-    def __post_init__(self) -> None:
-        if self.low is None and self.high is None:
-            raise ValueError(f"check {self.id} needs a band: low, high or both")
-
-    @property
-    def holds(self) -> bool:
-        """Inside the band. A value that is not finite never is."""
-        low = -np.inf if self.low is None else self.low
-        high = np.inf if self.high is None else self.high
-        return bool(np.isfinite(self.ours) and low <= self.ours <= high)
-
-    @property
-    def band(self) -> str:
-        """The band in words."""
-        if self.low is None:
-            return f"≤ {self.high:g}"
-        if self.high is None:
-            return f"≥ {self.low:g}"
-        return f"{self.low:g} to {self.high:g}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Grid:
-    """A table of a section."""
-
-    title: str
-    columns: Sequence[str]
-    rows: Sequence[Sequence[Any]]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Section:
     """The counterpart of one figure or number of the thesis."""
 
@@ -76,19 +34,19 @@ class Section:
     figures: Sequence[str] = ()
     """Names of files in the folder of figures."""
     checks: Sequence[Check] = ()
-    grids: Sequence[Grid] = ()
+    tables: Sequence[Table] = ()
     made_with: Mapping[str, str] = field(default_factory=dict)
     """Versions, seed and command."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """How a section is made: what must be run, and what is then drawn and compared."""
+    """The making of a section: jobs to run, and the function that draws and compares results."""
 
     jobs: Sequence[Job]
-    draw: Callable[[Callable[[Job], Result], Path], Section]
+    draw: Callable[[Read, Path], Section]
     """Called with a reader of results and the folder for figures."""
-    follow_up: Callable[[Callable[[Job], Result]], Sequence[Job]] | None = None
+    follow_up: Callable[[Read], Sequence[Job]] | None = None
     """Further jobs that depend on the results of the first."""
 
 
@@ -148,8 +106,8 @@ def _section(file: Path) -> Section:
             Check(**(entry | {"ours": np.nan if entry["ours"] is None else entry["ours"]}))
             for entry in raw.pop("checks")
         ]
-        grids = [Grid(**entry) for entry in raw.pop("grids")]
-        return Section(**raw, checks=checks, grids=grids)
+        tables = [Table(**entry) for entry in raw.pop("tables")]
+        return Section(**raw, checks=checks, tables=tables)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{file} is not a section of a report: {error}") from error
 

@@ -1,62 +1,52 @@
-"""The claim of `armside verify ablations`: what each effect of the virtual hardware does."""
+"""The claim of `armside verify ablations`: learning without each effect of gears and drives."""
 
 from collections.abc import Iterable
-from typing import get_args
 
-from ..commands.laser import LaserCfg, run
-from ..commands.verify import Table, Verdict
-from ..laser_options import EffectName
+from armside.sim.evaluation.check import Table, all_hold
+from armside.sim.laser.specification import Cut
+from armside.sim.robot.effects import Effect
 
-EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
+from .learned import learned
+
+LEFT_OUT: dict[str, tuple[Effect, ...]] = {
+    "nothing": (),
+    **{effect.value: (effect,) for effect in Effect},
+    "all four": tuple(Effect),
+}
 POSES = ("p1", "p3")
 SMALL = 0.10
 
 
 def ablations(seeds: Iterable[int]) -> Table:
     """The default cut at p1 and p3 with all effects, without each, and without any."""
-    rows = [row for seed in seeds for row in _rows(seed)]
+    rows = [_row(seed, name) for seed in seeds for name in LEFT_OUT]
     return Table(
-        title="Effects left out: tool RMS before and after five updates [µm]",
-        columns=(
-            "seed",
-            "left out",
-            "p1, k = 0",
-            "p1, k = 5",
-            "p3, k = 0",
-            "p3, k = 5",
+        "Effects left out: tool RMS before and after five updates [µm]",
+        (
+            *("seed", "left out", "p1, k = 0", "p1, k = 5", "p3, k = 0", "p3, k = 5"),
             "worst motor at k = 5 over k = 0, both poses",
         ),
-        rows=rows,
-        verdicts=(
-            Verdict(
+        rows,
+        [
+            all_hold(
                 f"motors learn whatever is left out: at most {SMALL:g} is left of the worst",
-                all(row[-1] <= SMALL for row in rows),
+                [row[-1] <= SMALL for row in rows],
             ),
-            Verdict(
+            all_hold(
                 "the tool is left with more at p3 than at p1, whatever is left out",
-                all(row[5] > row[3] for row in rows),
+                [row[5] > row[3] for row in rows],
             ),
-            Verdict(
+            all_hold(
                 "with all effects p3 does not get better, without any it does",
-                all(row[5] > row[4] for row in rows if row[1] == "nothing")
-                and all(row[5] < row[4] for row in rows if row[1] == "all four"),
+                [row[5] > row[4] for row in rows if row[1] == "nothing"]
+                + [row[5] < row[4] for row in rows if row[1] == "all four"],
             ),
-        ),
+        ],
     )
 
 
-def _rows(seed: int) -> list[tuple]:
-    cases: dict[str, tuple[EffectName, ...]] = {"nothing": ()}
-    for name in EFFECTS:
-        cases[name] = (name,)
-    cases["all four"] = EFFECTS
-    return [_row(seed, name, without) for name, without in cases.items()]
-
-
-def _row(seed: int, name: str, without: tuple[EffectName, ...]) -> tuple:
-    rms, motors = [], []
-    for pose in POSES:
-        rows = run(LaserCfg(pose=pose, without=without), seed)["iterations"]
-        rms += [1e6 * rows[0]["arm_rms"], 1e6 * rows[-1]["arm_rms"]]
-        motors.append(max(rows[-1]["motor_inf"]) / max(rows[0]["motor_inf"]))
-    return (seed, name, *map(float, rms), float(max(motors)))
+def _row(seed: int, name: str) -> tuple:
+    runs = [learned(Cut(pose=pose, without=LEFT_OUT[name]), seed) for pose in POSES]
+    rms = (1e6 * float(run["arm_rms"][k]) for run in runs for k in (0, -1))
+    motors = (float(run["motor_inf"][-1].max() / run["motor_inf"][0].max()) for run in runs)
+    return (seed, name, *rms, max(motors))

@@ -1,80 +1,70 @@
 """The claims of `armside verify estimation`: the arm estimated, and learned from the estimate.
 
 Each seed is another individual, another IMU screwed on differently with its clock off by up to
-10 ms, another belief of the stiffness (each axis wrong by up to 30 %), and other noise.
+10 ms, another assumed stiffness (each axis wrong by up to 30 %), and other noise.
 """
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
-from armside import kinematics
-from armside.arrays import Array
-from armside.sim.estimation.arm_learning import ArmLearningCfg, Measure, measured_path
-from armside.sim.estimation.tool_path import relative_to_start
-from armside.sim.laser.plant import Pass
+from armside.sim.cut.timing import PathLimits
+from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.comparison import COMPARED, Case, rms
+from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.laser.specification import Cut
+from armside.sim.laser.tool_path import Source
+from armside.sim.robot.effects import Effect
 
-from ..arm_side import GEAR_EFFECTS, Case, rms
-from ..commands.verify import Table, Verdict
 from ..jobs.workers import Workers
 
 POSES = ("p1", "p2", "p3")
 FIVE, TEN = 5, 10
-
-
-class Row(NamedTuple):
-    """What one seed shows at one pose. Lengths in micrometres."""
-
-    seed: int
-    pose: str
-    forward_kinematics: float
-    estimate: float
-    start: float
-    motor_5: float
-    estimate_5: float
-    estimate_10: float
-    tracker_5: float
-    default_start: float
-    default_motor_5: float
-    default_5: float
-    default_10: float
-    hard_start: float
-    hard_10: float
-    fast_start: float
-    fast_motor: float
-    fast_estimate: float
-    faster_start: float
-    faster_motor: float
-    faster_estimate: float
-    any_diverged: bool
-
-
-COLUMNS = (
-    "seed",
-    "pose",
-    "error of motor-angle kinematics (3D)",
-    "error of the estimate (3D)",
-    "springs: k = 0",
-    "motor k = 5",
-    "estimate k = 5",
-    "estimate k = 10",
-    "tracker k = 5",
-    "all gear effects: k = 0",
-    "motor k = 5",
-    "estimate k = 5",
-    "estimate k = 10",
-    "hard: k = 0",
-    "estimate k = 10",
-    "81 mm/s: k = 0",
-    "motor k = 5",
-    "estimate k = 5",
-    "100 mm/s: k = 0",
-    "motor k = 5",
-    "estimate k = 5",
-    "any diverged",
+COLUMNS = {
+    "forward_kinematics": "error of motor-angle kinematics (3D)",
+    "estimate": "error of the estimate (3D)",
+    "start": "springs: k = 0",
+    "motor_5": "motor k = 5",
+    "estimate_5": "estimate k = 5",
+    "estimate_10": "estimate k = 10",
+    "tracker_5": "tracker k = 5",
+    "default_start": "all gear effects: k = 0",
+    "default_motor_5": "motor k = 5",
+    "default_5": "estimate k = 5",
+    "default_10": "estimate k = 10",
+    "hard_start": "hard: k = 0",
+    "hard_10": "estimate k = 10",
+    "fast_start": "81 mm/s: k = 0",
+    "fast_motor": "motor k = 5",
+    "fast_estimate": "estimate k = 5",
+    "faster_start": "100 mm/s: k = 0",
+    "faster_motor": "motor k = 5",
+    "faster_estimate": "estimate k = 5",
+}
+"""Lengths [um] of one seed at one pose."""
+Row = tuple[int, str, dict[str, float], bool]
+"""Seed, pose, lengths [um] by `COLUMNS`, and whether any case diverged."""
+BARS = (
+    ("error of the estimate over that of motor-angle kinematics", "estimate",
+     "forward_kinematics", 1 / 5),
+    ("springs, estimate after five updates over k = 0", "estimate_5", "start", 0.15),
+    ("springs, estimate after ten over k = 0", "estimate_10", "start", 0.10),
+    ("springs, tracker after five over k = 0", "tracker_5", "start", 0.10),
+    ("all gear effects, estimate after five over k = 0", "default_5", "default_start", 0.15),
+    ("all gear effects, estimate after ten over k = 0", "default_10", "default_start", 0.15),
+    ("81 mm/s, estimate over k = 0", "fast_estimate", "fast_start", 0.15),
+    ("100 mm/s, estimate over k = 0", "faster_estimate", "faster_start", 0.15),
+)  # fmt: skip
+"""Ratios of two lengths that are bounded, in every row."""
+BEATEN = (
+    ("estimate_5", "motor_5"),
+    ("default_5", "default_motor_5"),
+    ("fast_estimate", "fast_motor"),
+    ("faster_estimate", "faster_motor"),
 )
+"""Lengths of which the first is the smaller."""
 
 
 def estimation(seeds: Iterable[int]) -> Table:
@@ -82,10 +72,10 @@ def estimation(seeds: Iterable[int]) -> Table:
     with Workers() as workers:
         rows = workers.map(_row, [(seed, pose) for seed in seeds for pose in POSES])
     return Table(
-        title="Learning from an estimate of the tool: tool deviation RMS in µm",
-        columns=COLUMNS,
-        rows=rows,
-        verdicts=verdicts(rows),
+        "Learning from an estimate of the tool: tool deviation RMS in µm",
+        ("seed", "pose", *COLUMNS.values(), "any diverged"),
+        [(seed, pose, *lengths.values(), diverged) for seed, pose, lengths, diverged in rows],
+        verdicts(rows),
     )
 
 
@@ -95,106 +85,69 @@ def _row(case: tuple[int, str]) -> Row:
 
 def row(seed: int, pose: str) -> Row:
     """All cases of one seed at one pose."""
-    springs = Case(pose=pose, seed=seed, without=GEAR_EFFECTS)
-    known, learned = springs.on_arm_side(ArmLearningCfg(), TEN)
+    cut = Cut(pose=pose, imu=ImuCfg())
+    springs = Case(cut=replace(cut, without=tuple(Effect)), seed=seed)
+    output, learned = springs.from_tool(TEN)
     base = list(learned)
-    first = base[0].trial.result
-    by_tracker = ArmLearningCfg(measure=Measure.TRACKER)
-    tracked = list(springs.on_arm_side(by_tracker, FIVE, known.springs)[1])
-    motor = rms(list(springs.on_motor_side(FIVE)))
+    first = base[0].run
+    by_tracker = replace(COMPARED, source=Source.TRACKER)
+    tracked = list(springs.from_tool(FIVE, by_tracker, output.known.springs)[1])
 
-    default = Case(pose=pose, seed=seed)
-    usual = list(default.on_arm_side(ArmLearningCfg(), TEN)[1])
-    hard = replace(default, believed={"payload": -5.0, "damping": 1.5})
-    worst = list(hard.on_arm_side(ArmLearningCfg(), TEN)[1])
-    fast = replace(springs, speed=0.1)
-    faster = replace(fast, acceleration=2.2)
-    quick, quicker = (list(c.on_arm_side(ArmLearningCfg(), FIVE)[1]) for c in (fast, faster))
-    all_runs = (base, tracked, usual, worst, quick, quicker)
-    lengths = (
-        error(fk_path(first), first),
-        error(measured_path(ArmLearningCfg(), known, springs.imu, first), first),
-        base[0].arm.rms,
-        motor[-1],
-        base[FIVE].arm.rms,
-        base[-1].arm.rms,
-        tracked[-1].arm.rms,
-        usual[0].arm.rms,
-        rms(list(default.on_motor_side(FIVE)))[-1],
-        usual[FIVE].arm.rms,
-        usual[-1].arm.rms,
-        worst[0].arm.rms,
-        worst[-1].arm.rms,
-        quick[0].arm.rms,
-        rms(list(fast.on_motor_side(FIVE)))[-1],
-        quick[-1].arm.rms,
-        quicker[0].arm.rms,
-        rms(list(faster.on_motor_side(FIVE)))[-1],
-        quicker[-1].arm.rms,
+    default = Case(cut=cut, seed=seed)
+    hard = replace(COMPARED, payload_error=-5.0, damping_factor=1.5)
+    all_effects, worst = (list(default.from_tool(TEN, by)[1]) for by in (COMPARED, hard))
+    fast = replace(springs, cut=replace(springs.cut, speed=0.1))
+    faster = replace(fast, cut=replace(fast.cut, limits=PathLimits(acceleration=2.2)))
+    quick, quicker = (list(case.from_tool(FIVE)[1]) for case in (fast, faster))
+    motor, default_motor, fast_motor, faster_motor = (
+        rms(list(case.from_motors(FIVE)))[-1] for case in (springs, default, fast, faster)
     )
-    diverged = any(runs[-1].trial.diverged for runs in all_runs)
-    return Row(seed, pose, *(1e6 * length for length in lengths), any_diverged=diverged)
+    lengths = {
+        "forward_kinematics": path_error(rigid_path(first), first),
+        "estimate": path_error(output(first), first),
+        "start": base[0].tool.rms,
+        "motor_5": motor,
+        "estimate_5": base[FIVE].tool.rms,
+        "estimate_10": base[-1].tool.rms,
+        "tracker_5": tracked[-1].tool.rms,
+        "default_start": all_effects[0].tool.rms,
+        "default_motor_5": default_motor,
+        "default_5": all_effects[FIVE].tool.rms,
+        "default_10": all_effects[-1].tool.rms,
+        "hard_start": worst[0].tool.rms,
+        "hard_10": worst[-1].tool.rms,
+        "fast_start": quick[0].tool.rms,
+        "fast_motor": fast_motor,
+        "fast_estimate": quick[-1].tool.rms,
+        "faster_start": quicker[0].tool.rms,
+        "faster_motor": faster_motor,
+        "faster_estimate": quicker[-1].tool.rms,
+    }
+    all_runs = (base, tracked, all_effects, worst, quick, quicker)
+    diverged = any(runs[-1].diverged for runs in all_runs)
+    return seed, pose, {name: 1e6 * lengths[name] for name in COLUMNS}, diverged
 
 
-def verdicts(rows: list[Row]) -> list[Verdict]:
-    """The bars, over all rows."""
+def verdicts(rows: list[Row]) -> list[Check]:
+    """The checks of all rows."""
+    column = {name: np.array([lengths[name] for _, _, lengths, _ in rows]) for name in COLUMNS}
 
-    def column(name: str) -> Array:
-        return np.array([getattr(row, name) for row in rows], dtype=np.float64)
+    def bounded(statement: str, one: str, other: str, bar: float) -> Check:
+        worst = (column[one] / column[other]).max()
+        words = f"{statement}: at most {bar:g} (worst {worst:.3f})"
+        return Check("", words, "", worst, high=bar)
 
-    def holds(statement: str, ratio: Array, bar: float) -> Verdict:
-        return Verdict(
-            f"{statement}: at most {bar:g} (worst {ratio.max():.3f})", ratio.max() <= bar
-        )
-
-    start, usual = column("start"), column("default_start")
-    kinematic = column("estimate") / column("forward_kinematics")
-    hard = column("hard_10")
-    allowed = np.maximum(0.12 * column("hard_start"), 30.0)
-    beaten = (column("estimate_5") < column("motor_5")) & (
-        column("default_5") < column("default_motor_5")
-    )
-    slow = (column("fast_estimate") < column("fast_motor")) & (
-        column("faster_estimate") < column("faster_motor")
-    )
+    hard, allowed = column["hard_10"], np.maximum(0.12 * column["hard_start"], 30.0)
     return [
-        holds("error of the estimate over that of motor-angle kinematics", kinematic, 1 / 5),
-        holds(
-            "springs, estimate after five updates over k = 0", column("estimate_5") / start, 0.15
-        ),
-        holds("springs, estimate after ten over k = 0", column("estimate_10") / start, 0.10),
-        holds("springs, tracker after five over k = 0", column("tracker_5") / start, 0.10),
-        holds(
-            "all gear effects, estimate after five over k = 0", column("default_5") / usual, 0.15
-        ),
-        holds(
-            "all gear effects, estimate after ten over k = 0", column("default_10") / usual, 0.15
-        ),
-        holds("81 mm/s, estimate over k = 0", column("fast_estimate") / column("fast_start"), 0.15),
-        holds(
-            "100 mm/s, estimate over k = 0",
-            column("faster_estimate") / column("faster_start"),
-            0.15,
-        ),
-        Verdict(
+        *(bounded(*bar) for bar in BARS),
+        all_hold(
             "hard case after ten: at most 0.12 of k = 0 or 30 µm, whichever is larger "
             f"(worst {hard.max():.0f} µm)",
-            bool((hard <= allowed).all()),
+            hard <= allowed,
         ),
-        Verdict("estimate below motor side in every case", bool((beaten & slow).all())),
-        Verdict("no case diverges", not any(row.any_diverged for row in rows)),
+        all_hold(
+            "estimate below motor side in every case",
+            [column[estimate] < column[motor] for estimate, motor in BEATEN],
+        ),
+        all_hold("no case diverges", [not diverged for *_, diverged in rows]),
     ]
-
-
-def fk_path(run: Pass) -> Array:
-    """(N, 6): the tool as rigid kinematics of the measured motor angles has it."""
-    robot = kinematics.compile(kinematics.LARGE_ROBOT)
-    return relative_to_start(robot.pose(np.ascontiguousarray(run.recording.motor_angle))[:, :3, 3])
-
-
-def error(path: Array, run: Pass) -> float:
-    """RMS distance [m] of a path (N, 6) from the true tool, at the same instants, from rest."""
-    truth = run.recording.truth
-    every = round(float(run.recording.time[1] / truth.time[1]))
-    true = relative_to_start(truth.tool_position[::every])
-    return float(np.sqrt(np.square((path - true)[:, :3]).sum(axis=1).mean()))

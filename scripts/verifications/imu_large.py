@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from armside.sim.evaluation.check import Table
 from armside.sim.imu import ImuExperiment, prepare, reprocessed, run_one
 
-from ..commands.verify import Table
 from .irb1400 import by_axis, numbers, table
 
 EXPERIMENT = ImuExperiment(robot="large")

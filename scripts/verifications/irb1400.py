@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
+from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.imu import (
     ImuExperiment,
     RestExperiment,
@@ -17,8 +18,6 @@ from armside.sim.imu import (
     run_rest,
 )
 from armside.sim.imu.vibration import lines
-
-from ..commands.verify import Table, Verdict
 
 BASE = ImuExperiment()
 SEQUENTIAL = replace(BASE, motion="sequential")
@@ -31,7 +30,7 @@ def table(title: str, rows: Sequence[Mapping[str, Any]], claims: Mapping[str, An
         title=title,
         columns=list(rows[0]),
         rows=[list(row.values()) for row in rows],
-        verdicts=[Verdict(statement, bool(holds)) for statement, holds in claims.items()],
+        verdicts=[all_hold(statement, bool(holds)) for statement, holds in claims.items()],
     )
 
 

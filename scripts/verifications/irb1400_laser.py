@@ -1,17 +1,18 @@
-"""Claims about what the IRB1400 learns, and about the design it learns with."""
+"""Claims about learning on the IRB1400, and about its design."""
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from armside.arrays import Array
 from armside.ilc.analysis.proposal import FAST_ENOUGH
 from armside.ilc.measures import norms as measures
+from armside.sim.evaluation.check import Table, all_hold
+from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
+from armside.sim.laser.design_from_data import CUTOFFS, design_from_data
+from armside.sim.laser.specification import Cut
 
-from ..commands.laser import LaserCfg, run
-from ..commands.verify import Table, Verdict
-from ..laser_options import OF_ROBOT, THESIS
-from ..robot_design import CUTOFFS, asked_for
+from .learned import learned
 
 ROBOT = "irb1400"
 POSES = ("p1", "p2", "p3")
@@ -23,104 +24,84 @@ def laser(seeds: Iterable[int]) -> Table:
     """Motor-side learning; each seed is another individual, tracker set-up and noise."""
     rows = [(seed, *_row(seed)) for seed in seeds]
     numbers = np.array(rows)
-    two, inf = numbers[:, 1:4], numbers[:, 4:7]
-    arm_first, arm_last = numbers[:, 13:16], numbers[:, 16:19]
-    by_thesis = numbers[:, 19:21]
+    worst = {"2-norm": numbers[:, 1:4], "inf-norm": numbers[:, 4:7]}
+    arm_first, arm_last, by_thesis = numbers[:, 13:16], numbers[:, 16:19], numbers[:, 19:21]
     return Table(
-        title="Motor-side learning on the IRB1400 at 40 mm/s",
-        columns=(
+        "Motor-side learning on the IRB1400 at 40 mm/s",
+        (
             "seed",
             *(f"worst {norm} {pose}" for norm in NORMS.values() for pose in POSES),
             *(f"inf-norm p1, motor {i}" for i in range(1, 7)),
             *(f"arm {pose}, k = {k} [um]" for k in (0, 5) for pose in POSES),
             *(f"design of the thesis, p1: worst {norm}" for norm in NORMS.values()),
         ),
-        rows=rows,
-        verdicts=(
+        rows,
+        [
             *(
-                Verdict(
+                all_hold(
                     f"every motor's {norm} ends at {LEARNED} or below at every pose, normalised as "
                     f"(9.5); worst {values.max():.3f}",
-                    bool((values <= LEARNED).all()),
+                    values <= LEARNED,
                 )
-                for norm, values in zip(NORMS.values(), (two, inf), strict=True)
+                for norm, values in worst.items()
             ),
-            Verdict(
+            all_hold(
                 "the tool's RMS falls to half or less at every pose, by the tracker",
-                bool((arm_last < 0.5 * arm_first).all()),
+                arm_last < 0.5 * arm_first,
             ),
-            Verdict(
+            all_hold(
                 "with the design of the thesis every seed ends higher in either norm",
-                bool((by_thesis > numbers[:, [1, 4]]).all()),
+                by_thesis > numbers[:, [1, 4]],
             ),
-        ),
+        ],
     )
 
 
 def _row(seed: int) -> list[float]:
-    runs = [run(LaserCfg(robot=ROBOT, pose=pose), seed)["iterations"] for pose in POSES]
-    plain = run(LaserCfg(robot=ROBOT, **THESIS._asdict()), seed)["iterations"]
-    worst = [float(_normalised(its, norm).max()) for norm in NORMS for its in runs]
-    arm = [1e6 * its[k]["arm_rms"] for k in (0, -1) for its in runs]
-    by_thesis = [float(_normalised(plain, norm).max()) for norm in NORMS]
-    return [*worst, *map(float, _normalised(runs[0], "motor_inf")), *arm, *by_thesis]
+    runs = [learned(Cut(robot=ROBOT, pose=pose), seed) for pose in POSES]
+    by_thesis = learned(Cut(robot=ROBOT), seed, THESIS)
+    return [
+        *(float(_normalised(run, norm).max()) for norm in NORMS for run in runs),
+        *_normalised(runs[0], "motor_inf").tolist(),
+        *(1e6 * float(run["arm_rms"][k]) for k in (0, -1) for run in runs),
+        *(float(_normalised(by_thesis, norm).max()) for norm in NORMS),
+    ]
 
 
-def _normalised(iterations: list[dict[str, Any]], norm: str) -> np.ndarray:
+def _normalised(run: Mapping[str, Array], norm: str) -> Array:
     """(6,) after the last iteration, over the largest of all motors at k = 0. Thesis (9.5)."""
-    first, last = (np.array(iterations[k][norm]) for k in (0, -1))
-    return measures.normalise(last, first)
+    return measures.normalise(run[norm][-1], run[norm][0])
 
 
 def design(seeds: Iterable[int]) -> Table:
-    """What learning data of the robot ask for; each seed is another individual and noise."""
+    """Designs from learning data of the robot; each seed is another individual and noise."""
     rows = []
     for seed in seeds:
-        asked = asked_for(LaserCfg(robot=ROBOT), seed)
-        model, proposal = asked.model, asked.proposal
-        rows.append(
-            (
-                seed,
-                model.delay,
-                model.pole,
-                model.static_gain,
-                float(model.fit),
-                proposal.gamma,
-                proposal.delta,
-                proposal.cutoff,
-                proposal.contraction,
-            )
-        )
+        asked = design_from_data(Cut(robot=ROBOT), seed)
+        m, p = asked.model, asked.proposal
+        model = (m.delay, m.pole, m.static_gain, float(m.fit))
+        rows.append((seed, *model, p.gamma, p.delta, p.cutoff, p.contraction))
     gamma, delta, cutoff = np.array(rows).T[5:8]
-    ours = OF_ROBOT[ROBOT]
+    ours = DEFAULT_DESIGN[ROBOT]
     offered = ", ".join(f"{cutoff:g}" for cutoff in CUTOFFS)
+    model_columns = ("delay [samples]", "pole", "static gain", "fit")
     return Table(
-        title="The design that learning data of the IRB1400 ask for",
-        columns=(
-            "seed",
-            "delay [samples]",
-            "pole",
-            "static gain",
-            "fit",
-            "gamma",
-            "delta",
-            "cutoff [Hz]",
-            "contraction",
-        ),
-        rows=rows,
-        verdicts=(
-            Verdict(
+        "The design that learning data of the IRB1400 ask for",
+        ("seed", *model_columns, "gamma", "delta", "cutoff [Hz]", "contraction"),
+        rows,
+        [
+            all_hold(
                 f"of {offered} Hz, {ours.cutoff[0]:g} is the highest cutoff that contracts by "
                 f"{FAST_ENOUGH:g} in the median: the default",
-                float(np.median(cutoff)) == ours.cutoff[0],
+                np.median(cutoff) == ours.cutoff[0],
             ),
-            Verdict(
+            all_hold(
                 f"the median shift is the default's {ours.delta[0]}",
-                float(np.median(delta)) == ours.delta[0],
+                np.median(delta) == ours.delta[0],
             ),
-            Verdict(
+            all_hold(
                 f"every gain is within 0.05 of the default's {ours.gamma[0]:g}",
-                bool((np.abs(gamma - ours.gamma[0]) <= 0.05).all()),
+                np.abs(gamma - ours.gamma[0]) <= 0.05,
             ),
-        ),
+        ],
     )

@@ -6,8 +6,7 @@ import numpy as np
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
 from armside.kinematics.links import link_transform
-
-from ..commands.verify import Table, Verdict
+from armside.sim.evaluation.check import Table, all_hold
 
 CONFIGURATIONS = 1000
 """Number of configurations for each seed and robot."""
@@ -35,10 +34,10 @@ def kinematics(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(f"generated poses are exact to {POSE:g}", bool((pose <= POSE).all())),
-            Verdict(f"every branch has its pose to {INVERSE:g}", bool((inverse <= INVERSE).all())),
-            Verdict("one branch is always the original configuration", bool((missing == 0).all())),
-            Verdict(
+            all_hold(f"generated poses are exact to {POSE:g}", bool((pose <= POSE).all())),
+            all_hold(f"every branch has its pose to {INVERSE:g}", bool((inverse <= INVERSE).all())),
+            all_hold("one branch is always the original configuration", bool((missing == 0).all())),
+            all_hold(
                 f"Jacobians are derivatives to {DERIVATIVE:g}",
                 bool((derivative <= DERIVATIVE).all()),
             ),

@@ -10,8 +10,9 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
+from armside.sim.evaluation.check import Table, all_hold
+
 from ..commands.sweep import KNOWN, KNOWN_FAILED, run_grid
-from ..commands.verify import Table, Verdict
 from ..jobs.dataset import Store, keys_kept, read
 from ..jobs.engine import Local
 from ..jobs.grid import Grid, parse
@@ -61,10 +62,12 @@ def sweep(seeds: Iterable[int]) -> Table:
         ),
         rows=rows,
         verdicts=(
-            Verdict(f"an undisturbed sweep holds all {n} configurations", len(whole) == n),
-            Verdict("no result on disk is lost or computed again", all(r[2] == r[3] for r in rows)),
-            Verdict("the rest is computed once", all(r[3] + r[4] == n for r in rows)),
-            Verdict("the dataset equals that of an undisturbed sweep", all(r[5] for r in rows)),
+            all_hold(f"an undisturbed sweep holds all {n} configurations", len(whole) == n),
+            all_hold(
+                "no result on disk is lost or computed again", all(r[2] == r[3] for r in rows)
+            ),
+            all_hold("the rest is computed once", all(r[3] + r[4] == n for r in rows)),
+            all_hold("the dataset equals that of an undisturbed sweep", all(r[5] for r in rows)),
         ),
     )
 
@@ -92,8 +95,8 @@ def memory(seeds: Iterable[int]) -> Table:
         columns=("configurations done", "the sweep [MiB]", "its largest worker [MiB]"),
         rows=rows,
         verdicts=(
-            Verdict(f"all {len(seeds)} configurations are done", counts["done"] == len(seeds)),
-            Verdict(
+            all_hold(f"all {len(seeds)} configurations are done", counts["done"] == len(seeds)),
+            all_hold(
                 f"memory after all is at most {FLAT} times that after the first tenth",
                 last[1] <= FLAT * first[1] and last[2] <= FLAT * first[2],
             ),

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.evaluation import Policy, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
-from ..commands.verify import Table, Verdict
 from ..jobs.workers import cores
 from ..studies.policy import Network
 from ..studies.tuned_design import load_design
@@ -113,7 +113,7 @@ def iterations(seeds: Iterable[int]) -> Table:
             for name, values in rows.items()
         ],
         verdicts=[
-            Verdict(
+            all_hold(
                 "the searched design is made for its budget: after ten iterations it leaves more",
                 bool(search[-1] > search[4]),
             )
@@ -132,11 +132,11 @@ def _against(one: np.ndarray, other: np.ndarray) -> str:
     return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
 
 
-def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Verdict:
+def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
     """Paired: the same episodes."""
     gain = logs[other] - logs[name]
     error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
-    return Verdict(
+    return all_hold(
         f"the {name} leaves less error at the tool than the {other} "
         f"(mean by more than {SIGNIFICANT:g} standard errors)",
         bool(gain.mean() > SIGNIFICANT * error),

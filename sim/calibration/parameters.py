@@ -1,4 +1,4 @@
-"""The calibrated quantities of the large robot, as factors on what the sources say, and their file.
+"""Calibrated quantities of the large robot, as factors on values of the sources, and their file.
 
 `apply` computes every number of the MJCF that calibration sets from a `Trim` and the reference data
 below; `rewrite` puts them into the text of the file, so that the file can be made again.
@@ -7,6 +7,7 @@ below; `rewrite` puts them into the text of the file, so that the file can be ma
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -36,18 +37,18 @@ PEAK_TORQUE = np.array([30.0, 32.0, 26.0, 9.0, 8.0, 5.0])  # [motor Nm]
 
 @dataclass(frozen=True, kw_only=True)
 class Trim:
-    """What calibration chooses. Factors are on the reference data of this module."""
+    """The calibrated quantities. Factors are on the reference data of this module."""
 
     servo_frequency: tuple[float, ...] = (6.5, 6.0, 3.8, 8.75, 10.8, 10.3)
     """[Hz], each axis."""
     servo_damping: float
     """Damping ratio of the servo on the rigid joint."""
     velocity_feedforward: tuple[float, ...]
-    """Share of the reference velocity, each axis."""
+    """Fraction of the reference velocity, each axis."""
     correction_delay: float
     """[s]."""
     elastic_compensation: float
-    """Share of the quasi-static deflection."""
+    """Fraction of the quasi-static deflection."""
     gear_stiffness: float
     gear_damping: float
     gear_soft: float
@@ -75,7 +76,7 @@ class Trim:
 
 @dataclass(frozen=True)
 class Numbers:
-    """What a trim sets in the file: joint springs, actuators and custom numerics by name."""
+    """Numbers of the file that a trim sets: springs, actuators and custom numerics by name."""
 
     springs: Mapping[str, tuple[float, float]]
     """Joint: stiffness [Nm/rad], damping [Nms/rad]."""
@@ -132,6 +133,25 @@ def apply(mj: mujoco.MjModel, trim: Trim) -> None:
         mj.actuator_dynprm[actuator, [5, 6]] = found.bristles[i]
     for name, values in found.numerics.items():
         mj.numeric(name).data[:] = values
+
+
+def differing(file: Path, trim: Trim) -> list[str]:
+    """Names of the quantities that an MJCF has otherwise than a trim."""
+    mj, wanted = (mujoco.MjModel.from_xml_path(str(file)) for _ in range(2))
+    apply(wanted, trim)
+
+    def equal(*names: str) -> bool:
+        return all(np.allclose(getattr(mj, n), getattr(wanted, n), rtol=1e-6) for n in names)
+
+    same = {
+        "springs": equal("jnt_stiffness", "dof_damping"),
+        "controllers": equal("actuator_gainprm"),
+        "friction": equal("actuator_dynprm"),
+    } | {
+        name: np.allclose(mj.numeric(name).data, values, rtol=1e-6)
+        for name, values in numbers(trim).numerics.items()
+    }
+    return [name for name, is_same in same.items() if not is_same]
 
 
 def rewrite(text: str, trim: Trim) -> str:

@@ -12,7 +12,7 @@ from armside.arrays import Array
 from armside.ilc.measures import norms
 
 from ..records.signals import Signals
-from .tool_error import arm_side
+from .tool_error import tool_error
 
 KINDS = ("reference", "motor_angle")
 TRACKER = ("tracker_x", "tracker_y", "tracker_z")
@@ -63,7 +63,7 @@ def measure_signals(signals: Signals) -> list[RecordedMeasures]:
     for run in signals.runs:
         rms = maxdev = np.nan
         if run.tracker is not None:
-            tool = arm_side(path, run.tracker.time, run.tracker.position)
+            tool = tool_error(path, run.tracker.time, run.tracker.position)
             rms, maxdev = tool.rms, tool.maxdev
         rows.append(_measures(run.k, run.recording.error * gear, rms, maxdev))
     return rows

@@ -1,5 +1,6 @@
 """A learning experiment as a job: everything it depends on, and the small arrays of its results."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -50,33 +51,39 @@ class LearningJob:
         """
         experiment = prepare(self.cut, seed=self.seed, repetition=self.repetition)
         set_up = MotorAngles(self.design).prepare(experiment)
-        rows, diverged = [], False
-        for iteration in iterate(experiment, set_up, self.iterations):
-            rows.append(self._row(iteration, experiment))
-            diverged = iteration.diverged
-        missing = self.iterations + 1 - len(rows)
-        arrays = {name: _stack([row[name] for row in rows], missing) for name in rows[0]}
-        return arrays | {
-            "diverged": np.array(missing > 0 or diverged),
+        iterations = list(iterate(experiment, set_up, self.iterations))
+        arrays = arrays_of(iterations, experiment, series=self.series)
+        missing = self.iterations + 1 - len(iterations)
+        return {name: _filled(values, missing) for name, values in arrays.items()} | {
+            "diverged": np.array(missing > 0 or iterations[-1].diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "motion_end": np.array(experiment.motion_end),
             "gear": experiment.loaded.model.drives.gear,
         }
 
-    def _row(self, iteration: Iteration, experiment: Experiment) -> dict[str, Array]:
-        radii = np.hypot(*iteration.tool.path.T)
-        first, last = experiment.motion.contour_time
-        ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
-        found = iteration_row(iteration) | {"ripple": ripple}
-        arrays = {name: np.array(found[name]) for name in (*_KEPT, "ripple")}
-        if self.series:
-            # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
-            arrays["error"] = iteration.error.astype(np.float32)
-            arrays["correction"] = iteration.correction.astype(np.float32)
-            arrays["path"] = iteration.tool.path[::_PATH_STRIDE].astype(np.float32)
-        return arrays
+
+def arrays_of(
+    iterations: Sequence[Iteration], experiment: Experiment, *, series: bool = True
+) -> dict[str, Array]:
+    """Measures and signals of iterations, as in `LearningJob.run`."""
+    rows = [_row(iteration, experiment, series) for iteration in iterations]
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def _stack(rows: list[Array], missing: int) -> Array:
+def _row(iteration: Iteration, experiment: Experiment, series: bool) -> dict[str, Array]:
+    radii = np.hypot(*iteration.tool.path.T)
+    first, last = experiment.motion.contour_time
+    ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
+    found = iteration_row(iteration) | {"ripple": ripple}
+    arrays = {name: np.array(found[name]) for name in (*_KEPT, "ripple")}
+    if series:
+        # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
+        arrays["error"] = iteration.error.astype(np.float32)
+        arrays["correction"] = iteration.correction.astype(np.float32)
+        arrays["path"] = iteration.tool.path[::_PATH_STRIDE].astype(np.float32)
+    return arrays
+
+
+def _filled(rows: Array, missing: int) -> Array:
     """(K, ...) with NaN for the iterations that were not run."""
-    return np.array(rows + [np.full_like(rows[0], np.nan)] * missing)
+    return np.concatenate((rows, np.full((missing, *rows.shape[1:]), np.nan, rows.dtype)))

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..cut.contour import ArcsAndLines, ClosedCurve
-from ..cut.path import Circle, CuttingPath, Plane
+from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
+from ..cut.path import CuttingPath, Plane
 from ..cut.timing import Timing
 from ..cut.tool_motion import ToolMotion
 from .summary import plain

@@ -105,7 +105,12 @@ def numbers(_folder: Path, printed: str) -> dict[str, Any]:
         f"row {i}": [value for value in row if isinstance(value, (int, float))]
         for i, row in enumerate(table["rows"])
     }
-    return rows | {"holds": [verdict[-1] for verdict in table["verdicts"]]}
+    return rows | {"holds": [_holds(verdict) for verdict in table["verdicts"]]}
+
+
+def _holds(verdict: Any) -> bool:
+    """Of a check, or of a pair of statement and verdict."""
+    return verdict["holds"] if isinstance(verdict, dict) else verdict[-1]
 
 
 def code(folder: Path, _printed: str) -> dict[str, Any]:

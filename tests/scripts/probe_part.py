@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.scripts.thesis.report import Check, Part, Section
+from armside.scripts.thesis.entries import Entry
+from armside.scripts.thesis.report import Part, Section
+from armside.sim.evaluation.check import Check
 
 
 @dataclass(frozen=True)
@@ -46,15 +48,11 @@ def part(jobs: list[ProbeJob], high: float = 1.0) -> Part:
         figure.subplots().plot([0, value])
         save(figure, folder / "probe.png")
         return Section(
-            id="probe",
-            title="A <probe> & more",
-            caption="Twos, added.",
-            figures=["probe.png"],
-            checks=[
-                Check(
-                    id="p1", statement="sum", thesis="small", ours=value, high=high, reason="twos"
-                )
-            ],
+            "probe",
+            "A <probe> & more",
+            "Twos, added.",
+            ["probe.png"],
+            [Check("p1", "sum", "small", value, high=high, reason="twos")],
         )
 
     return Part(jobs, draw)
@@ -82,3 +80,9 @@ def slow(seed: int) -> Part:
 
 def large(seed: int) -> Part:
     return part([ProbeJob("a", _log()), ProbeJob("b", _log(), "slow", size=100_000)])
+
+
+def entries(names: tuple[str, ...]) -> tuple[Entry, ...]:
+    """The probe sections of these names, as `armside reproduce` knows sections."""
+    made = globals()
+    return tuple(Entry(name, (), "", lambda name=name: made[name]) for name in names)

@@ -1,4 +1,4 @@
-"""Chapter 9: the story holds on the virtual robot, and another story would be noticed."""
+"""Chapter 9: its findings hold on the virtual robot, and other behaviour is noticed."""
 
 import re
 from pathlib import Path
@@ -7,23 +7,23 @@ import numpy as np
 import pytest
 from armside.scripts.learning_job import LearningJob
 
-from armside.ilc.analysis.proposal import design_for
 from armside.ilc.models.system import System
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.workers import Workers
-from armside.scripts.shell.registry import load
-from armside.scripts.thesis.chapter9.designs import CUTOFFS
-from armside.scripts.thesis.chapter9.sections import bands, figures
-from armside.scripts.thesis.chapter9.table import POSES, STUDIES, laser
+from armside.scripts.thesis.chapter9 import figures
+from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
+from armside.scripts.thesis.chapter9.table import STUDIES, laser
+from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.verifications.chapter9 import found
+from armside.sim.calibration import targets
+from armside.sim.calibration.targets import POSES
 
-CHAPTER = [entry for entry in ENTRIES if entry.part.startswith("armside.scripts.thesis.chapter9.")]
+CHAPTER = [entry for entry in ENTRIES if ".chapter9." in entry.load().__module__]
 K = 6
 N = 380
 
 
 def result(pose="p1", iterations=5, speed=40.0, **changed):
-    """What an experiment leaves that goes as the thesis tells, in round numbers."""
+    """The result of an experiment with the findings of the thesis, in round numbers."""
     k = np.arange(iterations + 1)
     fall = np.maximum(0.2**k, 0.03)
     worst = np.array([0.1, 0.12, 0.5, 0.35, 0.1, 0.2]) * {"p1": 0.9, "p2": 0.7, "p3": 1.0}[pose]
@@ -32,11 +32,11 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
     rms = 3e-4 * np.array(arm.get(pose, [1, 1.05, 1.1, 1.1, 1.1, 1.1]))[np.minimum(k, 5)]
     t = 0.004 * np.arange(N)[:, None]
     u = np.sin(np.pi * t / t[-1]) ** 2 * np.sin(2 * np.pi * 2.0 * t + np.arange(6)) * 1e-3
-    response = bands.THESIS_MODEL.simulate(u)
-    share = 1.0 - np.minimum(1.0, 0.4**k)
-    error = response * (1.0 - share[:, None, None])
-    turn = 2 * np.pi * np.arange(197) / 197
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    response = targets.THESIS_MODEL.simulate(u)
+    fraction = 1.0 - np.minimum(1.0, 0.4**k)
+    error = response * (1.0 - fraction[:, None, None])
+    angle = 2 * np.pi * np.arange(197) / 197
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return {
         "motor_inf": motor,
         "motor_two": 8.0 * motor,
@@ -44,7 +44,7 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
         "arm_maxdev": 2.0 * rms,
         "ripple": 0.3 * rms,
         "error": error,
-        "correction": share[:, None, None] * u,
+        "correction": fraction[:, None, None] * u,
         "path": (5e-3 + rms[:, None, None]) * circle,
         "reached_speed": np.array(1e-3 * min(speed, 81.0)),
         "gear": np.full(6, 200.0),
@@ -74,11 +74,11 @@ def holding(checks):
     return {check.id: check.holds for check in checks}
 
 
-def test_the_story_of_the_thesis_is_inside_the_bands():
+def test_the_findings_of_the_thesis_are_inside_the_bands():
     base = {pose: result(pose) for pose in POSES}
-    assert all(holding(bands.motor_side(base)).values())
-    assert all(holding(bands.tool_error(base)).values())
-    assert all(holding(bands.criterion_of()).values())
+    assert all(holding(targets.motor_side(base)).values())
+    assert all(holding(targets.arm_side(base)).values())
+    assert all(holding(targets.criterion_of()).values())
 
 
 @pytest.mark.parametrize(
@@ -92,16 +92,16 @@ def test_the_story_of_the_thesis_is_inside_the_bands():
         ("p1", [1, 0.5, np.nan, np.nan, np.nan, np.nan], {"b1", "b6"}),
     ],
 )
-def test_another_story_on_the_arm_side_fails_where_it_differs(pose, rms, fails):
+def test_other_behaviour_of_the_arm_fails_where_it_differs(pose, rms, fails):
     base = {p: result(p) for p in POSES}
     base[pose]["arm_rms"] = 3e-4 * np.array(rms)
-    assert {name for name, holds in holding(bands.tool_error(base)).items() if not holds} == fails
+    assert {name for name, holds in holding(targets.arm_side(base)).items() if not holds} == fails
 
 
 def test_motors_that_do_not_learn_fail():
     base = {pose: result(pose) for pose in POSES}
     base["p2"]["motor_inf"] = np.tile(base["p2"]["motor_inf"][:1], (K, 1))
-    assert not any(holding(bands.motor_side(base))[name] for name in ("a1", "a3", "a4"))
+    assert not any(holding(targets.motor_side(base))[name] for name in ("a1", "a3", "a4"))
 
 
 def test_repeatability_is_the_difference_over_the_best_error():
@@ -110,7 +110,7 @@ def test_repeatability_is_the_difference_over_the_best_error():
     first["motor_inf"] = np.full((K, 6), 0.02)
     second["motor_inf"] = np.full((K, 6), 0.03)
     second["error"] = first["error"] + 2e-5
-    values = bands.repeatability_per_iteration(first, second)
+    values = targets.repeatability_per_iteration(first, second)
     assert values == pytest.approx(np.full(K, 2e-5 * 200.0 / 0.02))
 
 
@@ -130,7 +130,7 @@ def test_thesis_table_of_experiments_is_complete():
 
 @pytest.mark.parametrize("entry", CHAPTER, ids=lambda entry: entry.id)
 def test_every_section_is_drawn_captioned_and_compared(entry, tmp_path, assert_complete):
-    part = load(entry.part)(0)
+    part = entry.load()(0)
     assert_complete(part.draw(thesis_like, tmp_path), tmp_path)
 
 
@@ -143,7 +143,7 @@ def test_the_same_arrays_draw_the_same_bytes(tmp_path):
 
 def test_a_motor_that_a_model_describes_gets_a_higher_cutoff():
     delay = System(np.array([0, 0, 0, 1.0]), np.array([1.0]), 0.004)
-    trusted, doubted = (design_for(delay, CUTOFFS, fit=fit) for fit in (0.95, 0.5))
+    trusted, doubted = design_for(delay, fit=0.95), design_for(delay, fit=0.5)
     assert trusted.cutoff == CUTOFFS[-1]  # a pure delay is answered by a shift, at any cutoff
     assert trusted.delta == 3
     assert doubted.cutoff == CUTOFFS[0]

@@ -1,4 +1,4 @@
-"""A report is resumable, honest about what fails, and never loses what is finished."""
+"""A report is resumable, shows its failures, and never loses finished results."""
 
 import json
 import os
@@ -14,25 +14,23 @@ import numpy as np
 import pytest
 
 from armside.scripts.commands import reproduce
-from armside.scripts.commands.reproduce import ENTRIES, Entry, select
 from armside.scripts.jobs.store import Store, digest
 from armside.scripts.shell.console import Report
 from armside.scripts.shell.errors import InputError
 from armside.scripts.shell.options import Common
-from armside.scripts.shell.registry import load
-from armside.scripts.thesis.report import Check
+from armside.scripts.thesis import entries
+from armside.scripts.thesis.entries import ENTRIES, select
+from armside.sim.evaluation.check import Check
 
 HERE = Path(__file__).parent
 PROBES = ("three", "one_killed", "one_raised", "slow", "large")
-ENTRIES_OF_PROBES = tuple(Entry(name, (), "", f"probe_part:{name}") for name in PROBES)
 START = f"""
 import sys
 sys.path.insert(0, {str(HERE)!r})
 from armside.scripts import cli
-from armside.scripts.commands import reproduce
-reproduce.ENTRIES = tuple(
-    reproduce.Entry(name, (), "", f"probe_part:{{name}}") for name in {PROBES!r}
-)
+from armside.scripts.thesis import entries
+import probe_part
+entries.ENTRIES = probe_part.entries({PROBES!r})
 sys.exit(cli.main())
 """
 
@@ -57,7 +55,9 @@ class HereAndNow:
 @pytest.fixture
 def reproduced_by_workers(armside, monkeypatch):
     """Runs `armside reproduce` on probe sections, in an empty working folder."""
-    monkeypatch.setattr(reproduce, "ENTRIES", ENTRIES_OF_PROBES)
+    from probe_part import entries as of_probes  # the fixture `armside` makes it importable
+
+    monkeypatch.setattr(entries, "ENTRIES", of_probes(PROBES))
 
     def run(line: str):
         return armside(f"reproduce {line} --out report")
@@ -114,13 +114,13 @@ def test_what_fails_is_shown_as_failing_with_its_reason(reproduced):
     ],
 )
 def test_a_verdict_follows_from_number_and_band(ours, low, high, holds):
-    check = Check(id="c", statement="s", thesis="t", ours=ours, low=low, high=high)
+    check = Check("c", "s", "t", ours, low=low, high=high)
     assert check.holds is holds
 
 
 def test_a_comparison_without_a_band_is_refused():
     with pytest.raises(ValueError, match="needs a band"):
-        Check(id="c", statement="s", thesis="t", ours=1.0)
+        Check("c", "s", "t", 1.0)
 
 
 def test_what_is_done_is_not_run_again(reproduced):
@@ -278,7 +278,7 @@ def test_every_row_of_its_chapters_and_every_command_of_the_page_of_the_thesis_i
 
 def test_each_entry_names_its_experiments():
     for entry in ENTRIES:
-        part = load(entry.part)(0)
+        part = entry.load()(0)
         assert all(job.cost > 0.0 for job in part.jobs), entry.id
 
 

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from armside.scripts.commands import verify
-from armside.scripts.commands.verify import Claim, Table, Verdict
+from armside.scripts.verifications.claims import CLAIMS, Claim
+from armside.sim.evaluation.check import Check, Table, all_hold, over_seeds
 
 
 def claim(seeds):
@@ -14,14 +15,13 @@ def claim(seeds):
         "Errors stay small",
         ["seed", "error"],
         rows,
-        [Verdict("every error is below 1", all(error < 1.0 for _, error in rows))],
+        [all_hold("every error is below 1", [error < 1.0 for _, error in rows])],
     )
 
 
 @pytest.fixture
 def one_claim(monkeypatch):
-    monkeypatch.setattr(verify, "load", lambda path: claim)
-    monkeypatch.setattr(verify, "CLAIMS", {"small": Claim("somewhere:claim", n_seeds=2)})
+    monkeypatch.setattr(verify, "CLAIMS", {"small": Claim(2, lambda: claim)})
 
 
 def test_a_claim_that_holds_writes_its_page(armside, one_claim, tmp_path):
@@ -64,3 +64,24 @@ def test_seeds_count_up_from_the_seed(armside, one_claim, tmp_path):
 def test_a_row_of_the_wrong_length_is_refused():
     with pytest.raises(ValueError, match="1 cells for 2 columns"):
         Table("t", ["a", "b"], [[1]], [])
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_every_claim_can_be_loaded(name):
+    assert callable(CLAIMS[name].load())
+
+
+@pytest.mark.parametrize(("fraction", "holds"), [(1.0, False), (0.75, True)])
+def test_a_check_must_hold_for_a_fraction_of_the_seeds(fraction, holds):
+    by_seed = {seed: [Check("a", "error", "small", seed, high=2.0)] for seed in range(4)}
+    table = over_seeds("Errors", by_seed, fraction)
+    assert table.rows == [("a", "error", "small", "≤ 2", 0.0, 1.0, 2.0, 3.0, "3 of 4")]
+    (verdict,) = table.verdicts
+    assert verdict.holds is holds
+    assert "(3 of 4)" in verdict.statement
+
+
+def test_exceptions_to_a_statement_are_counted():
+    assert all_hold("all", [True, True]).holds
+    assert all_hold("all", [[True, False], [False, True]]).ours == 2.0
+    assert not all_hold("one", False).holds

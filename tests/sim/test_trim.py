@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.scripts.commands.calibrate import START, mutate
-from armside.sim.calibration.parameters import apply, numbers, rewrite
-from armside.sim.calibration.targets import Finding, learning_findings
+from armside.sim.calibration.experiments import learning_checks
+from armside.sim.calibration.parameters import apply, differing, numbers, rewrite
+from armside.sim.calibration.search import START, mutate, outside
+from armside.sim.evaluation.check import Check
 from armside.sim.robot.effects import available
 from armside.sim.robot.model import load_model
 
@@ -66,15 +67,23 @@ def test_mutation_is_the_same_for_the_same_seed_and_keeps_three_digits():
         assert value == pytest.approx(float(f"{value:.3g}"), rel=1e-12)
 
 
-def test_a_finding_says_how_far_it_is_outside():
-    assert Finding("x", 1.0, 0.5, 2.0).outside == 0.0
-    assert Finding("x", 3.0, high=2.0, margin=0.0).outside == pytest.approx(0.5)
-    assert Finding("x", 1.0, low=1.0).outside == pytest.approx(0.05)
-    assert Finding("x", 1.0, low=1.0).holds
+def test_quantities_that_a_file_has_otherwise_are_named(tmp_path):
+    file = tmp_path / "robot.xml"
+    file.write_text(rewrite(assets.LARGE_ROBOT_XML.read_text(), START))
+    assert differing(file, START) == []
+    assert differing(file, replace(START, temperature=40.0)) == ["gear_temperature"]
+    assert differing(file, replace(START, servo_damping=1.0)) == ["controllers"]
+
+
+def test_the_distance_from_a_band_is_relative_and_keeps_a_margin():
+    assert outside(Check("x", "", "", 1.0, low=0.5, high=2.0)) == 0.0
+    assert outside(Check("c5", "no margin", "", 3.0, high=2.0)) == pytest.approx(0.5)
+    assert outside(Check("x", "", "", 1.0, low=1.0)) == pytest.approx(0.05)
+    assert Check("x", "", "", 1.0, low=1.0).holds
 
 
 def test_the_committed_robot_meets_its_learning_targets():
     """All targets: armside calibrate --generations 0."""
     model = load_model(assets.LARGE_ROBOT_XML)
-    missed = [f for f in learning_findings(model, available(model)) if not f.holds]
+    missed = [check for check in learning_checks(model, available(model)) if not check.holds]
     assert not missed

@@ -1,25 +1,26 @@
 """Beyond chapter 9: design variables for each motor (F08), friction feedforward (F09)."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from armside.arrays import Array
 from armside.ilc.analysis.proposal import Proposal, design_for
 from armside.ilc.identification.first_order import FirstOrderModel
+from armside.sim.calibration.targets import AT, POSES, SPEEDS, Result, identify, over
+from armside.sim.evaluation.check import Check, Table
+from armside.sim.laser.job import LearningJob
 
-from ...jobs.store import Job, Result
-from ...learning_job import LearningJob
-from ..report import Check, Grid, Part, Section
+from ..report import Part, Read, Section
 from . import figures
-from .bands import AT
-from .sections import SPEEDS, Read, identify
-from .table import POSES, STUDIES, laser
+from .table import STUDIES, learning_job
 
 CUTOFFS = (6.0, 8.0, 10.0, 12.0, 15.0)
 """[Hz], offered to each motor; the highest one with a fast enough design is taken."""
 FED_FORWARD = 0.8
-"""Share of the Coulomb friction; all of it would overcompensate robots with less."""
+"""Fraction of the Coulomb friction; all of it would overcompensate robots with less."""
 
 
 def per_motor(seed: int) -> Part:
@@ -32,71 +33,50 @@ def per_motor(seed: int) -> Part:
     ) -> tuple[list[FirstOrderModel], list[Proposal], dict[str, LearningJob]]:
         results = {v: read(data["p1", v]) for v in SPEEDS}
         models = [identify(results, (motor,)) for motor in range(6)]
-        designs = [design_for(model.system, CUTOFFS, fit=model.fit) for model in models]
-        tuned = laser(
-            gamma=tuple(round(design.gamma, 3) for design in designs),
-            delta=tuple(design.delta for design in designs),
-            cutoff=tuple(design.cutoff for design in designs),
-        )
-        jobs = {pose: LearningJob(laser=replace(tuned, pose=pose), seed=seed) for pose in POSES}
+        designs = [design_for(m.system, CUTOFFS, fit=m.fit) for m in models]
+        tuned = {
+            "gamma": tuple(round(design.gamma, 3) for design in designs),
+            "delta": tuple(design.delta for design in designs),
+            "cutoff": tuple(design.cutoff for design in designs),
+        }
+        jobs = {pose: learning_job(seed, pose=pose, **tuned) for pose in POSES}
         return models, designs, jobs
 
     def draw(read: Read, folder: Path) -> Section:
-        models, designs, own_jobs = designed(read)
-        with_own = {pose: read(job) for pose, job in own_jobs.items()}
-        shared = {pose: read(job) for pose, job in base.items()}
+        models, designs, jobs = designed(read)
+        own, shared = ({p: read(j) for p, j in by_pose.items()} for by_pose in (jobs, base))
         largest = max(result["motor_inf"][0].max() for result in shared.values())
+        curves = {"shared": shared["p1"], "per motor": own["p1"]}
         figures.by_motor(
             folder / "F08.png",
             "One design for all motors, and one for each: p1",
-            {
-                "shared": shared["p1"]["motor_inf"] / largest,
-                "per motor": with_own["p1"]["motor_inf"] / largest,
-            },
+            {name: result["motor_inf"] / largest for name, result in curves.items()},
         )
-        ratio = {
-            pose: with_own[pose]["motor_inf"][AT] / shared[pose]["motor_inf"][AT] for pose in POSES
-        }
-        every = np.array(list(ratio.values()))
+        every = _ratios(own, shared, AT)
+        chosen = [
+            [f"motor {i + 1}", d.gamma, d.delta, d.cutoff, m.fit, d.contraction]
+            for i, (d, m) in enumerate(zip(designs, models, strict=True))
+        ]
+        columns = ["", "γ", "δ", "cutoff [Hz]", "fit of the model", "contraction"]
+        says, smaller = "larger reduction possible", (every < 1.0).sum()
+        what = "motor errors at k = 5, per-motor over shared design"
         return Section(
-            id="F08",
-            title="F08: design variables for each motor",
-            caption="Gain, shift and cutoff of each motor are chosen from the model identified for "
-            "it and used at all positions. The thesis names this as the way to lower errors "
-            "of the motors; what the tool makes of it is in the table.",
-            figures=["F08.png"],
-            checks=[
-                Check(
-                    id="F08a",
-                    statement="motor errors at k = 5, per-motor over shared design: median of 18",
-                    thesis="larger reduction possible",
-                    ours=float(np.median(every)),
-                    high=1.0,
-                ),
-                Check(
-                    id="F08b",
-                    statement="the same, how many of 18 are smaller",
-                    thesis="larger reduction possible",
-                    ours=float((every < 1.0).sum()),
-                    low=10,
-                ),
+            "F08",
+            "F08: design variables for each motor",
+            "Gain, shift and cutoff of each motor are chosen from the model identified for it and "
+            "used at all positions. The thesis names this as the way to lower errors of the "
+            "motors; its effect on the tool is in the table.",
+            ["F08.png"],
+            [
+                Check("F08a", f"{what}: median of 18", says, float(np.median(every)), high=1.0),
+                Check("F08b", "the same, how many of 18 are smaller", says, smaller, low=10),
             ],
-            grids=[
-                Grid(
-                    title="Designs",
-                    columns=["", "γ", "δ", "cutoff [Hz]", "fit of the model", "contraction"],
-                    rows=[
-                        [f"motor {i + 1}", d.gamma, d.delta, d.cutoff, m.fit, d.contraction]
-                        for i, (d, m) in enumerate(zip(designs, models, strict=True))
-                    ],
-                ),
-                Grid(
-                    title="Per-motor design over shared design at k = 5",
-                    columns=["", *figures.MOTORS, "arm RMS"],
-                    rows=[
-                        [pose, *map(float, ratio[pose]), _arm(with_own[pose], shared[pose])]
-                        for pose in POSES
-                    ],
+            [
+                Table("Designs", columns, chosen),
+                Table(
+                    "Per-motor design over shared design at k = 5",
+                    ["", *figures.MOTORS, "arm RMS"],
+                    [[pose, *_row(own[pose], shared[pose], AT)] for pose in POSES],
                 ),
             ],
         )
@@ -107,22 +87,17 @@ def per_motor(seed: int) -> Part:
 
 
 def friction_feedforward(seed: int) -> Part:
-    """F09: ILC takes the low frequencies, feedforward the friction at reversals."""
+    """F09: ILC reduces the low frequencies, feedforward the friction at reversals."""
     plain = STUDIES["operating point"].jobs(seed)
-    helped = {pose: replace(job, friction_feedforward=FED_FORWARD) for pose, job in plain.items()}
-    jobs: list[Job] = [*plain.values(), *helped.values()]
+    helped = {
+        pose: replace(job, cut=replace(job.cut, friction_feedforward=FED_FORWARD))
+        for pose, job in plain.items()
+    }
 
     def draw(read: Read, folder: Path) -> Section:
-        without = {pose: read(job) for pose, job in plain.items()}
-        with_it = {pose: read(job) for pose, job in helped.items()}
+        without, with_it = ({p: read(j) for p, j in jobs.items()} for jobs in (plain, helped))
         cases = {f"{pose}, ILC alone": without[pose] for pose in POSES} | {
             f"{pose}, with feedforward": with_it[pose] for pose in POSES
-        }
-        first = {
-            pose: with_it[pose]["motor_inf"][0] / without[pose]["motor_inf"][0] for pose in POSES
-        }
-        last = {
-            pose: with_it[pose]["motor_inf"][AT] / without[pose]["motor_inf"][AT] for pose in POSES
         }
         figures.panels(
             folder / "F09.png",
@@ -137,45 +112,32 @@ def friction_feedforward(seed: int) -> Part:
             wide=True,
             log=True,
         )
+        first, last = (float(np.median(_ratios(with_it, without, k))) for k in (0, AT))
+        what = "motor errors {}, with over without: median of 18"
+        rows = [[p, k, *_row(with_it[p], without[p], k)] for p in POSES for k in (0, AT)]
         return Section(
-            id="F09",
-            title="F09: ILC together with friction feedforward",
-            caption=f"The controller adds {100 * FED_FORWARD:.0f} % of the nominal Coulomb "
-            "friction, with the sign of the reference speed, to its torque. The thesis asks how "
-            "ILC, which a low-pass keeps from high frequencies, could be combined with something "
-            "that reaches the friction at reversals.",
-            figures=["F09.png"],
-            checks=[
-                Check(
-                    id="F09a",
-                    statement="motor errors without learning, with over without: median of 18",
-                    thesis="proposed",
-                    ours=float(np.median(list(first.values()))),
-                    high=0.9,
-                ),
-                Check(
-                    id="F09b",
-                    statement="motor errors at k = 5, with over without: median of 18",
-                    thesis="proposed",
-                    ours=float(np.median(list(last.values()))),
-                    high=1.0,
-                ),
+            "F09",
+            "F09: ILC together with friction feedforward",
+            f"The controller adds {100 * FED_FORWARD:.0f} % of the nominal Coulomb friction, with "
+            "the sign of the reference speed, to its torque. The thesis asks how ILC, which a "
+            "low-pass keeps from high frequencies, could be combined with something that reaches "
+            "the friction at reversals.",
+            ["F09.png"],
+            [
+                Check("F09a", what.format("without learning"), "proposed", first, high=0.9),
+                Check("F09b", what.format("at k = 5"), "proposed", last, high=1.0),
             ],
-            grids=[
-                Grid(
-                    title="With over without feedforward",
-                    columns=["", "k", *figures.MOTORS, "arm RMS"],
-                    rows=[
-                        [pose, k, *map(float, ratio[pose]), _arm(with_it[pose], without[pose], k)]
-                        for pose in POSES
-                        for k, ratio in ((0, first), (AT, last))
-                    ],
-                )
-            ],
+            [Table("With over without feedforward", ["", "k", *figures.MOTORS, "arm RMS"], rows)],
         )
 
-    return Part(jobs, draw)
+    return Part([*plain.values(), *helped.values()], draw)
 
 
-def _arm(ours: Result, other: Result, k: int = AT) -> float:
-    return float(ours["arm_rms"][k] / other["arm_rms"][k])
+def _ratios(ours: Mapping[str, Result], other: Mapping[str, Result], k: int) -> Array:
+    """Motor errors of one over another design, (3, 6) by pose and motor."""
+    return np.array([over(ours[pose], other[pose], "motor_inf", k) for pose in POSES])
+
+
+def _row(ours: Result, other: Result, k: int) -> list[float]:
+    """The same of six motors at one pose, and of the RMS of the arm."""
+    return [*over(ours, other, "motor_inf", k).tolist(), float(over(ours, other, k=k))]

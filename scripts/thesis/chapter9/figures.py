@@ -1,6 +1,7 @@
 """The figures of chapter 9 from arrays alone, in the look of all our figures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
+from armside.sim.calibration.targets import Band
 
 from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
 
@@ -41,29 +43,17 @@ def panels(
     content: panel title: curves. x: of all curves; 0, 1, 2 ... if None. ordered: the curves differ
     by an amount, shown by a sequence of colours; otherwise by kind, shown by colour and marker.
     """
-    n = len(content)
-    columns = min(columns, n)
-    rows = -(-n // columns)
-    width = 6.2 if n == 1 else 4.4 if wide else 3.1
-    figure, grid = _grid(rows, columns, width, 2.5 if rows > 1 else 3.2, share_y=True)
-    _title(figure, title)
-    for axes, (name, curves) in zip(grid, content.items(), strict=False):
-        _draw(axes, curves, x, ordered)
-        axes.set_title(name, loc="left", fontsize=9)
-        _scale(axes, log, x)
-    if not log:
-        top = max(
-            float(np.nanmax(values)) for curves in content.values() for values in curves.values()
-        )
-        grid[0].set_ylim(0.0, 1.06 * top)
-    for axes in grid[:n][-columns:]:
-        axes.set_xlabel(xlabel)
-    for axes in grid[::columns]:
-        axes.set_ylabel(ylabel, fontsize=9)
-    for axes in grid[n:]:
-        axes.set_visible(False)
-    _legend(figure, grid[0])
-    save(figure, file)
+    width = 6.2 if len(content) == 1 else 4.4 if wide else 3.1
+    height = 2.5 if len(content) > columns else 3.2
+    with _panels(
+        file, title, content, columns, width, height, xlabel, ylabel, share_y=True
+    ) as grid:
+        for axes, curves in zip(grid, content.values(), strict=True):
+            _draw(axes, curves, x, ordered)
+            _scale(axes, log, x)
+        if not log:
+            tops = [np.nanmax(values) for curves in content.values() for values in curves.values()]
+            grid[0].set_ylim(0.0, 1.06 * float(max(tops)))
 
 
 def by_motor(
@@ -109,62 +99,46 @@ def criterion(
 
     frequency: (M,) [Hz]. learning: model: shift: (M,). bounds: cutoff: (M,).
     """
-    figure, grid = _grid(1, len(learning), 4.9, 3.6)
-    _title(figure, "Convergence criterion: each coloured curve must stay below 1/|Q|")
-    for axes, (name, curves) in zip(grid, learning.items(), strict=True):
-        for color, (label, values) in zip(_sequence(len(curves)), curves.items(), strict=True):
-            axes.semilogx(frequency, values, color=color, lw=1.4, label=label)
-        for style, (label, values) in zip(LINE_STYLES, bounds.items(), strict=False):
-            shown = np.where(values < 3.0, values, np.nan)
-            axes.semilogx(frequency, shown, color=INK, ls=style, lw=1.2, label=label)
-        axes.set(ylim=(0.0, 2.0), xlim=(frequency[0], frequency[-1]), xlabel="frequency [Hz]")
-        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        axes.set_title(name, loc="left", fontsize=9)
-        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    grid[0].set_ylabel(r"$|1 - L\,T_u|$")
-    _legend(figure, grid[0])
-    save(figure, file)
+    title = "Convergence criterion: each coloured curve must stay below 1/|Q|"
+    with _panels(file, title, learning, 2, 4.9, 3.6, "frequency [Hz]", r"$|1 - L\,T_u|$") as grid:
+        for axes, curves in zip(grid, learning.values(), strict=True):
+            for color, (label, values) in zip(_sequence(len(curves)), curves.items(), strict=True):
+                axes.semilogx(frequency, values, color=color, lw=1.4, label=label)
+            for style, (label, values) in zip(LINE_STYLES, bounds.items(), strict=False):
+                shown = np.where(values < 3.0, values, np.nan)
+                axes.semilogx(frequency, shown, color=INK, ls=style, lw=1.2, label=label)
+            axes.set(ylim=(0.0, 2.0), xlim=(frequency[0], frequency[-1]))
+            axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
 
 
-def simulated(file: Path, time: Array, cases: Mapping[str, tuple[Array, Array]]) -> None:
+def simulated(file: Path, sample_time: float, cases: Mapping[str, tuple[Array, Array]]) -> None:
     """Measured response to the correction and its simulation by a model; (N,) [mrad] each."""
-    figure, grid = _grid(-(-len(cases) // 2), 2, 4.6, 2.4)
-    _title(figure, "Response of the motor to the correction, and the identified model")
-    for axes, (name, (measured, model)) in zip(grid, cases.items(), strict=False):
-        axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, $y_5 - y_0$")
-        axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, $T_u u_5$")
-        axes.set_title(name, loc="left", fontsize=9)
-    for axes in grid[-2:]:
-        axes.set_xlabel("time [s]")
-    for axes in grid[::2]:
-        axes.set_ylabel("[mrad]")
-    _legend(figure, grid[0])
-    save(figure, file)
+    title = "Response of the motor to the correction, and the identified model"
+    with _panels(file, title, cases, 2, 4.6, 2.4, "time [s]", "[mrad]") as grid:
+        for axes, (measured, model) in zip(grid, cases.values(), strict=True):
+            time = sample_time * np.arange(len(measured))
+            axes.plot(time, measured, color=REFERENCE, lw=2.2, label="measured, $y_5 - y_0$")
+            axes.plot(time, model, color=COLORS[1], lw=1.1, label="model, $T_u u_5$")
 
 
 def distributions(
-    file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, tuple[float, float]]
+    file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, Band]
 ) -> None:
     """Histograms of samples, a panel each; a band that should hold them is shaded."""
-    figure, grid = _grid(-(-len(content) // 3), min(3, len(content)), 3.3, 2.6)
-    _title(figure, title)
-    for axes, (name, values) in zip(grid, content.items(), strict=False):
-        low, high = bands.get(name, (np.nan, np.nan))
-        axes.hist(values, bins=20, color=COLORS[0])
-        left, right = axes.get_xlim()
-        if np.isfinite(low) or np.isfinite(high):
-            start = low if np.isfinite(low) else left
-            stop = high if np.isfinite(high) else right
-            axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
-            axes.set_xlim(min(left, start), max(right, stop))
-        axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
-        axes.set_title(name, loc="left", fontsize=8)
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    for axes in grid[len(content) :]:
-        axes.set_visible(False)
-    grid[0].set_ylabel("robots")
-    _legend(figure, grid[0])
-    save(figure, file)
+    with _panels(file, title, content, 3, 3.3, 2.6, "", "robots", names=8) as grid:
+        for axes, (name, values) in zip(grid, content.items(), strict=True):
+            axes.hist(values, bins=20, color=COLORS[0])
+            left, right = axes.get_xlim()
+            if name in bands:
+                start, stop = (
+                    limit if end is None else end
+                    for end, limit in ((bands[name].low, left), (bands[name].high, right))
+                )
+                axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
+                axes.set_xlim(min(left, start), max(right, stop))
+            axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
+            axes.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 def fields(
@@ -181,49 +155,63 @@ def fields(
 
     content: name: (values, holds), each of shape (rows, columns).
     """
-    n = len(content)
-    height = 0.36 * len(rows) + 0.75
-    figure, grid = _grid(-(-n // 3), min(3, n), 0.52 * len(columns) + 0.8, height)
-    _title(figure, title)
-    for axes, (name, (values, holds)) in zip(grid, content.items(), strict=False):
-        for i in range(len(rows)):
-            for j in range(len(columns)):
-                color = "#BFE3D6" if holds[i, j] else "#F6D3C2"
-                axes.add_patch(_cell(j, i, color))
-                axes.text(
-                    j,
-                    i,
-                    f"{values[i, j]:.2f}",
-                    ha="center",
-                    va="center",
-                    fontsize=7,
-                    color=INK if holds[i, j] else "#8A2E00",
+    width, height = 0.52 * len(columns) + 0.8, 0.36 * len(rows) + 0.75
+    with _panels(file, title, content, 3, width, height, column_label, row_label, names=8) as grid:
+        for axes, (values, holds) in zip(grid, content.values(), strict=True):
+            for (i, j), value in np.ndenumerate(values):
+                back, ink = ("#BFE3D6", INK) if holds[i, j] else ("#F6D3C2", "#8A2E00")
+                axes.add_patch(
+                    Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=back, edgecolor="white")
                 )
-        axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
-        axes.set_xticks(range(len(columns)), columns)
-        axes.set_yticks(range(len(rows)), rows)
-        axes.set_title(name, loc="left", fontsize=8)
-    for axes in grid[n:]:
+                axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=7, color=ink)
+            axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
+            axes.set_xticks(range(len(columns)), columns)
+            axes.set_yticks(range(len(rows)), rows)
+        note = "green: as in the thesis; orange: not"
+        grid[0].figure.text(0.5, 0.02, note, ha="center", fontsize=8)
+
+
+@contextmanager
+def _panels(
+    file: Path,
+    title: str,
+    content: Iterable[str],
+    columns: int,
+    width: float,
+    height: float,
+    xlabel: str = "",
+    ylabel: str = "",
+    *,
+    share_y: bool = False,
+    names: float = 9,
+) -> Iterator[list[Axes]]:
+    """Panels named by `content`, width x height [inch], to draw into; then saved to the file.
+
+    One title above, one legend below, labels at the outer axes. names: their font size.
+    """
+    titles = list(content)
+    columns = min(columns, len(titles))
+    figure, grid = _grid(-(-len(titles) // columns), columns, width, height, share_y=share_y)
+    figure.suptitle(title, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
+    used = grid[: len(titles)]
+    yield used
+    for axes, name in zip(used, titles, strict=True):
+        axes.set_title(name, loc="left", fontsize=names)
+    for axes in used[-columns:]:
+        axes.set_xlabel(xlabel)
+    for axes in used[::columns]:
+        axes.set_ylabel(ylabel, fontsize=9)
+    for axes in grid[len(titles) :]:
         axes.set_visible(False)
-    for axes in grid[:n][-min(3, n) :]:
-        axes.set_xlabel(column_label, fontsize=8)
-    for axes in grid[::3]:
-        axes.set_ylabel(row_label, fontsize=8)
-    figure.text(0.5, 0.02, "green: as in the thesis; orange: not", ha="center", fontsize=8)
+    _legend(figure, used[0])
     save(figure, file)
-
-
-def _cell(column: int, row: int, color: str) -> Rectangle:
-    return Rectangle((column - 0.5, row - 0.5), 1.0, 1.0, facecolor=color, edgecolor="white")
-
-
-def _title(figure: Figure, text: str) -> None:
-    figure.suptitle(text, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
     """One legend below all panels, as many columns as fit."""
     handles, labels = axes.get_legend_handles_labels()
+    if not labels:
+        return
     widest = 0.55 + 0.075 * max(map(len, labels))  # [inch] at this size of letters
     columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
     figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8)

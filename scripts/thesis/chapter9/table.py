@@ -1,26 +1,24 @@
-"""The experiments of thesis 9.4.1-9.4.5 as data: what each varies, and what it holds fixed."""
+"""The experiments of thesis 9.4.1-9.4.5 as data: options that vary, and options that are fixed."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
-from ...commands.laser import LaserCfg
-from ...learning_job import LearningJob
+from armside.sim.calibration.targets import POSES, SPEEDS
+from armside.sim.laser.design import Design
+from armside.sim.laser.job import LearningJob
+from armside.sim.laser.specification import Cut
 
-POSES = ("p1", "p2", "p3")
-_PER_MOTOR = ("gamma", "delta", "cutoff")
 
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Study:
-    """A set of experiments that differ in one or two options of `armside laser`."""
+    """A set of experiments that differ in one or two options."""
 
-    what: str
+    over: Mapping[str, tuple[Any, ...]]
+    """Options of `learning_job` that vary, all combinations."""
     fixed: Mapping[str, Any] = field(default_factory=dict)
     """Options that are not the default (40 mm/s, gamma 0.9, delta 3, 10 Hz, five updates)."""
-    over: Mapping[str, tuple[Any, ...]]
-    """Options that vary, all combinations."""
     repetitions: int = 1
 
     def jobs(self, seed: int) -> dict[Any, LearningJob]:
@@ -28,73 +26,68 @@ class Study:
         return dict(self._jobs(seed))
 
     def _jobs(self, seed: int) -> Iterator[tuple[Any, LearningJob]]:
-        base = laser(**self.fixed)
         for values in product(*self.over.values()):
-            cut = replace(base, **_options(dict(zip(self.over, values, strict=True))))
+            options = {**self.fixed, **dict(zip(self.over, values, strict=True))}
             for repetition in range(self.repetitions):
-                job = LearningJob(laser=cut, seed=seed, repetition=repetition)
+                job = learning_job(seed, repetition=repetition, **options)
                 key = [*values, repetition] if self.repetitions > 1 else [*values]
                 yield (tuple(key) if len(key) > 1 else key[0]), job
 
 
-def laser(**options: Any) -> LaserCfg:
-    """`armside laser` with options as one types them: one value where six could be given."""
-    return LaserCfg(**_options(options))
+def learning_job(
+    seed: int,
+    *,
+    speed: float = 40.0,
+    gamma: float | tuple[float, ...] = 0.9,
+    delta: int | tuple[int, ...] = 3,
+    cutoff: float | tuple[float, ...] = 10.0,
+    iterations: int = 5,
+    repetition: int = 0,
+    series: bool = True,
+    **cut: Any,
+) -> LearningJob:
+    """An experiment in the units of the thesis: speed [mm/s], cutoff [Hz].
+
+    cut: further fields of `Cut`.
+    """
+    return LearningJob(
+        cut=Cut(speed=1e-3 * speed, **cut),
+        design=Design(gamma=_each(gamma), delta=_each(delta), cutoff=_each(cutoff)),
+        iterations=iterations,
+        seed=seed,
+        repetition=repetition,
+        series=series,
+    )
 
 
-def _options(given: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        name: (value,) if name in _PER_MOTOR and not isinstance(value, tuple) else value
-        for name, value in given.items()
-    }
+def _each(value: Any) -> tuple[Any, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 STUDIES: Mapping[str, Study] = {
-    "position": Study(
-        what="9.4.1, Fig 9.5: nominal error by position",
-        fixed={"speed": 50.0, "iterations": 0},
-        over={"pose": POSES},
-    ),
+    # 9.4.1, Fig 9.5: nominal error by position
+    "position": Study({"pose": POSES}, {"speed": 50.0, "iterations": 0}),
+    # 9.4.1, Fig 9.6: nominal error by velocity; p3 is ours
     "velocity": Study(
-        what="9.4.1, Fig 9.6: nominal error by velocity; p3 is ours",
-        fixed={"iterations": 0},
-        over={"speed": tuple(map(float, range(10, 101, 10))), "pose": POSES},
+        {"speed": tuple(map(float, range(10, 101, 10))), "pose": POSES}, {"iterations": 0}
     ),
-    "repeatability": Study(
-        what="9.4.1, (9.10): identical experiments; the thesis has two",
-        over={"pose": ("p1",)},
-        repetitions=12,
-    ),
-    "stability": Study(
-        what="9.4.2, Fig 9.7: ten iterations",
-        fixed={"speed": 50.0, "iterations": 10},
-        over={"pose": POSES},
-    ),
-    "identification": Study(
-        what="9.4.2, (9.11), Fig 9.8: learning at several velocities, two positions",
-        over={"pose": ("p1", "p2"), "speed": (30.0, 40.0, 60.0)},
-    ),
-    "operating point": Study(
-        what="9.4.3, Figs 9.9-9.11: learning at each position",
-        over={"pose": POSES},
-    ),
-    "shift": Study(
-        what="9.4.4, Fig 9.12: the time shift, motor side",
-        fixed={"speed": 50.0},
-        over={"delta": tuple(range(1, 9))},
-    ),
-    "shift, arm": Study(
-        what="9.4.4, Fig 9.13: the time shift, arm side",
-        over={"pose": ("p1", "p2"), "delta": (3, 6)},
-    ),
-    "cutoff": Study(
-        what="9.4.5, Figs 9.14, 9.16, 9.17: the cutoff",
-        over={"pose": ("p1", "p2"), "cutoff": (10.0, 15.0)},
-    ),
+    # 9.4.1, (9.10): identical experiments; the thesis has two
+    "repeatability": Study({"pose": ("p1",)}, repetitions=12),
+    # 9.4.2, Fig 9.7: ten iterations
+    "stability": Study({"pose": POSES}, {"speed": 50.0, "iterations": 10}),
+    # 9.4.2, (9.11), Fig 9.8: learning at several velocities, two positions
+    "identification": Study({"pose": ("p1", "p2"), "speed": SPEEDS}),
+    # 9.4.3, Figs 9.9-9.11: learning at each position
+    "operating point": Study({"pose": POSES}),
+    # 9.4.4, Fig 9.12: the time shift, motor side
+    "shift": Study({"delta": tuple(range(1, 9))}, {"speed": 50.0}),
+    # 9.4.4, Fig 9.13: the time shift, arm side
+    "shift, arm": Study({"pose": ("p1", "p2"), "delta": (3, 6)}),
+    # 9.4.5, Figs 9.14, 9.16, 9.17: the cutoff
+    "cutoff": Study({"pose": ("p1", "p2"), "cutoff": (10.0, 15.0)}),
+    # 9.4.5, Fig 9.15: the cutoff in small steps
     "cutoff, spread": Study(
-        what="9.4.5, Fig 9.15: the cutoff in small steps",
-        fixed={"speed": 50.0},
-        over={"cutoff": (5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0, 22.5)},
+        {"cutoff": (5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0, 22.5)}, {"speed": 50.0}
     ),
 }
 """By name. Experiments that several figures share are run once."""

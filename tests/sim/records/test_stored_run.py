@@ -13,8 +13,8 @@ from armside.scripts import cli
 from armside.scripts.commands import measure
 from armside.sim.cell import TOOL_QUATERNION
 from armside.sim.cut import tool_motion
-from armside.sim.cut.contour import hexagon, slot
-from armside.sim.cut.path import Circle, CuttingPath, Plane
+from armside.sim.cut.contour import Circle, hexagon, slot
+from armside.sim.cut.path import CuttingPath, Plane
 from armside.sim.evaluation.recorded import measure_signals
 from armside.sim.laser import experiment, plant
 from armside.sim.records import read_run

@@ -1,0 +1,101 @@
+"""Experiments of calibration: the nominal robot with its gear effects, without noise."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..evaluation.check import Check
+from ..instruments.laser_tracker import TrackerSamples
+from ..laser.design import Design
+from ..laser.experiment import Experiment, prepare
+from ..laser.job import arrays_of
+from ..laser.learning import iterate
+from ..laser.measures import MotorAngles
+from ..laser.plant import Pass
+from ..laser.specification import Cut
+from ..robot.effects import Effect
+from ..robot.model import RobotModel
+from . import targets
+from .targets import POSES, Result
+
+
+@dataclass(frozen=True)
+class _NoiseFree:
+    """The robot without noise, its tool measured as it is."""
+
+    experiment: Experiment
+
+    def run(self, correction: Array, /) -> Pass:
+        recording = self.experiment.loaded.run(correction)
+        truth = recording.truth
+        rate = self.experiment.plant.tracker.cfg.rate
+        every = slice(None, None, round(1.0 / (rate * float(truth.time[1]))))
+        time, position = truth.time[every], truth.tool_position[every]
+        valid = np.ones(len(time), dtype=bool)
+        return Pass(recording=recording, tracker=TrackerSamples(time, position, valid))
+
+
+def learned(
+    model: RobotModel,
+    effects: frozenset[Effect],
+    pose: str,
+    *,
+    speed: float = 0.040,
+    cutoff: float = 10.0,
+    delta: int = 3,
+    iterations: int = 5,
+) -> Result:
+    """Run one experiment of the nominal robot; a result as `targets` reads it, of the true tool.
+
+    speed: [m/s]. cutoff: [Hz].
+    """
+    without = tuple(effect for effect in Effect if effect not in effects)
+    cut = Cut(pose=pose, speed=speed, friction_spread=0.0, without=without)
+    experiment = prepare(cut, nominal=model)
+    design = Design(gamma=(0.9,), delta=(delta,), cutoff=(cutoff,))
+    set_up = MotorAngles(design).prepare(experiment)
+    found = list(iterate(experiment, set_up, iterations, plant=_NoiseFree(experiment)))
+    return arrays_of(found, experiment) | {
+        "gear": model.drives.gear,
+        "motion_end": np.array(experiment.motion_end),
+    }
+
+
+def learning_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+    """Motor side and arm side at 40 mm/s over poses, cutoff and shift: (a) to (d)."""
+    run = partial(learned, model, effects)
+    base = {pose: run(pose) for pose in POSES}
+    yield from targets.motor_side(base)
+    yield from targets.arm_side(base)
+    fast = run("p1", cutoff=15.0)
+    yield from targets.cutoff_arm(base["p1"], fast)
+    yield from targets.cutoff_motor(base["p1"], fast)
+    yield from targets.shift_arm(base, {pose: run(pose, delta=6) for pose in ("p1", "p2")})
+
+
+def nominal_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+    """Errors without learning by position and velocity: (f)."""
+    at_10, at_50, at_80 = (
+        {pose: learned(model, effects, pose, speed=speed, iterations=0) for pose in POSES}
+        for speed in (0.010, 0.050, 0.080)
+    )
+    yield from targets.nominal_by_position(at_50)
+    yield from targets.growth(at_10, at_80)
+
+
+def model_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+    """The response to corrections of the motors that move most, at p1: (e)."""
+    runs = {v: learned(model, effects, "p1", speed=1e-3 * v) for v in targets.SPEEDS}
+    yield from targets.fitted_model(targets.identify(runs))
+
+
+CHECKS: tuple[Callable[[RobotModel, frozenset[Effect]], Iterator[Check]], ...] = (
+    learning_checks,
+    nominal_checks,
+    model_checks,
+)
+"""Those that exclude most candidates first."""
