@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from armside.sim.cores import cores
 from armside.sim.tuning.design import THESIS, Motors, action_of
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ..jobs.workers import cores
 from .timing import Row, interleaved
 
 ROBOTS = 64
