@@ -1,4 +1,4 @@
-"""Jobs of a report on all cores: what is stored is not run again, results are stored as they come."""
+"""Jobs of a report on all cores, with results that are stored as they come and not run again."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
