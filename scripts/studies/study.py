@@ -1,4 +1,4 @@
-"""Optuna studies of `armside tune`: opened or resumed, and what they know so far.
+"""Optuna studies of `armside tune`: opened or resumed, and their trials.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from armside.sim.tuning.design import VARIABLES, Design, Motors, Scale
+from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
+from .importance import importance
 from .storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
@@ -21,31 +23,29 @@ if TYPE_CHECKING:
 Sampler = Literal["tpe", "random", "cmaes"]
 Pruner = Literal["percentile", "none"]
 
-WORST = 1e3
-"""Objective of a design that diverges: no finite one is that bad."""
 TRUE = "ratio_true"
-"""User attribute of a trial: the objective, had the tool been seen as it was."""
-PATIENCE = 3
-"""The first iteration, counted from 1, after which a design may be given up: what learns slowly is
-behind at first, and what learns fast may lose again what it had gained."""
-WRITTEN = 2.0
-"""[s], in which the process that has made a study writes what it tunes."""
-COMPARED = 10
-"""Complete designs, before which none is given up. ESTIMATE: as many as TPE draws at random."""
-KEPT = 75.0
+"""User attribute of a trial: the ground truth of its objective."""
+FIRST_PRUNED = 3
+"""The first iteration, counted from 1, after which a design may be given up: one that learns slowly
+is behind at first, and one that learns fast may lose again what it had gained."""
+CONFIG_TIMEOUT = 2.0
+"""[s], for the process that has made a study to write what it tunes."""
+STARTUP_TRIALS = 10
+"""Complete designs before one is given up. ESTIMATE: as many as TPE draws at random."""
+PERCENTILE = 75.0
 """[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
 
 
-class Tried(NamedTuple):
-    """What became of one design."""
+class Outcome(NamedTuple):
+    """Outcome of one trial."""
 
     number: int
-    seen: float
+    value: float
     """The objective after the last iteration, WORST if it diverged."""
     true: float | None
-    """The same in truth; None where it is not known."""
-    whole: bool
-    """Tried to the end, not given up."""
+    """Its ground truth; None where it is not known."""
+    complete: bool
+    """All iterations were run: the design was not given up."""
 
 
 def open_study(
@@ -60,7 +60,7 @@ def open_study(
     """The study of that name, new or as other processes have left it.
 
     Args:
-        storage: see `study_storage.connect`.
+        storage: see `storage.connect`.
         config: what is tuned; a study of another configuration is refused.
 
     Raises:
@@ -91,9 +91,9 @@ def open_study(
 
 
 def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
-    """What a study tunes. The process that has made it may be about to write it; if that was
-    killed in between, it is this."""
-    end = time.monotonic() + WRITTEN
+    """The configuration that a study tunes. The process that has made the study may be about to
+    write it; where that was killed in between, `config` becomes its configuration."""
+    end = time.monotonic() + CONFIG_TIMEOUT
     while (known := study.user_attrs.get("config")) is None and time.monotonic() < end:
         time.sleep(0.1)
     if known is None:
@@ -137,10 +137,10 @@ def parameters(design: Design, motors: Motors) -> dict[str, float]:
 def ask_first(
     study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
 ) -> None:
-    """Try a design next, unless it was tried, is waiting, or another process is trying it now.
+    """Queue a design as the next trial, unless it was tried, is waiting, or is running elsewhere.
 
-    One whose trial failed, or whose process was killed, is asked for again. Whether a process was
-    killed shows when it has been silent for long enough, which is waited for.
+    One whose trial failed, or whose process was killed, is queued again. A killed process is known
+    by its silence, which is waited for.
 
     check: called while waiting; what it raises ends that.
     """
@@ -156,7 +156,7 @@ def ask_first(
 
 
 def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":
-    """Of all trials of a design, after those of killed processes have failed."""
+    """States of all trials of a design, after those of killed processes have failed."""
     fail_silent(study)
     return {
         trial.state
@@ -172,12 +172,12 @@ def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
 
 
-def outcomes(study: "optuna.Study") -> list[Tried]:
-    """Of all finished trials."""
+def outcomes(study: "optuna.Study") -> list[Outcome]:
+    """Outcomes of all finished trials."""
     from optuna.trial import TrialState
 
     return [
-        Tried(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
+        Outcome(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
         for t in finished(study)
     ]
 
@@ -193,6 +193,23 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
             best = value(trial)
             found.append(trial)
     return found
+
+
+def results(study: "optuna.Study") -> dict[str, Any]:
+    """Trials, best designs and importances of a study, as summary.json has them."""
+    from optuna.trial import TrialState
+
+    states = [trial.state for trial in study.get_trials(deepcopy=False)]
+    best = [
+        {"trial": t.number, "ratio": t.value, TRUE: t.user_attrs.get(TRUE), **t.params}
+        for t in bests(study)
+    ]
+    return {
+        "trials": {state.name.lower(): states.count(state) for state in TrialState},
+        "bests": best,
+        "best": best[-1] if best else None,
+        "importance": {name: found._asdict() for name, found in importance(study).items()},
+    }
 
 
 def value(trial: "optuna.trial.FrozenTrial") -> float:
@@ -235,7 +252,9 @@ def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
 
     if name == "none":
         return optuna.pruners.NopPruner()
-    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=COMPARED, n_warmup_steps=PATIENCE)
+    return optuna.pruners.PercentilePruner(
+        PERCENTILE, n_startup_trials=STARTUP_TRIALS, n_warmup_steps=FIRST_PRUNED
+    )
 
 
 def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":

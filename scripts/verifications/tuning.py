@@ -12,11 +12,11 @@ import numpy as np
 from armside.sim.cores import cores
 from armside.sim.tuning.design import THESIS, VARIABLES, Design, Motors
 from armside.sim.tuning.evaluation import Policy, always, evaluate
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
 from ..commands.verify import Table, Verdict
-from ..studies.policy import Network
 from ..studies.tuned_design import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"

@@ -1,7 +1,8 @@
 """The rules of an episode, shared by the single and the vector env: spaces, draws, steps, rewards.
 
-Reward of a step: log(RMS before / RMS after) of the tool's circle (9.6) as the configured sensor
-sees it, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
+Reward of a step: log(RMS before / RMS after) of the tool's circle (9.6) as measured by the
+configured sensor, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no
+measure.
 """
 
 from collections.abc import Mapping
@@ -17,7 +18,7 @@ from ..robot.model import RobotModel, load_model
 from . import observation, task
 from .checks import whole
 from .design import VARIABLES, Design, Motors, design_of
-from .sensor import Sees, Sensor
+from .sensor import RewardSensor, Sensor
 from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
@@ -26,17 +27,17 @@ WORST_REWARD = -5.0
 
 
 class Score(NamedTuple):
-    """What a step was worth."""
+    """Reward of a step."""
 
     log_decrease: float
-    """log(RMS before / RMS after) as the sensor sees it; NaN where it has no measure."""
+    """log(RMS before / RMS after) as measured by the sensor; NaN where it has no measure."""
     reward: float
     """The same within bounds, or what a run that diverged costs."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """What stays the same over all episodes. Safe to use from several threads."""
+    """Configuration common to all episodes. Safe to use from several threads."""
 
     robot: str = "large"
     motors: str = "shared"
@@ -48,16 +49,16 @@ class Rules:
     nominal: RobotModel = field(init=False, repr=False)
     """The robot as its controller knows it."""
     sensor: Sensor = field(init=False, repr=False)
-    """What the reward is computed from."""
+    """Sensor that the reward is computed from."""
 
     def __post_init__(self) -> None:
         _one_of("robot", self.robot, CELLS)
         _one_of("motors", self.motors, [m.value for m in Motors])
-        _one_of("reward", self.reward, [s.value for s in Sees])
+        _one_of("reward", self.reward, [s.value for s in RewardSensor])
         object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        object.__setattr__(self, "sensor", Sees(self.reward).sensor(self.robot))
+        object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor(self.robot))
         object.__setattr__(self, "nominal", load_model(self.cell.xml))
 
     @property
@@ -97,7 +98,7 @@ class Rules:
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
-        imu = Sees(self.reward).imu
+        imu = RewardSensor(self.reward).imu
         return begin(drawn, task.experiment(self.cell, self.nominal, drawn, imu), self.sensor)
 
     def design(self, action: ArrayLike) -> Design:
@@ -110,7 +111,7 @@ class Rules:
 
     def score(self, before: Situation, after: Situation) -> Score:
         """The reward of a step."""
-        first, second = before.seen.rms, after.seen.rms
+        first, second = before.measured.rms, after.measured.rms
         if np.isfinite(first) and np.isfinite(second) and first > 0.0 and second > 0.0:
             decrease = float(np.log(first / second))
             reward = min(max(decrease, WORST_REWARD), -WORST_REWARD)
@@ -129,7 +130,7 @@ class Rules:
     def info(
         self, situation: Situation, design: Design | None = None, score: Score | None = None
     ) -> dict[str, Any]:
-        """Physical values and truth: what a policy must not see and a person wants to.
+        """Physical values and ground truth: hidden from a policy, of interest to a person.
 
         Keys, the same after `reset` but for those of a step:
 
@@ -156,8 +157,8 @@ class Rules:
             "maxdev_true": float(situation.true.maxdev),
             "motor_error_two": situation.two_norm.copy(),
             "motor_error_inf": situation.inf_norm.copy(),
-            "rms_seen": float(situation.seen.rms),
-            "maxdev_seen": float(situation.seen.maxdev),
+            "rms_seen": float(situation.measured.rms),
+            "maxdev_seen": float(situation.measured.maxdev),
             **({} if score is None else {"log_decrease": score.log_decrease}),
             **({} if design is None else design.arrays()),
         }

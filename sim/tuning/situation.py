@@ -1,4 +1,4 @@
-"""Where an episode stands: what the last run left behind, and how one more iteration changes it."""
+"""State of an episode after a run, and the next iteration of learning."""
 
 import copy
 from dataclasses import dataclass, field, replace
@@ -16,18 +16,18 @@ from .sensor import Reading, Sensor
 from .task import Task
 
 DIVERGED = 3.0
-"""Of its value at k = 0: a motor's 2-norm beyond it has diverged, as in `ilc.learning`."""
+"""Factor over its value at k = 0 at which a motor's 2-norm has diverged, as in `ilc.learning`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Situation:
-    """After run k of an experiment."""
+    """State of an episode after run k."""
 
     task: Task
-    """What was drawn."""
+    """The task that was drawn."""
     experiment: Experiment
     reading: Reading = field(repr=False)
-    """What the configured sensor makes of a run."""
+    """Measures the tool's deviation in a run with the configured sensor."""
     k: int
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""
@@ -41,10 +41,10 @@ class Situation:
     """(6,) [rad], of `motor_error`."""
     first_norm: Array
     """(6,) [rad], `two_norm` at k = 0."""
-    seen: ArmSide
-    """The tool as the configured sensor has it."""
+    measured: ArmSide
+    """Deviation of the tool as measured by the configured sensor."""
     true: ArmSide
-    """The tool as it was: for evaluation only."""
+    """Ground truth of that deviation: for evaluation only."""
     diverged: bool
 
 
@@ -102,7 +102,7 @@ def _situation(
         two_norm=norm,
         inf_norm=inf_norm(motor_error),
         first_norm=first,
-        seen=reading(cut),
+        measured=reading(cut),
         true=arm_side(experiment.motion, time, position),
         diverged=not (np.isfinite(norm) & (norm <= DIVERGED * first)).all(),
     )

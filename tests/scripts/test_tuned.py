@@ -7,12 +7,12 @@ import pytest
 from gymnasium.utils.seeding import np_random
 
 from armside.scripts.commands.train import TrainCfg, first_action
-from armside.scripts.studies.policy import Network
 from armside.scripts.studies.tuned_design import load_design
 from armside.scripts.verifications import env as verify_env
 from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from armside.sim.tuning.design import VARIABLES, Design, Motors, action_of
 from armside.sim.tuning.evaluation import always, evaluate
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS, draw
 
@@ -82,7 +82,7 @@ def test_the_searched_design_is_as_good_on_its_episodes_as_the_search_says():
     found = json.loads((TUNED / "design.json").read_text())
     seeds = range(found["config"]["seed"], found["config"]["seed"] + found["config"]["episodes"])
     episodes = evaluate(Rules(), seeds, always(searched(), Motors.SHARED), threads=2)
-    ratio = np.exp(np.mean([np.log(e.rms_seen[-1] / e.rms_seen[0]) for e in episodes]))
+    ratio = np.exp(np.mean([np.log(e.rms_measured[-1] / e.rms_measured[0]) for e in episodes]))
     assert ratio == pytest.approx(found["best"]["ratio"], rel=1e-3)
 
 
