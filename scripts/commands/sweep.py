@@ -2,7 +2,7 @@
 
 import hashlib
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +15,9 @@ from armside.sim.records.summary import summary
 
 from ..jobs.blocks import FAILED, Blocks
 from ..jobs.cluster import RayCluster
-from ..jobs.dataset import dataset, failures
+from ..jobs.dataset import dataset, first_error
 from ..jobs.grid import parse
-from ..jobs.point import Point, run_grid
+from ..jobs.point import run_grid
 from ..jobs.queue import KNOWN_FAILED
 from ..jobs.workers import Workers
 from ..shell.console import Report, keep
@@ -72,7 +72,9 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
         with checking_input():
             grid = parse(axes, common.seed)
             points = list(grid)
-        rows = dataset(cfg.into or RUNS / f"sweep-{_name(points)}")
+        keys = [point.key for point in points]
+        name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
+        rows = dataset(cfg.into or RUNS / f"sweep-{name}")
         try:
             with report.progress("sweeping", total=len(points)) as step:
                 counts = run_grid(
@@ -84,9 +86,10 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
                     waiting=(lambda n: None) if common.quiet else _say_waiting,
                 )
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(points, rows)) from None
+            raise KeyboardInterrupt(_interrupted(keys, rows)) from None
+    # None too where another sweep has meanwhile run all that failed again.
     n_failed = counts[FAILED] + counts[KNOWN_FAILED]
-    error = _first_error(points, rows) if n_failed else None
+    error = first_error(rows, keys) if n_failed else None
     outcome = summary(
         "sweep",
         {"axes": list(axes), "into": rows.folder, "engine": cfg.engine},
@@ -110,29 +113,12 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
 
 
 def _say_waiting(n: int) -> None:
-    said = f"waiting for {n} configurations that another sweep has claimed"
-    print(f"armside: {said}", file=sys.stderr, flush=True)
+    said = f"armside: waiting for {n} configurations that another sweep has claimed"
+    print(said, file=sys.stderr, flush=True)
 
 
-def _interrupted(points: Sequence[Point], rows: Blocks) -> str:
+def _interrupted(keys: Sequence[str], rows: Blocks) -> str:
     """The message at the end of a sweep that was stopped; empty if nothing is kept."""
-    kept = len(rows.keys() & {point.key for point in points})
-    if not kept:
-        return ""
-    return (
-        f"interrupted; {kept} of {len(points)} configurations are kept in {rows.folder}, "
-        "repeat the command to go on"
-    )
-
-
-def _first_error(points: Iterable[Point], rows: Blocks) -> str | None:
-    """Error of the first point, in the order of the grid, that has failed; None if another sweep
-    has meanwhile run all of them again."""
-    known = failures(rows)
-    return next((known[point.key] for point in points if point.key in known), None)
-
-
-def _name(points: Iterable[Point]) -> str:
-    """Short hash of a grid."""
-    keys = hashlib.sha256("".join(sorted(point.key for point in points)).encode())
-    return keys.hexdigest()[:8]
+    kept = len(rows.keys() & set(keys))
+    said = f"interrupted; {kept} of {len(keys)} configurations are kept in {rows.folder}"
+    return f"{said}, repeat the command to go on" if kept else ""

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
-from armside.sim.tuning.design import VARIABLES, Motors, action_of
+from armside.sim.tuning.design import Motors
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
@@ -23,7 +21,7 @@ from ..shell.errors import checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, options
-from ..studies.tuned_design import load_design
+from ..studies.tuned_design import first_action
 
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""
@@ -53,20 +51,12 @@ class TrainCfg:
         for name in ("robots", "steps"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        _ = self.rules, first_action(self)  # raise ValueError
+        _ = self.rules, first_action(self.start, Motors(self.motors))  # raise ValueError
 
     @property
     def rules(self) -> Rules:
         """Rules of the episodes."""
         return Rules(robot=self.robot, motors=self.motors, reward=self.reward)
-
-
-def first_action(cfg: TrainCfg) -> np.ndarray:
-    """Action of the policy before it has learned. Raises ValueError for a design out of range."""
-    motors = Motors(cfg.motors)
-    if cfg.start is None:
-        return np.zeros(len(VARIABLES) * motors.count, np.float32)
-    return action_of(load_design(cfg.start), motors)
 
 
 def whole_batches(steps: int, batch: int) -> int:
@@ -88,13 +78,8 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         check_writable(common.out or RUNS / "train")
         with needs("learn", "armside train", "Stable-Baselines3"):
             from ..studies import ppo
-        env = IlcTuningVectorEnv(
-            cfg.robots,
-            robot=cfg.robot,
-            motors=cfg.motors,
-            reward=cfg.reward,
-            autoreset_mode="SameStep",
-        )
+        task = {"robot": cfg.robot, "motors": cfg.motors, "reward": cfg.reward}
+        env = IlcTuningVectorEnv(cfg.robots, **task, autoreset_mode="SameStep")
     steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
     with (
         noticing(lambda: "") as stop,
@@ -104,7 +89,7 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         network, curve = ppo.learn(
             env,
             steps,
-            start=first_action(cfg),
+            start=first_action(cfg.start, Motors(cfg.motors)),
             seed=common.seed,
             discount=DISCOUNT,
             done=lambda: (step(), stop.check()),

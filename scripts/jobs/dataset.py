@@ -1,6 +1,6 @@
 """The dataset of a sweep: one row for each configuration of `armside laser`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
 from types import UnionType
@@ -52,10 +52,12 @@ def measures(results: Mapping[str, Any]) -> Row:
     }
 
 
-def failures(rows: Blocks) -> dict[str, str]:
-    """Error of each failed configuration in the parts, by key. Raises as `Blocks.read`."""
+def first_error(rows: Blocks, keys: Iterable[str]) -> str | None:
+    """Error of the first of these configurations that has failed; None if none has. Raises as
+    `Blocks.read`."""
     found = rows.read(["key", "status", "error"]).to_pylist()
-    return {row["key"]: row["error"] for row in found if row["status"] == FAILED}
+    errors = {row["key"]: row["error"] for row in found if row["status"] == FAILED}
+    return next((errors[key] for key in keys if key in errors), None)
 
 
 def _arrow(hint: Any) -> pa.DataType:

@@ -3,7 +3,9 @@
 import json
 from pathlib import Path
 
-from armside.sim.tuning.design import VARIABLES, Design
+import numpy as np
+
+from armside.sim.tuning.design import VARIABLES, Design, Motors, action_of
 
 from .study import parameter_names
 
@@ -27,3 +29,13 @@ def load_design(file: Path) -> Design:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{file} is no summary.json of armside tune") from error
     return Design(gamma=gamma, delta=delta, cutoff=cutoff)
+
+
+def first_action(file: Path | None, motors: Motors) -> np.ndarray:
+    """Action of the design in a file, (3,) or (18,); without one, of the middle of the ranges.
+
+    Raises ValueError as `load_design`, and for a design out of the ranges.
+    """
+    if file is None:
+        return np.zeros(len(VARIABLES) * motors.count, np.float32)
+    return action_of(load_design(file), motors)

@@ -290,6 +290,13 @@ def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
     assert (status, "Ray" in err) == (2, True)
 
 
+def test_without_ray_the_extra_is_named(armside, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    status, _, err = armside("sweep gamma=1 --engine ray --address 127.0.0.1:1")
+    assert status == 2
+    assert err == "armside: the engine ray needs Ray: pip install 'armside[cluster]'\n"
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The dataset of AXES, computed in this process without any disturbance."""

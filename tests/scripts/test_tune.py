@@ -406,3 +406,11 @@ def test_a_search_is_not_part_of_what_makes_studies_comparable():
     one, other = TuneCfg(trials=3, sampler="random"), TuneCfg(trials=9, pruner="none")
     assert one.identity(0) == other.identity(0)
     assert one.identity(0) != one.identity(1)
+
+
+def test_without_optuna_the_extra_is_named(armside, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    status, out, err = armside("tune")
+    assert (status, out) == (2, "")
+    assert err == "armside: armside tune needs Optuna: pip install 'armside[tuning]'\n"
+    assert not list(tmp_path.iterdir())

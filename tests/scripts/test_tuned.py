@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
 
-from armside.scripts.commands.train import TrainCfg, first_action
-from armside.scripts.studies.tuned_design import load_design
+from armside.scripts.studies.tuned_design import first_action, load_design
 from armside.scripts.verifications import env as verify_env
 from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from armside.sim.tuning.design import VARIABLES, Design, Motors, action_of
@@ -43,12 +42,12 @@ def test_no_sealed_episode_was_searched_or_learned_on():
 
 def test_the_learned_policy_began_with_the_searched_design():
     assert _config("policy.json")["start"].endswith("tuned/design.json")
-    start = first_action(TrainCfg(start=TUNED / "design.json"))
+    start = first_action(TUNED / "design.json", Motors.SHARED)
     assert np.array_equal(start, action_of(searched(), Motors.SHARED))
 
 
 def test_without_a_design_to_begin_with_it_is_the_middle_of_the_ranges():
-    assert first_action(TrainCfg(motors="each")).tolist() == [0.0] * 18
+    assert first_action(None, Motors.EACH).tolist() == [0.0] * 18
 
 
 def test_designs_of_one_motor_or_six_are_read_from_a_search(tmp_path):
