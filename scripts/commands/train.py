@@ -21,7 +21,7 @@ from ..shell.errors import checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, options
-from ..studies.tuned_design import first_action
+from ..studies.tuned_design import first_action, whole_batches
 
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""
@@ -59,11 +59,6 @@ class TrainCfg:
         return Rules(robot=self.robot, motors=self.motors, reward=self.reward)
 
 
-def whole_batches(steps: int, batch: int) -> int:
-    """Steps rounded up to whole batches: the network is updated after each."""
-    return -(-steps // batch) * batch
-
-
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
     """Learn to choose the design of every ILC iteration with PPO. Sealed test seeds are refused.
 
@@ -78,21 +73,31 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         check_writable(common.out or RUNS / "train")
         with needs("learn", "armside train", "Stable-Baselines3"):
             from ..studies import ppo
-        task = {"robot": cfg.robot, "motors": cfg.motors, "reward": cfg.reward}
-        env = IlcTuningVectorEnv(cfg.robots, **task, autoreset_mode="SameStep")
+        env = IlcTuningVectorEnv(
+            cfg.robots,
+            robot=cfg.robot,
+            motors=cfg.motors,
+            reward=cfg.reward,
+            autoreset_mode="SameStep",
+        )
     steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
     with (
         noticing(lambda: "") as stop,
         closing(env),
         report.progress("learning", total=steps) as step,
     ):
+
+        def done() -> None:
+            step()
+            stop.check()
+
         network, curve = ppo.learn(
             env,
             steps,
             start=first_action(cfg.start, Motors(cfg.motors)),
             seed=common.seed,
             discount=DISCOUNT,
-            done=lambda: (step(), stop.check()),
+            done=done,
         )
     outcome = summary("train", cfg, common, steps=steps, curve=curve)
     with RunFolder("train", seed=common.seed, out=common.out) as folder:

@@ -5,7 +5,7 @@ from typing import Any
 
 from ..shell.errors import RunFailed, one_line
 from .blocks import Row
-from .queue import Engine, complete
+from .queue import Engine, Queue
 from .store import Job, Store, digest, row
 from .workers import WorkerDied
 
@@ -38,7 +38,9 @@ def run_batch(
             return None
         return row(key, outcome)
 
-    complete(by_key, store.blocks, workers, kept, done=lambda key: done(by_key[key].cost))
+    Queue(
+        blocks=store.blocks, engine=workers, row=kept, done=lambda key: done(by_key[key].cost)
+    ).complete(by_key)
     if not failed:
         return
     finished = f"{len(jobs) - len(failed)} of {len(jobs)} experiments finished"

@@ -14,7 +14,7 @@ TIMEOUT = 10.0
 
 
 class RayCluster:
-    """An engine of `queue.complete` on nodes that have armside installed. Tasks of lost nodes are
+    """An engine of `queue.Queue` on nodes that have armside installed. Tasks of lost nodes are
     run again."""
 
     def __init__(self, address: str) -> None:

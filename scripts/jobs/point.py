@@ -13,7 +13,7 @@ from ..laser_options import LaserCfg
 from ..shell.errors import one_line
 from .blocks import FAILED, Blocks, Row
 from .dataset import measures
-from .queue import Engine, complete
+from .queue import Engine, Queue
 from .resolved import key_of, resolved
 from .store import code_fingerprint
 from .workers import WorkerDied
@@ -70,19 +70,19 @@ def run_grid(
 ) -> Counter[str]:
     """Bring a dataset up to all points of a grid; `step` is called for each that has a row.
 
-    The rest, the returned counts and the errors are those of `queue.complete`.
+    The rest, the returned counts and the errors are those of `Queue.complete`.
     """
     jobs = {point.key: point for point in points}
 
     def row(key: str, outcome: Row | Exception) -> Row:
         return jobs[key].failed(outcome) if isinstance(outcome, Exception) else outcome
 
-    return complete(
-        jobs,
-        rows,
-        engine,
-        row,
+    queue = Queue(
+        blocks=rows,
+        engine=engine,
+        row=row,
         done=lambda _: step(),
         retry_failed=retry_failed,
         waiting=waiting,
     )
+    return queue.complete(jobs)

@@ -3,6 +3,7 @@
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from .blocks import FAILED, Block, Blocks, Row
@@ -41,81 +42,57 @@ class Engine(Protocol):
         ...
 
 
-def complete(
-    jobs: Mapping[str, Job],
-    blocks: Blocks,
-    engine: Engine,
-    row: Callable[[str, Any], Row | None],
-    *,
-    done: Callable[[str], None] = lambda key: None,
-    retry_failed: bool = False,
-    waiting: Callable[[int], None] = lambda n: None,
-) -> Counter[str]:
-    """Bring a folder up to all jobs, started in their order.
-
-    Args:
-        jobs: by key.
-        row: the row that a key and the outcome of its job become; None keeps nothing.
-        done: called with the key of each job that has an outcome.
-        waiting: called once nothing is left to do but to wait for others, with the number of jobs
-            that they have claimed.
-
-    Returns:
-        The number of jobs by status: that of their new rows, `failed` where there is none, and
-        `known` or `known (failed)` for rows that were there before.
-
-    Raises:
-        RunFailed: the folder's file system has no locks.
-        OSError: the folder cannot be written to. The rows before are kept.
-        pyarrow.ArrowInvalid: a part is damaged, and not expendable.
-    """
-    return _Queue(jobs, blocks, engine, row, done, retry_failed).run(waiting)
-
-
 def run(job: Job) -> Any:
     """The result of a job."""
     return job.run()
 
 
-class _Queue:
-    """Blocks of jobs on their way through the folder and the engine."""
+@dataclass(kw_only=True)
+class Queue:
+    """Jobs on their way through an engine into the blocks of a folder."""
 
-    def __init__(
-        self,
-        jobs: Mapping[str, Job],
-        blocks: Blocks,
-        engine: Engine,
-        row: Callable[[str, Any], Row | None],
-        done: Callable[[str], None],
-        retry_failed: bool,
-    ) -> None:
-        self._blocks, self._engine, self._row, self._done = blocks, engine, row, done
-        self._retry_failed = retry_failed
+    blocks: Blocks
+    engine: Engine
+    row: Callable[[str, Any], Row | None]
+    """The row that a key and the outcome of its job become; None keeps nothing."""
+    done: Callable[[str], None] = lambda key: None
+    """Called with the key of each job that has an outcome."""
+    retry_failed: bool = False
+    waiting: Callable[[int], None] = lambda n: None
+    """Called once nothing is left to do but to wait for others, with the number of jobs that they
+    have claimed."""
+
+    def complete(self, jobs: Mapping[str, Job]) -> Counter[str]:
+        """Bring the folder up to all jobs, by key, started in their order.
+
+        Returns:
+            The number of jobs by status: that of their new rows, `failed` where there is none, and
+            `known` or `known (failed)` for rows that were there before.
+
+        Raises:
+            RunFailed: the folder's file system has no locks.
+            OSError: the folder cannot be written to. The rows before are kept.
+            pyarrow.ArrowInvalid: a part is damaged, and not expendable.
+        """
         self._jobs: dict[str, dict[str, Job]] = {}
-        """By block and key."""
         for key, job in jobs.items():
-            self._jobs.setdefault(blocks.name(key), {})[key] = job
-        self._unclaimed = deque(self._jobs)
-        self._held_elsewhere = deque[str]()
+            self._jobs.setdefault(self.blocks.name(key), {})[key] = job
+        self._unclaimed, self._held_elsewhere = deque(self._jobs), deque[str]()
         self._ready = deque[tuple[str, Job]]()
         self._ours: dict[str, Block] = {}
-        self._left: Counter[str] = Counter()
-        self._counts: Counter[str] = Counter()
-
-    def run(self, waiting: Callable[[int], None]) -> Counter[str]:
-        """All of it, as `complete`."""
+        self._left, self._counts = Counter[str](), Counter[str]()
         told = False
         try:
-            while self._unclaimed or self._held_elsewhere or self._ready or self._engine.busy:
+            while self._unclaimed or self._held_elsewhere or self._ready or self.engine.busy:
                 self._fill()
                 # Only now: writing a part takes time in which workers would have nothing to do.
                 self._close_finished()
-                if self._engine.busy:
-                    for key, outcome in self._engine.collect():
+                if self.engine.busy:
+                    for key, outcome in self.engine.collect():
                         self._keep(key, outcome)
                 elif self._held_elsewhere:
                     if not told:
-                        waiting(sum(len(self._jobs[name]) for name in self._held_elsewhere))
+                        self.waiting(sum(len(self._jobs[name]) for name in self._held_elsewhere))
                         told = True
                     time.sleep(POLL)
                 if not (self._unclaimed or self._ready):
@@ -128,15 +105,15 @@ class _Queue:
     def _fill(self) -> None:
         """Give the engine what it can start now. A block is claimed when its turn has come: until
         then another process may have it."""
-        while self._engine.room > 0 and (self._ready or self._unclaimed):
+        while self.engine.room > 0 and (self._ready or self._unclaimed):
             if self._ready:
                 key, job = self._ready.popleft()
-                self._engine.submit(key, run, job)
+                self.engine.submit(key, run, job)
             else:
                 self._claim(self._unclaimed.popleft())
 
     def _claim(self, name: str) -> None:
-        block = self._blocks.claim(name, retry_failed=self._retry_failed)
+        block = self.blocks.claim(name, retry_failed=self.retry_failed)
         if block is None:
             self._held_elsewhere.append(name)
             return
@@ -151,7 +128,7 @@ class _Queue:
             self._ours.pop(name).close()
 
     def _keep(self, key: str, outcome: Any) -> None:
-        name, row = self._blocks.name(key), self._row(key, outcome)
+        name, row = self.blocks.name(key), self.row(key, outcome)
         if row is not None:
             self._ours[name].add(row)
         self._left[name] -= 1
@@ -159,7 +136,7 @@ class _Queue:
 
     def _count(self, key: str, status: str) -> None:
         self._counts[status] += 1
-        self._done(key)
+        self.done(key)
 
     def _close_finished(self) -> None:
         for name in [name for name in self._ours if not self._left[name]]:

@@ -34,7 +34,7 @@ class _Task(NamedTuple):
 class Workers:
     """Worker processes, started by the first task and stopped at the end of the block.
 
-    An engine of `queue.complete`; `map` serves work that is not stored.
+    An engine of `queue.Queue`; `map` serves work that is not stored.
     """
 
     def __init__(self, count: int | None = None) -> None:

@@ -1,4 +1,4 @@
-"""A design that `armside tune` found, read from the summary.json it has written."""
+"""The start of a training: the design that `armside tune` found, and the number of steps."""
 
 import json
 from pathlib import Path
@@ -39,3 +39,8 @@ def first_action(file: Path | None, motors: Motors) -> np.ndarray:
     if file is None:
         return np.zeros(len(VARIABLES) * motors.count, np.float32)
     return action_of(load_design(file), motors)
+
+
+def whole_batches(steps: int, batch: int) -> int:
+    """Steps rounded up to whole batches: the network is updated after each."""
+    return -(-steps // batch) * batch

@@ -84,7 +84,9 @@ def run_alone(require_program, tmp_path):
         script.write_text(textwrap.dedent(code))
         # Short: the sockets of Ray are in it, and have at most 107 characters.
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT / "src"), "RAY_TMPDIR": folder}
+            environment = (
+                os.environ | QUICK | {"PYTHONPATH": str(ROOT / "src"), "RAY_TMPDIR": folder}
+            )
             return subprocess.run(
                 [*alone, sys.executable, str(script), *map(str, arguments)],
                 cwd=tmp_path,

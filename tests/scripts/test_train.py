@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from armside.scripts.commands.train import whole_batches
+from armside.scripts.studies.tuned_design import whole_batches
 from armside.sim.tuning.policy import Network
 
 
