@@ -88,10 +88,5 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
 
 def _holders(values: np.ndarray) -> np.ndarray:
     """Index of the smallest value up to each; -1 before there is a finite one below WORST."""
-    holder, best = -1, WORST
-    holders = []
-    for i, value in enumerate(values):
-        if value < best:
-            holder, best = i, value
-        holders.append(holder)
-    return np.array(holders)
+    bound = np.minimum.accumulate(np.r_[WORST, values])[:-1]
+    return np.maximum.accumulate(np.where(values < bound, np.arange(len(values)), -1))

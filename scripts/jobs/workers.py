@@ -55,25 +55,18 @@ class Workers:
 
     @property
     def room(self) -> int:
-        """Tasks that can start now."""
         return 0 if self._suspects else self.count - len(self._running)
 
     @property
     def busy(self) -> bool:
-        """Tasks are under way."""
         return bool(self._running or self._suspects)
 
-    def submit(self, tag: Hashable, function: Callable[[Item], Any], item: Item) -> None:
-        """Start function(item); `collect` returns its outcome under the tag."""
+    def submit(self, tag: Hashable, function: Callable[[Any], Any], item: Any) -> None:
         self._start(_Task(tag, function, item))
 
     def collect(self) -> list[tuple[Any, Any]]:
-        """Wait for tasks; tag and result, or the exception raised, of at least one, or of none
-        while a process that died is replaced.
-
-        Such a process breaks the pool, and the task that killed it is not known: all that were
-        under way are run again, one at a time, until each has a result or is guilty.
-        """
+        """A process that died breaks the pool, and the task that killed it is not known: all that
+        were under way are run again, one at a time, until each has a result or is guilty."""
         alone = not self._running
         if alone:
             self._start(self._suspects.popleft())
