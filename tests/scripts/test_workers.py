@@ -15,7 +15,7 @@ def test_results_come_in_the_order_of_the_items():
 
 
 def test_an_exception_is_raised_where_the_results_are_asked_for():
-    with Workers(2) as workers, pytest.raises(ValueError, match="math domain|nonnegative"):
+    with Workers(2) as workers, pytest.raises(ValueError, match=r"math domain|nonnegative"):
         workers.map(math.sqrt, [1.0, -1.0, 4.0])
 
 
