@@ -9,7 +9,7 @@ from armside.sim.tuning.task import FASTEST, SLOWEST
 
 from ..jobs.store import digest_of
 from ..shell.options import options
-from .study import Pruner, Sampler
+from .proposals import Pruner, Sampler
 
 
 @options

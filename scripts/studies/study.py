@@ -6,34 +6,23 @@ Optuna is imported here only where it is used: it takes half a second.
 import logging
 import time
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.tuning.design import VARIABLES, Design, Motors, Scale
 from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
 from .importance import importance
+from .proposals import Pruner, Sampler, new_pruner, new_sampler
 from .storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
 
-Sampler = Literal["tpe", "random", "cmaes"]
-Pruner = Literal["percentile", "none"]
-
 TRUE = "ratio_true"
 """User attribute of a trial: the ground truth of its objective."""
-FIRST_PRUNED = 3
-"""The first iteration, counted from 1, after which a design may be given up: one that learns slowly
-is behind at first, and one that learns fast may lose again what it had gained."""
 CONFIG_TIMEOUT = 2.0
 """[s], for the process that has made a study to write what it tunes."""
-STARTUP_TRIALS = 10
-"""Complete designs before one is given up. ESTIMATE: as many as TPE draws at random."""
-PERCENTILE = 75.0
-"""[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
 
 
 class Outcome(NamedTuple):
@@ -70,7 +59,7 @@ def open_study(
     import optuna
 
     optuna.logging.set_verbosity(logging.ERROR)
-    how: dict[str, Any] = {"sampler": _sampler(sampler, seed), "pruner": _pruner(pruner)}
+    how: dict[str, Any] = {"sampler": new_sampler(sampler, seed), "pruner": new_pruner(pruner)}
     with reaching(storage):
         database = connect(storage)
         try:  # of processes that start together, one makes the study
@@ -216,52 +205,3 @@ def value(trial: "optuna.trial.FrozenTrial") -> float:
     """The objective of a finished trial, or what it last reported when it was given up."""
     assert trial.value is not None
     return trial.value
-
-
-def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
-    """Trial n draws from stream n of the seed: processes that share a study never repeat each
-    other, and a study that was stopped between trials goes on as if it had not been. A trial that
-    was cut short keeps its number, so that those after it draw other designs."""
-    import optuna
-
-    class PerTrial(optuna.samplers.BaseSampler):
-        def before_trial(self, study: Any, trial: Any) -> None:
-            entropy = np.random.SeedSequence([seed, trial.number])
-            self._of_trial = _new_sampler(name, int(entropy.generate_state(1)[0]))
-            self._of_trial.before_trial(study, trial)
-
-        def infer_relative_search_space(self, study: Any, trial: Any) -> dict[str, Any]:
-            return self._of_trial.infer_relative_search_space(study, trial)
-
-        def sample_relative(self, study: Any, trial: Any, search_space: Any) -> dict[str, Any]:
-            return self._of_trial.sample_relative(study, trial, search_space)
-
-        def sample_independent(
-            self, study: Any, trial: Any, param_name: str, param_distribution: Any
-        ) -> Any:
-            return self._of_trial.sample_independent(study, trial, param_name, param_distribution)
-
-        def after_trial(self, study: Any, trial: Any, state: Any, values: Any) -> None:
-            self._of_trial.after_trial(study, trial, state, values)
-
-    return PerTrial()
-
-
-def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
-    import optuna
-
-    if name == "none":
-        return optuna.pruners.NopPruner()
-    return optuna.pruners.PercentilePruner(
-        PERCENTILE, n_startup_trials=STARTUP_TRIALS, n_warmup_steps=FIRST_PRUNED
-    )
-
-
-def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
-    import optuna
-
-    if name == "random":
-        return optuna.samplers.RandomSampler(seed=seed)
-    if name == "cmaes":
-        return optuna.samplers.CmaEsSampler(seed=seed)
-    return optuna.samplers.TPESampler(seed=seed, constant_liar=True)

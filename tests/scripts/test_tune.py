@@ -20,6 +20,7 @@ from armside.scripts.shell import console
 from armside.scripts.shell.interrupts import noticing
 from armside.scripts.shell.options import Common
 from armside.scripts.studies import report as tune_report
+from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.options import TuneCfg
 from armside.scripts.studies.search import evaluate, run_trial, search
@@ -31,6 +32,12 @@ from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.sensor import RewardSensor
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """A busy machine may take seconds to open a storage, which is then announced."""
+    monkeypatch.setattr(study_storage, "SLOW", 60.0)
 
 
 def _objective(**options):
