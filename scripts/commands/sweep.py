@@ -101,8 +101,8 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     keep(outcome, common)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
-    said = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
-    report.line(f"{len(points)} configurations: {said}")
+    counted = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
+    report.line(f"{len(points)} configurations: {counted}")
     report.line(f"Results in {rows.folder}/part-*.parquet")
     report.summary(outcome)
     if error is not None:

@@ -174,8 +174,10 @@ def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeyp
 SLOW_RUNS = """
 import sys, time
 from armside.scripts import cli
-from armside.sim.tuning.objective import WORST, Objective, Ratio, prepare
+from armside.scripts.studies import storage
 from armside.sim.tuning.rules import Rules
+
+storage.SLOW = 60.0
 
 def slow(*args, advance=Rules.advance):
     time.sleep(0.3)
