@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from armside.sim.cores import cores
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors, action_of
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ..jobs.workers import cores
 from .timing import Row, interleaved
 
 ROBOTS = 64

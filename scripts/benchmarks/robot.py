@@ -8,7 +8,10 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from ..commands import laser
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.results import run as run_cut
+from armside.sim.laser.specification import Cut
+
 from ..jobs.workers import Workers
 from .timing import Row, interleaved
 
@@ -17,7 +20,7 @@ N_EXPERIMENTS = 12
 
 def robot() -> Sequence[Row]:
     """One run against a bare rollout of the same steps; then the default experiment."""
-    experiment = laser.prepare(laser.LaserCfg(), seed=0)
+    experiment = prepare(Cut())
     loaded = experiment.loaded
     correction = np.zeros_like(loaded.reference)
     controls = loaded.controls_with(correction, None)[0][None]
@@ -29,7 +32,7 @@ def robot() -> Sequence[Row]:
             rollout.rollout([loaded.model.mj], data, state, controls)
 
     run, rollout = interleaved([lambda: loaded.run(correction, rng), bare])
-    (whole,) = interleaved([lambda: laser.run(laser.LaserCfg(), 0)], repeats=5)
+    (whole,) = interleaved([lambda: run_cut(Cut())], repeats=5)
     return [
         Row("VirtualRobot run", run, "bare mujoco.rollout", rollout),
         Row("default experiment: six runs, all included", whole),
@@ -47,7 +50,7 @@ def scaling() -> Sequence[Row]:
 
 
 def _experiment(seed: int) -> float:
-    return laser.run(laser.LaserCfg(), seed)["iterations"][-1]["arm_rms"]
+    return run_cut(Cut(), seed=seed)["iterations"][-1]["arm_rms"]
 
 
 def _seconds(workers: Workers) -> float:

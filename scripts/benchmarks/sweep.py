@@ -8,15 +8,18 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from ..commands import laser
-from ..commands.sweep import run_grid
-from ..jobs.dataset import Store
-from ..jobs.engine import Local
-from ..jobs.grid import Grid
-from ..jobs.workers import cores
+from armside.sim.cores import cores
+from armside.sim.laser.results import run
+from armside.sim.laser.specification import Cut
+
+from ..jobs.dataset import dataset
+from ..jobs.grid import Grid, parse
+from ..jobs.point import run_grid
+from ..jobs.workers import Workers
 from .timing import Row
 
 N = 24
+N_LARGE = 2000
 
 
 def sweep() -> Sequence[Row]:
@@ -27,13 +30,24 @@ def sweep() -> Sequence[Row]:
     with tempfile.TemporaryDirectory() as folder:
         rounds = [(_swept(Path(folder) / str(n), n), _bare(n)) for n in range(5)]
     ours, theirs = (median(column) for column in zip(*rounds, strict=True))
-    return [Row(f"sweep of {N} experiments", ours, "bare process pool", theirs)]
+    return [
+        Row(f"sweep of {N} experiments", ours, "bare process pool", theirs),
+        Row(f"grid of {N_LARGE} configurations read", median(_read() for _ in range(5))),
+    ]
+
+
+def _read() -> float:
+    gains = ",".join(f"{0.001 * i:.3f}" for i in range(1, N_LARGE + 1))
+    start = time.perf_counter()
+    list(parse((f"gamma={gains}",), 0))
+    return time.perf_counter() - start
 
 
 def _swept(folder: Path, n: int) -> float:
     grid = Grid({"seed": range(n * N, (n + 1) * N)})
     start = time.perf_counter()
-    run_grid(grid, Store(folder), Local())
+    with Workers() as workers:
+        run_grid(grid, dataset(folder), workers)
     return time.perf_counter() - start
 
 
@@ -45,4 +59,4 @@ def _bare(n: int) -> float:
 
 
 def _experiment(seed: int) -> float:
-    return laser.run(laser.LaserCfg(), seed)["iterations"][-1]["arm_rms"]
+    return run(Cut(), seed=seed)["iterations"][-1]["arm_rms"]

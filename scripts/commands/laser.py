@@ -1,11 +1,9 @@
 """`armside laser`: a robot cuts a contour, ILC improves it, a laser tracker measures it."""
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
 
-from armside.sim.laser.experiment import Experiment, Iteration, prepare
+from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.measures import SetUp
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RunFolder
@@ -13,22 +11,10 @@ from armside.sim.records.summary import summary
 
 from ..cutting.files import show, write
 from ..cutting.options import LaserCfg
-from ..cutting.specification import cut, measure
+from ..cutting.specification import prepared
 from ..shell.console import Report
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common
-
-
-def prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, SetUp]:
-    """Everything before the first run; raises ValueError for what cannot be done."""
-    experiment = prepare(cut(cfg), seed=seed)
-    return experiment, measure(cfg).prepare(experiment)
-
-
-def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
-    """Prepare, run and learn: status, limits and measures, as `results` arranges them."""
-    experiment, set_up = prepared(cfg, seed)
-    return results(experiment, list(iterate(experiment, set_up, cfg.iterations)))
 
 
 def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:

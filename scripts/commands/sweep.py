@@ -2,9 +2,7 @@
 
 import hashlib
 import sys
-import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,17 +13,16 @@ from cyclopts import Parameter
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import summary
 
-from ..jobs.dataset import FAILED, Block, Row, Store, block_of, failures, keys_kept
-from ..jobs.engine import Engine, Local, OnRay
-from ..jobs.grid import Point, parse
+from ..jobs.blocks import FAILED, Blocks
+from ..jobs.cluster import RayCluster
+from ..jobs.dataset import dataset, first_error
+from ..jobs.grid import parse
+from ..jobs.point import run_grid
+from ..jobs.queue import KNOWN_FAILED
+from ..jobs.workers import Workers
 from ..shell.console import Report, keep
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, options
-
-POLL = 0.2
-"""[s], between two looks at blocks that another sweep holds."""
-KNOWN, KNOWN_FAILED = "known", "known (failed)"
-"""Outcomes of configurations that were there before."""
 
 
 @options
@@ -70,28 +67,32 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     """
     report = Report(common)
     with checking_input():
-        engine = Local(cfg.workers) if cfg.engine == "local" else OnRay(str(cfg.address))
+        engine = Workers(cfg.workers) if cfg.engine == "local" else RayCluster(str(cfg.address))
     with closing(engine):
         with checking_input():
             grid = parse(axes, common.seed)
             points = list(grid)
-        folder = cfg.into or RUNS / f"sweep-{_name(points)}"
+        keys = [point.key for point in points]
+        name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
+        rows = dataset(cfg.into or RUNS / f"sweep-{name}")
         try:
             with report.progress("sweeping", total=len(points)) as step:
                 counts = run_grid(
                     points,
-                    Store(folder),
+                    rows,
                     engine,
                     step,
                     retry_failed=cfg.retry_failed,
                     waiting=(lambda n: None) if common.quiet else _say_waiting,
                 )
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(points, folder)) from None
-    error = _first_error(points, folder) if counts[FAILED] + counts[KNOWN_FAILED] else None
+            raise KeyboardInterrupt(_interrupted(keys, rows)) from None
+    # None too where another sweep has meanwhile run all that failed again.
+    n_failed = counts[FAILED] + counts[KNOWN_FAILED]
+    error = first_error(rows, keys) if n_failed else None
     outcome = summary(
         "sweep",
-        {"axes": list(axes), "into": folder, "engine": cfg.engine},
+        {"axes": list(axes), "into": rows.folder, "engine": cfg.engine},
         common,
         status="done" if error is None else "failed",
         configurations=len(points),
@@ -100,156 +101,24 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     keep(outcome, common)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
-    said = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
-    report.line(f"{len(points)} configurations: {said}")
-    report.line(f"Results in {folder}/part-*.parquet")
+    counted = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
+    report.line(f"{len(points)} configurations: {counted}")
+    report.line(f"Results in {rows.folder}/part-*.parquet")
     report.summary(outcome)
     if error is not None:
-        n = counts[FAILED] + counts[KNOWN_FAILED]
         raise RunFailed(
-            f"{n} of {len(points)} configurations failed, the first with {error} "
+            f"{n_failed} of {len(points)} configurations failed, the first with {error} "
             "(--retry-failed runs them again)"
         )
 
 
-def run_grid(
-    points: Iterable[Point],
-    store: Store,
-    engine: Engine,
-    step: Callable[[], None] = lambda: None,
-    *,
-    retry_failed: bool = False,
-    waiting: Callable[[int], None] = lambda n: None,
-) -> Counter[str]:
-    """Bring a store up to all points of a grid; close the engine.
-
-    Args:
-        step: called for each point that has a result.
-        waiting: called once nothing is left to do but to wait for others, with the number of
-            points that they have claimed.
-
-    Returns:
-        How many points ended as done, diverged or failed now, and were there before: "known", or
-        "known (failed)".
-
-    Raises:
-        RunFailed: the store's file system has no locks.
-        OSError: the store cannot be written to.
-        pyarrow.ArrowInvalid: a part of the store is damaged.
-    """
-    return _Sweep(points, store, engine, step, retry_failed).run(waiting)
-
-
-class _Sweep:
-    """Blocks of a grid on their way through the store and the engine."""
-
-    def __init__(
-        self,
-        points: Iterable[Point],
-        store: Store,
-        engine: Engine,
-        step: Callable[[], None],
-        retry_failed: bool,
-    ) -> None:
-        self._store, self._engine, self._step = store, engine, step
-        self._retry_failed = retry_failed
-        self._points: dict[str, dict[str, Point]] = {}
-        """By block and key."""
-        for point in points:
-            self._points.setdefault(block_of(point.key), {})[point.key] = point
-        self._unclaimed = deque(sorted(self._points))
-        self._held_elsewhere = deque[str]()
-        self._ready = deque[Point]()
-        self._ours: dict[str, Block] = {}
-        self._left: Counter[str] = Counter()
-        self._counts: Counter[str] = Counter()
-
-    def run(self, waiting: Callable[[int], None]) -> Counter[str]:
-        """All of it, as `run_grid`."""
-        told = False
-        try:
-            while self._unclaimed or self._held_elsewhere or self._ready or self._engine.busy:
-                self._fill()
-                # Only now: writing a part takes time in which workers would have nothing to do.
-                self._close_finished()
-                if self._engine.busy:
-                    for row in self._engine.collect():
-                        self._keep(row)
-                elif self._held_elsewhere:
-                    if not told:
-                        waiting(sum(len(self._points[name]) for name in self._held_elsewhere))
-                        told = True
-                    time.sleep(POLL)
-                if not (self._unclaimed or self._ready):
-                    self._unclaimed, self._held_elsewhere = self._held_elsewhere, deque()
-        finally:
-            self._engine.close()
-            for block in self._ours.values():
-                block.close()
-        return self._counts
-
-    def _fill(self) -> None:
-        """Give the engine what it can start now. A block is claimed when its turn has come: until
-        then another sweep may have it."""
-        while self._engine.room > 0 and (self._ready or self._unclaimed):
-            if self._ready:
-                self._engine.submit(self._ready.popleft())
-            else:
-                self._claim(self._unclaimed.popleft())
-
-    def _claim(self, name: str) -> None:
-        block = self._store.claim(name, retry_failed=self._retry_failed)
-        if block is None:
-            self._held_elsewhere.append(name)
-            return
-        self._ours[name] = block
-        for key, point in self._points[name].items():
-            if key in block.done:
-                self._count(KNOWN_FAILED if key in block.failed else KNOWN)
-            else:
-                self._ready.append(point)
-                self._left[name] += 1
-        if not self._left[name]:
-            self._ours.pop(name).close()
-
-    def _keep(self, row: Row) -> None:
-        name = block_of(row["key"])
-        self._ours[name].add(row)
-        self._left[name] -= 1
-        self._count(row["status"])
-
-    def _count(self, status: str) -> None:
-        self._counts[status] += 1
-        self._step()
-
-    def _close_finished(self) -> None:
-        for name in [name for name in self._ours if not self._left[name]]:
-            self._ours.pop(name).close()
-
-
 def _say_waiting(n: int) -> None:
-    said = f"waiting for {n} configurations that another sweep has claimed"
-    print(f"armside: {said}", file=sys.stderr, flush=True)
+    said = f"armside: waiting for {n} configurations that another sweep has claimed"
+    print(said, file=sys.stderr, flush=True)
 
 
-def _interrupted(points: Sequence[Point], folder: Path) -> str:
-    """What is left of a sweep that was stopped; empty if nothing is."""
-    kept = len(keys_kept(folder) & {point.key for point in points})
-    if not kept:
-        return ""
-    return (
-        f"interrupted; {kept} of {len(points)} configurations are kept in {folder}, "
-        "repeat the command to go on"
-    )
-
-
-def _first_error(points: Iterable[Point], folder: Path) -> str | None:
-    """Of the first point, in the order of the grid, that has failed; None if another sweep has
-    meanwhile run all of them again."""
-    known = failures(folder)
-    return next((known[point.key] for point in points if point.key in known), None)
-
-
-def _name(points: Iterable[Point]) -> str:
-    keys = hashlib.sha256("".join(sorted(point.key for point in points)).encode())
-    return keys.hexdigest()[:8]
+def _interrupted(keys: Sequence[str], rows: Blocks) -> str:
+    """The message at the end of a sweep that was stopped; empty if nothing is kept."""
+    kept = len(rows.keys() & set(keys))
+    said = f"interrupted; {kept} of {len(keys)} configurations are kept in {rows.folder}"
+    return f"{said}, repeat the command to go on" if kept else ""

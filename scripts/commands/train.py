@@ -1,7 +1,7 @@
 """`armside train`: learn a policy for the tuning env with PPO, in minutes on two cores.
 
 Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a small network that
-`armside.scripts.studies.policy` runs with NumPy alone.
+`armside.sim.tuning.policy` runs with NumPy alone.
 """
 
 from collections.abc import Sequence
@@ -10,29 +10,27 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
-from armside.sim.tuning.action import VARIABLES, Motors, action_of
+from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import TEST_SEEDS
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ..shell.console import Report
-from ..shell.errors import InputError, checking_input
+from ..shell.errors import checking_input
+from ..shell.extras import needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, options
-from ..studies.tuned_design import load_design
+from ..studies.tuned_design import first_action, whole_batches
 
-GAMMA = 1.0
-"""Discount: what counts is the error after the last iteration, however it was reached."""
+DISCOUNT = 1.0
+"""None: only the error after the last iteration counts, however it was reached."""
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class TrainCfg:
-    """What to learn, and for how long."""
+    """Task of the policy, and length of its training."""
 
     robot: Literal["large", "irb1400"] = "large"
     """Which robot."""
@@ -53,21 +51,12 @@ class TrainCfg:
         for name in ("robots", "steps"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        Rules(robot=self.robot, motors=self.motors, reward=self.reward)
-        first_action(self)
+        _ = self.rules, first_action(self.start, Motors(self.motors))  # raise ValueError
 
-
-def first_action(cfg: TrainCfg) -> np.ndarray:
-    """What the policy does before it has learned. Raises ValueError for a design it cannot do."""
-    motors = Motors(cfg.motors)
-    if cfg.start is None:
-        return np.zeros(len(VARIABLES) * motors.count, np.float32)
-    return action_of(load_design(cfg.start), motors)
-
-
-def whole_batches(steps: int, batch: int) -> int:
-    """The steps of as many whole batches as it takes: the network is updated after each."""
-    return -(-steps // batch) * batch
+    @property
+    def rules(self) -> Rules:
+        """Rules of the episodes."""
+        return Rules(robot=self.robot, motors=self.motors, reward=self.reward)
 
 
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
@@ -78,14 +67,12 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
     """
     report = Report(common)
     with checking_input():
-        refuse_sealed(range(common.seed, common.seed + cfg.robots))
+        rules = cfg.rules
+        for seed in range(common.seed, common.seed + cfg.robots):
+            rules.check_seed(seed)
         check_writable(common.out or RUNS / "train")
-        try:
+        with needs("learn", "armside train", "Stable-Baselines3"):
             from ..studies import ppo
-        except ImportError as error:
-            raise InputError(
-                f"training needs the package {error.name}: pip install 'armside[learn]'"
-            ) from error
         env = IlcTuningVectorEnv(
             cfg.robots,
             robot=cfg.robot,
@@ -107,9 +94,9 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         network, curve = ppo.learn(
             env,
             steps,
-            start=first_action(cfg),
+            start=first_action(cfg.start, Motors(cfg.motors)),
             seed=common.seed,
-            discount=GAMMA,
+            discount=DISCOUNT,
             done=done,
         )
     outcome = summary("train", cfg, common, steps=steps, curve=curve)
@@ -118,13 +105,6 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     _print(report, curve, folder.path)
     report.summary(outcome)
-
-
-def refuse_sealed(seeds: Sequence[int]) -> None:
-    """Raise InputError where a seed is one that results are reported on."""
-    for seed in seeds:
-        if seed in TEST_SEEDS:
-            raise InputError(f"seed {seed} belongs to the sealed test seeds {TEST_SEEDS}")
 
 
 def _print(report: Report, curve: Sequence[dict[str, Any]], path: Path) -> None:

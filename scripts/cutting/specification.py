@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,10 @@ from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import Design
-from armside.sim.laser.measures import Measure, MotorAngles
+from armside.sim.laser.experiment import Experiment, prepare
+from armside.sim.laser.learning import iterate
+from armside.sim.laser.measures import Measure, MotorAngles, SetUp
+from armside.sim.laser.results import results
 from armside.sim.laser.specification import Cut, LeadIn
 from armside.sim.robot.effects import Effect
 
@@ -28,6 +32,18 @@ _OWN = {
     "hexagon": ("size", "corner"),
 }
 _NOT_GIVEN = {"radius": RADIUS, "size": None, "width": None, "corner": None}
+
+
+def prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, SetUp]:
+    """Everything before the first run; raises ValueError for what cannot be done."""
+    experiment = prepare(cut(cfg), seed=seed)
+    return experiment, measure(cfg).prepare(experiment)
+
+
+def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
+    """Prepare, run and learn: status, limits and measures, as `results` arranges them."""
+    experiment, set_up = prepared(cfg, seed)
+    return results(experiment, list(iterate(experiment, set_up, cfg.iterations)))
 
 
 def cut(cfg: LaserCfg) -> Cut:

@@ -1,4 +1,4 @@
-"""Figures of `armside tune`: how the search went, and what mattered."""
+"""Figures of `armside tune`: the history of a search, and the importance of parameters."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
-from ..studies.study import WORST, Tried
+from armside.sim.tuning.objective import WORST
+
+from ..studies.study import Outcome
 from .laser import COLORS, REFERENCE, new_figure, save
 
 HEIGHT = 4.2
@@ -17,35 +19,35 @@ LEVELS = (1.0, 2.0, 3.0, 5.0, 7.0)
 """Numbers on the axis of a ratio, times powers of ten."""
 
 
-def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
-    """Each design's ratio, and the best so far as the sensor sees it and in truth.
+def history(file: Path, outcomes: Sequence[Outcome], *, sensor: str) -> None:
+    """Draw each design's ratio, and the best so far, measured and true.
 
-    tried: at least one that was tried to the end and did not diverge.
-    sees: whose eyes the ratio is seen with, such as "as the tracker sees it".
+    outcomes: at least one is complete and did not diverge.
+    sensor: words for the sensor of the ratio, such as "by the tracker".
     """
-    number = np.array([t.number for t in tried])
-    seen = np.array([t.seen for t in tried])
-    true = np.array([t.true for t in tried], dtype=float)
-    whole = np.array([t.whole for t in tried])
-    diverged = seen >= WORST
+    number = np.array([one.number for one in outcomes])
+    value = np.array([one.value for one in outcomes])
+    true = np.array([one.true for one in outcomes], dtype=float)
+    complete = np.array([one.complete for one in outcomes])
+    diverged = value >= WORST
     figure = new_figure(8.0, HEIGHT)
     axes = figure.subplots()
     axes.axhline(1.0, color="#DDDDDD", lw=1.0)
     for chosen, marker, label in (
-        (whole & ~diverged, "o", "design"),
-        (~whole, "x", "given up, at its last iteration"),
+        (complete & ~diverged, "o", "design"),
+        (~complete, "x", "given up, at its last iteration"),
     ):
         if chosen.any():
-            axes.plot(number[chosen], seen[chosen], marker, ms=4, color=REFERENCE, label=label)
+            axes.plot(number[chosen], value[chosen], marker, ms=4, color=REFERENCE, label=label)
     if diverged.any():
         edge = np.full(diverged.sum(), 0.98)
         above = {"transform": axes.get_xaxis_transform(), "label": "diverged, beyond the axis"}
         axes.plot(number[diverged], edge, "^", ms=5, color=COLORS[1], **above)
-    holder = _holders(np.where(whole, seen, np.inf))
-    best = np.where(holder < 0, np.nan, seen[holder])
-    axes.step(number, best, where="post", color=COLORS[0], label=f"best so far, {sees}")
+    holder = _holders(np.where(complete, value, np.inf))
+    best = np.where(holder < 0, np.nan, value[holder])
+    axes.step(number, best, where="post", color=COLORS[0], label=f"best so far, {sensor}")
     best = np.where(holder < 0, np.nan, true[holder])
-    axes.step(number, best, "--", where="post", color=COLORS[2], label="the same design in truth")
+    axes.step(number, best, "--", where="post", color=COLORS[2], label="same design, ground truth")
     axes.set_yscale("log")
     axes.margins(y=0.1)
     axes.yaxis.set_major_locator(LogLocator(subs=LEVELS))
@@ -64,7 +66,7 @@ def history(file: Path, tried: Sequence[Tried], *, sees: str) -> None:
 
 
 def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
-    """Share of each parameter, largest on top, and the most that random orders of trials give it.
+    """Draw the importance of each parameter, largest on top, beside the most by chance.
 
     found: `Importance` of each as a mapping, the largest first.
     """
@@ -73,23 +75,18 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
     figure = new_figure(7.0, height)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.35 / height)
-    told = [found[name]["share"] > found[name]["by_chance"] for name in names]
-    colors = [COLORS[0] if one else REFERENCE for one in told]
+    significant = [found[name]["share"] > found[name]["by_chance"] for name in names]
+    colors = [COLORS[0] if one else REFERENCE for one in significant]
     axes.barh(names, [found[name]["share"] for name in names], color=colors)
     chance = [found[name]["by_chance"] for name in names]
     axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
     axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
-    axes.set_xlabel("importance (PED-ANOVA); grey: not told from chance")
+    axes.set_xlabel("importance (PED-ANOVA); grey: not above chance")
     figure.legend(loc="upper right", frameon=False, fontsize=8)
     save(figure, file)
 
 
 def _holders(values: np.ndarray) -> np.ndarray:
     """Index of the smallest value up to each; -1 before there is a finite one below WORST."""
-    holder, best = -1, WORST
-    holders = []
-    for i, value in enumerate(values):
-        if value < best:
-            holder, best = i, value
-        holders.append(holder)
-    return np.array(holders)
+    bound = np.minimum.accumulate(np.r_[WORST, values])[:-1]
+    return np.maximum.accumulate(np.where(values < bound, np.arange(len(values)), -1))

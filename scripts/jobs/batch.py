@@ -1,16 +1,18 @@
-"""Jobs on all cores: what is stored is not run again, what finishes is stored at once."""
+"""Jobs of a report on all cores, with results that are stored as they come and not run again."""
 
 from collections.abc import Callable, Iterable
-from concurrent.futures.process import BrokenProcessPool
+from typing import Any
 
 from ..shell.errors import RunFailed, one_line
-from .store import Job, Result, Store
-from .workers import Workers
+from .blocks import Row
+from .queue import Engine, Queue
+from .store import Job, Store, digest, row
+from .workers import WorkerDied
 
 
 def missing(jobs: Iterable[Job], store: Store) -> list[Job]:
     """Jobs without a result, each once, the longest first: so that no core waits at the end."""
-    distinct = {store.file(job): job for job in jobs if not store.holds(job)}
+    distinct = {digest(job): job for job in jobs if not store.holds(job)}
     return sorted(distinct.values(), key=lambda job: -job.cost)
 
 
@@ -18,35 +20,35 @@ def run_batch(
     jobs: list[Job],
     store: Store,
     *,
-    workers: Workers,
+    workers: Engine,
     done: Callable[[float], None] = lambda cost: None,
 ) -> None:
-    """Run jobs and store each result as it comes; `done` is told the cost of each.
+    """Run jobs that no other process has run or is running; `done` gets the cost of each.
 
     Raises:
         RunFailed: a worker was killed, or jobs failed. Everything that finished is stored.
         OSError: a result could not be written. Those before it are stored.
     """
-    failed: list[tuple[Job, Exception]] = []
-    n_done = 0
-    for job, outcome in workers.unordered(_run, jobs):
+    by_key = {digest(job): job for job in jobs}
+    failed: dict[str, Exception] = {}
+
+    def kept(key: str, outcome: Any) -> Row | None:
         if isinstance(outcome, Exception):
-            failed.append((job, outcome))
-            continue
-        store.save(job, outcome)
-        n_done += 1
-        done(job.cost)
+            failed[key] = outcome
+            return None
+        return row(key, outcome)
+
+    Queue(
+        blocks=store.blocks, engine=workers, row=kept, done=lambda key: done(by_key[key].cost)
+    ).complete(by_key)
     if not failed:
         return
-    kept = f"{n_done} of {len(jobs)} experiments finished and are kept in {store.folder.parent}"
-    job, error = failed[0]
-    if isinstance(error, BrokenProcessPool):
-        raise RunFailed(f"a worker process was killed (out of memory?); {kept}") from error
+    finished = f"{len(jobs) - len(failed)} of {len(jobs)} experiments finished"
+    where = f"{finished} and are kept in {store.folder.parent}"
+    key, error = next(iter(failed.items()))
+    if isinstance(error, WorkerDied):
+        raise RunFailed(f"{error}; {where}") from error
     raise RunFailed(
         f"{len(failed)} of {len(jobs)} experiments failed, the first with "
-        f"{type(error).__name__}: {one_line(error)} ({job}); {kept}"
+        f"{type(error).__name__}: {one_line(error)} ({by_key[key]}); {where}"
     ) from error
-
-
-def _run(job: Job) -> Result:
-    return job.run()

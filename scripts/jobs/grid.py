@@ -6,38 +6,28 @@ An axis is written `option=value,value`; whole numbers also `first:last+1`, valu
 
 import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field
 from itertools import product
+from math import prod
 from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_origin, get_type_hints
 
 from cyclopts import CycloptsError, Token
 
-from ..commands.laser import LaserCfg, task
+from ..cutting.options import LaserCfg
 from ..shell.errors import InputError, one_line
 from ..shell.options import Common, read_value
 from ..shell.registry import unknown
-from .resolved import Content, content_of, identity, key_of
+from .point import Point
+from .resolved import Resolver
 
 SEED = "seed"
 TYPES: Mapping[str, Any] = get_type_hints(LaserCfg) | {SEED: int}
-"""Of the options that can be axes."""
+"""Types of the options that can be axes."""
 Item = tuple[str, Hashable]
-"""An option and a value of it."""
+"""An option and one of its values."""
 _RANGE = re.compile(r"(-?\d+):(-?\d+)")
-
-
-@dataclass(frozen=True)
-class Point:
-    """One configuration of a grid."""
-
-    key: str
-    """Hash of the whole configuration: all that its options come to, files and seed included."""
-    options: Mapping[str, Any]
-    """Options of `armside laser`, typed; those left out have their defaults."""
-    seed: int
 
 
 @dataclass(frozen=True)
@@ -45,20 +35,18 @@ class Grid:
     """All combinations of the values of some options."""
 
     axes: Mapping[str, Sequence[Any]]
+    resolver: Resolver = field(default_factory=Resolver, compare=False, repr=False)
 
     def __len__(self) -> int:
-        """Number of combinations; fewer points where several come to the same configuration."""
-        n = 1
-        for values in self.axes.values():
-            n *= len(values)
-        return n
+        """Number of combinations; there are fewer points where several mean the same run."""
+        return prod(len(values) for values in self.axes.values())
 
     def __iter__(self) -> Iterator[Point]:
         """The points, the last axis fastest, each configuration once."""
-        content, seen = cache(content_of), set[str]()
+        seen = set[str]()
         for options in self.combinations():
             seed = options.pop(SEED)
-            key = key_of(options, seed, content)
+            key = self.resolver.key(options, seed)
             if key not in seen:
                 seen.add(key)
                 yield Point(key=key, options=options, seed=seed)
@@ -92,13 +80,9 @@ def parse(words: Sequence[str], seed: int) -> Grid:
         axes[name] = list(values)
     if not axes:
         raise InputError("give at least one axis, such as gamma=0.5,0.9 or pose=p1,p2,p3")
-    _refuse_impossible(Grid({name: axes[name] for name in axes if name != SEED}), written)
-    return Grid(axes | {SEED: axes.get(SEED, (seed,))})
-
-
-def configuration(point: Point) -> LaserCfg:
-    """The checked options of a point. Raises ValueError where they do not go together."""
-    return LaserCfg(**point.options)
+    grid = Grid(axes | {SEED: axes.get(SEED, (seed,))})
+    _refuse_impossible(grid, written)
+    return grid
 
 
 def _values(name: str, text: str) -> dict[Any, str]:
@@ -151,30 +135,19 @@ def _when_given(hint: Any) -> Any:
 def _refuse_impossible(grid: Grid, written: Mapping[Item, str]) -> None:
     """Raise InputError for a value that is impossible beside all values of the other axes."""
     everything = {item for item in written if item[0] != SEED}
-    unproven, reasons, content = set(everything), dict[Item, str](), cache(content_of)
-    for options in grid.combinations():
+    unproven, reasons = set(everything), dict[Item, str]()
+    without_seed = {name: values for name, values in grid.axes.items() if name != SEED}
+    for options in Grid(without_seed).combinations():
         if at_stake := unproven & options.items():
-            reason = _why_not(options, content)
-            if reason is None:
-                unproven -= at_stake
+            if refused := grid.resolver.refused(options):
+                reasons |= dict.fromkeys(at_stake - reasons.keys(), refused)
             else:
-                reasons |= dict.fromkeys(at_stake - reasons.keys(), reason)
+                unproven -= at_stake
     impossible = [item for item in written if item in unproven]
     for item in impossible:
-        if _why_not(dict([item]), content) == reasons[item]:
+        if grid.resolver.refused(dict([item])) == reasons[item]:
             raise InputError(f"{written[item]}: {reasons[item]}")
     if impossible:
         all_are = unproven == everything
         what = "no configuration of the grid can be run" if all_are else written[impossible[0]]
         raise InputError(f"{what}: {reasons[impossible[0]]}")
-
-
-def _why_not(options: Mapping[str, Any], content: Content) -> str | None:
-    """Why options cannot be run, as far as is known before the robot moves."""
-    try:
-        cfg = LaserCfg(**options)
-        task(cfg)
-        identity(cfg, content)
-    except (ValueError, OSError) as error:
-        return one_line(error)
-    return None

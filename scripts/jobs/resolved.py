@@ -1,16 +1,15 @@
-"""What a configuration of `armside laser` comes to: its row in a dataset, and its key.
+"""Resolved options of `armside laser`: those of a row in a dataset, and the key that they hash to.
 
-Options that come to the same run have the same key, whichever way they were written; a file with
+Options that mean the same run have the same key, whichever way they were written; a file with
 another content is another configuration, wherever it is.
 """
 
 import hashlib
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 
@@ -18,18 +17,21 @@ from armside.sim.cell import CELLS, ToolPose
 from armside.sim.records.summary import plain
 from armside.sim.robot.model import load_model
 
-from ..laser_options import LaserCfg, arm_learning
-from ..laser_task import MM, dimensions, tool_pose
-from ..shell.errors import InputError
+from ..cutting.options import LaserCfg
+from ..cutting.specification import MM, cut, dimensions, tool_pose
+from ..shell.errors import InputError, one_line
+from .store import digest_of
 
 FILES = ("contour", "model", "identification")
 """Options that name a file or a folder of files."""
 Content = Callable[[str, Path], str]
-"""Hash of what the file of an option holds."""
+"""Hash of the content of an option's file."""
+REMEMBERED = 4096
+"""Configurations, most of a grid's between its check and its points; each takes 3 kB."""
 
 
 def content_of(name: str, path: Path) -> str:
-    """Hash of what the file of an option holds, and of what a model includes.
+    """Hash of the content of an option's file, and of the files that a model includes.
 
     Raises:
         InputError: the model cannot be read.
@@ -37,7 +39,7 @@ def content_of(name: str, path: Path) -> str:
     """
     if name == "identification":
         return _digest(path / "summary.json")
-    if name == "contour":  # its suffix tells how it is read
+    if name == "contour":  # the suffix decides how it is read
         return path.suffix.lower() + _digest(path)
     try:
         parts = mujoco.mju_getXMLDependencies(str(path))
@@ -61,7 +63,8 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     for name in ("gamma", "delta", "cutoff"):
         if len(set(run[name])) == 1:
             run[name] = run[name][:1]
-    run["law"] = "heuristic" if cfg.measure == "motor" else arm_learning(cfg).law.value
+    if cfg.law == "auto":
+        run["law"] = "heuristic" if cfg.measure == "motor" else "inverse"
     if cfg.measure == "motor":
         run |= dict.fromkeys(("stiffness_error", "identification", "on_imu_fault"))
     run |= dict.fromkeys(("radius", "size", "width", "corner")) | dimensions(cfg)
@@ -75,7 +78,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 
 
 def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
-    """What a run depends on, but for its seed: the options it comes to, and the content of files.
+    """Everything a run depends on but its seed: resolved options, and the content of files.
 
     Raises:
         ValueError: options that do not go together, an unknown pose, or a model that is none.
@@ -87,17 +90,52 @@ def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     return what | {name: content(name, getattr(cfg, name)) for name in FILES if what[name]}
 
 
-def key_of(options: Mapping[str, Any], seed: int, content: Content = content_of) -> str:
-    """Sixteen hexadecimal digits of the whole configuration. One that cannot be run has a key too.
+class _Known(NamedTuple):
+    cfg: LaserCfg | None
+    identity: dict[str, Any]
+    """See `identity`; the options themselves if they are refused."""
+    error: str
 
-    options: those of `armside laser` that are not left out.
+
+class Resolver:
+    """Resolves the configurations of one grid: each once, whatever its seeds, and each file once.
+
+    The options of its methods are those of `armside laser` that are not left out.
     """
-    try:
-        what = identity(LaserCfg(**options), content)
-    except (ValueError, OSError):
-        what = {"refused": plain(options)}
-    text = json.dumps(what | {"experiment": "laser", "seed": seed}, sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def __init__(self) -> None:
+        self._content = cache(content_of)
+        self._known = lru_cache(REMEMBERED)(self._resolve)
+
+    def key(self, options: Mapping[str, Any], seed: int) -> str:
+        """Sixteen hexadecimal digits of the whole configuration. One that cannot be run has a key
+        too."""
+        what = self._known(tuple(options.items())).identity
+        return digest_of(what | {"experiment": "laser", "seed": seed})[:16]
+
+    def refused(self, options: Mapping[str, Any]) -> str:
+        """Why options cannot be run, as far as is known before the robot moves; empty if they can
+        be."""
+        known = self._known(tuple(options.items()))
+        if known.cfg is not None:
+            try:
+                cut(known.cfg)
+            except (ValueError, OSError) as error:
+                return one_line(error)
+        return known.error
+
+    def _resolve(self, items: tuple[tuple[str, Any], ...]) -> _Known:
+        options, cfg = dict(items), None
+        try:
+            cfg = LaserCfg(**options)
+            return _Known(cfg, identity(cfg, self._content), "")
+        except (ValueError, OSError) as error:
+            return _Known(cfg, {"refused": plain(options)}, one_line(error))
+
+
+def key_of(options: Mapping[str, Any], seed: int) -> str:
+    """See `Resolver.key`."""
+    return Resolver().key(options, seed)
 
 
 def _place(cfg: LaserCfg) -> dict[str, Any]:

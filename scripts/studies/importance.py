@@ -1,4 +1,4 @@
-"""Which parameters of a study matter, and how far that can be told from noise.
+"""Importance of a study's parameters, and its significance.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
@@ -15,24 +15,24 @@ if TYPE_CHECKING:
 ENOUGH = 10
 """Complete trials, of which the best tenth is one."""
 SHUFFLES = 19
-"""Random orders of the trials: one in twenty tells more by chance than the most telling of them."""
+"""Random permutations of the objective: one study in twenty exceeds their largest by chance."""
 
 
 class Importance(NamedTuple):
-    """Of one parameter."""
+    """Importance of one parameter."""
 
     share: float
-    """In being among the best tenth of the trials; all shares add up to 1."""
+    """Fraction of the importance of all parameters for being among the best tenth of the trials."""
     by_chance: float
-    """The largest that it has where the trials' order is random, on the same scale: a share that is
-    not above it tells nothing."""
+    """The largest in random orders of the trials, on the same scale: a fraction that is not above
+    it is not significant."""
 
 
 def importance(study: "optuna.Study") -> dict[str, Importance]:
-    """Of each parameter by PED-ANOVA, the largest first.
+    """Importance of each parameter by PED-ANOVA over the complete trials, the largest first.
 
-    Of the complete trials; a design that diverged counts as the worst. Empty while too few trials
-    are complete, or where all of them are alike.
+    A design that diverged counts as the worst. Empty while too few trials are complete, or where
+    all of them are alike.
     """
     from optuna.trial import TrialState
 
@@ -42,7 +42,7 @@ def importance(study: "optuna.Study") -> dict[str, Importance]:
     values = np.array([trial.value for trial in trials], dtype=float)
     rng = np.random.default_rng(0)
     with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)  # says that the result says nothing
+        warnings.simplefilter("error", UserWarning)  # warns of a void result
         try:
             found = _divergences(trials, values)
             random = [_divergences(trials, rng.permutation(values)) for _ in range(SHUFFLES)]
@@ -60,7 +60,7 @@ def importance(study: "optuna.Study") -> dict[str, Importance]:
 def _divergences(
     trials: "Sequence[optuna.trial.FrozenTrial]", values: np.ndarray
 ) -> dict[str, float]:
-    """Of each parameter's best tenth from all, had the trials these values."""
+    """Divergence of each parameter's best tenth from all, if the trials had these values."""
     import optuna
 
     study = optuna.create_study()

@@ -10,23 +10,22 @@ from stable_baselines3.common.callbacks import (  # pyright: ignore[reportMissin
 )
 from stable_baselines3.common.vec_env import VecEnv  # pyright: ignore[reportMissingImports]
 
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
-
-from .policy import Network
 
 HIDDEN = 64
 """Units of each of two layers: the default of Stable-Baselines3."""
 BATCH = 160
-"""Samples of a gradient step: half of what 64 cells bring in. ESTIMATE, not searched for."""
+"""Samples of a gradient step: half of a batch of 64 cells. ESTIMATE, not searched for."""
 EPOCHS = 8
-"""Passes over what was brought in; Stable-Baselines3 has 10. ESTIMATE, not searched for."""
+"""Passes over a batch; Stable-Baselines3 has 10. ESTIMATE, not searched for."""
 RATE = 1e-3
 """Learning rate at first, three times that of Stable-Baselines3, as it falls to 0 at the end.
 ESTIMATE, not searched for."""
 GAE_LAMBDA = 0.95
-"""Of the advantages: the default of Stable-Baselines3."""
+"""Smoothing of the advantages: the default of Stable-Baselines3."""
 LOG_STD = -1.2
-"""Of the actions tried at first: 0.3 in [-1, 1]."""
+"""Log standard deviation of the first actions: 0.3 in [-1, 1]."""
 
 
 class Cells(VecEnv):
@@ -50,8 +49,8 @@ class Cells(VecEnv):
         done = terminated | truncated
         each: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for i in np.flatnonzero(done):
-            # The budget is part of the task, and the observation tells k: the end of an episode is
-            # its end, so nothing says `TimeLimit.truncated`, which would add a value beyond it.
+            # The budget is part of the task, and k is observed: the end of an episode is its end,
+            # without `TimeLimit.truncated`, which would add a value beyond it.
             each[i] = {
                 "terminal_observation": infos["final_obs"][i],
                 "diverged": bool(terminated[i]),
@@ -136,8 +135,8 @@ def learn(
     Returns:
         The network of the mean action, and the learning curve: after each batch in which episodes
         ended, how many `steps` were done, the `mean_return` of these episodes (sum of rewards:
-        natural log of the tool's RMS before learning over that after) and the part of them that
-        `diverged`, 0 to 1.
+        natural log of the tool's RMS before learning over that after) and the fraction of them
+        that `diverged`.
 
     Raises:
         ValueError: steps is no such multiple.

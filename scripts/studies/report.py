@@ -1,12 +1,10 @@
-"""What `armside tune` tells: new best designs while it searches, and tables at its end."""
+"""Output of `armside tune`: new best designs while it searches, and tables at its end."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.sim.tuning.design import VARIABLES
-
-from armside.sim.robot.mjcf import N_AXES
-from armside.sim.tuning.sensor import Sees
+from armside.sim.tuning.action import VARIABLES
+from armside.sim.tuning.sensor import RewardSensor
 
 from ..shell.console import Report
 from .storage import redacted
@@ -16,24 +14,24 @@ if TYPE_CHECKING:
     import optuna
 
 
-def new_best(report: Report, trial: "optuna.trial.FrozenTrial", sees: Sees) -> None:
-    """A best design, in lines that a terminal of 60 columns holds. Designs of six motors are not
-    told before the end."""
-    report.line(f"best so far, trial {trial.number}: ratio {trial.value:.3f} {sees.says}")
+def new_best(report: Report, trial: "optuna.trial.FrozenTrial", sensor: RewardSensor) -> None:
+    """Print a best design, in lines that a terminal of 60 columns holds; not those of six motors,
+    which are printed at the end."""
+    report.line(f"best so far, trial {trial.number}: ratio {trial.value:.3f} {sensor.label}")
     known = [(v, trial.params[v.name]) for v in VARIABLES if v.name in trial.params]
     values = [f"{v.name} {value:.3g} {v.unit}".rstrip() for v, value in known]
-    report.line(", ".join([f"{trial.user_attrs[TRUE]:.3f} in truth", *values]))
+    report.line(", ".join([f"true {trial.user_attrs[TRUE]:.3f}", *values]))
 
 
 def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
-    """What a search has found, from its summary; path: the folder of its results."""
+    """Print the designs and importances in the summary of a search; path: folder of its results."""
     config, bests = outcome["config"], outcome["bests"]
     shared = all(v.name in outcome["best"] for v in VARIABLES)
     # The unit on a line of its own: so the widest table fits in 60 columns.
     heads = [f"{v.name}\n[{v.unit}]" if v.unit else v.name for v in VARIABLES]
     report.table(
-        f"RMS of the tool after learning over that before, {Sees(config['reward']).says}",
-        ["trial", "as seen", "in truth", *(heads if shared else [])],
+        f"RMS of the tool after learning over that before, {RewardSensor(config['reward']).label}",
+        ["trial", "measured", "true", *(heads if shared else [])],
         [
             [b["trial"], b["ratio"], b[TRUE], *([b[v.name] for v in VARIABLES] if shared else [])]
             for b in bests
@@ -49,7 +47,7 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     if outcome["importance"]:
         report.table(
             "Importance of each parameter (PED-ANOVA)",
-            ["parameter", "share", "most by chance"],
+            ["parameter", "fraction", "most by chance"],
             [[name, i["share"], i["by_chance"]] for name, i in outcome["importance"].items()],
         )
     counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)

@@ -1,5 +1,5 @@
-"""The database of Optuna's studies: what is wrong with it is said in one line, what is secret in
-its URL is not said at all, and trials whose process was killed are tried again.
+"""The database of Optuna's studies, with errors of one line that hide the secrets of its URL, and
+heartbeats by which trials of killed processes are tried again.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from ..shell.errors import InputError, RunFailed, one_line
+from ..shell.extras import install
 
 if TYPE_CHECKING:
     import optuna
@@ -27,29 +28,29 @@ LOCK_TIMEOUT = 60
 """[s], for other programs to let go of an SQLite file: processes that share a study write for
 milliseconds each, but in no order, and one that gives up has lost its trial."""
 SLOW = 5.0
-"""[s], after which a person is told what is waited for."""
+"""[s] of waiting, after which a person is told what for."""
 HAVE_TIMEOUT = ("psycopg", "psycopg2", "mysqldb", "pymysql")
-"""Drivers that take it as `connect_timeout`."""
+"""Drivers with an option `connect_timeout`."""
 SHOWN = ("host", "port", "dbname", "service", "sslmode", "charset", "mode", "uri", "timeout")
-"""What may be shown of a URL's query: each driver has names of its own for what is secret."""
+"""Entries of a URL's query that may be shown: each driver has names of its own for secrets."""
 TABLES = {"studies": "study_id", "trials": "trial_id"}
 """Tables of Optuna with names that another program may have given too, and a column of each."""
 HEARTBEAT = 2
 """[s], between signs of life of a running trial."""
 SILENCE = 8
 """[s] without one, four of them, after which other processes take a trial for dead. Being wrong
-costs one trial: `Objective` bears that its own was taken away."""
+costs one trial: see `search.run_trial`."""
 RETRIES = 2
-"""Of a trial that died: its design may be what kills."""
+"""Repetitions of a trial that died: its design may be what kills."""
 ATTEMPTS = 5
 """At making the tables of a new database, which others may be making too."""
 
 
 @contextmanager
 def reaching(storage: str) -> Iterator[None]:
-    """Open a storage: what its URL, its driver or its server can cause becomes InputError.
+    """Open a storage: errors of its URL, its driver or its server become InputError.
 
-    Says on stderr what is waited for where that takes long, as with a file that is locked.
+    A long wait, as for a file that is locked, is announced on stderr.
     """
     patience = Timer(SLOW, _say_waiting, [storage])
     patience.daemon = True
@@ -86,7 +87,7 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
     """The database, with its tables. Processes that make them at the same moment try again.
 
     storage: URL as SQLAlchemy writes them; the folder of an SQLite file is made. Raises InputError
-    for what is none, and for a database of another program; use it in a block of `reaching`.
+    for anything else, and for a database of another program; use it in a block of `reaching`.
     """
     from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 
@@ -104,7 +105,7 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
 
 
 def redacted(storage: str) -> str:
-    """The URL with *** for its password, and for all of its query that may be one."""
+    """The URL with *** for its password and for all entries of its query that may be secret."""
 
     def value(found: re.Match[str]) -> str:
         name = found["name"]
@@ -199,7 +200,7 @@ def _say_waiting(storage: str) -> None:
 
 
 def _failures() -> tuple[type[Exception], ...]:
-    """What a storage fails with that is not what it is asked to be."""
+    """Exceptions of a storage that is not what its URL says."""
     from optuna.exceptions import OptunaError
     from sqlalchemy.exc import SQLAlchemyError
 
@@ -208,17 +209,17 @@ def _failures() -> tuple[type[Exception], ...]:
 
 
 def _missing(storage: str, error: ImportError) -> str:
-    """Which driver to install. Optuna wraps the error that names it."""
+    """Message that names the driver to install. Optuna wraps the error that names it."""
     cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
     advice = ""
     if storage.startswith("postgresql"):
-        advice = "; pip install 'armside[postgres]' brings that of postgresql+psycopg://"
+        advice = f"; {install('postgres')} brings that of postgresql+psycopg://"
     missing = f"the database driver {cause.name}, which is not installed"
     return f"storage {redacted(storage)!r} needs {missing}{advice}"
 
 
 def _reason(error: BaseException) -> str:
-    """The driver's own words, without those of SQLAlchemy and Optuna around them."""
+    """Message of the driver, without those of SQLAlchemy and Optuna around it."""
     while error.__cause__ is not None:
         error = error.__cause__
     cause = getattr(error, "orig", None) or error

@@ -1,4 +1,4 @@
-"""Optuna studies of `armside tune`: opened or resumed, and what they know so far.
+"""Optuna studies of `armside tune`: opened or resumed, and their trials.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
@@ -6,47 +6,36 @@ Optuna is imported here only where it is used: it takes half a second.
 import logging
 import time
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, Scale
+from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
+from .importance import importance
+from .proposals import Pruner, Sampler, new_pruner, new_sampler
 from .storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
 
-Sampler = Literal["tpe", "random", "cmaes"]
-Pruner = Literal["percentile", "none"]
-
-WORST = 1e3
-"""Objective of a design that diverges: no finite one is that bad."""
 TRUE = "ratio_true"
-"""User attribute of a trial: the objective, had the tool been seen as it was."""
-PATIENCE = 3
-"""The first iteration, counted from 1, after which a design may be given up: what learns slowly is
-behind at first, and what learns fast may lose again what it had gained."""
-WRITTEN = 2.0
-"""[s], in which the process that has made a study writes what it tunes."""
-COMPARED = 10
-"""Complete designs, before which none is given up. ESTIMATE: as many as TPE draws at random."""
-KEPT = 75.0
-"""[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
+"""User attribute of a trial: the ground truth of its objective."""
+CONFIG_TIMEOUT = 2.0
+"""[s], for the process that has made a study to write what it tunes."""
 
 
-class Tried(NamedTuple):
-    """What became of one design."""
+class Outcome(NamedTuple):
+    """Outcome of one trial."""
 
     number: int
-    seen: float
+    value: float
     """The objective after the last iteration, WORST if it diverged."""
     true: float | None
-    """The same in truth; None where it is not known."""
-    whole: bool
-    """Tried to the end, not given up."""
+    """Its ground truth; None where it is not known."""
+    complete: bool
+    """All iterations were run: the design was not given up."""
 
 
 def open_study(
@@ -61,7 +50,7 @@ def open_study(
     """The study of that name, new or as other processes have left it.
 
     Args:
-        storage: see `study_storage.connect`.
+        storage: see `storage.connect`.
         config: what is tuned; a study of another configuration is refused.
 
     Raises:
@@ -71,7 +60,7 @@ def open_study(
     import optuna
 
     optuna.logging.set_verbosity(logging.ERROR)
-    how: dict[str, Any] = {"sampler": _sampler(sampler, seed), "pruner": _pruner(pruner)}
+    how: dict[str, Any] = {"sampler": new_sampler(sampler, seed), "pruner": new_pruner(pruner)}
     with reaching(storage):
         database = connect(storage)
         try:  # of processes that start together, one makes the study
@@ -92,9 +81,9 @@ def open_study(
 
 
 def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
-    """What a study tunes. The process that has made it may be about to write it; if that was
-    killed in between, it is this."""
-    end = time.monotonic() + WRITTEN
+    """The configuration that a study tunes. The process that has made the study may be about to
+    write it; where that was killed in between, `config` becomes its configuration."""
+    end = time.monotonic() + CONFIG_TIMEOUT
     while (known := study.user_attrs.get("config")) is None and time.monotonic() < end:
         time.sleep(0.1)
     if known is None:
@@ -138,10 +127,10 @@ def parameters(design: Design, motors: Motors) -> dict[str, float]:
 def ask_first(
     study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
 ) -> None:
-    """Try a design next, unless it was tried, is waiting, or another process is trying it now.
+    """Queue a design as the next trial, unless it was tried, is waiting, or is running elsewhere.
 
-    One whose trial failed, or whose process was killed, is asked for again. Whether a process was
-    killed shows when it has been silent for long enough, which is waited for.
+    One whose trial failed, or whose process was killed, is queued again. A killed process is known
+    by its silence, which is waited for.
 
     check: called while waiting; what it raises ends that.
     """
@@ -157,7 +146,7 @@ def ask_first(
 
 
 def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":
-    """Of all trials of a design, after those of killed processes have failed."""
+    """States of all trials of a design, after those of killed processes have failed."""
     fail_silent(study)
     return {
         trial.state
@@ -173,12 +162,12 @@ def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE, TrialState.PRUNED))
 
 
-def outcomes(study: "optuna.Study") -> list[Tried]:
-    """Of all finished trials."""
+def outcomes(study: "optuna.Study") -> list[Outcome]:
+    """Outcomes of all finished trials."""
     from optuna.trial import TrialState
 
     return [
-        Tried(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
+        Outcome(t.number, value(t), t.user_attrs.get(TRUE), t.state is TrialState.COMPLETE)
         for t in finished(study)
     ]
 
@@ -196,54 +185,24 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     return found
 
 
+def results(study: "optuna.Study") -> dict[str, Any]:
+    """Trials, best designs and importances of a study, as summary.json has them."""
+    from optuna.trial import TrialState
+
+    states = [trial.state for trial in study.get_trials(deepcopy=False)]
+    best = [
+        {"trial": t.number, "ratio": t.value, TRUE: t.user_attrs.get(TRUE), **t.params}
+        for t in bests(study)
+    ]
+    return {
+        "trials": {state.name.lower(): states.count(state) for state in TrialState},
+        "bests": best,
+        "best": best[-1] if best else None,
+        "importance": {name: found._asdict() for name, found in importance(study).items()},
+    }
+
+
 def value(trial: "optuna.trial.FrozenTrial") -> float:
     """The objective of a finished trial, or what it last reported when it was given up."""
     assert trial.value is not None
     return trial.value
-
-
-def _sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
-    """Trial n draws from stream n of the seed: processes that share a study never repeat each
-    other, and a study that was stopped between trials goes on as if it had not been. A trial that
-    was cut short keeps its number, so that those after it draw other designs."""
-    import optuna
-
-    class PerTrial(optuna.samplers.BaseSampler):
-        def before_trial(self, study: Any, trial: Any) -> None:
-            entropy = np.random.SeedSequence([seed, trial.number])
-            self._of_trial = _new_sampler(name, int(entropy.generate_state(1)[0]))
-            self._of_trial.before_trial(study, trial)
-
-        def infer_relative_search_space(self, study: Any, trial: Any) -> dict[str, Any]:
-            return self._of_trial.infer_relative_search_space(study, trial)
-
-        def sample_relative(self, study: Any, trial: Any, search_space: Any) -> dict[str, Any]:
-            return self._of_trial.sample_relative(study, trial, search_space)
-
-        def sample_independent(
-            self, study: Any, trial: Any, param_name: str, param_distribution: Any
-        ) -> Any:
-            return self._of_trial.sample_independent(study, trial, param_name, param_distribution)
-
-        def after_trial(self, study: Any, trial: Any, state: Any, values: Any) -> None:
-            self._of_trial.after_trial(study, trial, state, values)
-
-    return PerTrial()
-
-
-def _pruner(name: Pruner) -> "optuna.pruners.BasePruner":
-    import optuna
-
-    if name == "none":
-        return optuna.pruners.NopPruner()
-    return optuna.pruners.PercentilePruner(KEPT, n_startup_trials=COMPARED, n_warmup_steps=PATIENCE)
-
-
-def _new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
-    import optuna
-
-    if name == "random":
-        return optuna.samplers.RandomSampler(seed=seed)
-    if name == "cmaes":
-        return optuna.samplers.CmaEsSampler(seed=seed)
-    return optuna.samplers.TPESampler(seed=seed, constant_liar=True)

@@ -1,10 +1,12 @@
-"""A design that `armside tune` found, read from the summary.json it has written."""
+"""The start of a training: the design that `armside tune` found, and the number of steps."""
 
 import json
 from pathlib import Path
 
+import numpy as np
+
 from armside.sim.laser.design import Design
-from armside.sim.tuning.action import VARIABLES
+from armside.sim.tuning.action import VARIABLES, Motors, action_of
 
 from .study import parameter_names
 
@@ -28,3 +30,18 @@ def load_design(file: Path) -> Design:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{file} is no summary.json of armside tune") from error
     return Design(gamma=gamma, delta=delta, cutoff=cutoff)
+
+
+def first_action(file: Path | None, motors: Motors) -> np.ndarray:
+    """Action of the design in a file, (3,) or (18,); without one, of the middle of the ranges.
+
+    Raises ValueError as `load_design`, and for a design out of the ranges.
+    """
+    if file is None:
+        return np.zeros(len(VARIABLES) * motors.count, np.float32)
+    return action_of(load_design(file), motors)
+
+
+def whole_batches(steps: int, batch: int) -> int:
+    """Steps rounded up to whole batches: the network is updated after each."""
+    return -(-steps // batch) * batch

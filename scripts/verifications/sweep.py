@@ -12,10 +12,11 @@ from pathlib import Path
 
 from armside.sim.evaluation.check import Table, all_hold
 
-from ..commands.sweep import KNOWN, KNOWN_FAILED, run_grid
-from ..jobs.dataset import Store, keys_kept, read
-from ..jobs.engine import Local
+from ..jobs.dataset import dataset
 from ..jobs.grid import Grid, parse
+from ..jobs.point import run_grid
+from ..jobs.queue import KNOWN, KNOWN_FAILED
+from ..jobs.workers import Workers
 from ..shell.errors import RunFailed
 
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
@@ -39,16 +40,17 @@ def sweep(seeds: Iterable[int]) -> Table:
         start = time.perf_counter()
         process.wait()
         duration = time.perf_counter() - start
-        whole = read(Path(folder) / "whole")
+        whole = dataset(Path(folder) / "whole").read()
         rows = []
         for seed in seeds:
             killed = Path(folder) / str(seed)
             delay = random.Random(seed).uniform(0.0, duration)
             kept = _kill(killed, delay)
-            counts = run_grid(grid, Store(killed), Local())
+            with Workers() as workers:
+                counts = run_grid(grid, dataset(killed), workers)
             known = counts[KNOWN] + counts[KNOWN_FAILED]
             now = counts.total() - known
-            rows.append((seed, delay, kept, known, now, read(killed).equals(whole)))
+            rows.append((seed, delay, kept, known, now, dataset(killed).read().equals(whole)))
     n = len(grid)
     return Table(
         title="Sweeps killed at random moments and run again",
@@ -87,8 +89,8 @@ def memory(seeds: Iterable[int]) -> Table:
             workers = [_resident(pid) for pid in _descendants(os.getpid())]
             rows.append((n, _resident(os.getpid()), max(workers, default=0.0)))
 
-    with tempfile.TemporaryDirectory() as folder:
-        counts = run_grid(grid, Store(Path(folder)), Local(), step)
+    with tempfile.TemporaryDirectory() as folder, Workers() as ours:
+        counts = run_grid(grid, dataset(Path(folder)), ours, step)
     first, last = rows[0], rows[-1]
     return Table(
         title="Memory of a sweep over many configurations",
@@ -133,7 +135,7 @@ def _start(folder: Path) -> subprocess.Popen[bytes]:
 def _begun(folder: Path) -> subprocess.Popen[bytes]:
     """A sweep with its first result on disk: it takes longer to start than to do its work."""
     process = _start(folder)
-    while not keys_kept(folder):
+    while not dataset(folder).keys():
         if process.poll() is not None:
             raise RunFailed("the sweep ended without a result")
         time.sleep(LOOK)
@@ -148,4 +150,4 @@ def _kill(folder: Path, delay: float) -> int:
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGKILL)
         process.wait()
-    return len(keys_kept(folder))
+    return len(dataset(folder).keys())

@@ -9,61 +9,57 @@ from pathlib import Path
 
 import numpy as np
 
+from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning.action import VARIABLES, Motors
-from armside.sim.tuning.evaluation import Policy, always, evaluate
+from armside.sim.tuning.evaluation import Episode, Policy, always, evaluate
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
-from ..jobs.workers import cores
-from ..studies.policy import Network
 from ..studies.tuned_design import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"
 DATA_SEED = 1
-"""Of the experiments that models are identified from."""
+"""Seed of the experiments that models are identified from."""
 NORMAL_95 = 1.96
 """Standard errors to either side of a mean."""
 TWICE = 10
 """Iterations, twice the budget that was searched and trained with."""
 SIGNIFICANT = 3.0
-"""Standard errors by which a mean must beat another."""
+"""Standard errors by which a mean must be better than another."""
 
 
 def tuning(seeds: Iterable[int]) -> Table:
     """Seed i is the sealed episode TEST_SEEDS[i]; every baseline meets the same episodes."""
-    seeds = [TEST_SEEDS[i] for i in seeds]
     shared, each = (Rules(motors=m.value, sealed=True) for m in (Motors.SHARED, Motors.EACH))
-    baselines: list[tuple[str, Rules, Policy]] = [
-        ("thesis design", shared, always(THESIS, Motors.SHARED)),
-        ("best fixed design by search", shared, always(searched(), Motors.SHARED)),
-        ("designs from identified models", each, always(identified(), Motors.EACH)),
-        ("learned policy", shared, Network.load(TUNED / "policy.npz")),
-    ]
-    found = {
-        name: list(evaluate(rules, seeds, policy, threads=cores()))
-        for name, rules, policy in baselines
-    }
-    logs = {
-        name: np.log([episode.ratio for episode in episodes]) for name, episodes in found.items()
-    }
+    found = _episodes(
+        seeds,
+        {
+            "thesis design": (shared, always(THESIS, Motors.SHARED)),
+            "best fixed design by search": (shared, always(searched(), Motors.SHARED)),
+            "designs from identified models": (each, always(identified(), Motors.EACH)),
+            "learned policy": (shared, Network.load(TUNED / "policy.npz")),
+        },
+    )
+    logs = {name: np.log([e.ratio for e in episodes]) for name, episodes in found.items()}
     thesis, search = logs["thesis design"], logs["best fixed design by search"]
     rows = [
         (
             name,
-            float(np.exp(logs[name].mean())),
-            _against(logs[name], thesis),
-            _against(logs[name], search),
-            float(np.quantile(np.exp(logs[name]), 0.9)),
-            float(np.exp(logs[name].max())),
-            float(np.median([1e6 * episode.rms_true[-1] for episode in episodes])),
-            sum(episode.diverged for episode in episodes),
+            float(np.exp(log.mean())),
+            _against(log, thesis),
+            _against(log, search),
+            float(np.quantile(np.exp(log), 0.9)),
+            float(np.exp(log.max())),
+            float(np.median([1e6 * episode.rms_true[-1] for episode in found[name]])),
+            sum(episode.diverged for episode in found[name]),
         )
-        for name, episodes in found.items()
+        for name, log in logs.items()
     ]
     return Table(
-        title=f"Tool RMS after five iterations, {len(seeds)} sealed episodes",
+        title=f"Tool RMS after five iterations, {len(thesis)} sealed episodes",
         columns=(
             "baseline",
             "RMS after / before, geometric mean",
@@ -83,21 +79,18 @@ def tuning(seeds: Iterable[int]) -> Table:
 
 
 def iterations(seeds: Iterable[int]) -> Table:
-    """What is left of the error after each iteration, beyond the budget of five for the designs.
-
-    Of the episodes that do not diverge.
-    """
-    seeds = [TEST_SEEDS[i] for i in seeds]
+    """Error after each iteration, over episodes that do not diverge; designs beyond the budget."""
     long, budget = Rules(iterations=TWICE, sealed=True), Rules(sealed=True)
-    policies: list[tuple[str, Rules, Policy]] = [
-        ("thesis design", long, always(THESIS, Motors.SHARED)),
-        ("best fixed design by search", long, always(searched(), Motors.SHARED)),
-        ("learned policy", budget, Network.load(TUNED / "policy.npz")),
-    ]
-    found = {
-        name: [e for e in evaluate(rules, seeds, policy, threads=cores()) if not e.diverged]
-        for name, rules, policy in policies
-    }
+    found = _episodes(
+        seeds,
+        {
+            "thesis design": (long, always(THESIS, Motors.SHARED)),
+            "best fixed design by search": (long, always(searched(), Motors.SHARED)),
+            "learned policy": (budget, Network.load(TUNED / "policy.npz")),
+        },
+    )
+    n = len(found["thesis design"])
+    found = {name: [e for e in each if not e.diverged] for name, each in found.items()}
     rows = {
         name: np.exp(np.mean([np.log(e.rms_true[1:] / e.rms_true[0]) for e in episodes], axis=0))
         for name, episodes in found.items()
@@ -106,7 +99,7 @@ def iterations(seeds: Iterable[int]) -> Table:
     rows["gain γ of the learned policy, mean"] = np.mean(chosen, axis=0)
     search = rows["best fixed design by search"]
     return Table(
-        title=f"RMS of the tool over that before learning, geometric mean, {len(seeds)} episodes",
+        title=f"RMS of the tool over that before learning, geometric mean, {n} episodes",
         columns=("", *(f"k = {k}" for k in range(1, TWICE + 1))),
         rows=[
             (name, *values.tolist(), *[np.nan] * (TWICE - len(values)))
@@ -121,21 +114,35 @@ def iterations(seeds: Iterable[int]) -> Table:
     )
 
 
+def _episodes(
+    seeds: Iterable[int], baselines: Mapping[str, tuple[Rules, Policy]]
+) -> dict[str, list[Episode]]:
+    """The sealed episodes of each baseline, by its name."""
+    sealed = [TEST_SEEDS[i] for i in seeds]
+    return {
+        name: list(evaluate(rules, sealed, policy, threads=cores()))
+        for name, (rules, policy) in baselines.items()
+    }
+
+
 def _against(one: np.ndarray, other: np.ndarray) -> str:
-    """Geometric mean of one over the other in the same episodes, its interval, and who won."""
+    """Geometric mean of one over the other in the same episodes, its interval, and episodes won."""
     if one is other:
         return "-"
-    gain = one - other
-    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    gain, error = _paired(one, other)
     mean, low, high = np.exp(gain.mean() + error * np.array([0.0, -NORMAL_95, NORMAL_95]))
     won = int((gain < 0.0).sum())
     return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
 
 
+def _paired(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, float]:
+    """Differences in the same episodes, and the standard error of their mean."""
+    gain = one - other
+    return gain, float(gain.std(ddof=1) / np.sqrt(len(gain))) if len(gain) > 1 else np.inf
+
+
 def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
-    """Paired: the same episodes."""
-    gain = logs[other] - logs[name]
-    error = gain.std(ddof=1) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    gain, error = _paired(logs[other], logs[name])
     return all_hold(
         f"the {name} leaves less error at the tool than the {other} "
         f"(mean by more than {SIGNIFICANT:g} standard errors)",

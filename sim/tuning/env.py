@@ -43,7 +43,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     Errors and corrections are those of the motor shaft. Low becomes -1 and high +1; what lies
     outside is clipped, and what is not finite (a run that fell apart) becomes +1.
 
-    Reward: log(RMS before / RMS after) of the tool's circle as the configured sensor sees it,
+    Reward: log(RMS before / RMS after) of the tool's circle as measured by the configured sensor,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
 
     Info: see `armside.sim.tuning.rules.Rules.info`. Tasks and their distributions:

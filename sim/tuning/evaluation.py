@@ -1,4 +1,4 @@
-"""Evaluation of designs and policies over whole episodes, by the ground truth."""
+"""Evaluation of a design or a policy: whole episodes, against ground truth."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,13 +18,13 @@ Policy = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, kw_only=True)
 class Episode:
-    """Result of one episode."""
+    """Outcome of one episode."""
 
     seed: int
     rms_true: Array
     """(K + 1,) [m], of the tool after each run; ends early where learning diverged."""
-    rms_seen: Array
-    """(K + 1,) [m], the same as the configured sensor has it."""
+    rms_measured: Array
+    """(K + 1,) [m], the same as measured by the configured sensor."""
     designs: tuple[Design, ...]
     """(K,), those that were taken."""
     diverged: bool
@@ -51,7 +51,7 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
     return Episode(
         seed=seed,
         rms_true=np.array([run.true.rms for run in runs]),
-        rms_seen=np.array([run.seen.rms for run in runs]),
+        rms_measured=np.array([run.measured.rms for run in runs]),
         designs=tuple(designs),
         diverged=situation.diverged,
     )

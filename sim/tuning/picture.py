@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .rules import Rules
-from .sensor import Sees
+from .sensor import RewardSensor
 from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
@@ -51,7 +51,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)
     for situation in history:
-        path = situation.seen.path
+        path = situation.measured.path
         distance = np.hypot(*path.T)
         shown = path * (1.0 + (factor - 1.0) * (1.0 - radius / distance))[:, None]
         newest = situation is history[-1]
@@ -59,14 +59,14 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     circle.set_aspect("equal")
     edge = 1e3 * (1.05 + LARGEST_SHOWN) * radius
     circle.set(xlim=(-edge, edge), ylim=(-edge, edge))
-    says = Sees(rules.reward).says
-    circle.set_title(f"tool {says}, deviation x {factor:g} [mm]", fontsize=8)
+    label = RewardSensor(rules.reward).label
+    circle.set_title(f"tool {label}, deviation x {factor:g} [mm]", fontsize=8)
     k = [situation.k for situation in history]
     first = history[0].first_norm
     norms = np.array([situation.two_norm / first for situation in history])
     for i, motor in enumerate(norms.T):
         errors.semilogy(k, motor, ".-", lw=1, label=f"motor {i + 1}")
-    rms = np.array([situation.seen.rms for situation in history])
+    rms = np.array([situation.measured.rms for situation in history])
     errors.semilogy(k, rms / rms[0], "k.-", lw=2, label="tool RMS")
     end = ", diverged" if history[-1].diverged else ""
     errors.set_title(f"errors over those at k = 0{end}", fontsize=8)
@@ -85,7 +85,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
 
 def magnification(history: Sequence[Situation], radius: float) -> float:
     """That of the deviations from a circle of `radius` [m], as the sensor saw them."""
-    largest = max(np.nan_to_num(situation.seen.maxdev) for situation in history)
+    largest = max(np.nan_to_num(situation.measured.maxdev) for situation in history)
     fitting = (m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius)
     return next(fitting, 1.0)
 

@@ -1,7 +1,8 @@
 """The rules of an episode, shared by the single and the vector env: spaces, draws, steps, rewards.
 
-Reward of a step: log(RMS before / RMS after) of the tool's circle (9.6) as the configured sensor
-sees it, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
+Reward of a step: log(RMS before / RMS after) of the tool's circle (9.6) as measured by the
+configured sensor, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no
+measure.
 """
 
 from collections.abc import Mapping
@@ -18,7 +19,7 @@ from ..robot.model import RobotModel, load_model
 from . import observation, task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
-from .sensor import Sees, Sensor
+from .sensor import RewardSensor, Sensor
 from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
@@ -27,17 +28,17 @@ WORST_REWARD = -5.0
 
 
 class Score(NamedTuple):
-    """Reward of a step, with its terms."""
+    """Reward of a step."""
 
     log_decrease: float
-    """log(RMS before / RMS after) as the sensor sees it; NaN where it has no measure."""
+    """log(RMS before / RMS after) as measured by the sensor; NaN where it has no measure."""
     reward: float
     """The same within bounds, or the reward of a run that diverged."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """Constants of all episodes. Safe to use from several threads."""
+    """Configuration common to all episodes. Safe to use from several threads."""
 
     robot: str = "large"
     motors: str = "shared"
@@ -54,11 +55,11 @@ class Rules:
     def __post_init__(self) -> None:
         _one_of("robot", self.robot, CELLS)
         _one_of("motors", self.motors, [m.value for m in Motors])
-        _one_of("reward", self.reward, [s.value for s in Sees])
+        _one_of("reward", self.reward, [s.value for s in RewardSensor])
         object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        object.__setattr__(self, "sensor", Sees(self.reward).sensor(self.robot))
+        object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor(self.robot))
         object.__setattr__(self, "nominal", load_model(self.cell.xml))
 
     @property
@@ -98,7 +99,7 @@ class Rules:
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
-        imu = Sees(self.reward).imu
+        imu = RewardSensor(self.reward).imu
         return begin(drawn, task.experiment(self.robot, self.nominal, drawn, imu), self.sensor)
 
     def design(self, action: ArrayLike) -> Design:
@@ -111,7 +112,7 @@ class Rules:
 
     def score(self, before: Situation, after: Situation) -> Score:
         """The reward of a step."""
-        first, second = before.seen.rms, after.seen.rms
+        first, second = before.measured.rms, after.measured.rms
         if np.isfinite(first) and np.isfinite(second) and first > 0.0 and second > 0.0:
             decrease = float(np.log(first / second))
             reward = min(max(decrease, WORST_REWARD), -WORST_REWARD)
@@ -130,7 +131,7 @@ class Rules:
     def info(
         self, situation: Situation, design: Design | None = None, score: Score | None = None
     ) -> dict[str, Any]:
-        """Physical values and truth: not part of the observation.
+        """Physical values and ground truth: hidden from a policy, of interest to a person.
 
         Keys, the same after `reset` but for those of a step:
 
@@ -157,8 +158,8 @@ class Rules:
             "maxdev_true": float(situation.true.maxdev),
             "motor_error_two": situation.two_norm.copy(),
             "motor_error_inf": situation.inf_norm.copy(),
-            "rms_seen": float(situation.seen.rms),
-            "maxdev_seen": float(situation.seen.maxdev),
+            "rms_seen": float(situation.measured.rms),
+            "maxdev_seen": float(situation.measured.maxdev),
             **({} if score is None else {"log_decrease": score.log_decrease}),
             **({} if design is None else design.arrays()),
         }

@@ -1,4 +1,4 @@
-"""Sensor that the reward is computed from: tracker, estimate or motor angles.
+"""Sensors that the reward is computed from: each measures the deviation of the tool.
 
 A sensor is set up by the first run of an episode, the one without learning, and reads every run.
 """
@@ -26,7 +26,7 @@ Reading = Callable[[Pass], ToolError]
 Sensor = Callable[[Experiment, Pass], Reading]
 
 
-class Sees(Enum):
+class RewardSensor(Enum):
     """Sensor that the reward is computed from."""
 
     TRACKER = "tracker"
@@ -35,13 +35,13 @@ class Sees(Enum):
     """Motor angles and an IMU at the tool; the arm is identified from the first run of an episode,
     which takes seconds."""
     MOTOR = "motor"
-    """The motor angles, as if nothing between them and the tool gave way."""
+    """The motor angles, by rigid forward kinematics."""
 
     def sensor(self, robot: str) -> Sensor:
-        """Raises ValueError for a robot that the sensor cannot serve."""
-        if self is Sees.TRACKER:
+        """The sensor of a robot. Raises ValueError for a robot that it cannot serve."""
+        if self is RewardSensor.TRACKER:
             return _TrackerReading.set_up
-        if self is Sees.MOTOR:
+        if self is RewardSensor.MOTOR:
             return _Motors(robot)
         if robot != "large":
             raise ValueError(
@@ -50,14 +50,14 @@ class Sees(Enum):
         return _Estimate()
 
     @property
-    def says(self) -> str:
-        """Sensor of a number, in words."""
-        return f"as the {self.value} sees it" if self is not Sees.MOTOR else "as the motors see it"
+    def label(self) -> str:
+        """Words for tables and axes, after a quantity: "by the tracker"."""
+        return f"by the {self.value}{'s' if self is RewardSensor.MOTOR else ''}"
 
     @property
     def imu(self) -> ImuCfg | None:
-        """The unit that has to be at the tool."""
-        return ImuCfg() if self is Sees.ESTIMATE else None
+        """Configuration of the IMU that the sensor needs at the tool; None without one."""
+        return ImuCfg() if self is RewardSensor.ESTIMATE else None
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""State of an episode after a run, and its change by one learning iteration."""
+"""State of an episode after a run, and the next iteration of learning."""
 
 import copy
 from dataclasses import dataclass, field, replace
@@ -19,13 +19,13 @@ from .task import Task
 
 @dataclass(frozen=True, kw_only=True)
 class Situation:
-    """After run k of an experiment."""
+    """State of an episode after run k."""
 
     task: Task
-    """Drawn task."""
+    """The task that was drawn."""
     experiment: Experiment
     reading: Reading = field(repr=False)
-    """Tool error of a run by the configured sensor."""
+    """Measures the tool's deviation in a run with the configured sensor."""
     k: int
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""
@@ -39,10 +39,10 @@ class Situation:
     """(6,) [rad], of `motor_error`."""
     first_norm: Array
     """(6,) [rad], `two_norm` at k = 0."""
-    seen: ToolError
-    """The tool as the configured sensor has it."""
+    measured: ToolError
+    """Deviation of the tool as measured by the configured sensor."""
     true: ToolError
-    """The tool as it was: for evaluation only."""
+    """Ground truth of that deviation: for evaluation only."""
     diverged: bool
 
 
@@ -95,7 +95,7 @@ def _situation(
         two_norm=norm,
         inf_norm=inf_norm(motor_error),
         first_norm=first,
-        seen=reading(cut),
+        measured=reading(cut),
         true=true_tool_error(experiment.motion, cut),
         diverged=has_diverged(norm, first),
     )

@@ -29,10 +29,11 @@ os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DISABLE_IMPORT_WARNING": "1"
 NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20}
 from ray.cluster_utils import Cluster
 
-from armside.scripts.commands.sweep import run_grid
-from armside.scripts.jobs.engine import Local, OnRay
+from armside.scripts.jobs.cluster import RayCluster
+from armside.scripts.jobs.dataset import dataset
 from armside.scripts.jobs.grid import parse
-from armside.scripts.jobs.dataset import Store, read
+from armside.scripts.jobs.point import run_grid
+from armside.scripts.jobs.workers import Workers
 
 def main():
     folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]
@@ -41,7 +42,8 @@ def main():
     cluster.wait_for_nodes()
     assert cluster.address.startswith("127.0.0.1:"), cluster.address
     grid = parse(axes, 0)
-    engine = OnRay(cluster.address)
+    on_ray, local = dataset(folder / "ray"), dataset(folder / "local")
+    engine = RayCluster(cluster.address)
     done = 0
 
     def step():
@@ -50,11 +52,13 @@ def main():
         if done == 3:
             cluster.remove_node(second, allow_graceful=False)
 
-    counts = run_grid(grid, Store(folder / "ray"), engine, step)
+    counts = run_grid(grid, on_ray, engine, step)
+    engine.close()
     cluster.shutdown()
-    assert counts == {"done": 8}, read(folder / "ray")["error"].to_pylist()
-    run_grid(grid, Store(folder / "local"), Local())
-    assert read(folder / "ray").equals(read(folder / "local"))
+    assert counts == {"done": 8}, on_ray.read()["error"].to_pylist()
+    with Workers() as workers:
+        run_grid(grid, local, workers)
+    assert on_ray.read().equals(local.read())
     print("equal")
 
 if __name__ == "__main__":  # worker processes import this file
@@ -80,7 +84,9 @@ def run_alone(require_program, tmp_path):
         script.write_text(textwrap.dedent(code))
         # Short: the sockets of Ray are in it, and have at most 107 characters.
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            environment = os.environ | QUICK | {"PYTHONPATH": str(ROOT), "RAY_TMPDIR": folder}
+            environment = (
+                os.environ | QUICK | {"PYTHONPATH": str(ROOT / "src"), "RAY_TMPDIR": folder}
+            )
             return subprocess.run(
                 [*alone, sys.executable, str(script), *map(str, arguments)],
                 cwd=tmp_path,

@@ -10,8 +10,8 @@ import pytest
 
 import armside.sim.tuning  # noqa: F401 - registers the env
 from armside.scripts import cli
-from armside.scripts.studies.policy import Network
 from armside.sim.tuning.evaluation import run_episode
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 

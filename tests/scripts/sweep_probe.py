@@ -2,17 +2,37 @@
 
 import os
 import signal
+from dataclasses import dataclass
+from typing import Any
 
-from armside.scripts.jobs.engine import failed
-
-
-def done(point):
-    """A result without an experiment."""
-    return failed(point, "not run") | {"status": "done", "error": None}
+from armside.scripts.jobs.point import Point
 
 
-def dies_with_seed_1(point):
-    """Take the process along where the seed is 1."""
-    if point.seed == 1:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return done(point)
+@dataclass(frozen=True)
+class Quick:
+    """Has a row without an experiment."""
+
+    point: Point
+
+    @property
+    def key(self) -> str:
+        return self.point.key
+
+    @property
+    def cost(self) -> float:
+        return 1.0
+
+    def run(self) -> dict[str, Any]:
+        return self.failed(RuntimeError()) | {"status": "done", "error": None}
+
+    def failed(self, error: Exception) -> dict[str, Any]:
+        return self.point.failed(error)
+
+
+class DiesWithSeed1(Quick):
+    """Takes its process along where the seed is 1."""
+
+    def run(self) -> dict[str, Any]:
+        if self.point.seed == 1:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run()

@@ -5,17 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from armside.scripts.learning_job import LearningJob
 
 from armside.ilc.models.system import System
 from armside.scripts.jobs.workers import Workers
 from armside.scripts.thesis.chapter9 import figures
 from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
-from armside.scripts.thesis.chapter9.table import STUDIES, laser
+from armside.scripts.thesis.chapter9.table import STUDIES, learning_job
 from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.verifications.chapter9 import found
 from armside.sim.calibration import targets
 from armside.sim.calibration.targets import POSES
+from armside.sim.laser.job import LearningJob
 
 CHAPTER = [entry for entry in ENTRIES if ".chapter9." in entry.load().__module__]
 K = 6
@@ -55,14 +55,13 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
 
 def thesis_like(job: LearningJob):
     """A result for any job of the chapter."""
-    cut = job.laser
-    made = result(cut.pose, cut.iterations, cut.speed)
-    if cut.cutoff[0] > 12.0:
+    made = result(job.cut.pose, job.iterations, 1e3 * job.cut.speed)
+    if job.design.cutoff[0] > 12.0:
         made["arm_rms"] = made["arm_rms"] * np.where(np.arange(len(made["arm_rms"])) > 1, 1.2, 1.0)
         made["arm_maxdev"] = 2.2 * made["arm_rms"]
         made["ripple"] = 0.5 * made["arm_rms"]
         made["motor_two"] = made["motor_two"] * np.array([1.1, 0.9, 0.6, 0.5, 0.9, 0.8])
-    if cut.delta[0] == 6:
+    if job.design.delta[0] == 6:
         made["arm_rms"] = 0.9 * made["arm_rms"]
     rng = np.random.default_rng(job.repetition)
     smallest = made["motor_inf"].min() / 200.0
@@ -159,7 +158,7 @@ def test_an_experiment_leaves_small_arrays():
 
 
 def test_a_diverged_experiment_is_not_a_number_where_it_ended():
-    diverged = LearningJob(laser=laser(gamma=3.0)).run()
+    diverged = learning_job(0, gamma=3.0).run()
     assert diverged["diverged"]
     assert len(diverged["arm_rms"]) == 6
     assert np.isnan(diverged["arm_rms"][-1])

@@ -2,21 +2,24 @@
 
 import numpy as np
 import pytest
-from armside.scripts.laser_options import OF_ROBOT, THESIS, learning_law
-from armside.scripts.robot_design import asked_for
 
 from armside.ilc.measures import norms as measures
-from armside.scripts.commands.laser import LaserCfg, run
+from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.verifications.irb1400_laser import design as design_claim
 from armside.scripts.verifications.irb1400_laser import laser as laser_claim
+from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
+from armside.sim.laser.design_from_data import design_from_data
+from armside.sim.laser.measures import MotorAngles
+from armside.sim.laser.results import run
+from armside.sim.laser.specification import Cut
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 NORMS = ("motor_two", "motor_inf")
 
 
-def worst_motor(cfg):
+def worst_motor(cut, design=None):
     """Largest motor error after five iterations in both norms, as (9.5), and the arm's RMS."""
-    rows = run(cfg, seed=1)["iterations"]
+    rows = run(cut, measure=MotorAngles(design), seed=1)["iterations"]
     worst = []
     for norm in NORMS:
         first, last = (np.array(rows[k][norm]) for k in (0, 5))
@@ -26,7 +29,7 @@ def worst_motor(cfg):
 
 @pytest.mark.parametrize("pose", ["p1", "p2", "p3"])
 def test_it_learns_its_motors_down_to_a_tenth_in_either_norm(pose):
-    two, largest, arm = worst_motor(LaserCfg(robot="irb1400", pose=pose))
+    two, largest, arm = worst_motor(Cut(robot="irb1400", pose=pose))
     assert two <= 0.10
     assert largest <= 0.10
     assert arm[5] < 0.5 * arm[0]  # the tracker's result beside them
@@ -34,24 +37,24 @@ def test_it_learns_its_motors_down_to_a_tenth_in_either_norm(pose):
 
 def test_the_design_of_the_thesis_leaves_more_at_reversals():
     """They are the spikes where a motor reverses against stiction: above its cutoff, too late."""
-    two, largest, _ = worst_motor(LaserCfg(robot="irb1400"))
-    thesis = worst_motor(LaserCfg(robot="irb1400", **THESIS._asdict()))
+    two, largest, _ = worst_motor(Cut(robot="irb1400"))
+    thesis = worst_motor(Cut(robot="irb1400"), THESIS)
     assert thesis[0] > two
     assert thesis[1] > 1.5 * largest
 
 
 def test_its_design_is_what_its_own_learning_data_ask_for():
-    asked = asked_for(LaserCfg(robot="irb1400"), seed=1).proposal
-    ours = OF_ROBOT["irb1400"]
+    asked = design_from_data(Cut(robot="irb1400"), seed=1).proposal
+    ours = DEFAULT_DESIGN["irb1400"]
     assert (asked.delta, asked.cutoff) == (ours.delta[0], ours.cutoff[0])
     assert asked.gamma == pytest.approx(ours.gamma[0], abs=0.05)
 
 
 def test_a_design_belongs_to_a_robot_that_learns_from_its_motors():
-    assert learning_law(LaserCfg()).delta == THESIS.delta[0]
-    law = learning_law(LaserCfg(robot="irb1400"))
-    assert (law.gamma, law.delta) == (1.0, 8)
-    assert law.Q.sample_time == LOG_PERIOD
+    assert LaserCfg().delta == THESIS.delta
+    ours = LaserCfg(robot="irb1400")
+    assert (ours.gamma, ours.delta, ours.cutoff) == ((1.0,), (8,), (20.0,))
+    assert DEFAULT_DESIGN["irb1400"].law.Q.sample_time == LOG_PERIOD
     assert LaserCfg(robot="irb1400", delta=(5,)).delta == (5,)
     assert LaserCfg(robot="irb1400", measure="tracker").delta == THESIS.delta
 

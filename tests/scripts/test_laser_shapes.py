@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from armside.scripts.cli import main
-from armside.scripts.commands.laser import prepared, run
 from armside.scripts.cutting.options import LaserCfg
-from armside.scripts.cutting.specification import contour, cut, measure
+from armside.scripts.cutting.specification import contour, cut, measure, prepared, run
 from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.shell.errors import InputError
 from armside.sim.cut.contour import Circle

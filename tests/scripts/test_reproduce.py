@@ -4,6 +4,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +15,9 @@ import numpy as np
 import pytest
 
 from armside.scripts.commands import reproduce
-from armside.scripts.jobs.store import Store, digest
+from armside.scripts.jobs import store as store_module
+from armside.scripts.jobs.point import Point
+from armside.scripts.jobs.store import Store, code_fingerprint
 from armside.scripts.shell.console import Report
 from armside.scripts.shell.errors import InputError
 from armside.scripts.shell.options import Common
@@ -35,8 +38,10 @@ sys.exit(cli.main())
 """
 
 
-class HereAndNow:
+class Serial:
     """In place of worker processes, where these are not what a test is about."""
+
+    room, busy = 1, False
 
     def __enter__(self):
         return self
@@ -44,12 +49,21 @@ class HereAndNow:
     def __exit__(self, *_):
         pass
 
-    def unordered(self, function, items):
-        for item in items:
-            try:
-                yield item, function(item)
-            except Exception as error:
-                yield item, error
+    def submit(self, tag, function, item):
+        self.task, self.busy, self.room = (tag, function, item), True, 0
+
+    def collect(self):
+        self.busy, self.room = False, 1
+        tag, function, item = self.task
+        try:
+            return [(tag, function(item))]
+        except Exception as error:
+            return [(tag, error)]
+
+
+def parts(folder: Path) -> list[Path]:
+    """Files of finished results in the folder of a report."""
+    return sorted((folder / "results").glob("part-*.parquet"))
 
 
 @pytest.fixture
@@ -68,7 +82,7 @@ def reproduced_by_workers(armside, monkeypatch):
 @pytest.fixture
 def reproduced(reproduced_by_workers, monkeypatch):
     """The same without the seconds that processes take to start."""
-    monkeypatch.setattr(reproduce, "Workers", HereAndNow)
+    monkeypatch.setattr(reproduce, "Workers", Serial)
     return reproduced_by_workers
 
 
@@ -140,7 +154,7 @@ def test_a_second_call_adds_its_section_to_the_report(reproduced):
 
 def test_a_damaged_result_is_run_again(reproduced):
     reproduced("three")
-    first = sorted(Path("report/results").iterdir())[0]
+    first = parts(Path("report"))[0]
     first.write_bytes(first.read_bytes()[:100])
     assert reproduced("three")[0] == 0
     assert len(ran()) == 4
@@ -152,12 +166,11 @@ def test_a_killed_worker_is_reported_and_what_finished_stays(reproduced_by_worke
     assert "worker process was killed" in err
     assert "are kept in report" in err
     assert not Path("report/report.html").exists()
-    finished = len(list(Path("report/results").iterdir()))
-    assert finished >= 1
+    assert len(parts(Path("report"))) == 3
     Path("ran.log.spare").touch()  # from now on nothing is killed
     before = len(ran())
     assert reproduced_by_workers("one_killed")[0] == 0
-    assert len(ran()) == before + 4 - finished
+    assert len(ran()) == before + 1
 
 
 def test_an_experiment_that_fails_is_named_and_the_others_stay(reproduced):
@@ -165,7 +178,7 @@ def test_an_experiment_that_fails_is_named_and_the_others_stay(reproduced):
     assert status == 1
     assert "1 of 2 experiments failed" in err
     assert "this experiment cannot be done" in err
-    assert len(list(Path("report/results").iterdir())) == 1
+    assert len(parts(Path("report"))) == 1
 
 
 def start(line: str, folder: Path, **options) -> subprocess.Popen:
@@ -176,7 +189,7 @@ def start(line: str, folder: Path, **options) -> subprocess.Popen:
 def wait_for_results(folder: Path, count: int) -> None:
     deadline = time.monotonic() + 30.0
     while time.monotonic() < deadline:
-        if len(list((folder / "report" / "results").glob("[!.]*"))) >= count:
+        if len(parts(folder / "report")) >= count:
             return
         time.sleep(0.02)
     raise AssertionError("no results in time")
@@ -188,7 +201,7 @@ def test_kill_9_loses_at_most_what_was_under_way(tmp_path):
     running.kill()
     running.wait()
     running.communicate()  # the pipe closes when the workers have ended too
-    kept = len(list((tmp_path / "report" / "results").glob("[!.]*.npz")))
+    kept = len(Store(tmp_path / "report" / "results").blocks.keys())
     assert 3 <= kept < 12
     begun = len((tmp_path / "ran.log").read_text().split())
     assert begun - kept <= len(os.sched_getaffinity(0)) + 1  # one may be queued beyond the cores
@@ -218,9 +231,16 @@ def test_a_full_disk_is_reported_and_what_was_written_before_stays(tmp_path):
     assert running.returncode == 1
     assert "File too large" in err
     assert err.count("\n") == 1
-    names = [file.name for file in (tmp_path / "report" / "results").iterdir()]
-    assert len(names) == 1  # the small one; nothing partial
-    assert not names[0].startswith(".")
+    assert len(parts(tmp_path / "report")) == 1  # the small one
+    assert not list((tmp_path / "report" / "results").glob(".*.partial"))
+    assert start("reproduce large --out report --quiet", tmp_path).communicate(timeout=60)[1] == ""
+    assert len((tmp_path / "ran.log").read_text().split()) == 3
+
+
+def test_two_reports_in_one_folder_share_the_work(tmp_path):
+    both = [start("reproduce slow --out report --quiet", tmp_path) for _ in range(2)]
+    assert [process.communicate(timeout=60)[1] for process in both] == ["", ""]
+    assert len((tmp_path / "ran.log").read_text().split()) == 12
 
 
 @pytest.mark.parametrize(
@@ -282,7 +302,7 @@ def test_each_entry_names_its_experiments():
         assert all(job.cost > 0.0 for job in part.jobs), entry.id
 
 
-def test_a_result_is_found_by_configuration_and_code(tmp_path, monkeypatch):
+def test_a_result_is_found_by_configuration(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(HERE)
     from probe_part import ProbeJob
 
@@ -292,9 +312,28 @@ def test_a_result_is_found_by_configuration_and_code(tmp_path, monkeypatch):
     assert store.holds(job)
     assert not store.holds(other)
     assert np.array_equal(store.load(job)["value"], np.arange(3.0))
-    before = digest(job)
-    monkeypatch.setattr("armside.scripts.jobs.store.code_fingerprint", lambda module: "other code")
-    assert digest(job) != before
+
+
+def test_a_changed_constant_in_any_package_makes_the_store_ask_again(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(HERE)
+    from probe_part import ProbeJob
+
+    for package in store_module.PACKAGES:
+        skipped = shutil.ignore_patterns("__pycache__", "*.xml")
+        shutil.copytree(store_module.OURS / package, tmp_path / package, ignore=skipped)
+    monkeypatch.setattr(store_module, "OURS", tmp_path)
+    store, job = Store(tmp_path / "results"), ProbeJob("a", "log")
+    for package in store_module.PACKAGES:
+        code_fingerprint.cache_clear()
+        store.save(job, {"value": np.ones(1)})
+        row = Point("0" * 16, {}, 0).failed(ValueError())
+        assert store.holds(job)
+        with sorted((tmp_path / package).rglob("*.py"))[-1].open("a") as module:
+            module.write("CONSTANT = 2\n")
+        code_fingerprint.cache_clear()
+        assert not store.holds(job), package
+        assert Point("0" * 16, {}, 0).failed(ValueError())["code"] != row["code"], package
+    code_fingerprint.cache_clear()
 
 
 def test_progress_counts_weights_without_a_terminal():

@@ -22,7 +22,7 @@ from armside.scripts.shell.errors import InputError
 from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.storage import redacted
-from armside.scripts.studies.study import Tried, open_study, suggest
+from armside.scripts.studies.study import Outcome, open_study, suggest
 from armside.sim.tuning.action import Motors
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
@@ -54,9 +54,9 @@ def test_a_design_that_was_given_up_is_never_the_best():
         trial.report(ratio, 3)
         study.tell(trial, None if end else ratio, state=end)
     assert studies.outcomes(study) == [
-        Tried(0, 0.5, None, True),
-        Tried(1, 0.1, None, False),
-        Tried(2, 0.4, None, True),
+        Outcome(0, 0.5, None, True),
+        Outcome(1, 0.1, None, False),
+        Outcome(2, 0.4, None, True),
     ]
     assert [trial.number for trial in studies.bests(study)] == [0, 2]
 
@@ -137,12 +137,12 @@ def test_what_is_waited_for_is_said_and_then_what_was_wrong(armside, tmp_path, m
 
 
 def test_a_storage_that_is_lost_is_one_line(armside, tmp_path, monkeypatch):
-    def lost(study, *_):
+    def lost(study, *_, **__):
         with closing(sqlite3.connect(tmp_path / "a.db")) as database:
             database.execute("DROP TABLE trials")
         study.get_trials()
 
-    monkeypatch.setattr(tune, "_search", lost)
+    monkeypatch.setattr(tune, "search", lost)
     status, _, err = armside(f"tune {QUICK} --storage sqlite:///a.db")
     assert status == 1
     assert "storage 'sqlite:///a.db' failed: no such table: trials" in err
@@ -169,7 +169,7 @@ def test_of_two_processes_that_begin_together_the_one_with_another_task_is_refus
 
 def test_a_study_without_a_task_gets_one(tmp_path, monkeypatch):
     """The process that has made it was killed before it could say."""
-    monkeypatch.setattr(studies, "WRITTEN", 0.0)
+    monkeypatch.setattr(studies, "CONFIG_TIMEOUT", 0.0)
     url = f"sqlite:///{tmp_path}/a.db"
     optuna.create_study(storage=url, study_name="a")
     ours = open_study(url, "a", {"task": "ours"}, sampler="tpe", pruner="none", seed=0)

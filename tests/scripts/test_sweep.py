@@ -16,27 +16,27 @@ import pyarrow.parquet as pq
 import pytest
 
 from armside import assets
-from armside.scripts.commands.laser import LaserCfg, run
-from armside.scripts.commands.sweep import run_grid
-from armside.scripts.jobs.dataset import Store, block_of, keys_kept, read, schema
-from armside.scripts.jobs.engine import Local, failed, simulate
-from armside.scripts.jobs.grid import Grid, Point, parse
+from armside.scripts.cutting.options import LaserCfg
+from armside.scripts.cutting.specification import run
+from armside.scripts.jobs import resolved
+from armside.scripts.jobs.dataset import dataset, schema
+from armside.scripts.jobs.grid import Grid, parse
+from armside.scripts.jobs.point import Point, run_grid
 from armside.scripts.jobs.resolved import key_of
+from armside.scripts.jobs.workers import Workers
 from armside.scripts.shell.errors import InputError
 
 PLACES = "position=1316.6/1.4/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.9", PLACES, "speed=60", "iterations=1", "seed=0:2")
 """Half of them can be done, at p1: the second place is out of reach."""
 ROOT = Path(__file__).parent.parent.parent
-N_LARGE = 2000
-SOON = 3.0
-"""[s], to read a grid of N_LARGE points: three times what is promised."""
 
 
 class Serial:
-    """An engine that runs a point when it is asked for results."""
+    """An engine that runs a point when it is asked for results, by a function in place of its own
+    `run` if one is given."""
 
-    def __init__(self, function=simulate):
+    def __init__(self, function=Point.run):
         self.function, self.queue, self.ran = function, [], []
 
     @property
@@ -47,21 +47,26 @@ class Serial:
     def busy(self):
         return bool(self.queue)
 
-    def submit(self, point):
-        self.queue.append(point)
+    def submit(self, key, _run, point):
+        self.queue.append((key, point))
 
     def collect(self):
-        point = self.queue.pop(0)
-        self.ran.append(point.key)
-        return [self.function(point)]
+        key, point = self.queue.pop(0)
+        self.ran.append(key)
+        return [(key, self.function(point))]
 
     def close(self):
         self.queue.clear()
 
 
+def failed(point, error):
+    """The row of a point that has failed with that message."""
+    return point.failed(RuntimeError(error)) | {"error": error}
+
+
 def quick(point):
-    """A result without an experiment."""
-    return failed(point, "not run") | {"status": "done", "error": None}
+    """A row without an experiment."""
+    return failed(point, "") | {"status": "done", "error": None}
 
 
 def test_a_grid_is_every_combination_under_one_key_each():
@@ -165,9 +170,9 @@ def test_a_file_with_another_content_is_another_configuration_wherever_it_is(tmp
 def test_a_file_that_changes_while_a_sweep_runs_leaves_no_result_under_the_old_key(tmp_path):
     cut = _write_contour(tmp_path, changed=False) | {"iterations": 0}
     (point,) = Grid({name: (value,) for name, value in cut.items()} | {"seed": (0,)})
-    assert simulate(point)["status"] == "done"
+    assert point.run()["status"] == "done"
     _write_contour(tmp_path, changed=True)
-    row = simulate(point)
+    row = point.run()
     assert (row["status"], "not what it was" in row["error"]) == ("failed", True)
 
 
@@ -192,12 +197,34 @@ def test_a_relative_path_is_the_same_file_for_workers_elsewhere(tmp_path, monkey
     assert point.options == {"contour": tmp_path / "part.toml"}
 
 
-def test_a_large_grid_is_read_at_once():
-    gains = ",".join(f"{0.001 * i:.3f}" for i in range(1, N_LARGE + 1))
-    start = time.perf_counter()
-    points = list(parse((f"gamma={gains}",), 0))
-    assert time.perf_counter() - start < SOON
-    assert len(points) == N_LARGE
+def _counted(monkeypatch, name):
+    """Calls of a function of `resolved` from now on."""
+    calls, function = [], getattr(resolved, name)
+
+    def noted(*args, **options):
+        calls.append(args)
+        return function(*args, **options)
+
+    monkeypatch.setattr(resolved, name, noted)
+    return calls
+
+
+def test_each_configuration_of_a_grid_is_resolved_once_whatever_its_seeds(monkeypatch):
+    calls = _counted(monkeypatch, "LaserCfg")
+    points = list(parse(("gamma=0.1,0.2,0.3,0.4", "seed=0:50"), 0))
+    assert len(points) == 200
+    assert len(calls) == 4
+
+
+def test_each_file_of_a_grid_is_hashed_once(monkeypatch, tmp_path):
+    calls = _counted(monkeypatch, "content_of")
+    files = []
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        files.append(_write_contour(tmp_path / name, changed=name == "b")["contour"])
+    points = list(parse((f"contour={files[0]},{files[1]}", "gamma=0.1,0.2,0.3", "seed=0:9"), 0))
+    assert len(points) == 54
+    assert sorted(calls) == [("contour", file) for file in files]
 
 
 def test_values_of_six_motors_and_options_with_dashes_are_read():
@@ -264,13 +291,20 @@ def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
     assert (status, "Ray" in err) == (2, True)
 
 
+def test_without_ray_the_extra_is_named(armside, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    status, _, err = armside("sweep gamma=1 --engine ray --address 127.0.0.1:1")
+    assert status == 2
+    assert err == "armside: the engine ray needs Ray: pip install 'armside[cluster]'\n"
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The dataset of AXES, computed in this process without any disturbance."""
     folder = tmp_path_factory.mktemp("whole")
-    counts = run_grid(parse(AXES, 0), Store(folder), Serial())
+    counts = run_grid(parse(AXES, 0), dataset(folder), Serial())
     assert counts == {"done": 4, "failed": 4}
-    return read(folder)
+    return dataset(folder).read()
 
 
 def test_rows_are_what_armside_laser_finds(whole):
@@ -297,27 +331,27 @@ def test_a_configuration_that_fails_is_recorded_with_its_error(whole):
 
 def test_what_is_there_is_not_computed_again(tmp_path):
     few, many = parse(("delta=1:4",), 0), parse(("delta=1:9",), 0)
-    assert run_grid(few, Store(tmp_path), Serial(quick)) == {"done": 3}
+    assert run_grid(few, dataset(tmp_path), Serial(quick)) == {"done": 3}
     engine = Serial(quick)
-    assert run_grid(many, Store(tmp_path), engine) == {"known": 3, "done": 5}
+    assert run_grid(many, dataset(tmp_path), engine) == {"known": 3, "done": 5}
     assert len(engine.ran) == 5
-    keys = read(tmp_path)["key"].to_pylist()
+    keys = dataset(tmp_path).read()["key"].to_pylist()
     assert keys == sorted(point.key for point in many)
 
 
 def test_failed_configurations_run_again_only_when_asked(tmp_path):
     grid = parse(("delta=1:4",), 0)
     broken = Serial(lambda point: failed(point, "no luck"))
-    assert run_grid(grid, Store(tmp_path), broken) == {"failed": 3}
-    assert run_grid(grid, Store(tmp_path), Serial(quick)) == {"known (failed)": 3}
-    assert run_grid(grid, Store(tmp_path), Serial(quick), retry_failed=True) == {"done": 3}
-    assert read(tmp_path)["status"].to_pylist() == ["done"] * 3
+    assert run_grid(grid, dataset(tmp_path), broken) == {"failed": 3}
+    assert run_grid(grid, dataset(tmp_path), Serial(quick)) == {"known (failed)": 3}
+    assert run_grid(grid, dataset(tmp_path), Serial(quick), retry_failed=True) == {"done": 3}
+    assert dataset(tmp_path).read()["status"].to_pylist() == ["done"] * 3
 
 
 def test_a_result_is_safe_once_it_was_added_and_a_torn_one_is_cut_off(tmp_path):
     point = next(iter(parse(("delta=1",), 0)))
-    name = block_of(point.key)
-    block = Store(tmp_path).claim(name)
+    name = dataset(tmp_path).name(point.key)
+    block = dataset(tmp_path).claim(name)
     block.add(quick(point))
     assert block._open is not None
     block._open.close()  # its process died here:
@@ -325,11 +359,11 @@ def test_a_result_is_safe_once_it_was_added_and_a_torn_one_is_cut_off(tmp_path):
     journal = tmp_path / ".journal" / f"{name}.jsonl"
     with open(journal, "ab") as file:
         file.write(b'{"key": "half a li')
-    assert keys_kept(tmp_path) == {point.key}
-    again = Store(tmp_path).claim(name)
+    assert dataset(tmp_path).keys() == {point.key}
+    again = dataset(tmp_path).claim(name)
     assert again.done == {point.key}
     again.close()
-    assert read(tmp_path)["key"].to_pylist() == [point.key]
+    assert dataset(tmp_path).read()["key"].to_pylist() == [point.key]
     assert not journal.exists()
 
 
@@ -339,15 +373,15 @@ def test_counting_results_leaves_a_line_that_is_being_written_alone(tmp_path):
     begun, rest = b'{"key": "ab0"}\n{"key": ', b'"ab1"}\n'
     with open(journal, "ab", buffering=0) as file:
         file.write(begun)
-        assert keys_kept(tmp_path) == {"ab0"}
+        assert dataset(tmp_path).keys() == {"ab0"}
         file.write(rest)
     assert journal.read_bytes() == begun + rest
-    assert keys_kept(tmp_path) == {"ab0", "ab1"}
+    assert dataset(tmp_path).keys() == {"ab0", "ab1"}
 
 
 def test_a_result_is_kept_when_the_interrupt_comes_while_it_is_added(tmp_path):
     (point,) = parse(("delta=1",), 0)
-    block = Store(tmp_path).claim(block_of(point.key))
+    block = dataset(tmp_path).claim(dataset(tmp_path).name(point.key))
 
     class Interrupted:
         def write(self, line):
@@ -360,26 +394,26 @@ def test_a_result_is_kept_when_the_interrupt_comes_while_it_is_added(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         block.add(quick(point))
     block.close()
-    assert keys_kept(tmp_path) == {point.key}
+    assert dataset(tmp_path).keys() == {point.key}
 
 
 def test_a_writer_that_died_between_part_and_journal_leaves_no_row_twice(tmp_path):
     point = next(iter(parse(("delta=1",), 0)))
-    run_grid(parse(("delta=1",), 0), Store(tmp_path), Serial(quick))
-    name = block_of(point.key)
+    run_grid(parse(("delta=1",), 0), dataset(tmp_path), Serial(quick))
+    name = dataset(tmp_path).name(point.key)
     line = json.dumps(quick(point)) + "\n"
     (tmp_path / ".journal" / f"{name}.jsonl").write_text(line)
     (tmp_path / f".part-{name}.parquet.123.partial").write_bytes(b"PAR1")
-    Store(tmp_path).claim(name).close()
-    assert len(read(tmp_path)) == 1
+    dataset(tmp_path).claim(name).close()
+    assert len(dataset(tmp_path).read()) == 1
     assert not list(tmp_path.glob(".part*"))
 
 
 def test_a_block_has_one_writer_at_a_time(tmp_path):
-    first = Store(tmp_path).claim("ab")
-    assert Store(tmp_path).claim("ab") is None
+    first = dataset(tmp_path).claim("ab")
+    assert dataset(tmp_path).claim("ab") is None
     first.close()
-    Store(tmp_path).claim("ab").close()
+    dataset(tmp_path).claim("ab").close()
 
 
 def test_a_file_system_without_locks_is_one_clear_error(armside, tmp_path, monkeypatch):
@@ -394,7 +428,7 @@ def test_a_file_system_without_locks_is_one_clear_error(armside, tmp_path, monke
 
 def test_failed_configurations_end_in_status_1_with_the_first_error(armside, monkeypatch):
     unlucky = failing_with("no luck with 2", "no luck with 3")
-    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(unlucky))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(unlucky))
     status, out, err = armside("sweep delta=1:4 --into there --json")
     assert (status, err.count("\n")) == (1, 1)
     assert "2 of 3 configurations failed, the first with no luck with 2" in err
@@ -403,7 +437,7 @@ def test_failed_configurations_end_in_status_1_with_the_first_error(armside, mon
     status, out, err = armside("sweep delta=1:4 --into there")
     assert (status, "no luck with 2" in err) == (1, True)
     assert "3 configurations: 1 known, 2 known (failed)" in out
-    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(quick))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(quick))
     status, out, err = armside("sweep delta=1:4 --into there --retry-failed")
     assert (status, err) == (0, "")
     assert "2 done, 1 known" in out
@@ -425,11 +459,11 @@ def test_ctrl_c_says_what_is_kept(armside, tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return quick(point)
 
-    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(stop_at_3))
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(stop_at_3))
     status, _, err = armside("sweep delta=3 --into there")
     assert (status, err) == (130, "armside: interrupted, nothing was kept\n")
     status, _, err = armside("sweep delta=1:9 --into there")
-    kept = len(read(tmp_path / "there"))
+    kept = len(dataset(tmp_path / "there").read())
     assert 0 < kept < 8
     assert status == 130
     assert f"{kept} of 8 configurations are kept in there, repeat the command to go on" in err
@@ -440,35 +474,41 @@ def test_ctrl_c_in_a_terminal_is_one_line(tmp_path):
     _wait_for(tmp_path, 3)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
-    kept = len(keys_kept(tmp_path))
+    kept = len(dataset(tmp_path).keys())
     assert (process.returncode, err.count(b"\n")) == (130, 1)
     assert f"{kept} of 8 configurations are kept".encode() in err
 
 
-def test_a_sweep_claims_no_more_than_it_works_on(tmp_path, monkeypatch):
+@pytest.fixture
+def probe(monkeypatch):
+    """Module of jobs that run no experiment."""
     monkeypatch.syspath_prepend(Path(__file__).parent)
-    probe = importlib.import_module("sweep_probe")
-    grid = list(parse(("delta=1:21",), 0))
-    names = {block_of(point.key) for point in grid}
+    return importlib.import_module("sweep_probe")
+
+
+def test_a_sweep_claims_no_more_than_it_works_on(tmp_path, probe):
+    grid = [probe.Quick(point) for point in parse(("delta=1:21",), 0)]
+    names = {dataset(tmp_path).name(point.key) for point in grid}
     held = []
 
     def look():
-        claimed = [Store(tmp_path).claim(name) for name in names]
+        claimed = [dataset(tmp_path).claim(name) for name in names]
         held.append(claimed.count(None))
         for block in filter(None, claimed):
             block.close()
 
-    run_grid(grid, Store(tmp_path), Local(2, function=probe.done), look)
+    with Workers(2) as workers:
+        run_grid(grid, dataset(tmp_path), workers, look)
     assert max(held) <= 2
 
 
 def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatch):
-    monkeypatch.setattr("armside.scripts.commands.sweep.POLL", 0.01)
+    monkeypatch.setattr("armside.scripts.jobs.queue.POLL", 0.01)
     grid = list(parse(("delta=1:4",), 0))
-    store = Store(tmp_path / "there")
-    theirs = store.claim(block_of(grid[0].key))
-    n_theirs = sum(block_of(point.key) == theirs.name for point in grid)
-    monkeypatch.setattr("armside.scripts.commands.sweep.Local", lambda _: Serial(quick))
+    store = dataset(tmp_path / "there")
+    theirs = store.claim(dataset(tmp_path).name(grid[0].key))
+    n_theirs = sum(dataset(tmp_path).name(point.key) == theirs.name for point in grid)
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(quick))
     looks = []
 
     def sleep(_):
@@ -476,7 +516,7 @@ def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatc
         if len(looks) == 3:
             theirs.close()
 
-    monkeypatch.setattr("armside.scripts.commands.sweep.time.sleep", sleep)
+    monkeypatch.setattr("armside.scripts.jobs.queue.time.sleep", sleep)
     status, _, err = armside("sweep delta=1:4 --into there")
     said = f"armside: waiting for {n_theirs} configurations that another sweep has claimed\n"
     assert (status, err, len(looks)) == (0, said, 3)
@@ -491,7 +531,7 @@ def _start(folder, **options):
 
 def _wait_for(folder, n):
     deadline = time.monotonic() + 60
-    while len(keys_kept(folder)) < n and time.monotonic() < deadline:
+    while len(dataset(folder).keys()) < n and time.monotonic() < deadline:
         time.sleep(0.02)
 
 
@@ -501,12 +541,12 @@ def test_killed_at_random_it_loses_nothing_and_leaves_no_process_behind(tmp_path
     time.sleep(random.Random(0).uniform(0, 0.1))
     process.send_signal(signal.SIGKILL)
     process.wait()
-    kept = len(keys_kept(tmp_path))
+    kept = len(dataset(tmp_path).keys())
     assert kept >= 2
-    counts = run_grid(parse(AXES, 0), Store(tmp_path), Serial())
+    counts = run_grid(parse(AXES, 0), dataset(tmp_path), Serial())
     assert counts["known"] + counts["known (failed)"] == kept
     assert counts.total() == 8
-    assert read(tmp_path).equals(whole)
+    assert dataset(tmp_path).read().equals(whole)
     deadline = time.monotonic() + 20
     while _members(process.pid) and time.monotonic() < deadline:
         time.sleep(0.1)
@@ -529,31 +569,30 @@ def _members(session):
 def test_two_sweeps_into_one_folder_share_the_work(tmp_path, whole):
     both = [_start(tmp_path) for _ in range(2)]
     assert [process.wait(120) for process in both] == [1, 1]  # half of it cannot be done
-    assert read(tmp_path).equals(whole)
+    assert dataset(tmp_path).read().equals(whole)
 
 
 def test_part_files_can_be_read_while_a_sweep_runs(tmp_path):
     seen = []
 
     def look(point):
-        seen.append(len(read(tmp_path)))
+        seen.append(len(dataset(tmp_path).read()))
         return quick(point)
 
-    run_grid(parse(("delta=1:13",), 0), Store(tmp_path), Serial(look))
+    run_grid(parse(("delta=1:13",), 0), dataset(tmp_path), Serial(look))
     assert seen == sorted(seen)
     assert 0 < seen[-1] < 13
     for part in tmp_path.glob("part-*.parquet"):
         assert pq.read_schema(part).equals(schema())
 
 
-def test_a_worker_that_dies_takes_only_its_own_point_with_it(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    probe = importlib.import_module("sweep_probe")
-    grid = Grid({"speed": (60.0,), "seed": range(5)})
-    counts = run_grid(grid, Store(tmp_path), Local(2, function=probe.dies_with_seed_1))
+def test_a_worker_that_dies_takes_only_its_own_point_with_it(tmp_path, probe):
+    grid = [probe.DiesWithSeed1(point) for point in Grid({"speed": (60.0,), "seed": range(5)})]
+    with Workers(2) as workers:
+        counts = run_grid(grid, dataset(tmp_path), workers)
     assert counts == {"done": 4, "failed": 1}
-    (row,) = [r for r in read(tmp_path).to_pylist() if r["status"] == "failed"]
-    assert (row["seed"], row["error"]) == (1, "the worker process died")
+    (row,) = [r for r in dataset(tmp_path).read().to_pylist() if r["status"] == "failed"]
+    assert (row["seed"], row["error"]) == (1, "a worker process was killed (out of memory?)")
 
 
 def test_results_are_not_kept_in_memory(tmp_path):
@@ -561,7 +600,7 @@ def test_results_are_not_kept_in_memory(tmp_path):
         grid = Grid({"speed": (60.0,), "seed": range(n)})
         large = Serial(lambda point: quick(point) | {"arm_rms": [0.5] * 2000})
         tracemalloc.start()
-        run_grid(grid, Store(tmp_path / str(n)), large)
+        run_grid(grid, dataset(tmp_path / str(n)), large)
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most

@@ -1,4 +1,4 @@
-"""What of learning works without the extra [learn]."""
+"""Learning as far as it works without the extra [learn]."""
 
 import importlib.util
 import os
@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from armside.scripts.commands.train import whole_batches
-from armside.scripts.studies.policy import Network
+from armside.scripts.studies.tuned_design import whole_batches
+from armside.sim.tuning.policy import Network
 
 
 def _network(rng):
@@ -57,7 +57,7 @@ def test_steps_are_rounded_up_to_whole_batches(steps, batch, done):
 def test_without_the_extra_training_says_what_to_install(armside):
     status, out, err = armside("train --steps 1")
     assert (status, out) == (2, "")
-    assert "pip install 'armside[learn]'" in err
+    assert err == "armside: armside train needs Stable-Baselines3: pip install 'armside[learn]'\n"
 
 
 def test_a_folder_that_cannot_be_made_is_found_before_learning(armside, monkeypatch):

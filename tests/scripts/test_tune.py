@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,27 +15,35 @@ import optuna
 import pytest
 
 from armside.scripts.commands import tune
-from armside.scripts.commands.tune import TuneCfg, _fixed, _identity, rules, study_name
 from armside.scripts.figures import tuning as tune_figures
 from armside.scripts.shell import console
-from armside.scripts.shell.interrupts import Stop, noticing
+from armside.scripts.shell.interrupts import noticing
 from armside.scripts.shell.options import Common
-from armside.scripts.studies import objective as tune_objective
 from armside.scripts.studies import report as tune_report
+from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
-from armside.scripts.studies.objective import Objective, Ratio, prepare
-from armside.scripts.studies.study import WORST, Tried, open_study
+from armside.scripts.studies.options import TuneCfg
+from armside.scripts.studies.search import evaluate, run_trial, search
+from armside.scripts.studies.study import Outcome, open_study
 from armside.sim.laser.design import THESIS, Design
+from armside.sim.tuning import objective as tuning_objective
 from armside.sim.tuning.action import Motors
+from armside.sim.tuning.objective import WORST, Objective, Ratio, prepare
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.sensor import Sees
+from armside.sim.tuning.sensor import RewardSensor
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """A busy machine may take seconds to open a storage, which is then announced."""
+    monkeypatch.setattr(study_storage, "SLOW", 60.0)
+
+
 def _objective(**options):
     cfg = TuneCfg(pose="p1", speed=60.0, **options)
-    return Objective(rules(cfg), prepare(rules(cfg), range(cfg.episodes), _fixed(cfg)))
+    return Objective(cfg.rules, prepare(cfg.rules, range(cfg.episodes), cfg.fixed))
 
 
 def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path):
@@ -54,7 +62,7 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     assert summary["best"]["ratio_true"] == pytest.approx(summary["best"]["ratio"], rel=0.1)
     assert "best so far, trial" in out
     assert "(PED-ANOVA)" in out
-    assert "as the tracker sees it" in out
+    assert "by the tracker" in out
     assert "[samples]" in out
     for figure in ("history.png", "importance.png"):
         assert (tmp_path / "a" / figure).read_bytes().startswith(b"\x89PNG")
@@ -90,8 +98,8 @@ def test_searches_of_different_things_do_not_meet_unless_they_are_named(armside,
     ]
     assert studies[0] == studies[2] != studies[1]
     assert studies[0].startswith("large-shared-tracker-")
-    assert study_name(TuneCfg(trials=3), 0) == study_name(TuneCfg(sampler="random"), 0)
-    assert study_name(TuneCfg(), 0) != study_name(TuneCfg(), 1)
+    assert TuneCfg(trials=3).named(0).study == TuneCfg(sampler="random").named(0).study
+    assert TuneCfg().named(0).study != TuneCfg().named(1).study
 
 
 def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
@@ -100,8 +108,8 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
     assert status == 0
     best = json.loads((tmp_path / "a" / "summary.json").read_text())["best"]
     assert best["ratio"] < 0.8 * best["ratio_true"]
-    assert "as the motors see it" in out
-    assert f"{best['ratio_true']:.3f} in truth" in out
+    assert "by the motors" in out
+    assert f"true {best['ratio_true']:.3f}" in out
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
@@ -110,7 +118,7 @@ def test_hopeless_designs_are_pruned_between_iterations():
         _objective(payload=40.0, episodes=1, iterations=3) as objective,
         pytest.raises(optuna.TrialPruned),
     ):
-        objective(study.ask())
+        evaluate(objective, study.ask())
     assert list(study.trials[0].intermediate_values) == [1]
 
 
@@ -119,7 +127,7 @@ def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
         first, again = (list(objective.ratios(THESIS)) for _ in range(2))
     assert first == again
     assert len(first) == 2
-    assert first[-1].seen < 1.0
+    assert first[-1].measured < 1.0
     assert first[-1].true < 1.0
     bold = Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))
     with _objective(episodes=1, iterations=10) as objective:
@@ -128,7 +136,7 @@ def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
 
 def test_where_all_designs_diverge_there_is_no_best_one(armside, tmp_path, monkeypatch):
     """The storage keeps what was tried; no folder of results is made of it."""
-    monkeypatch.setattr(tune_objective, "mean_ratio", lambda pairs: WORST)
+    monkeypatch.setattr(tuning_objective, "mean_ratio", lambda pairs: WORST)
     status, _, err = armside(f"tune {QUICK} --trials 6 --out a")
     assert status == 1
     assert err.splitlines()[-1].endswith("all 6 designs that were tried to the end diverged")
@@ -142,11 +150,11 @@ def test_other_samplers_propose_designs(armside, sampler):
 
 
 def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
-    def interrupted(study, objective, cfg, report, stop):
+    def interrupted(study, *_, **__):
         study.optimize(lambda trial: 0.5, n_trials=1)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(tune, "_search", interrupted)
+    monkeypatch.setattr(tune, "search", interrupted)
     status, _, err = armside(f"tune {QUICK} --study a --storage sqlite:///b.db")
     assert status == 130
     assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
@@ -167,7 +175,10 @@ def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeyp
 SLOW_RUNS = """
 import sys, time
 from armside.scripts import cli
+from armside.scripts.studies import storage
 from armside.sim.tuning.rules import Rules
+
+storage.SLOW = 60.0
 
 def slow(*args, advance=Rules.advance):
     time.sleep(0.3)
@@ -227,7 +238,7 @@ def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
     monkeypatch.setattr(Rules, "advance", broken)
     with pytest.raises(RuntimeError), _objective(payload=40.0, episodes=2) as objective:
         next(objective.ratios(THESIS))
-    monkeypatch.setattr(tune_objective, "begin", broken)
+    monkeypatch.setattr(tuning_objective, "begin", broken)
     with pytest.raises(RuntimeError):
         _objective(payload=40.0, episodes=2)
     assert set(threading.enumerate()) == known
@@ -236,14 +247,14 @@ def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
 def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
-    tried = [Tried(0, 0.5, 0.6, True), Tried(1, 1e3, 1e3, True), Tried(2, 9.0, 8.0, True)]
-    tune_figures.history(tmp_path / "a.png", tried, sees="as the motors see it")
+    tried = [Outcome(0, 0.5, 0.6, True), Outcome(1, 1e3, 1e3, True), Outcome(2, 9.0, 8.0, True)]
+    tune_figures.history(tmp_path / "a.png", tried, sensor="by the motors")
     (axes,) = drawn[0].axes
     lines = {line.get_label(): line for line in axes.lines}
     assert axes.get_ylim()[1] > 9.0  # whatever is finite is inside
     assert list(lines["diverged, beyond the axis"].get_xdata()) == [1]
-    assert list(lines["best so far, as the motors see it"].get_ydata()) == [0.5] * 3
-    assert list(lines["the same design in truth"].get_ydata()) == [0.6] * 3
+    assert list(lines["best so far, by the motors"].get_ydata()) == [0.5] * 3
+    assert list(lines["same design, ground truth"].get_ydata()) == [0.6] * 3
 
 
 @pytest.mark.parametrize("width", [60, 80])
@@ -279,10 +290,10 @@ def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
         user_attrs={studies.TRUE: 0.65432},
     )
     study.add_trial(trial)
-    tune_report.new_best(console.Report(Common()), study.trials[0], Sees.ESTIMATE)
+    tune_report.new_best(console.Report(Common()), study.trials[0], RewardSensor.ESTIMATE)
     first, second = capsys.readouterr().out.splitlines()
-    assert first == "best so far, trial 0: ratio 0.543 as the estimate sees it"
-    assert second.startswith("0.654 in truth")
+    assert first == "best so far, trial 0: ratio 0.543 by the estimate"
+    assert second.startswith("true 0.654")
     assert ("gamma" in second) is (motors is Motors.SHARED)
     assert len(first) <= 60
     assert len(second) <= 66  # of which the last four are a unit
@@ -292,8 +303,8 @@ def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
 def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypatch, ends):
     drawn = []
     monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
-    tried = [Tried(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
-    tune_figures.history(tmp_path / "a.png", tried, sees="as the estimate sees it")
+    tried = [Outcome(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
+    tune_figures.history(tmp_path / "a.png", tried, sensor="by the estimate")
     (axes,) = drawn[0].axes
     drawn[0].canvas.draw()
     box, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
@@ -353,7 +364,7 @@ def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch
 
 
 @pytest.mark.filterwarnings("ignore:Heartbeat of storage")
-def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch, capsys):
+def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch):
     def theirs(trial):
         if trial.number in better:  # another process ends two while ours runs
             for value in (better[trial.number], 0.9):
@@ -368,12 +379,18 @@ def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch
     ours, other = (
         open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
     )
-    report, steps = console.Report(Common()), []
-    monkeypatch.setattr(report, "progress", lambda *_, **__: nullcontext(lambda: steps.append(1)))
+    told, steps = [], []
     monkeypatch.setattr(studies, "ask_first", lambda *_: None)
-    tune._search(ours, theirs, TuneCfg(trials=5), report, Stop())
-    told = [line for line in capsys.readouterr().out.splitlines() if "best" in line]
-    assert [line.split(": ")[1].split()[1] for line in told] == ["0.500", "0.400", "0.200"]
+    search(
+        ours,
+        theirs,
+        5,
+        {},
+        check=lambda: None,
+        step=lambda: steps.append(1),
+        new_best=lambda trial: told.append(trial.value),
+    )
+    assert told == [0.5, 0.4, 0.2]
     assert len(steps) == 5
 
 
@@ -384,22 +401,26 @@ def test_a_trial_that_others_took_for_dead_is_left_to_them(tmp_path):
         open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
     )
     with _objective(payload=40.0, episodes=1, iterations=1) as objective:
-        ratios = objective.ratios
 
-        def slept(design):
+        def slept(trial):
             theirs = other._storage
             theirs.set_trial_state_values(other.trials[0]._trial_id, optuna.trial.TrialState.FAIL)
-            return ratios(design)
+            return evaluate(objective, trial)
 
-        objective.ratios = slept
-        tune._try_one(ours, objective)
-        assert objective.taken
-        objective.ratios = ratios
-        tune._try_one(ours, objective)
+        run_trial(ours, slept)
+        run_trial(ours, partial(evaluate, objective))
     assert [t.state.name for t in ours.trials] == ["FAIL", "COMPLETE"]
 
 
 def test_a_search_is_not_part_of_what_makes_studies_comparable():
     one, other = TuneCfg(trials=3, sampler="random"), TuneCfg(trials=9, pruner="none")
-    assert _identity(one, 0) == _identity(other, 0)
-    assert _identity(one, 0) != _identity(one, 1)
+    assert one.identity(0) == other.identity(0)
+    assert one.identity(0) != one.identity(1)
+
+
+def test_without_optuna_the_extra_is_named(armside, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    status, out, err = armside("tune")
+    assert (status, out) == (2, "")
+    assert err == "armside: armside tune needs Optuna: pip install 'armside[tuning]'\n"
+    assert not list(tmp_path.iterdir())

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
 
-from armside.scripts.commands.train import TrainCfg, first_action
-from armside.scripts.studies.policy import Network
-from armside.scripts.studies.tuned_design import load_design
+from armside.scripts.studies.tuned_design import first_action, load_design
 from armside.scripts.verifications import env as verify_env
 from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.evaluation import always, evaluate
+from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS, draw
 
@@ -44,12 +43,12 @@ def test_no_sealed_episode_was_searched_or_learned_on():
 
 def test_the_learned_policy_began_with_the_searched_design():
     assert _config("policy.json")["start"].endswith("tuned/design.json")
-    start = first_action(TrainCfg(start=TUNED / "design.json"))
+    start = first_action(TUNED / "design.json", Motors.SHARED)
     assert np.array_equal(start, action_of(searched(), Motors.SHARED))
 
 
 def test_without_a_design_to_begin_with_it_is_the_middle_of_the_ranges():
-    assert first_action(TrainCfg(motors="each")).tolist() == [0.0] * 18
+    assert first_action(None, Motors.EACH).tolist() == [0.0] * 18
 
 
 def test_designs_of_one_motor_or_six_are_read_from_a_search(tmp_path):
@@ -83,7 +82,7 @@ def test_the_searched_design_is_as_good_on_its_episodes_as_the_search_says():
     found = json.loads((TUNED / "design.json").read_text())
     seeds = range(found["config"]["seed"], found["config"]["seed"] + found["config"]["episodes"])
     episodes = evaluate(Rules(), seeds, always(searched(), Motors.SHARED), threads=2)
-    ratio = np.exp(np.mean([np.log(e.rms_seen[-1] / e.rms_seen[0]) for e in episodes]))
+    ratio = np.exp(np.mean([np.log(e.rms_measured[-1] / e.rms_measured[0]) for e in episodes]))
     assert ratio == pytest.approx(found["best"]["ratio"], rel=1e-3)
 
 

@@ -104,7 +104,7 @@ def test_the_observation_knows_nothing_of_the_tool(quick):
     """Two robots whose tools differ and whose motors do not look alike to a policy."""
     rules = Rules()
     now = rules.begin(rules.draw(np.random.default_rng(0), quick))
-    worse = replace(now, seen=replace(now.seen, rms=1.0), true=replace(now.true, rms=1.0))
+    worse = replace(now, measured=replace(now.measured, rms=1.0), true=replace(now.true, rms=1.0))
     assert np.array_equal(rules.observe(now), rules.observe(worse))
 
 
@@ -143,12 +143,12 @@ def test_what_an_info_says_of_the_task_makes_the_episode_again(robot):
 def test_the_terms_of_a_reward_are_told_apart_from_what_divergence_costs():
     rules = Rules()
     now = rules.begin(rules.draw(np.random.default_rng(0)))
-    half = replace(now, seen=replace(now.seen, rms=0.5 * now.seen.rms))
-    lost = replace(now, seen=replace(now.seen, rms=np.nan))
+    half = replace(now, measured=replace(now.measured, rms=0.5 * now.measured.rms))
+    lost = replace(now, measured=replace(now.measured, rms=np.nan))
     assert rules.score(now, half) == pytest.approx((np.log(2.0), np.log(2.0)))
     assert rules.score(now, replace(half, diverged=True)) == pytest.approx((np.log(2.0), -5.0))
     assert rules.score(now, lost) == pytest.approx((np.nan, 0.0), nan_ok=True)
-    far = replace(now, seen=replace(now.seen, rms=1e-6 * now.seen.rms))
+    far = replace(now, measured=replace(now.measured, rms=1e-6 * now.measured.rms))
     assert rules.score(now, far) == pytest.approx((np.log(1e6), 5.0))
     assert rules.info(half, None, rules.score(now, half))["log_decrease"] == np.log(2.0)
 
@@ -279,9 +279,9 @@ def test_the_drawing_magnifies_no_more_than_the_circle_bears():
     history = env.unwrapped._history
     radius = history[0].experiment.cut.curve.smallest_radius
     factor = magnification(history, radius)
-    assert factor * history[0].seen.maxdev <= LARGEST_SHOWN * radius
+    assert factor * history[0].measured.maxdev <= LARGEST_SHOWN * radius
     assert factor in MAGNIFICATIONS
-    lost = replace(history[0], seen=replace(history[0].seen, maxdev=np.nan))
+    lost = replace(history[0], measured=replace(history[0].measured, maxdev=np.nan))
     assert magnification([lost], radius) == MAGNIFICATIONS[0]
 
 

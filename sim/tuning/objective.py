@@ -1,47 +1,38 @@
-"""What a search minimises: the part of the tool's RMS that a design leaves.
-
-Optuna is imported here only where it is used: it takes half a second.
-"""
+"""The objective of a search: the tool's RMS after learning with a design, over that before."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from armside.sim.laser.design import Design
-from armside.sim.laser.experiment import Experiment
-from armside.sim.tuning.action import Motors
-from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.sensor import Sees
-from armside.sim.tuning.situation import Situation, begin, restarted
-from armside.sim.tuning.task import Task, experiment
-
-from ..jobs.workers import cores
-from ..shell.interrupts import Stop
-from . import study as studies
-from .study import WORST
-
-if TYPE_CHECKING:
-    import optuna
+from ..cores import cores
+from ..laser.design import Design
+from ..laser.experiment import Experiment
+from .rules import Rules
+from .sensor import RewardSensor
+from .situation import Situation, begin, restarted
+from .task import Task, experiment
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+WORST = 1e3
+"""Ratio of a design that diverges: no finite one is that bad."""
 POLL = 0.1
-"""[s], between looks for Ctrl-C while threads work."""
+"""[s], between two calls of `check` while threads work."""
 
 
 class Ratio(NamedTuple):
-    """The tool's RMS after learning over that before, as the geometric mean of all episodes.
+    """RMS of the tool after learning over that before, geometric mean of all episodes.
 
     Both are WORST once an episode diverged.
     """
 
-    seen: float
-    """As the configured sensor sees it."""
+    measured: float
+    """As measured by the configured sensor."""
     true: float
-    """As it was."""
+    """Ground truth."""
 
 
 class Episode(NamedTuple):
@@ -58,7 +49,7 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
 
     Raises ValueError where a job cannot be done or a seed is sealed.
     """
-    imu = Sees(rules.reward).imu
+    imu = RewardSensor(rules.reward).imu
     episodes = []
     for seed in seeds:
         rules.check_seed(seed)
@@ -68,20 +59,25 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
 
 
 class Objective:
-    """What a design leaves of the tool's RMS, in the eyes of the configured sensor.
+    """Ratio of a design over the same episodes, with the same noise for every design.
 
-    The runs before learning are made once; every design then meets the same noise. Use it as a
-    context manager: it ends its threads.
+    The runs before learning are made once. Use it as a context manager: it ends its threads, which
+    serve better here than processes, as rollouts release the interpreter and an episode's models
+    would take longer to send than an iteration takes to run.
     """
 
-    taken = False
-    """Another process has taken a trial of this one for dead, and ended it."""
+    def __init__(
+        self,
+        rules: Rules,
+        episodes: Sequence[Episode],
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Make the first runs.
 
-    def __init__(self, rules: Rules, episodes: Sequence[Episode], stop: Stop = Stop()) -> None:
-        """Make the first runs. Raises KeyboardInterrupt when `stop` is asked for, as all that
-        follows does."""
+        check: called while runs are waited for, here and later; what it raises ends them.
+        """
         self.rules = rules
-        self._stop = stop
+        self._check = check
         self._pool = ThreadPoolExecutor(min(cores(), len(episodes)))
         try:
             self._first = self._each(lambda e: begin(*e, rules.sensor), episodes)
@@ -94,16 +90,6 @@ class Objective:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def __call__(self, trial: "optuna.Trial") -> float:
-        """Try a design, and give up where the pruner says so."""
-        import optuna
-
-        try:
-            return self._tried(trial)
-        except optuna.exceptions.UpdateFinishedTrialError:
-            self.taken = True
-            raise
 
     def ratios(self, design: Design) -> Iterator[Ratio]:
         """The ratio after each iteration; WORST, and the last, once any episode diverged."""
@@ -118,28 +104,12 @@ class Objective:
         """Stop the threads, after the runs that they are in."""
         self._pool.shutdown(cancel_futures=True)
 
-    def _tried(self, trial: "optuna.Trial") -> float:
-        import optuna
-
-        design = studies.suggest(trial, Motors(self.rules.motors))
-        ratio, hopeless = Ratio(1.0, 1.0), False
-        for k, ratio in enumerate(self.ratios(design), start=1):
-            trial.report(ratio.seen, k)
-            going_on = ratio.seen < WORST and k < self.rules.iterations
-            hopeless = going_on and trial.should_prune()
-            if hopeless:
-                break
-        trial.set_user_attr(studies.TRUE, ratio.true)
-        if hopeless:
-            raise optuna.TrialPruned
-        return ratio.seen
-
     def _each(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
         """function(item) of each, in order, on the threads."""
         futures = [self._pool.submit(function, item) for item in items]
-        self._stop.check()
+        self._check()
         while wait(futures, POLL, FIRST_EXCEPTION).not_done:
-            self._stop.check()
+            self._check()
             if any(future.done() and future.exception() for future in futures):
                 break
         return [future.result() for future in futures]
@@ -149,12 +119,12 @@ class Objective:
             return Ratio(WORST, WORST)
         pairs = list(zip(situations, self._first, strict=True))
         return Ratio(
-            seen=mean_ratio((s.seen.rms, first.seen.rms) for s, first in pairs),
+            measured=mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs),
             true=mean_ratio((s.true.rms, first.true.rms) for s, first in pairs),
         )
 
 
 def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:
-    """Geometric mean of after over before; WORST where there is none."""
+    """Geometric mean of after over before; WORST where it is not finite."""
     ratio = float(np.exp(np.mean([np.log(after / before) for after, before in pairs])))
     return ratio if np.isfinite(ratio) else WORST

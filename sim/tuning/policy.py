@@ -43,7 +43,7 @@ class Network:
 
     @classmethod
     def load(cls, file: Path) -> "Network":
-        """Read what `save` has written. Raises ValueError for another kind of file."""
+        """Read a file that `save` has written. Raises ValueError for another kind of file."""
         with np.load(file) as arrays:
             n = len(arrays.files) // 2
             if sorted(arrays.files) != sorted(f"{s}{i}" for s in "Wb" for i in range(n)):

@@ -1,0 +1,197 @@
+"""Rows by key in a folder that several processes may add to: a Parquet dataset in blocks.
+
+    FOLDER/part-NAME.parquet      rows of the keys that begin with NAME, sorted by key
+    FOLDER/.journal/NAME.jsonl    rows not yet in their part, a line each
+    FOLDER/.locks/NAME            held (flock) by the process that works on the block
+
+A row is one appended line of a journal as soon as it exists; when all of a block is done, its part
+is written anew and replaced in one step. Whoever holds a block's lock is its only writer; the
+kernel releases the lock of a process that dies. A journal that a dead process left is taken over by
+the next one that claims the block.
+"""
+
+import base64
+import fcntl
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from armside.sim.records.atomic import atomic
+
+from ..shell.errors import RunFailed
+
+Row = dict[str, Any]
+"""Values by column, `key` and `status` among them; binary columns hold bytes."""
+FAILED = "failed"
+"""Status of a row without a result."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Rows of one schema in a folder, which is made when the first block is claimed."""
+
+    folder: Path
+    schema: pa.Schema
+    digits: int = 2
+    """Of a key, that name its block."""
+    expendable: bool = False
+    """A damaged part counts as empty: its rows are computed again."""
+
+    def name(self, key: str) -> str:
+        """The block that a key belongs to."""
+        return key[: self.digits]
+
+    def part(self, name: str) -> Path:
+        """The file of a finished block."""
+        return self.folder / f"part-{name}.parquet"
+
+    def journal(self, name: str) -> Path:
+        """The file of a block's rows that are not in its part yet."""
+        return self.folder / ".journal" / f"{name}.jsonl"
+
+    def read(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Rows of all parts, sorted by key; all columns if None.
+
+        Raises OSError or pyarrow.ArrowInvalid for a part that cannot be read.
+        """
+        wanted = self.schema.names if columns is None else list(columns)
+        parts = sorted(self.folder.glob("part-*.parquet"))
+        if not parts:
+            return self.schema.empty_table().select(wanted)
+        tables = [pq.read_table(part, columns=wanted) for part in parts]
+        return pa.concat_tables(tables, promote_options="default")
+
+    def keys(self) -> set[str]:
+        """Keys of all rows in parts and journals, while others may write. Raises as `read`."""
+        # Journals first: a block that is closed meanwhile moves its rows from there to its part.
+        journals = (self.folder / ".journal").glob("*.jsonl")
+        kept = {row["key"] for file in journals for row in self.lines(content(file))}
+        return kept | set(self.read(["key"])["key"].to_pylist())
+
+    def claim(self, name: str, *, retry_failed: bool = False) -> "Block | None":
+        """The block of that name, or None while another process holds it.
+
+        retry_failed: rows without a result do not count as done.
+
+        Raises:
+            RunFailed: the folder's file system has no locks.
+            OSError: the folder cannot be written to.
+            pyarrow.ArrowInvalid: the block's part is damaged and not expendable.
+        """
+        locks = self.folder / ".locks"
+        locks.mkdir(parents=True, exist_ok=True)
+        lock = os.open(locks / name, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            if self._locked(lock):
+                return Block(self, name, lock, retry_failed=retry_failed)
+        except BaseException:
+            os.close(lock)
+            raise
+        os.close(lock)
+        return None
+
+    def _locked(self, lock: int) -> bool:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            raise RunFailed(
+                f"{self.folder} is on a file system without locks (flock: {error.strerror}); "
+                "give a folder on another one"
+            ) from error
+        return True
+
+    def line(self, row: Row) -> bytes:
+        """A row as a line of a journal."""
+        return json.dumps(row, default=lambda value: base64.b64encode(value).decode()).encode()
+
+    def lines(self, content: bytes) -> Iterator[Row]:
+        """Rows of a journal but for one that is still being written."""
+        binary = [field.name for field in self.schema if pa.types.is_binary(field.type)]
+        for line in content[: content.rfind(b"\n") + 1].splitlines():
+            row = json.loads(line)
+            yield row | {name: base64.b64decode(row[name]) for name in binary}
+
+
+class Block:
+    """A block that this process alone may write to, until `close`."""
+
+    def __init__(self, blocks: Blocks, name: str, lock: int, *, retry_failed: bool) -> None:
+        """lock: descriptor of the lock that this process holds. Raises as `Blocks.claim`."""
+        self.name = name
+        self._blocks, self._lock = blocks, lock
+        self._part, self._journal = blocks.part(name), blocks.journal(name)
+        for leftover in blocks.folder.glob(f".{self._part.name}.*.partial"):
+            leftover.unlink()
+        self._rows = {row["key"]: row for row in self._stored()}
+        kept = self._taken_over()
+        self._stale = bool(kept)
+        self._rows |= {row["key"]: row for row in kept}
+        self.failed = {key for key, row in self._rows.items() if row["status"] == FAILED}
+        self.done = set(self._rows) - (self.failed if retry_failed else set())
+        self._open = None
+
+    def add(self, row: Row) -> None:
+        """Keep a row: once this returns, a killed process does not lose it.
+
+        Raises OSError, such as on a full disk.
+        """
+        # First: interrupted after its line is written, `close` would drop a row it does not know.
+        self._rows[row["key"]] = row
+        self._stale = True
+        if self._open is None:
+            self._journal.parent.mkdir(exist_ok=True)
+            self._open = open(self._journal, "ab")  # noqa: SIM115 - closed by close
+        self._open.write(self._blocks.line(row) + b"\n")
+        self._open.flush()
+
+    def close(self) -> None:
+        """Write the part anew if there is something new, then let others have the block.
+
+        Raises OSError, such as on a full disk; the journal then stays.
+        """
+        try:
+            if self._open is not None:
+                self._open.close()
+            if self._stale:
+                rows = [self._rows[key] for key in sorted(self._rows)]
+                table = pa.Table.from_pylist(rows, schema=self._blocks.schema)
+                with atomic(self._part) as partial:
+                    pq.write_table(table, partial)
+                    with open(partial, "rb") as file:
+                        os.fsync(file.fileno())
+                self._journal.unlink(missing_ok=True)
+        finally:
+            os.close(self._lock)
+
+    def _stored(self) -> list[Row]:
+        try:
+            return pq.read_table(self._part).to_pylist() if self._part.exists() else []
+        except (pa.ArrowInvalid, OSError):
+            if not self._blocks.expendable:
+                raise
+            return []
+
+    def _taken_over(self) -> list[Row]:
+        """Rows of the journal that a dead process left. What follows the last whole line was being
+        written when it died, and is cut off: only the block's owner may do that."""
+        left = content(self._journal)
+        whole = left.rfind(b"\n") + 1
+        if whole < len(left):
+            os.truncate(self._journal, whole)
+        return list(self._blocks.lines(left))
+
+
+def content(journal: Path) -> bytes:
+    """Bytes of a journal; none where it does not exist, or no longer."""
+    try:
+        return journal.read_bytes()
+    except FileNotFoundError:
+        return b""

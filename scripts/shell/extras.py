@@ -1,0 +1,31 @@
+"""Extras of the distribution: packages that serve one command, and the line that names them."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from .errors import InputError
+
+
+def install(extra: str) -> str:
+    """The command line that installs an extra."""
+    return f"pip install 'armside[{extra}]'"
+
+
+@contextmanager
+def needs(extra: str, user: str, package: str) -> Iterator[None]:
+    """Import packages of an extra in this block.
+
+    Args:
+        extra: name of the extra that brings them.
+        user: what cannot do without, such as "armside tune".
+        package: their name as people write it, such as "Optuna".
+
+    Raises:
+        InputError: one of them is not installed.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if str(error.name).split(".")[0] == "armside":
+            raise
+        raise InputError(f"{user} needs {package}: {install(extra)}") from error

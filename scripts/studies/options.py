@@ -1,0 +1,89 @@
+"""Options of `armside tune`."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from armside.sim.records.summary import plain
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.task import FASTEST, SLOWEST
+
+from ..jobs.store import digest_of
+from ..shell.options import options
+from .proposals import Pruner, Sampler
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class TuneCfg:
+    """What to tune, on which jobs, and how to search."""
+
+    robot: Literal["large", "irb1400"] = "large"
+    """Which robot."""
+    motors: Literal["shared", "each"] = "shared"
+    """One design for all motors, or one for each."""
+    reward: Literal["tracker", "motor", "estimate"] = "tracker"
+    """Sensor that measures how round the cut is."""
+    pose: str | None = None
+    """Where, by name [default: drawn for each episode]."""
+    speed: float | None = None
+    """Programmed speed, 1 to 100 [mm/s] [default: drawn for each episode]."""
+    payload: float | None = None
+    """Mass of the large robot's tool [kg], the IRB1400 keeps its own [default: drawn for each
+    episode]."""
+    episodes: int = 4
+    """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
+    iterations: int = 5
+    """Learning iterations on each."""
+    trials: int = 50
+    """Trials that the study shall have in the end, those it has already included. Processes that
+    share it end the trial they are in: it may get one more of each."""
+    sampler: Sampler = "tpe"
+    """Algorithm that proposes designs."""
+    pruner: Pruner = "percentile"
+    """Rule that gives up a design between iterations."""
+    study: str | None = None
+    """Name of the study; one that exists is resumed [default: named after what is tuned]."""
+    storage: str = "sqlite:///runs/tune.sqlite3"
+    """Database of studies, as an SQLAlchemy URL. Processes that share it share the work."""
+
+    def __post_init__(self) -> None:
+        for name in ("episodes", "trials"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
+        slowest, fastest = 1e3 * SLOWEST, 1e3 * FASTEST
+        if self.speed is not None and not slowest <= self.speed <= fastest:
+            raise ValueError(
+                f"speed must be from {slowest:g} to {fastest:g} mm/s, got {self.speed:g}"
+            )
+        if self.payload is not None and not 0.0 <= self.payload < float("inf"):
+            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
+        if self.study is not None and not self.study.strip():
+            raise ValueError(f"study must have a name, got {self.study!r}")
+        _ = self.rules  # raises ValueError where the options are out of range
+
+    @property
+    def rules(self) -> Rules:
+        """Rules of the episodes."""
+        return Rules(
+            robot=self.robot, motors=self.motors, reward=self.reward, iterations=self.iterations
+        )
+
+    @property
+    def fixed(self) -> dict[str, Any]:
+        """Options that are not drawn for each episode, as the env has them."""
+        speed = None if self.speed is None else self.speed * 1e-3
+        given = {"pose": self.pose, "speed": speed, "payload": self.payload}
+        return {name: value for name, value in given.items() if value is not None}
+
+    def identity(self, seed: int) -> dict[str, Any]:
+        """Options that make two studies comparable: all of the task, nothing of the search."""
+        search = ("trials", "sampler", "pruner", "study", "storage")
+        return {key: v for key, v in plain(self).items() if key not in search} | {"seed": seed}
+
+    def named(self, seed: int) -> "TuneCfg":
+        """The same with the name of its study: equal for studies that can be compared, and for no
+        others."""
+        if self.study:
+            return self
+        key = digest_of(self.identity(seed))[:8]
+        return replace(self, study=f"{self.robot}-{self.motors}-{self.reward}-{key}")
