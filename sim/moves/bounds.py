@@ -40,7 +40,7 @@ def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Arra
 def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
     """(6,) [rad/s^2], reduced with the square of the programmed fraction of full speed."""
     full = np.array(dynamics.joint_acceleration)
-    return full * speed.fraction**2 if speed.fraction else full
+    return full * speed.share**2 if speed.share else full
 
 
 def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Array | float:
@@ -48,8 +48,8 @@ def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Arra
 
     full: w' [1/s] at the joints' speed limits; tool_rate: [m] of tool path per unit of w.
     """
-    if speed.fraction:
-        return speed.fraction * full
+    if speed.share:
+        return speed.share * full
     return (speed.path or 0.0) / np.maximum(tool_rate, TINY)
 
 

@@ -42,19 +42,17 @@ class Speed:
 
     path: float | None = None
     """[m/s]."""
-    fraction: float | None = None
+    share: float | None = None
     """Fraction of the highest speed that the joint limits allow on this move, in (0, 1]. The whole
     move is slowed down: its accelerations fall with the square."""
 
     def __post_init__(self) -> None:
-        if (self.path is None) == (self.fraction is None):
+        if (self.path is None) == (self.share is None):
             raise ValueError("a speed is either along the path or a fraction of the joints'")
         if self.path is not None and not (np.isfinite(self.path) and self.path > 0.0):
             raise ValueError(f"speed must be > 0, got {self.path:g} m/s")
-        if self.fraction is not None and not 0.0 < self.fraction <= 1.0:
-            raise ValueError(
-                f"speed must be above 0 and at most 100 %, got {100 * self.fraction:g} %"
-            )
+        if self.share is not None and not 0.0 < self.share <= 1.0:
+            raise ValueError(f"speed must be above 0 and at most 100 %, got {100 * self.share:g} %")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -206,8 +206,8 @@ def _slower(a: Speed, b: Speed) -> Speed:
     """Speed through a corner: the slower of two of a kind, else the one along the path."""
     if a.path and b.path:
         return a if a.path <= b.path else b
-    if a.fraction and b.fraction:
-        return a if a.fraction <= b.fraction else b
+    if a.share and b.share:
+        return a if a.share <= b.share else b
     return a if a.path else b
 
 
@@ -224,7 +224,7 @@ def _reports(
         ]
         programmed = program.move(index).speed
         reached = [_reached(pieces[j].limits, timings[j], programmed) for j in parts]
-        wanted = programmed.fraction or programmed.path or 0.0
+        wanted = programmed.share or programmed.path or 0.0
         slow = [j for j, top in zip(parts, reached, strict=True) if top < wanted * (1.0 - SLACK)]
         reports.append(
             MoveReport(
@@ -243,7 +243,7 @@ def _reached(limits: PieceLimits, timing: Timing, programmed: Speed) -> float:
     """Highest speed on a piece, in [m/s] or as a fraction, as programmed."""
     _, ending, _ = timing.at(timing.duration * (1.0 - 1e-12))
     top = max(timing.top_speed, float(ending))
-    return top / limits.full_speed if programmed.fraction else top * limits.tool_rate
+    return top / limits.full_speed if programmed.share else top * limits.tool_rate
 
 
 def _reason(slow: Sequence[PieceLimits], throughout: bool) -> str:

@@ -193,7 +193,7 @@ def _speed(value: Any) -> Speed:
         percent = re.fullmatch(r"\s*([0-9.]+)\s*%\s*", value)
         if not percent:
             raise ValueError(f'speed must be mm/s or a percentage like "80 %", got {value!r}')
-        return Speed(fraction=_number("speed", float(percent.group(1))) / 100.0)
+        return Speed(share=_number("speed", float(percent.group(1))) / 100.0)
     return Speed(path=_number("speed", value) * MM)
 
 

@@ -52,7 +52,7 @@ def line(to, speed=0.2, **options):
 
 
 def joints(*motors, fraction=0.5, **options):
-    return MoveJ(to=Target(motors=motors), speed=Speed(fraction=fraction), **options)
+    return MoveJ(to=Target(motors=motors), speed=Speed(share=fraction), **options)
 
 
 def tool(motion):
@@ -134,7 +134,7 @@ def test_circles_keep_the_joint_accelerations_while_they_speed_up():
 def test_a_pose_is_reached_in_the_configuration_asked_for():
     def wrist(near):
         to = Target(position=A, quaternion=FORWARD, near=near)
-        return plan(MoveJ(to=to, speed=Speed(fraction=1.0)), start=(0.0,) * 6).phi[-1, 4]
+        return plan(MoveJ(to=to, speed=Speed(share=1.0)), start=(0.0,) * 6).phi[-1, 4]
 
     assert wrist((0.0, 0.0, 0.0, 0.0, -0.3, 0.0)) < 0.0
     assert wrist((0.0, 0.0, 0.0, 2.5, 0.3, -2.5)) > 0.0
@@ -292,7 +292,7 @@ def test_a_target_out_of_reach_says_where_and_by_how_much():
     with pytest.raises(ProgramError, match=r"MoveL\): \d+ % of the way the wrist.* mm outside"):
         plan(line((2.5, 0.0, 1.0)))
     with pytest.raises(ProgramError, match=r"MoveJ\): at its target .* mm outside the workspace"):
-        plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(fraction=1.0)))
+        plan(MoveJ(to=Target(position=(2.5, 0.0, 1.0)), speed=Speed(share=1.0)))
 
 
 def test_a_joint_limit_on_the_path_names_the_motor_and_the_place():

@@ -54,7 +54,7 @@ def test_units_are_converted_to_si():
     assert joint.to.position == pytest.approx((0.968, -0.127, 1.030))
     assert joint.to.quaternion == (0.7071, 0, 0.7071, 0)
     assert joint.to.near == pytest.approx((0, 0, 0, 0, -np.pi / 18, 0))
-    assert (joint.speed.fraction, joint.speed.path) == (0.8, None)
+    assert (joint.speed.share, joint.speed.path) == (0.8, None)
     assert joint.zone == pytest.approx(0.010)
     assert line.speed.path == pytest.approx(0.5)
     assert line.zone == 0.0
