@@ -1,7 +1,6 @@
 """Learning on the arm side as its users see it, and the claim for one seed at one pose."""
 
 import json
-import time
 
 import pytest
 
@@ -9,9 +8,6 @@ from armside.scripts.arm_side import GEAR_EFFECTS, Case, rms
 from armside.scripts.cli import main
 from armside.scripts.verifications.estimation import row, verdicts
 from armside.sim.estimation.arm_learning import ArmLearningCfg
-
-ALLOWED = 3.0
-"""Bounds in seconds are for an idle machine; a test allows three times as long."""
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +33,7 @@ def test_identification_is_scored_against_the_truth(identified):
 
 def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tmp_path):
     args = ["laser", "--measure", "estimate", "--pose", "p2", "--quiet"]
-    start = time.perf_counter()
     assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
-    assert time.perf_counter() - start < ALLOWED * 2.0 + 5.0  # the files of a run are on top
     summary = json.loads((tmp_path / "summary.json").read_text())
     rows = summary["iterations"]
     assert [r["k"] for r in rows] == list(range(6))
@@ -100,12 +94,9 @@ def test_compare_puts_all_measures_side_by_side(tmp_path):
     assert all(value < 0.5 * motor for value in tool)
 
 
-def test_an_experiment_from_scratch_takes_seconds():
-    """Eight seconds after imports, six runs, on an idle machine."""
+def test_learning_from_the_estimate_identifies_springs_and_learns_within_five_updates():
     case = Case(pose="p1", seed=1, without=GEAR_EFFECTS)
-    start = time.perf_counter()
     found = rms(list(case.on_arm_side(ArmLearningCfg(), 5)[1]))
-    assert time.perf_counter() - start < ALLOWED * 8.0
     assert found[-1] < 0.15 * found[0]
 
 

