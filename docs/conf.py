@@ -9,11 +9,17 @@ import pkgutil
 import re
 from importlib import import_module
 from importlib.metadata import version as version_of
+from pathlib import Path
 from textwrap import indent
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 from sphinx.application import Sphinx
+from sphinx.util.typing import stringify_annotation
 
+import armside
+from armside.arrays import Array
 from armside.scripts import cli
 
 project = "armside"
@@ -29,11 +35,22 @@ html_theme_options = {
     "description": "Iterative learning control on the arm side",
     "page_width": "1100px",
 }
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True, "show-inheritance": True, "no-value": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
 
+HERE = str(Path(armside.__file__).parent)
+ALIASES = {
+    stringify_annotation(alias, "smart"): name
+    for alias, name in (
+        (ArrayLike, "ArrayLike"),
+        (Array, "Array"),
+        (NDArray[np.bool_], "NDArray[bool]"),
+    )
+}
+"""Types as autodoc writes them, and as our source does."""
 FENCE = re.compile(r"^```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SPAN = re.compile(r"(``.*?``|`[^`]*`)", re.DOTALL)
 MARKUP = re.compile(r"[*|\\]|_(?=\W|$)")
@@ -64,7 +81,8 @@ def help_of(name: str) -> str:
     text = io.StringIO()
     console = Console(file=text, width=98, color_system=None)
     cli.make_app(name).help_print([name], console=console)
-    return "".join(line.rstrip() + "\n" for line in text.getvalue().strip().splitlines())
+    here = text.getvalue().replace(HERE, "armside")  # no path of this machine
+    return "".join(line.rstrip() + "\n" for line in here.strip().splitlines())
 
 
 def fill_page(_app: Sphinx, page: str, source: list[str]) -> None:
@@ -107,7 +125,17 @@ def convert_docstring(
     lines[:] = restructured("\n".join(lines)).split("\n")
 
 
+def shorten_signature(
+    _app: Sphinx, _kind: str, _name: str, _thing: object, _options: object, *texts: str | None
+) -> tuple[str | None, ...]:
+    """Arguments and result of a function, with the names of types that its source has."""
+    for long, short in ALIASES.items():
+        texts = tuple(text and text.replace(long, short) for text in texts)
+    return texts
+
+
 def setup(app: Sphinx) -> None:
-    """Connect the two steps above; docstrings are converted before napoleon reads them."""
+    """Connect the steps above; docstrings are converted before napoleon reads them."""
     app.connect("source-read", fill_page)
+    app.connect("autodoc-process-signature", shorten_signature)
     app.connect("autodoc-process-docstring", convert_docstring, priority=100)
