@@ -13,8 +13,10 @@ from pathlib import Path
 from textwrap import indent
 
 import numpy as np
+from docutils.nodes import Element
 from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
+from sphinx.addnodes import desc_annotation
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
@@ -35,7 +37,7 @@ html_theme_options = {
     "description": "Iterative learning control on the arm side",
     "page_width": "1100px",
 }
-autodoc_default_options = {"members": True, "show-inheritance": True, "no-value": True}
+autodoc_default_options = {"members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
@@ -51,6 +53,8 @@ ALIASES = {
     )
 }
 """Types as autodoc writes them, and as our source does."""
+LINE = 80
+"""Characters of the value of a constant that is shown."""
 FENCE = re.compile(r"^```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SPAN = re.compile(r"(``.*?``|`[^`]*`)", re.DOTALL)
 MARKUP = re.compile(r"[*|\\]|_(?=\W|$)")
@@ -134,8 +138,17 @@ def shorten_signature(
     return texts
 
 
+def drop_long_value(_app: Sphinx, _domain: str, _kind: str, content: Element) -> None:
+    """Remove the value of a constant where it is longer than a line."""
+    description = content.parent
+    for value in list(description.findall(desc_annotation)) if description else []:
+        if value.astext().startswith(" = ") and len(value.astext()) > LINE:
+            value.parent.remove(value)
+
+
 def setup(app: Sphinx) -> None:
     """Connect the steps above; docstrings are converted before napoleon reads them."""
     app.connect("source-read", fill_page)
+    app.connect("object-description-transform", drop_long_value)
     app.connect("autodoc-process-signature", shorten_signature)
     app.connect("autodoc-process-docstring", convert_docstring, priority=100)
