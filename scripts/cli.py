@@ -134,7 +134,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
         status = _run(tokens)
         sys.stdout.flush()
         return status
-    except BrokenPipeError:  # the reader of our output left; nobody is there to be told
+    except BrokenPipeError:  # the reader of our output left: nobody reads a message
         _drop_unwritten_output()
         return FAILED
     except KeyboardInterrupt as stop:
@@ -176,7 +176,7 @@ def _complain(message: str, status: int) -> int:
 
 
 def _drop_unwritten_output() -> None:
-    """Forget what stdout does not take, or Python would fail on it once more at its end."""
+    """Drop output that stdout does not take, or Python would fail on it once more at its end."""
     try:
         sys.stdout.flush()
     except OSError:

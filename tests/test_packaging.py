@@ -1,4 +1,4 @@
-"""What is installed from a wheel is complete and works away from the checkout.
+"""An installation from a wheel is complete and works away from the checkout.
 
 Here the clean environment borrows the dependencies of this one, to be quick; CI installs them
 afresh. That every import is a declared dependency is checked by name in both.

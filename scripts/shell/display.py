@@ -1,4 +1,4 @@
-"""Whether a window can be opened here."""
+"""Check that a window can be opened."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""What every command shares: options, output and exit status."""
+"""Shared by all commands: options, output and exit status."""
 
 import json
 import math
