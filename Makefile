@@ -1,11 +1,12 @@
 # make run: set up and cut the default circle.  make test: set up and check everything.
+# make docs: the pages of docs/ and of the API as HTML, in build/docs.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 STUBS := typings/mujoco-stubs
 
-.PHONY: run test clean
+.PHONY: run test docs clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
@@ -15,7 +16,10 @@ test: $(VENV)/.installed-test $(STUBS)/py.typed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist worksteal
+
+docs: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -q -W --keep-going -E docs build/docs
 
 # A virtual environment without a working pip was left by an interrupted set-up: start it afresh.
 $(VENV)/.installed: pyproject.toml
@@ -28,6 +32,10 @@ $(VENV)/.installed: pyproject.toml
 $(VENV)/.installed-test: $(VENV)/.installed
 	@echo "Installing what the tests need ..."
 	$(PIP) install --editable '.[test]'
+	@touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(PIP) install --editable '.[docs,tuning]'
 	@touch $@
 
 # MuJoCo ships no type information: pyright reads what its compiled modules say of themselves.

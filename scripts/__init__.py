@@ -1,7 +1,7 @@
-"""Experiments: one a file, one command each.
+"""The command `armside`: its commands, one a file, and what they share.
 
-An experiment is a function `name(*, cfg: NameCfg, common: Common) -> None` and one line in
-`armside.scripts.cli.COMMANDS`. Whatever is wrong with its input is found before anything is written
-(`armside.scripts.shell.errors`), and its results appear as one finished folder
-(`armside.sim.records.run_folder`).
+A command is a function `name(*, cfg: NameCfg, common: Common) -> None` in `commands/`, one line in
+`armside.scripts.cli.COMMANDS` and two in `cli.load`. Bad input is found
+before anything is written (`armside.scripts.shell.errors`), and results appear as one finished
+folder (`armside.sim.records.run_folder`).
 """

@@ -1,14 +1,16 @@
 """The command `armside <experiment> [--options]`.
 
 Exit status: 0 done; 2 bad input, with one line on stderr and nothing written; 1 anything that
-failed while running; 130 interrupted. Only the experiment that runs is imported.
+failed while running; 130 interrupted. Only the command that runs is imported.
 """
 
 import os
+import re
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
+from inspect import getdoc
 
 from cyclopts import App, CycloptsError, Parameter
 from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
@@ -18,88 +20,89 @@ from .shell.options import read_value
 from .shell.registry import unknown
 
 COMMANDS = {
-    "laser": (
-        "armside.scripts.commands.laser:laser",
-        "Cut a shape with the virtual robot and learn to cut it.",
-    ),
-    "imu": ("armside.scripts.commands.imu:imu", "Predict what an IMU on the moving tool measures."),
-    "identify": (
-        "armside.scripts.commands.identify:identify",
-        "Find the arm's springs from one cut and an IMU.",
-    ),
-    "compare": (
-        "armside.scripts.commands.compare:compare",
-        "Motor side, estimate, tracker and oracle, compared.",
-    ),
-    "replay": (
-        "armside.scripts.commands.replay:replay",
-        "Watch runs: viewer, browser, picture or film.",
-    ),
-    "view": (
-        "armside.scripts.commands.view:view",
-        "Move a robot by sliders in MuJoCo's own viewer.",
-    ),
-    "convert": (
-        "armside.scripts.commands.convert:convert",
-        "Write a run's signals as CSV, MATLAB, HDF5 or MCAP.",
-    ),
-    "measure": (
-        "armside.scripts.commands.measure:measure",
-        "Measure recorded data, a run's or your own.",
-    ),
-    "gallery": ("armside.scripts.commands.gallery:gallery", "Make the pictures of the docs again."),
-    "two-mass": (
-        "armside.scripts.commands.two_mass:two_mass",
-        "Regenerate chapter 8: a flexible joint learns.",
-    ),
-    "design": (
-        "armside.scripts.commands.design:design",
-        "Propose gain, shift and cutoff for a model.",
-    ),
-    "tune": (
-        "armside.scripts.commands.tune:tune",
-        "Search the design of the learning law with Optuna.",
-    ),
-    "train": (
-        "armside.scripts.commands.train:train",
-        "Learn a policy that chooses designs (extra [learn]).",
-    ),
-    "sweep": (
-        "armside.scripts.commands.sweep:sweep",
-        "Run the laser experiment over a grid of its options.",
-    ),
-    "model": (
-        "armside.scripts.commands.model:model",
-        "Describe a robot: D-H table, reach, singularities.",
-    ),
-    "export": (
-        "armside.scripts.commands.export:export",
-        "Write a robot's equations as code, or the robot as URDF.",
-    ),
-    "bench": (
-        "armside.scripts.commands.bench:bench",
-        "Time this machine, beside other libraries if installed.",
-    ),
-    "calibrate": (
-        "armside.scripts.commands.calibrate:calibrate",
-        "Choose the large robot's unknown numbers again.",
-    ),
-    "verify": (
-        "armside.scripts.commands.verify:verify",
-        "Check a claim over many seeds and write its table.",
-    ),
-    "reproduce": (
-        "armside.scripts.commands.reproduce:reproduce",
-        "Make the figures of the thesis again, with verdicts.",
-    ),
+    "laser": "Cut a shape with the virtual robot and learn to cut it.",
+    "imu": "Predict what an IMU on the moving tool measures.",
+    "identify": "Find the arm's springs from one cut and an IMU.",
+    "compare": "Learn from motors, estimate, tracker and ground truth.",
+    "replay": "Watch runs: viewer, browser, picture or film.",
+    "view": "Move a robot by sliders in MuJoCo's own viewer.",
+    "convert": "Write a run's signals as CSV, MATLAB, HDF5 or MCAP.",
+    "measure": "Measure recorded data, a run's or your own.",
+    "gallery": "Make the pictures of the docs again.",
+    "two-mass": "Regenerate chapter 8: a flexible joint learns.",
+    "design": "Propose gain, shift and cutoff for a model.",
+    "tune": "Search the design of the learning law with Optuna.",
+    "train": "Learn a policy that chooses designs (extra [learn]).",
+    "sweep": "Run the laser experiment over a grid of its options.",
+    "model": "Describe a robot: D-H table, reach, singularities.",
+    "export": "Write a robot's equations as code, or the robot as URDF.",
+    "bench": "Time this machine, beside other libraries if installed.",
+    "calibrate": "Choose the large robot's unknown numbers again.",
+    "verify": "Check a claim over many seeds and write its table.",
+    "reproduce": "Make the figures of the thesis again, with verdicts.",
 }
-"""Name: (module:function, one line of help). A new experiment is one line here."""
+"""Name: one line of help. A new command is one line here and two in `load`."""
+
+
+def load(name: str) -> Callable[..., None]:
+    """The function of a command. Only its module is imported, when the command is chosen."""
+    match name:
+        case "laser":
+            from .commands.laser import laser as command
+        case "imu":
+            from .commands.imu import imu as command
+        case "identify":
+            from .commands.identify import identify as command
+        case "compare":
+            from .commands.compare import compare as command
+        case "replay":
+            from .commands.replay import replay as command
+        case "view":
+            from .commands.view import view as command
+        case "convert":
+            from .commands.convert import convert as command
+        case "measure":
+            from .commands.measure import measure as command
+        case "gallery":
+            from .commands.gallery import gallery as command
+        case "two-mass":
+            from .commands.two_mass import two_mass as command
+        case "design":
+            from .commands.design import design as command
+        case "tune":
+            from .commands.tune import tune as command
+        case "train":
+            from .commands.train import train as command
+        case "sweep":
+            from .commands.sweep import sweep as command
+        case "model":
+            from .commands.model import model as command
+        case "export":
+            from .commands.export import export as command
+        case "bench":
+            from .commands.bench import bench as command
+        case "calibrate":
+            from .commands.calibrate import calibrate as command
+        case "verify":
+            from .commands.verify import verify as command
+        case "reproduce":
+            from .commands.reproduce import reproduce as command
+        case _:
+            raise unknown("experiment", name, COMMANDS)
+    return command
+
+
+FOR_PROGRAMMERS = re.compile(r"(Raises|Returns|Yields)\b|(Args|Arguments|Parameters|Attributes):")
+"""Begin of a paragraph of a docstring that help does not show."""
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def make_app(chosen: str = "") -> App:
-    """The parser of all commands. The chosen one is imported and shows its own docstring."""
+    """The parser of all commands, of which only the chosen one is imported and knows its options.
+
+    Its help is its docstring without the paragraphs for programmers.
+    """
     app = App(
         name="armside",
         help="Iterative learning control of industrial robots, seen from the arm side.",
@@ -110,9 +113,18 @@ def make_app(chosen: str = "") -> App:
         suppress_keyboard_interrupt=False,
         result_action="return_value",
     )
-    for name, (path, help_line) in COMMANDS.items():
-        app.command(path, name=name, help=None if name == chosen else help_line)
+    for name, line in COMMANDS.items():
+        if name == chosen:
+            command = load(name)
+            app.command(command, name=name, help=_for_users(getdoc(command) or line))
+        else:
+            app.command(App(name=name, help=line))
     return app
+
+
+def _for_users(docstring: str) -> str:
+    paragraphs = docstring.split("\n\n")
+    return "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
@@ -122,7 +134,7 @@ def main(tokens: Sequence[str] | None = None) -> int:
         status = _run(tokens)
         sys.stdout.flush()
         return status
-    except BrokenPipeError:  # the reader of our output left; nobody is there to be told
+    except BrokenPipeError:  # the reader of our output left: nobody reads a message
         _drop_unwritten_output()
         return FAILED
     except KeyboardInterrupt as stop:
@@ -137,8 +149,9 @@ def main(tokens: Sequence[str] | None = None) -> int:
 
 def _run(tokens: list[str]) -> int:
     """Parse, then run: whatever parsing raises is bad input."""
+    app = make_app(chosen=tokens[0] if tokens else "")
     try:
-        command, bound, _ = make_app(chosen=tokens[0] if tokens else "").parse_args(tokens)
+        command, bound, _ = app.parse_args(tokens)
     except UnknownCommandError:
         raise unknown("experiment", tokens[0], COMMANDS) from None
     except UnusedCliTokensError as error:
@@ -163,7 +176,7 @@ def _complain(message: str, status: int) -> int:
 
 
 def _drop_unwritten_output() -> None:
-    """Forget what stdout does not take, or Python would fail on it once more at its end."""
+    """Drop output that stdout does not take, or Python would fail on it once more at its end."""
     try:
         sys.stdout.flush()
     except OSError:

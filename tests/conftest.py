@@ -6,13 +6,22 @@ import shutil
 import pytest
 from hypothesis import settings
 
-# Before NumPy is imported: threads of BLAS that wait for a busy core make small matrices a
-# thousand times slower.
+# Before NumPy is imported, here and in the workers of pytest-xdist: threads of BLAS that wait for a
+# busy core make small matrices a thousand times slower.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # CI asks whether a change is sound, and the same change gets the same answer; whoever works on it
 # draws new examples with every run.
 settings.load_profile("ci" if os.environ.get("ARMSIDE_CI") else "default")
+
+
+SLOWEST = ("test_packaging.py", "test_arm_side.py", "test_docs.py", "test_replay.py")
+"""Files whose tests and set-ups take longest."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the slowest files first: workers share the rest, and none ends alone with a long test."""
+    items.sort(key=lambda item: item.path.name not in SLOWEST)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What README and the docs tell people to type works as written.
+"""Commands and code of README and the docs work as written.
 
 A block marked `python` is run; the blocks of one page share their names, as a reader's would.
 In blocks marked `sh` or `console` each line that starts with `armside` is run, with or without
@@ -56,13 +56,13 @@ def run_command(command: str) -> None:
 
 
 def only_shows(words: list[str]) -> bool:
-    """Whether the command is for eyes alone; a replay without a file to write opens a window."""
+    """True for a command without a result; a replay without a file to write opens a window."""
     opens_window = words[0] == "replay" and "--save" not in words
     return opens_window or bool(SHOWS.get(words[0], set()) & set(words))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_what_a_page_tells_to_type_works(page, tmp_path, monkeypatch):
+def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "examples").symlink_to(ROOT / "docs" / "examples")

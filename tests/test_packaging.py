@@ -1,4 +1,4 @@
-"""What is installed from a wheel is complete and works away from the checkout.
+"""An installation from a wheel is complete and works away from the checkout.
 
 Here the clean environment borrows the dependencies of this one, to be quick; CI installs them
 afresh. That every import is a declared dependency is checked by name in both.
@@ -15,6 +15,7 @@ import tomllib
 import zipfile
 from importlib.metadata import packages_distributions
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -39,34 +40,47 @@ def packaged_files() -> set[str]:
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("wheel")
+    return build_wheel(ROOT, folder)
+
+
+def build_wheel(source: Path, folder: Path) -> Path:
     build = [*PIP, "wheel", "--no-deps", "--no-build-isolation", "--no-cache-dir"]
-    subprocess.run([*build, "--wheel-dir", folder, ROOT], check=True)
+    subprocess.run([*build, "--wheel-dir", folder, source], check=True)
     (file,) = folder.glob("armside-*.whl")
     return file
 
 
+class Installed(NamedTuple):
+    """An environment where nothing but the wheel is installed."""
+
+    bin: Path
+    gained: set[str]
+    """Names in site-packages that the wheel added."""
+
+
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory) -> Path:
-    """The `bin` folder of an environment where nothing but the wheel is installed."""
+def installed(wheel, tmp_path_factory) -> Installed:
     env = tmp_path_factory.mktemp("clean") / "env"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", env], check=True)
     python = env / "bin" / "python"
+    site = Path(sysconfig.get_paths(vars={"base": str(env), "platbase": str(env)})["purelib"])
     install = [*PIP, "--python", python, "install"]
     if os.environ.get("ARMSIDE_CI"):
         subprocess.run([*install, wheel], check=True)
+        subprocess.run([*install[:-1], "uninstall", "--yes", "armside"], check=True)
     else:
         # Files of this environment only: its own links to the checkout are not followed.
-        paths = sysconfig.get_paths(vars={"base": env, "platbase": env})
-        borrowed = Path(paths["purelib"]) / "borrowed_dependencies.pth"
+        borrowed = site / "borrowed_dependencies.pth"
         borrowed.write_text(sysconfig.get_path("purelib") + "\n")
-        subprocess.run([*install, "--no-deps", "--force-reinstall", wheel], check=True)
-    return env / "bin"
+    before = set(os.listdir(site))
+    subprocess.run([*install, "--no-deps", "--force-reinstall", wheel], check=True)
+    return Installed(env / "bin", set(os.listdir(site)) - before)
 
 
 def run_outside(command: list, folder: Path) -> str:
     env = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run(
-        command, cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False
+        command, cwd=folder, env=env, capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -85,21 +99,56 @@ def test_the_wheel_holds_type_markers_robots_and_licence(wheel):
     assert any(name.endswith("/licenses/LICENSE") for name in names)
 
 
+def test_the_archive_of_the_sources_builds_the_same_wheel(wheel, tmp_path):
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", tmp_path]
+    subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    (archive,) = tmp_path.glob("armside-*.tar.gz")
+    ours, theirs = (zipfile.ZipFile(file) for file in (wheel, build_wheel(archive, tmp_path)))
+    assert {i.filename: i.CRC for i in ours.infolist()} == {
+        i.filename: i.CRC for i in theirs.infolist()
+    }
+
+
+def test_an_environment_gains_one_name_and_its_metadata(installed):
+    assert installed.gained == {"armside", f"armside-{PROJECT['version']}.dist-info"}
+
+
 def test_the_installed_command_knows_its_version(installed, tmp_path):
-    assert run_outside([installed / "armside", "--version"], tmp_path) == (
-        f"armside {PROJECT['version']}\n"
-    )
+    for command in (["armside"], ["python", "-m", "armside"]):
+        words = [installed.bin / command[0], *command[1:], "--version"]
+        assert run_outside(words, tmp_path) == f"armside {PROJECT['version']}\n"
 
 
 def test_what_is_imported_is_what_was_installed(installed, tmp_path):
     files = ", ".join(f"{name}.__file__" for name in OURS)
     code = f"from armside import {', '.join(OURS)}; print({files})"
-    for file in run_outside([installed / "python", "-c", code], tmp_path).split():
-        assert Path(file).is_relative_to(installed.parent)
+    for file in run_outside([installed.bin / "python", "-c", code], tmp_path).split():
+        assert Path(file).is_relative_to(installed.bin.parent)
+
+
+def test_the_lines_of_the_readme_run_beside_packages_of_the_users_own(installed, tmp_path):
+    """Saved as `sim.py`, in a folder that has an `assets` and a `scripts` as well."""
+    lines = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)
+    (tmp_path / "sim.py").write_text("".join(lines))
+    for name in ("assets", "scripts"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise ImportError('of the user')\n")
+    printed = run_outside([installed.bin / "python", "sim.py"], tmp_path)
+    assert len(printed.splitlines()) == 6
+
+
+@pytest.mark.parametrize("first", ["import gymnasium", "import armside, gymnasium"])
+def test_gymnasium_finds_the_env_from_its_name(installed, tmp_path, first):
+    code = f"""{first}
+name = "armside:armside/IlcTuning-v0"
+print(gymnasium.make(name).spec.id, gymnasium.make_vec(name, num_envs=2).num_envs)
+print(gymnasium.make("armside/IlcTuning-v0").spec.id)"""
+    printed = run_outside([installed.bin / "python", "-c", code], tmp_path)
+    assert printed.split() == ["armside/IlcTuning-v0", "2", "armside/IlcTuning-v0"]
 
 
 def test_an_experiment_runs_outside_the_checkout(installed, tmp_path):
-    command = [installed / "armside", "laser", "--iterations", "1", "--json", "--out", "here"]
+    command = [installed.bin / "armside", "laser", "--iterations", "1", "--json", "--out", "here"]
     summary = json.loads(run_outside(command, tmp_path))
     assert [row["k"] for row in summary["iterations"]] == [0, 1]
     assert json.loads((tmp_path / "here" / "summary.json").read_text()) == summary

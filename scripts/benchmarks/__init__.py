@@ -1,1 +1,1 @@
-"""What `armside bench` times, one subject a file."""
+"""Benchmarks of `armside bench`, one subject a file."""

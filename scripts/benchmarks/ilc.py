@@ -1,4 +1,4 @@
-"""How long the theory takes: the search of Fig 8.7, 500 iterations, norm-optimal learning."""
+"""Benchmarks of the theory: the search of Fig 8.7, 500 iterations, norm-optimal learning."""
 
 from collections.abc import Sequence
 from pathlib import Path

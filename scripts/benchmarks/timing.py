@@ -15,13 +15,13 @@ class Row:
     ours: float
     """[s] per call."""
     peer: str | None = None
-    """What the peer is; None when there is nothing to compare with, or it is not installed."""
+    """Name of the peer; None when there is nothing to compare with, or it is not installed."""
     theirs: float | None = None
     """[s] per call, measured in turns with ours."""
 
     @property
     def ratio(self) -> float | None:
-        """Our time as a part of the peer's."""
+        """Our time divided by the peer's."""
         return None if self.theirs is None else self.ours / self.theirs
 
 

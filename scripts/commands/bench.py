@@ -1,10 +1,9 @@
-"""`armside bench [NAME]`: how long things take here, beside other libraries if installed.
+"""`armside bench [NAME]`: execution times on this machine, beside other libraries if installed.
 
-A benchmark is a function `() -> Sequence[Row]` (`benchmarks.timing`) and one line in
-BENCHMARKS.
+A benchmark is a function `() -> Sequence[Row]` (`benchmarks.timing`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Annotated
 
@@ -15,36 +14,50 @@ from armside.sim.records.summary import summary
 from ..benchmarks.timing import Row
 from ..shell.console import Report, keep
 from ..shell.options import Common
-from ..shell.registry import load, unknown
+from ..shell.registry import unknown
 
-BENCHMARKS = {
-    "ilc": "armside.scripts.benchmarks.ilc:ilc",
-    "imu": "armside.scripts.benchmarks.imu:imu",
-    "kinematics": "armside.scripts.benchmarks.kinematics:kinematics",
-    "robot": "armside.scripts.benchmarks.robot:robot",
-    "estimation": "armside.scripts.benchmarks.estimation:estimation",
-    "env": "armside.scripts.benchmarks.env:env",
-    "sweep": "armside.scripts.benchmarks.sweep:sweep",
-    "scaling": "armside.scripts.benchmarks.robot:scaling",
-}
-"""Name: module:function. A new benchmark is one line here."""
+BENCHMARKS = ("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start")
+"""A new benchmark is a name here and two lines in `load`."""
 
 COLUMNS = ("", "ours", "peer", "theirs", "ours / theirs")
 
+Name = Annotated[str, Parameter(help=f"Benchmark: {', '.join(BENCHMARKS)}, or all.")]
 
-Name = Annotated[str, Parameter(help=f"Which benchmark: {', '.join(BENCHMARKS)}, or all.")]
+
+def load(name: str) -> Callable[[], Sequence[Row]]:
+    """The function of a benchmark. Only its module is imported."""
+    match name:
+        case "ilc":
+            from ..benchmarks.ilc import ilc as benchmark
+        case "imu":
+            from ..benchmarks.imu import imu as benchmark
+        case "kinematics":
+            from ..benchmarks.kinematics import kinematics as benchmark
+        case "robot":
+            from ..benchmarks.robot import robot as benchmark
+        case "scaling":
+            from ..benchmarks.robot import scaling as benchmark
+        case "estimation":
+            from ..benchmarks.estimation import estimation as benchmark
+        case "env":
+            from ..benchmarks.env import env as benchmark
+        case "sweep":
+            from ..benchmarks.sweep import sweep as benchmark
+        case "start":
+            from ..benchmarks.start import start as benchmark
+        case _:
+            raise unknown("benchmark", name, BENCHMARKS)
+    return benchmark
 
 
 def bench(name: Name = "all", /, *, common: Common = Common()) -> None:
     """Time this machine: medians in seconds, and ratios to other libraries taken in turns."""
-    if name not in ("all", *BENCHMARKS):
-        raise unknown("benchmark", name, BENCHMARKS)
-    names = list(BENCHMARKS) if name == "all" else [name]
+    benchmarks = {key: load(key) for key in (BENCHMARKS if name == "all" else [name])}
     report = Report(common)
     results: dict[str, Sequence[Row]] = {}
-    with report.progress("measuring", total=len(names)) as step:
-        for key in names:
-            results[key] = load(BENCHMARKS[key])()
+    with report.progress("measuring", total=len(benchmarks)) as step:
+        for key, benchmark in benchmarks.items():
+            results[key] = benchmark()
             step()
     for key, rows in results.items():
         report.table(key, COLUMNS, [_cells(row) for row in rows])

@@ -1,1 +1,1 @@
-"""What every command shares: options, console, errors, interrupts."""
+"""Shared by all commands: options, console, errors, interrupts."""

@@ -1,4 +1,4 @@
-"""What a command prints: progress on stderr, tables or JSON on stdout, as the options ask."""
+"""Output of a command: progress on stderr, tables or JSON on stdout, as the options ask."""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -10,6 +10,7 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -32,7 +33,7 @@ def cell(value: Any) -> str:
 
 
 class Report:
-    """Prints what `--quiet` and `--json` leave to be printed."""
+    """Printer of tables, lines and the summary, silent as `--quiet` and `--json` ask."""
 
     def __init__(self, common: Common) -> None:
         self.common = common
@@ -40,31 +41,29 @@ class Report:
     @contextmanager
     def progress(self, task: str, total: int) -> Iterator[Callable[[], None]]:
         """A progress bar while the block runs; call what it yields after each of `total` steps."""
-        shown = sys.stderr.isatty() and not self.common.quiet
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-        console = Console(file=sys.stderr)
-        with Progress(
-            *columns, TimeElapsedColumn(), console=console, disable=not shown, transient=True
-        ) as bar:
+        with self._bar(*columns, TimeElapsedColumn()) as bar:
             task_id = bar.add_task(task, total=total)
             yield lambda: bar.advance(task_id)
 
     @contextmanager
     def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
         """As `progress`, for steps of unequal weight; shows the time that is left."""
-        shown = sys.stderr.isatty() and not self.common.quiet
         columns = (TextColumn("{task.description} {task.percentage:3.0f} %"), BarColumn())
+        with self._bar(*columns, TimeRemainingColumn(elapsed_when_finished=True)) as bar:
+            task_id = bar.add_task(task, total=total)
+            yield lambda weight: bar.advance(task_id, weight)
+
+    def _bar(self, *columns: ProgressColumn) -> Progress:
+        shown = sys.stderr.isatty() and not self.common.quiet
         console = Console(file=sys.stderr)
-        with Progress(
+        return Progress(
             *columns,
-            TimeRemainingColumn(elapsed_when_finished=True),
             console=console,
             disable=not shown,
             transient=True,
             speed_estimate_period=120.0,
-        ) as bar:
-            task_id = bar.add_task(task, total=total)
-            yield lambda weight: bar.advance(task_id, weight)
+        )
 
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
         """A table on stdout: text columns to the left, numbers to the right."""

@@ -1,4 +1,4 @@
-"""What a command may end with, other than done.
+"""Errors that end a command, and their exit status.
 
 The rule of the exit status: input is checked first and work is done afterwards. Anything raised
 while options are parsed and configurations built, and any `InputError`, is bad input (2).

@@ -1,4 +1,4 @@
-"""Ctrl-C while other threads work: noticed where the work can be put down, and once.
+"""Ctrl-C while other threads work: handled where the work can be stopped, and once.
 
 Python raises KeyboardInterrupt wherever the main thread happens to be, and a second one while it
 still waits for the threads of the first: a rollout in flight then outlives the interpreter.
@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 
 class Stop:
-    """Whether Ctrl-C was pressed."""
+    """State of Ctrl-C: pressed or not."""
 
     asked = False
 
@@ -23,12 +23,12 @@ class Stop:
 
 @contextmanager
 def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
-    """Ctrl-C ends the block where it calls `Stop.check`, or at its end; pressed again, it does
-    nothing. Whatever else the block raises after it is taken for its consequence.
+    """End the block on Ctrl-C where it calls `Stop.check`, or at its end; the first one counts.
+    Another error that the block raises after Ctrl-C is taken for its consequence.
 
-    kept: what to say at the end; empty for nothing.
+    kept: the message at the end, which may be empty.
 
-    Raises KeyboardInterrupt, with what there is to say, after Ctrl-C.
+    Raises KeyboardInterrupt with this message after Ctrl-C.
     """
     stop = Stop()
     before = signal.getsignal(signal.SIGINT)

@@ -1,4 +1,4 @@
-"""Options that every command has, and how option values are read.
+"""Options of every command, and the reading of option values.
 
 A command's own options are a frozen dataclass decorated with `@options`; attribute docstrings are
 the help texts. A configuration checks its own ranges in `__post_init__` with ValueError.
@@ -27,7 +27,7 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 
 def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
-    """Convert the words of one option, refusing what is no number and what would be rounded."""
+    """Convert the words of one option; refuse floats that are not finite and rounded integers."""
     value = convert(type_, tokens)
     for leaf, token in zip(_leaves(value), tokens, strict=False):
         if isinstance(leaf, float) and not math.isfinite(leaf):

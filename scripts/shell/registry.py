@@ -1,4 +1,4 @@
-"""Named functions that are imported when they are asked for."""
+"""Names that a registry has, and the error for one that it does not have."""
 
 import difflib
 from collections.abc import Callable, Iterable

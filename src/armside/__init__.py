@@ -9,8 +9,6 @@
 SI units and radians, unless a name says otherwise.
 """
 
-import sys
+from .gymnasium_hook import register_env
 
-# `gymnasium.make("armside:armside/IlcTuning-v0")` imports this package to have the env registered.
-if "gymnasium" in sys.modules:
-    from .sim.tuning import ENV_ID as ENV_ID
+register_env()

@@ -1,5 +1,6 @@
 """The probe experiment, run in this process or in one of its own."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -12,13 +13,13 @@ import pytest
 from armside.scripts import cli
 from armside.scripts.thesis.report import Section
 
-PROBE = ("probe_experiment:probe", "End as told to.")
 HERE = Path(__file__).parent
 START = f"""
 import sys
 sys.path.insert(0, {str(HERE)!r})
 from armside.scripts import cli
-cli.COMMANDS["probe"] = {PROBE!r}
+from probe_experiment import load
+cli.COMMANDS["probe"], cli.load = "End as told to.", load
 sys.exit(cli.main())
 """
 
@@ -34,7 +35,8 @@ def armside(monkeypatch, tmp_path, capsys):
     """Runs a command line in this process, in an empty working folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(HERE)
-    monkeypatch.setitem(cli.COMMANDS, "probe", PROBE)
+    monkeypatch.setitem(cli.COMMANDS, "probe", "End as told to.")
+    monkeypatch.setattr(cli, "load", importlib.import_module("probe_experiment").load)
 
     def run(line: str) -> Outcome:
         status = cli.main(line.split())

@@ -4,8 +4,10 @@ import json
 
 import pytest
 
+from armside.scripts.benchmarks import start
 from armside.scripts.benchmarks.timing import Row, interleaved
 from armside.scripts.commands import bench
+from armside.scripts.shell.errors import InputError
 
 
 def test_every_function_is_called_in_turns():
@@ -57,10 +59,25 @@ def rows():
     return [Row("pose", 4e-7, "pinocchio", 5e-7), Row("jacobian", 1e-6)]
 
 
+def test_every_benchmark_is_a_function_of_its_module():
+    for name in bench.BENCHMARKS:
+        assert bench.load(name).__name__ == name
+    with pytest.raises(InputError, match="Did you mean start"):
+        bench.load("sart")
+
+
+def test_the_start_of_the_command_line_is_timed(monkeypatch):
+    lines = []
+    monkeypatch.setattr(start.subprocess, "run", lambda line, **_: lines.append(line[3:]))
+    monkeypatch.setattr(start, "interleaved", lambda functions: [f() or 1.0 for f in functions])
+    assert [row.name for row in start.start()] == ["armside --help", "armside laser --help"]
+    assert lines == [["--help"], ["laser", "--help"]]
+
+
 @pytest.fixture
 def one_benchmark(monkeypatch):
-    monkeypatch.setattr(bench, "load", lambda path: rows)
-    monkeypatch.setattr(bench, "BENCHMARKS", {"kinematics": "somewhere:rows"})
+    monkeypatch.setattr(bench, "load", lambda name: rows)
+    monkeypatch.setattr(bench, "BENCHMARKS", ("kinematics",))
 
 
 def test_bench_prints_times_beside_the_peers(armside, one_benchmark):
@@ -89,5 +106,5 @@ def test_a_folder_that_is_not_empty_is_refused_before_anything_is_measured(
 ):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
-    monkeypatch.setattr(bench, "load", lambda path: pytest.fail("measured"))
+    monkeypatch.setattr(bench, "load", lambda name: lambda: pytest.fail("measured"))
     assert armside("bench --out full").status == 2

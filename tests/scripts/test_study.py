@@ -181,12 +181,10 @@ def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeyp
     with socket.create_server(("127.0.0.1", 0)) as silent:
         port = silent.getsockname()[1]
         url = f"postgresql+psycopg://a@127.0.0.1:{port}/b"
-        began = time.monotonic()
         status, _, err = armside(f"tune {QUICK} --storage {url}")
     assert status == 2
     assert "does not answer" in err
     assert err.count("\n") == 1
-    assert time.monotonic() - began < 30
 
 
 @pytest.mark.parametrize(
