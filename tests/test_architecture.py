@@ -23,10 +23,6 @@ OURS = sorted(MAY_IMPORT)
 EVERYWHERE = {"arrays"}
 """Modules of `armside` itself, for all packages."""
 FOREIGN_AND_FORBIDDEN = {"ilc": {"mujoco"}, "kinematics": {"mujoco"}, "assets": {"mujoco", "numpy"}}
-CIRCLES_LEFT = {"kinematics", "scripts"}
-"""Packages whose rooms are still being separated."""
-STRINGS_LEFT = {"scripts/commands/reproduce.py", "scripts/commands/verify.py"}
-"""Registries that still name functions by strings."""
 GYMNASIUM = {"sim/tuning/registration.py"}
 """Gymnasium keeps the classes of an env as strings, so that a spec can be written to a file."""
 
@@ -81,13 +77,7 @@ def test_imports_point_downwards(package):
             assert not wrong, f"{file.relative_to(ROOT)} imports {sorted(wrong)}"
 
 
-@pytest.mark.parametrize(
-    "package",
-    [
-        pytest.param(name, marks=pytest.mark.xfail) if name in CIRCLES_LEFT else name
-        for name in OURS
-    ],
-)
+@pytest.mark.parametrize("package", OURS)
 def test_rooms_have_no_circle(package):
     try:
         TopologicalSorter(rooms(package)).prepare()
@@ -103,7 +93,7 @@ def test_functions_are_imported_and_not_named_by_strings():
         for file in MODULES.values()
         if named.search(file.read_text(encoding="utf-8"))
     }
-    assert not found - STRINGS_LEFT - GYMNASIUM
+    assert found == GYMNASIUM
 
 
 def test_imports_are_resolved_as_python_does():

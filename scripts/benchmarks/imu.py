@@ -11,11 +11,12 @@ import numpy as np
 from mujoco.rollout import Rollout
 
 from armside.sim.imu import ImuExperiment, prepare
+from armside.sim.imu import run as run_experiment
+from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.flexibility import Flexibility
 from armside.sim.robot.run import LoadedReference
 
-from ..commands.imu import imu as command
-from ..shell.options import Common
+from ..figures.imu_results import write_runs
 from .timing import Row, interleaved
 
 
@@ -30,8 +31,14 @@ def imu() -> Sequence[Row]:
         rows.append(Row(name, run, "bare mujoco.rollout", bare))
     with tempfile.TemporaryDirectory() as folder:
         outs = (Path(folder) / str(i) for i in count())
-        (whole,) = interleaved([lambda: command(common=Common(out=next(outs), quiet=True))], 5)
+        (whole,) = interleaved([lambda: _whole(next(outs))], 5)
     return [*rows, Row("simultaneous experiment: planned, run, processed, drawn", whole)]
+
+
+def _whole(out: Path) -> None:
+    """The experiment with its files."""
+    with RunFolder("imu", seed=0, out=out) as folder:
+        write_runs(run_experiment(ImuExperiment()), folder, {"seed": 0})
 
 
 def _bare_rollout(loaded: LoadedReference) -> Callable[[], None]:

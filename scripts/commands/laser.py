@@ -9,9 +9,9 @@ from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import summary
 
-from ..cutting.files import show, write
 from ..cutting.options import LaserCfg
 from ..cutting.specification import prepared
+from ..figures.laser_results import show, write
 from ..shell.console import Report
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common

@@ -1,1 +1,1 @@
-"""The cut of `armside laser`: its options, their meaning in SI, its files and tables."""
+"""The cut of `armside laser`: its options, and their meaning in SI."""

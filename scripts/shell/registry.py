@@ -1,17 +1,9 @@
-"""Names that a registry has, and the error for one that it does not have."""
+"""The error for a name that a registry does not have."""
 
 import difflib
-from collections.abc import Callable, Iterable
-from importlib import import_module
-from typing import Any
+from collections.abc import Iterable
 
 from .errors import InputError
-
-
-def load(path: str) -> Callable[..., Any]:
-    """The function at `module:function`."""
-    module, _, name = path.partition(":")
-    return getattr(import_module(module), name)
 
 
 def unknown(kind: str, given: str, names: Iterable[str]) -> InputError:

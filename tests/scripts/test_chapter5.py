@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.jobs.store import Store
-from armside.scripts.shell.registry import load
 from armside.scripts.thesis import chapter5, chapter5_checks
+from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
 from armside.sim.imu import ImuExperiment, reprocessed, run
 
-CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "5"}
+CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "5"}
 KNOWN_TO_DIFFER = {"E07.3"}
 """The elastic deflection of the tool is larger than the prototype's."""
 

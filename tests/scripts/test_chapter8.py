@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from armside.scripts.commands.reproduce import ENTRIES
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.figures.two_mass_panels import Table
-from armside.scripts.shell.registry import load
+from armside.scripts.thesis.entries import ENTRIES
+from armside.sim.evaluation.check import Table
 
-CHAPTER = {entry.id: load(entry.part) for entry in ENTRIES if entry.chapter == "8"}
+CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "8"}
 KNOWN_TO_DIFFER = {"S03.3", "S04.6", "S05.6", "S05.7"}
 """11 Hz in Fig 8.6, the shift of 5 in Figs 8.7 and 8.8."""
 

@@ -23,7 +23,7 @@ def write(
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
 
-    from ..figures import laser as figures
+    from . import laser as figures
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     runs = [
@@ -64,7 +64,7 @@ def _draw_kerf(
     file: Path, experiment: Experiment, iterations: list[Iteration], measures: dict[str, Any]
 ) -> None:
     """The first cut and the last, as the tool truly made them."""
-    from ..figures import kerf as kerf_figure
+    from . import kerf as kerf_figure
 
     beam, curve = measures["beam"], experiment.cut.curve
     shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
