@@ -36,7 +36,9 @@ class _NoiseFree:
         every = slice(None, None, round(1.0 / (rate * float(truth.time[1]))))
         time, position = truth.time[every], truth.tool_position[every]
         valid = np.ones(len(time), dtype=bool)
-        return Pass(recording=recording, tracker=TrackerSamples(time, position, valid))
+        return Pass(
+            recording=recording, tracker=TrackerSamples(time=time, position=position, valid=valid)
+        )
 
 
 def learned(

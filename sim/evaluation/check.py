@@ -19,9 +19,9 @@ class Check:
     thesis: str
     """The number in the thesis; words where it gives none."""
     ours: float
-    _: KW_ONLY
     low: float | None = None
     high: float | None = None
+    _: KW_ONLY
     reason: str = ""
     """Cause of a failure, where it is known; shown only if the check fails."""
 
