@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws.law import FirstOrderLaw
-from armside.sim.cell import LARGE_CELL
-from armside.sim.cut.task import CircleTask
-from armside.sim.laser.experiment import iterate, prepare
-from armside.sim.robot.model import load_model
+from armside.sim.laser import Cut, learn
 
 
 @dataclass(frozen=True)
@@ -23,10 +20,8 @@ class Forgetful(FirstOrderLaw):
         return (1.0 - self.forget) * correction + self.gain * low_pass(error)
 
 
-task = CircleTask(pose=LARGE_CELL.poses["p1"], radius=0.005, speed=0.040)
-experiment = prepare(LARGE_CELL, load_model(LARGE_CELL.xml), task, seed=0)
 rms = []
-for iteration in iterate(experiment, Forgetful(), 5):
-    rms.append(iteration.arm.rms)
+for iteration in learn(Cut(pose="p1"), law=Forgetful(), seed=0):
+    rms.append(iteration.tool.rms)
     worst = abs(iteration.motor_error).max()
-    print(f"k = {iteration.trial.k}: motors {1e3 * worst:.1f} mrad, tool {1e6 * rms[-1]:.0f} um")
+    print(f"k = {iteration.k}: motors {1e3 * worst:.1f} mrad, tool {1e6 * rms[-1]:.0f} um")

@@ -12,11 +12,8 @@ import mujoco
 import numpy as np
 
 from armside import kinematics
-from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws import Heuristic
 from armside.sim.cell import LARGE_CELL, Cell
-from armside.sim.cut.task import CircleTask
-from armside.sim.laser.experiment import iterate, prepare
+from armside.sim.laser import Cut, learn
 from armside.sim.robot.model import load_model
 
 SHORTER = 0.1  # m
@@ -50,8 +47,5 @@ cell = Cell(
     poses=LARGE_CELL.poses,
     programs={},
 )
-task = CircleTask(pose=cell.poses["p1"], radius=0.005, speed=0.040)
-law = Heuristic(Q=ZeroPhaseButterworth(10.0, 0.004), gamma=0.9, delta=3)
-experiment = prepare(cell, model, task, seed=0)
-rms = [iteration.arm.rms for iteration in iterate(experiment, law, 2)]
+rms = [iteration.tool.rms for iteration in learn(Cut(robot=cell, pose="p1"), iterations=2)]
 print("tool RMS [um]:", *(f"{1e6 * value:.0f}" for value in rms))

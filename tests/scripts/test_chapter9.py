@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from armside.ilc.analysis.proposal import design_for
 from armside.ilc.models.system import System
 from armside.scripts.jobs.workers import Workers
 from armside.scripts.thesis.chapter9 import figures
-from armside.scripts.thesis.chapter9.designs import CUTOFFS, design_for
+from armside.scripts.thesis.chapter9.designs import CUTOFFS
 from armside.scripts.thesis.chapter9.table import STUDIES, learning_job
 from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.verifications.chapter9 import found
@@ -117,8 +118,8 @@ def test_thesis_table_of_experiments_is_complete():
     """Positions, velocities and design variables of thesis 9.4.1-9.4.5."""
     assert set(STUDIES["position"].jobs(0)) == {"p1", "p2", "p3"}
     assert {v for v, _ in STUDIES["velocity"].jobs(0)} == set(range(10, 101, 10))
-    assert {job.laser.speed for job in STUDIES["stability"].jobs(0).values()} == {50.0}
-    assert {job.laser.iterations for job in STUDIES["stability"].jobs(0).values()} == {10}
+    assert {job.cut.speed for job in STUDIES["stability"].jobs(0).values()} == {0.050}
+    assert {job.iterations for job in STUDIES["stability"].jobs(0).values()} == {10}
     assert set(STUDIES["shift"].jobs(0)) == set(range(1, 9))
     assert {5.0, 22.5} <= set(STUDIES["cutoff, spread"].jobs(0))
     at_p1 = STUDIES["operating point"].jobs(4)["p1"]
@@ -142,7 +143,7 @@ def test_the_same_arrays_draw_the_same_bytes(tmp_path):
 
 def test_a_motor_that_a_model_describes_gets_a_higher_cutoff():
     delay = System(np.array([0, 0, 0, 1.0]), np.array([1.0]), 0.004)
-    trusted, doubted = design_for(delay, fit=0.95), design_for(delay, fit=0.5)
+    trusted, doubted = (design_for(delay, CUTOFFS, fit=fit) for fit in (0.95, 0.5))
     assert trusted.cutoff == CUTOFFS[-1]  # a pure delay is answered by a shift, at any cutoff
     assert trusted.delta == 3
     assert doubted.cutoff == CUTOFFS[0]
