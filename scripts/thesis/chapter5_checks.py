@@ -136,7 +136,7 @@ def distances(results: Mapping[str, Result]) -> list[Check]:
         ours = 1e3 * float(results[name]["tool_distance"])
         statement = f"{name}: tool to D-H of the motor angles, largest [mm]"
         reason = ELASTICITY if i == 3 else ""
-        found.append(Check(f"E07.{i}", statement, WELL, ours, low, high, reason))
+        found.append(Check(f"E07.{i}", statement, WELL, ours, low, high, reason=reason))
     return found
 
 

@@ -151,7 +151,7 @@ def criterion(table: Table) -> list[Check]:
         statement = f"largest cutoff of Q with which a shift of {delta} converges [Hz]"
         ours, reason = table.value("largest cutoff [Hz]", delta), NOT_11_HZ if delta == 0 else ""
         band = (cutoff - 0.5, cutoff + 0.5)
-        checks.append(Check(f"S03.{i}", statement, f"about {cutoff:g}", ours, *band, reason))
+        checks.append(Check(f"S03.{i}", statement, f"about {cutoff:g}", ours, *band, reason=reason))
     return checks
 
 
@@ -172,7 +172,7 @@ def admissible_gain(table: Table) -> list[Check]:
         """A best shift [samples] against the one the thesis names for that side."""
         named, reason = THESIS_SHIFT[side], NOT_SHIFT_5 if side == "motor" else ""
         ours = table.value(column, side, cutoff)
-        return Check(id, statement, f"{named}", ours, named, named, reason)
+        return Check(id, statement, f"{named}", ours, named, named, reason=reason)
 
     def ratio(cutoff: float) -> float:
         motor, arm = (table.value("gamma |Tu(0)|", side, cutoff) for side in THESIS_SHIFT)
@@ -224,7 +224,7 @@ def learning_curves(table: Table) -> list[Check]:
         )
         checks += [
             Check(f"S05.{i}", below, "lower", early, high=1.0, reason=NOT_DELTA_5),
-            Check(f"S05.{i + 1}", growth, axis, late, 1.0, 100.0, NOT_DELTA_5),
+            Check(f"S05.{i + 1}", growth, axis, late, 1.0, 100.0, reason=NOT_DELTA_5),
         ]
     return checks
 
