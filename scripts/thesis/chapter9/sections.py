@@ -15,6 +15,12 @@ from armside.sim.evaluation.check import Check, Table
 from ...figures.laser import circles as circle_figure
 from ..report import Part, Read, Section
 from . import figures
+from .designs import friction_feedforward as friction_feedforward
+from .designs import per_motor as per_motor
+from .identification import identified_model as identified_model
+from .robustness import effects as effects
+from .robustness import individuals as individuals
+from .robustness import phenomena_map as phenomena_map
 from .table import STUDIES
 
 Results = Mapping[Any, Result]
