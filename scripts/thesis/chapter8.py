@@ -33,9 +33,8 @@ NOT_SHIFT_5 = (
     "25 Hz. From 10 Hz on, 5 is the best multiple of five, as if the search had gone in such steps"
 )
 NOT_DELTA_5 = (
-    "with the shift of 5 that the thesis states, the error is smallest at k = 14 and grows by "
-    "2.7 % an iteration; the curve it shows is that of a shift of 4, or of one more delay in the "
-    "loop"
+    "with the shift of 5 that the thesis states, the error is smallest at k = 14 and grows by 2.7 "
+    "% an iteration; the curve it shows is that of a shift of 4, or of one more delay in the loop"
 )
 
 Compare = Callable[[Table], Sequence[Check]]
@@ -158,11 +157,10 @@ def criterion(table: Table) -> list[Check]:
 @_section(
     "8.7",
     "the admissible gain over shift and cutoff",
-    "The largest gain that meets the criterion, times the static gain, so that both sides "
-    "compare. Learning from the arm angle is harder: its response has a peak near 1 Hz, and "
-    "only a filter below it leaves the gain that the static gain would allow. Of all shifts, "
-    "15 lasts up to the highest cutoff on the arm side; at lower ones larger shifts admit "
-    "more.",
+    "The largest gain that meets the criterion, times the static gain, so that both sides compare. "
+    "Learning from the arm angle is harder: its response has a peak near 1 Hz, and only a filter "
+    "below it leaves the gain that the static gain would allow. Of all shifts, 15 lasts up to the "
+    "highest cutoff on the arm side; at lower ones larger shifts admit more.",
 )
 def admissible_gain(table: Table) -> list[Check]:
     def gain(side: str, cutoff: float) -> float:

@@ -86,8 +86,7 @@ def html(title: str, sections: Sequence[Section], figures: Path) -> str:
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{escape(title)}</title>"
         '<meta name="viewport" content="width=device-width">'
-        f"<style>{STYLE}</style></head>\n<body><h1>{escape(title)}</h1>\n"
-        f"<p>{escape(count(sections))}.</p><ul>{contents}</ul>\n{body}</body></html>\n"
+        f"<style>{STYLE}</style></head>\n<body><h1>{escape(title)}</h1>\n<p>{escape(count(sections))}.</p><ul>{contents}</ul>\n{body}</body></html>\n"
     )
 
 

@@ -49,9 +49,8 @@ def identified_model(seed: int) -> Part:
             "The response of the measured motor angle to the correction, identified from the fifth "
             "iteration at 30, 40 and 60 mm/s at p1, while the tool moves, and validated at p2. "
             "Left: the criterion for the thesis's model (9.12); right: for the model of our robot, "
-            f"q^-{model.delay} {model.static_gain * (1 - model.pole):.4f} / "
-            f"(1 - {model.pole:.4f} q^-1), whose best shift below 10 Hz is "
-            f"{targets.best_shift(model.system)}.",
+            f"q^-{model.delay} {model.static_gain * (1 - model.pole):.4f} / (1 - {model.pole:.4f} "
+            f"q^-1), whose best shift below 10 Hz is {targets.best_shift(model.system)}.",
             ["9.8.png", "9.8-model.png"],
             [
                 *targets.fitted_model(model),
