@@ -17,8 +17,7 @@ from .report import Part, Section
 
 GRID_STEP = 0.0022
 """Step of the frequencies of Fig. 8.3 near 1.2 Hz [Hz]."""
-NORMS = 2e-3
-"""Relative tolerance of 2-norms over 500 iterations."""
+NORMS = 2e-3  # relative tolerance of 2-norms over 500 iterations
 AFTER_500 = {"1 Hz": (1.557, 1e-2), "6 Hz": (0.548, 1e-3), "17 Hz": (0.19854, NORMS)}
 """By cutoff of Q: 2-norm of the motor error [rad], and its relative tolerance. At a low cutoff the
 ends of the record matter more, where implementations differ."""

@@ -11,8 +11,7 @@ from ..jobs.workers import Workers
 from ..thesis.chapter9.identification import LAW
 from ..thesis.chapter9.table import STUDIES, Study
 
-FRACTION = 0.8
-"""Fraction of the seeds at which each band must hold: four of five."""
+FRACTION = 0.8  # fraction of the seeds at which each band must hold: four of five
 NAMED = ("position", "stability", "identification", "operating point", "shift, arm", "cutoff")
 EXPERIMENTS = {name: STUDIES[name] for name in NAMED} | {
     "velocity": Study({"speed": (10.0, 80.0, 100.0), "pose": POSES}, {"iterations": 0}),

@@ -31,8 +31,7 @@ POSES = ("p1", "p2", "p3")
 UPDATES = 5
 _DEFAULT = "identified (the default)"
 _KINEMATICS, _NO_DYNAMICS = "motor-angle kinematics", "kinematic filter, no dynamics"
-SILENCED = 1e3
-"""Noise of a sensor that is excluded from the estimate, over its own."""
+SILENCED = 1e3  # noise of a sensor that is excluded from the estimate, over its own
 
 
 class Variant(NamedTuple):

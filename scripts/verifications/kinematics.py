@@ -8,8 +8,7 @@ from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compi
 from armside.kinematics.links import link_transform
 from armside.sim.evaluation.check import Table, all_hold
 
-CONFIGURATIONS = 1000
-"""Number of configurations for each seed and robot."""
+CONFIGURATIONS = 1000  # number of configurations for each seed and robot
 POSE, INVERSE, DERIVATIVE = 1e-13, 1e-11, 1e-8
 """Greatest errors: rounding of a product, of an inverse, of central differences (h = 1e-6)."""
 

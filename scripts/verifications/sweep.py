@@ -22,11 +22,9 @@ from ..shell.errors import RunFailed
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")
 """Two thirds can be done; the third place is out of reach."""
-LOOK = 0.01
-"""[s], between two looks at what is on disk."""
+LOOK = 0.01  # [s], between two looks at what is on disk
 SAMPLES = 10
-FLAT = 1.10
-"""Of the memory after a tenth of the work."""
+FLAT = 1.10  # of the memory after a tenth of the work
 
 
 def sweep(seeds: Iterable[int]) -> Table:

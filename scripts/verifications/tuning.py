@@ -21,14 +21,10 @@ from armside.sim.tuning.task import TEST_SEEDS
 from ..studies.tuned_design import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"
-DATA_SEED = 1
-"""Seed of the experiments that models are identified from."""
-NORMAL_95 = 1.96
-"""Standard errors to either side of a mean."""
-TWICE = 10
-"""Iterations, twice the budget that was searched and trained with."""
-SIGNIFICANT = 3.0
-"""Standard errors by which a mean must be better than another."""
+DATA_SEED = 1  # seed of the experiments that models are identified from
+NORMAL_95 = 1.96  # standard errors to either side of a mean
+TWICE = 10  # iterations, twice the budget that was searched and trained with
+SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
 
 
 def tuning(seeds: Iterable[int]) -> Table:

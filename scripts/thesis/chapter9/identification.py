@@ -21,10 +21,8 @@ from ..report import Part, Read, Section
 from . import figures
 from .table import STUDIES
 
-POSES = ("p1", "p2")
-"""Positions of estimation and of validation."""
-DELAYS = range(3, 9)
-"""[samples], of the tables."""
+POSES = ("p1", "p2")  # positions of estimation and of validation
+DELAYS = range(3, 9)  # [samples], of the tables
 LAW = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
 """The law that the data are learned with."""
 _MODEL = ("delay", "pole", "static gain", "delay and lag", "fit p1", "fit p2")

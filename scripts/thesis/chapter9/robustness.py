@@ -23,9 +23,7 @@ MAP_SPEEDS = (20.0, 30.0, 40.0, 50.0, 60.0, 80.0)
 MAP_PAYLOADS = (0.0, 40.0, 100.0, 175.0)
 MAP_INDIVIDUALS = tuple(range(6))
 CUTS = {
-    "p1": {"pose": "p1"},
-    "p2": {"pose": "p2"},
-    "p3": {"pose": "p3"},
+    **{pose: {"pose": pose} for pose in POSES},
     "p1, 15 Hz": {"pose": "p1", "cutoff": 15.0},
     "p1, delta 6": {"pose": "p1", "delta": 6},
     "p2, delta 6": {"pose": "p2", "delta": 6},
