@@ -9,7 +9,7 @@ import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
-from armside.sim.evaluation.check import Table
+from armside.sim.evaluation.check import Check, Table
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu.evaluation import WINDOW
 from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE
@@ -19,9 +19,11 @@ from ..figures import imu as figures
 from ..jobs.store import Result
 from . import chapter5_checks as checks
 from .imu_job import ImuJob, RestJob
-from .report import Part, Section
+from .report import Part, Read, Section
 
-Draw = Callable[..., Section]
+Drawn = tuple[str, Sequence[str], Sequence[Check], Sequence[Table]]
+"""Caption, names of figures, checks and tables of a section."""
+Draw = Callable[..., Drawn]
 """Called with the folder for figures and the results of the section's jobs."""
 
 BASE = ImuExperiment()
@@ -40,26 +42,29 @@ MOTIONS = {
     "all motors at once, only gears elastic": ImuJob(experiment=GEARS),
     checks.RIGID: ImuJob(experiment=RIGID),
 }
+ONE_BY_ONE = [ImuJob(experiment=e, program=i) for e in (SEQUENTIAL, UNAIDED) for i in (0, 1)]
 PARTS = {"slow circle": SLOW_CIRCLE, "fast circle": FAST_CIRCLE, "rectangle": RECTANGLE}
 
 
-def _section(*jobs: ImuJob | RestJob) -> Callable[[Draw], Callable[[int], Part]]:
+def _section(
+    id: str, title: str, *jobs: ImuJob | RestJob
+) -> Callable[[Draw], Callable[[int], Part]]:
     """Decorator: a section's part, by its seed, from a function that draws the jobs' results."""
 
-    def part_of(draw: Draw) -> Callable[[int], Part]:
-        def part(seed: int) -> Part:
-            seeded = [replace(job, seed=seed) for job in jobs]
-            return Part(seeded, lambda read, folder: draw(folder, *map(read, seeded)))
+    def part(draw: Draw, seed: int) -> Part:
+        seeded = [replace(job, seed=seed) for job in jobs]
 
-        return part
+        def section(read: Read, folder: Path) -> Section:
+            return Section(id, title, *draw(folder, *map(read, seeded)))
 
-    return part_of
+        return Part(seeded, section)
+
+    return lambda draw: lambda seed: part(draw, seed)
 
 
 def _grid(title: str, rows: Iterable[tuple[str, Array]], columns: Sequence[str] = "xyz") -> Table:
     """A table of named vectors."""
-    cells = [[name, *map(float, values)] for name, values in rows]
-    return Table(title=title, columns=["", *columns], rows=cells)
+    return Table(title, ["", *columns], [[name, *map(float, values)] for name, values in rows])
 
 
 def _by_processing(title: str, result: Result, name: str) -> Table:
@@ -68,41 +73,33 @@ def _by_processing(title: str, result: Result, name: str) -> Table:
     return replace(_grid(title, rows), columns=["processed", *"xyz"])
 
 
-@_section(REST)
-def rest(folder: Path, result: Result) -> Section:
-    """Thesis Fig. 5.2."""
+@_section("5.2", "Fig. 5.2: acceleration at rest, motors off and on", REST)
+def rest(folder: Path, result: Result) -> Drawn:
     off = REST.experiment.off
     figures.rest(folder / "5.2.png", result["time"], result["acceleration"], off)
     spectra = (result[name] for name in ("frequency", "off_spectrum", "on_spectrum"))
     figures.spectrum(folder / "5.2-spectrum.png", *spectra)
-    levels = {
-        "motors off, RMS": result["off_rms"],
-        "motors on, RMS": result["on_rms"],
-        "motors on, exceeded by 0.3 %": result["on_level"],
-    }
-    return Section(
-        id="5.2",
-        title="Fig. 5.2: acceleration at rest, motors off and on",
-        caption="The robot stands in its zero pose. With the brakes on, only the sensor adds "
+    rows = {"motors off, RMS": "off_rms", "motors on, RMS": "on_rms"}
+    rows["motors on, exceeded by 0.3 %"] = "on_level"
+    return (
+        "The robot stands in its zero pose. With the brakes on, only the sensor adds "
         "noise; with the motors on, noise of torques and encoders makes the arm vibrate at its "
         "own frequencies. The means are those of a sensor mounted with a small tilt. In x it "
         "vibrates a third as much as in z; the thesis draws all three on axes of the same "
         "width. It names a peak at 27 Hz, but not the line near 15 Hz that x and y have here.",
-        figures=["5.2.png", "5.2-spectrum.png"],
-        checks=checks.noise(result),
-        tables=[_grid("Acceleration about its mean [m/s²]", levels.items())],
+        ["5.2.png", "5.2-spectrum.png"],
+        checks.noise(result),
+        [_grid("Acceleration about its mean [m/s²]", ((k, result[v]) for k, v in rows.items()))],
     )
 
 
-@_section()
-def mounting(folder: Path) -> Section:
-    """Thesis (5.1), Fig. 5.3, Table 5.1."""
+@_section("5.3", "(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links")
+def mounting(folder: Path) -> Drawn:
     cell, zero = BASE.cell, np.zeros((1, 6))
     T_base_tool, T_base_imu = (
         kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
     )
-    mj = RIGID.model().mj
-    data = mujoco.MjData(mj)
+    data = mujoco.MjData(mj := RIGID.model().mj)
     mujoco.mj_kinematics(mj, data)
     site = data.site("imu").xpos
     positions = {
@@ -110,139 +107,114 @@ def mounting(folder: Path) -> Section:
         "from the base, by the links": 1e3 * T_base_imu[:3, 3],
         "from the base, virtual robot": 1e3 * site,
     }
-    return Section(
-        id="5.3",
-        title="(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links",
-        caption="Two links without a joint lead from the tool's frame to the IMU's, because "
+    return (
+        "Two links without a joint lead from the tool's frame to the IMU's, because "
         "one standard D-H link cannot. In the zero pose the IMU's axes are those of the base.",
-        checks=checks.mounted(T_base_tool, T_base_imu, site),
-        tables=[_grid("IMU in the zero pose [mm]", positions.items())],
+        [],
+        checks.mounted(T_base_tool, T_base_imu, site),
+        [_grid("IMU in the zero pose [mm]", positions.items())],
     )
 
 
-@_section(MOVING)
-def synchronisation(folder: Path, result: Result) -> Section:
-    """Thesis 5.3.1."""
+@_section("synchronisation", "5.3.1: synchronisation of the clocks", MOVING)
+def synchronisation(folder: Path, result: Result) -> Drawn:
     early = result["time"] < result["since"]
-    names = ("time", "best_angular_velocity_measured", "best_angular_velocity_predicted")
-    time, measured, predicted = (result[name][early] for name in names)
-    offset, errors = float(result["clock_offset"]), result["clock_errors"]
-    file = folder / "synchronisation.png"
-    figures.clocks(file, time, measured[:, 2], predicted[:, 2], offset, errors)
-    return Section(
-        id="synchronisation",
-        title="5.3.1: synchronisation of the clocks",
-        caption="Motor 1 swings before the experiment. The thesis reads from the noisy signal "
+    names = ("best_angular_velocity_measured", "best_angular_velocity_predicted")
+    rates = (result[name][early][:, 2] for name in names)
+    offset, errors, file = result["clock_offset"], result["clock_errors"], "synchronisation.png"
+    figures.clocks(folder / file, result["time"][early], *rates, float(offset), errors)
+    return (
+        "Motor 1 swings before the experiment. The thesis reads from the noisy signal "
         "by hand when that began; here the offset is that with which gyro and motor angles "
         "agree best, minus the known delay of the gyro's own filter. The same run is "
         f"then measured by {INDIVIDUALS} other IMUs whose clocks are up to 0.4 s off.",
-        figures=["synchronisation.png"],
-        checks=checks.clocks(result),
+        [file],
+        checks.clocks(result),
+        [],
     )
 
 
-@_section(*(ImuJob(experiment=each, program=i) for each in (SEQUENTIAL, UNAIDED) for i in (0, 1)))
-def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Section:
-    """Thesis Fig. 5.4."""
+@_section("5.4", "Fig. 5.4: sequential motion, two experiments", *ONE_BY_ONE)
+def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Drawn:
     files = ["5.4-arm.png", "5.4-wrist.png"]
     for file, result in zip(files, (arm, wrist), strict=True):
         figures.motor_angles(folder / file, result["log_time"], result["motor_angle"])
-    aided, unaided = (
-        1e4 * np.fmax(*(result["idle_peaks"] for result in pair))
-        for pair in ((arm, wrist), without)
-    )
+    pairs = ((arm, wrist), without)
+    aided, unaided = (1e4 * np.fmax(*(run["idle_peaks"] for run in pair)) for pair in pairs)
     title = "Largest peak of each motor while others move [1e-4 rad]"
     peaks = {"with feedforward": aided, "without": unaided}
-    return Section(
-        id="5.4",
-        title="Fig. 5.4: sequential motion, two experiments",
-        caption="One motor at a time, 1 to 3 first and 4 to 6 in a second experiment. Motors "
+    return (
+        "One motor at a time, 1 to 3 first and 4 to 6 in a second experiment. Motors "
         "that should stand still move a little in the thesis's log. Here they move less "
         "with a servo that anticipates torques, and by about as much without: "
         "a motor creeps on from where friction stopped it, mostly in the wrist.",
-        figures=files,
-        checks=checks.one_at_a_time(arm, wrist, aided, unaided),
-        tables=[_grid(title, peaks.items(), [f"motor {i}" for i in range(1, 7)])],
+        files,
+        checks.one_at_a_time(arm, wrist, aided, unaided),
+        [_grid(title, peaks.items(), [f"motor {i}" for i in range(1, 7)])],
     )
 
 
-@_section(MOVING)
-def simultaneous(folder: Path, result: Result) -> Section:
-    """Thesis Figs. 5.5 and 5.6."""
+@_section("5.5", "Figs. 5.5 and 5.6: simultaneous motion", MOVING)
+def simultaneous(folder: Path, result: Result) -> Drawn:
     angle = result["motor_angle"]
     figures.motor_angles(folder / "5.5.png", result["log_time"], angle)
     figures.path(folder / "5.6.png", result["imu_position"])
-    return Section(
-        id="5.5",
-        title="Figs. 5.5 and 5.6: simultaneous motion",
-        caption="Motor 1 swings to synchronise; then all motors move to a starting point, two "
-        "circles follow at 0.5 and 1.0 m/s, a rectangle as fast as the joints allow, and the "
-        "return. The thesis prints no coordinates: this path was chosen to come near the "
-        "axes of its figures. Motors 4 and 6 go "
-        f"to {np.abs(angle).max():.2f} rad, where those end at 1.",
-        figures=["5.5.png", "5.6.png"],
-        checks=checks.all_at_once(result),
+    return (
+        "Motor 1 swings to synchronise; then all motors move to a starting point, two circles "
+        "follow at 0.5 and 1.0 m/s, a rectangle as fast as the joints allow, and the return. The "
+        "thesis prints no coordinates: this path was chosen to come near the axes of its figures. "
+        f"Motors 4 and 6 go to {np.abs(angle).max():.2f} rad, where those end at 1.",
+        ["5.5.png", "5.6.png"],
+        checks.all_at_once(result),
+        [],
     )
 
 
-@_section(*MOTIONS.values())
-def position(folder: Path, *runs: Result) -> Section:
-    """Thesis Fig. 5.7."""
+@_section("5.7", "Fig. 5.7: position of the tool", *MOTIONS.values())
+def position(folder: Path, *runs: Result) -> Drawn:
     results = dict(zip(MOTIONS, runs, strict=True))
     files = ["5.7-arm.png", "5.7-wrist.png", "5.7-simultaneous.png"]
-    for file, result in zip(files, results.values(), strict=False):
-        signals = (result[key] for key in ("log_time", "tool", "tool_predicted"))
-        figures.position(folder / file, *signals)
-    furthest = {
-        name: 1e3 * np.abs(result["tool"] - result["tool_predicted"]).max(axis=0)
-        for name, result in results.items()
-    }
-    return Section(
-        id="5.7",
-        title="Fig. 5.7: position of the tool",
-        caption="True position of the tool, and its position by the D-H equations from the "
+    for file, run in zip(files, runs, strict=False):
+        figures.position(folder / file, run["log_time"], run["tool"], run["tool_predicted"])
+    apart = (1e3 * np.abs(run["tool"] - run["tool_predicted"]).max(axis=0) for run in runs)
+    return (
+        "True position of the tool, and its position by the D-H equations from the "
         "logged motor angles: motors 1 to 3 and 4 to 6 in sequence, as in the thesis, and all "
         "at once. The thesis compares with the position that the robot system reports; here it "
         "is the ground truth, which includes the elastic deflection of gears and structure, "
         "under gravity even at rest.",
-        figures=files,
-        checks=checks.distances(results),
-        tables=[_grid("Tool to D-H, largest in each direction [mm]", furthest.items())],
+        files,
+        checks.distances(results),
+        [_grid("Tool to D-H, largest in each direction [mm]", zip(MOTIONS, apart, strict=True))],
     )
 
 
-@_section(MOVING)
-def angular_velocity(folder: Path, result: Result) -> Section:
-    """Thesis Fig. 5.8."""
+@_section("5.8", "Fig. 5.8: angular velocity of the IMU", MOVING)
+def angular_velocity(folder: Path, result: Result) -> Drawn:
     figures.angular_velocity(folder / "5.8.png", *_both_sides(result, "angular_velocity"))
     title = "Angular velocity, measured minus predicted, RMS [rad/s]"
-    return Section(
-        id="5.8",
-        title="Fig. 5.8: angular velocity of the IMU",
-        caption="The gyro against the D-H equations with differentiated motor angles, "
+    return (
+        "The gyro against the D-H equations with differentiated motor angles, "
         "both low-pass filtered at 5 Hz, after the synchronisation. The difference is "
         "mostly method: the thesis filters joint rates before a map that is not linear, which "
         "shows where motors 4 and 6 swing in opposition. With central differences and the "
         "filter after the map, little error remains.",
-        figures=["5.8.png"],
-        checks=checks.rates(result),
-        tables=[_by_processing(title, result, "angular_velocity_rms")],
+        ["5.8.png"],
+        checks.rates(result),
+        [_by_processing(title, result, "angular_velocity_rms")],
     )
 
 
-@_section(MOVING)
-def acceleration(folder: Path, result: Result) -> Section:
-    """Thesis Fig. 5.9."""
+@_section("5.9", "Fig. 5.9: linear acceleration of the IMU", MOVING)
+def acceleration(folder: Path, result: Result) -> Drawn:
     figures.acceleration(folder / "5.9.png", *_both_sides(result, "acceleration"))
     title = "Acceleration, measured minus predicted, RMS [m/s²]"
-    return Section(
-        id="5.9",
-        title="Fig. 5.9: linear acceleration of the IMU",
-        caption="The accelerometer without gravity and offsets against twice differentiated "
+    return (
+        "The accelerometer without gravity and offsets against twice differentiated "
         "motor angles, both filtered at 5 Hz, after the synchronisation.",
-        figures=["5.9.png"],
-        checks=checks.accelerations(result),
-        tables=[_by_processing(title, result, "acceleration_rms")],
+        ["5.9.png"],
+        checks.accelerations(result),
+        [_by_processing(title, result, "acceleration_rms")],
     )
 
 
@@ -252,35 +224,28 @@ def _both_sides(result: Result, name: str) -> list[Array]:
     return [result[key][late] for key in ("time", f"{name}_measured", f"{name}_predicted")]
 
 
-@_section(MOVING)
-def error_along(folder: Path, result: Result) -> Section:
-    """Thesis Fig. 5.10."""
+@_section("5.10", "Fig. 5.10: RMS of the acceleration error along the motion", MOVING)
+def error_along(folder: Path, result: Result) -> Drawn:
     late = result["time"] >= result["since"]
-    curves = {
-        f"processed: {name}": result[f"{PROCESSED[name]}window_rms"][late]
-        for name in ("default", "as in the thesis")
-    }
+    shown = {name: PROCESSED[name] for name in ("default", "as in the thesis")}
+    curves = {f"processed: {k}": result[f"{v}window_rms"][late] for k, v in shown.items()}
     shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
-    time = result["time"][late]
-    figures.acceleration_error(folder / "5.10.png", time, curves, WINDOW, shaded)
+    figures.acceleration_error(folder / "5.10.png", result["time"][late], curves, WINDOW, shaded)
     rows = [
         [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
         for name, prefix in PROCESSED.items()
         for what, key in (("[m/s²]", "max"), ("at [s]", "time"))
     ]
-    columns = ["processed", "", *"xyz"]
-    table = Table(title=f"Largest RMS over {WINDOW:g} s", columns=columns, rows=rows)
-    return Section(
-        id="5.10",
-        title="Fig. 5.10: RMS of the acceleration error along the motion",
-        caption=f"RMS of the error of Fig. 5.9, over {WINDOW:g} s. The thesis has one delay "
+    table = Table(f"Largest RMS over {WINDOW:g} s", ["processed", "", *"xyz"], rows)
+    return (
+        f"RMS of the error of Fig. 5.9, over {WINDOW:g} s. The thesis has one delay "
         "for both sensors and subtracts gravity by the mean at rest; by default each sensor "
         "has its own delay, and gravity follows the orientation. That the error stays "
         "below 0.8 m/s² proves little: softer gears and clocks out of step raise it alike. "
         "The instants and axes of its largest values are stronger evidence.",
-        figures=["5.10.png"],
-        checks=checks.windows(result),
-        tables=[table],
+        ["5.10.png"],
+        checks.windows(result),
+        [table],
     )
 
 

@@ -47,8 +47,8 @@ def noise(result: Result) -> list[Check]:
     return [
         Check("E02.1", rms, "small", _largest(off), low=0.009, high=0.014),
         Check("E02.2", rise, "increases", ratio, low=3.0),
-        Check("E02.3", exceeded.format("y"), "0.2 to 0.4", y, low=0.15, high=0.45),
-        Check("E02.4", exceeded.format("z"), "0.2 to 0.4", z, low=0.15, high=0.45),
+        Check("E02.3", exceeded.format("y"), "0.2 to 0.4", y, 0.15, 0.45),
+        Check("E02.4", exceeded.format("z"), "0.2 to 0.4", z, 0.15, 0.45),
         Check("E02.5", peak, "about 27", frequency, low=25.0, high=30.0),
         Check("E02.6", relative, "a small peak", height, low=0.2, high=1.0),
     ]
@@ -122,31 +122,29 @@ def all_at_once(result: Result) -> list[Check]:
 
 
 def _speed(id: str, circle: str, result: Result, speed: float) -> Check:
-    reached = float(result["move_reached"][result["move_speed"] == speed].min())
+    reached = result["move_reached"][result["move_speed"] == speed].min()
     statement = f"{circle} circle: speed that the tool reaches, slower half [m/s]"
     return Check(id, statement, f"{speed:g}", reached, low=0.99 * speed, high=1.01 * speed)
 
 
 def distances(results: Mapping[str, Result]) -> list[Check]:
     """Tool against D-H of the motor angles: three motions, and a rigid robot, by name."""
-    names = [*list(results)[:3], RIGID]
-    bands = ((0.2, 1.5), (0.2, 1.5), (0.2, 1.5), (None, COUNT_AT_TOOL))
     found = []
-    for i, (name, (low, high)) in enumerate(zip(names, bands, strict=True), start=1):
-        ours = 1e3 * float(results[name]["tool_distance"])
+    for i, name in enumerate([*list(results)[:3], RIGID], start=1):
+        ours, reason = 1e3 * results[name]["tool_distance"], ELASTICITY if i == 3 else ""
         statement = f"{name}: tool to D-H of the motor angles, largest [mm]"
-        reason = ELASTICITY if i == 3 else ""
-        found.append(Check(f"E07.{i}", statement, WELL, ours, low, high, reason))
+        band = (None, COUNT_AT_TOOL) if name == RIGID else (0.2, 1.5)
+        found.append(Check(f"E07.{i}", statement, WELL, float(ours), *band, reason=reason))
     return found
 
 
 def rates(result: Result) -> list[Check]:
     """Error of the predicted angular velocity."""
     rms, largest = (_largest(result[f"angular_velocity_{name}"]) for name in ("rms", "max"))
-    worst = "measured minus predicted: RMS of the worst axis [rad/s]"
+    error = "measured minus predicted: {} [rad/s]"
     return [
-        Check("E08.1", worst, WELL, rms, high=0.025),
-        Check("E08.2", "measured minus predicted: largest [rad/s]", WELL, largest, high=0.15),
+        Check("E08.1", error.format("RMS of the worst axis"), WELL, rms, high=0.025),
+        Check("E08.2", error.format("largest"), WELL, largest, high=0.15),
     ]
 
 

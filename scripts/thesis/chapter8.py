@@ -13,13 +13,11 @@ from armside.sim.evaluation.check import Check, Table
 
 from ..figures.two_mass import AS_STATED, AT_THESIS_SHIFT, FIGURES, ONE_LESS, THESIS_SHIFT
 from ..figures.two_mass_panels import LOOP
-from ..jobs.store import Job, Result
 from .report import Part, Section
 
 GRID_STEP = 0.0022
 """Step of the frequencies of Fig. 8.3 near 1.2 Hz [Hz]."""
-NORMS = 2e-3
-"""Relative tolerance of 2-norms over 500 iterations."""
+NORMS = 2e-3  # relative tolerance of 2-norms over 500 iterations
 AFTER_500 = {"1 Hz": (1.557, 1e-2), "6 Hz": (0.548, 1e-3), "17 Hz": (0.19854, NORMS)}
 """By cutoff of Q: 2-norm of the motor error [rad], and its relative tolerance. At a low cutoff the
 ends of the record matter more, where implementations differ."""
@@ -33,9 +31,8 @@ NOT_SHIFT_5 = (
     "25 Hz. From 10 Hz on, 5 is the best multiple of five, as if the search had gone in such steps"
 )
 NOT_DELTA_5 = (
-    "with the shift of 5 that the thesis states, the error is smallest at k = 14 and grows by "
-    "2.7 % an iteration; the curve it shows is that of a shift of 4, or of one more delay in the "
-    "loop"
+    "with the shift of 5 that the thesis states, the error is smallest at k = 14 and grows by 2.7 "
+    "% an iteration; the curve it shows is that of a shift of 4, or of one more delay in the loop"
 )
 
 Compare = Callable[[Table], Sequence[Check]]
@@ -44,32 +41,16 @@ Compare = Callable[[Table], Sequence[Check]]
 def _section(name: str, title: str, caption: str) -> Callable[[Compare], Callable[[int], Part]]:
     """Make a part, by seed, of a comparison: the figure is drawn, and its table compared."""
 
-    def part_of(compare: Compare) -> Callable[[int], Part]:
-        def part(seed: int) -> Part:
-            def draw(read: Callable[[Job], Result], folder: Path) -> Section:
-                table = FIGURES[name](folder / f"{name}.png", seed)
-                return Section(
-                    id=name,
-                    title=f"Fig. {name}: {title}",
-                    caption=caption,
-                    figures=[f"{name}.png"],
-                    checks=compare(table),
-                    tables=[table],
-                )
+    def draw(compare: Compare, seed: int, folder: Path) -> Section:
+        table, heading = FIGURES[name](folder / f"{name}.png", seed), f"Fig. {name}: {title}"
+        return Section(name, heading, caption, [f"{name}.png"], compare(table), [table])
 
-            return Part([], draw)
-
-        return part
-
-    return part_of
+    return lambda compare: lambda seed: Part([], lambda _, folder: draw(compare, seed, folder))
 
 
-def _computed(
-    id: str, statement: str, thesis: str, ours: float, value: float, tolerance: float
-) -> Check:
-    """A number that the thesis does not print, against the value of its equations."""
-    says = f"{thesis}; its equations: {value:g}"
-    return Check(id, statement, says, ours, value - tolerance, value + tolerance)
+def _computed(id: str, what: str, thesis: str, ours: float, value: float, off: float) -> Check:
+    """A number that the thesis does not print, against the value of its equations to within off."""
+    return Check(id, what, f"{thesis}; its equations: {value:g}", ours, value - off, value + off)
 
 
 def _norm(id: str, statement: str, thesis: str, ours: float, value: float) -> Check:
@@ -106,9 +87,8 @@ def joint(table: Table) -> list[Check]:
     "neither its start nor its length; here it begins at 1 s and takes 0.8 s.",
 )
 def reference(table: Table) -> list[Check]:
-    largest = table.value("value", "largest speed [rad/s]")
-    statement = "largest speed of the arm reference [rad/s]"
-    return [Check("S02.1", statement, "between 2 and 3, by its axis", largest, 2.0, 3.0)]
+    largest, axis = table.value("value", "largest speed [rad/s]"), "between 2 and 3, by its axis"
+    return [Check("S02.1", "largest speed of the arm reference [rad/s]", axis, largest, 2.0, 3.0)]
 
 
 @_section(
@@ -121,9 +101,8 @@ def tracking(table: Table) -> list[Check]:
     end = table.value("reference ends at [rad]", "motor")
     motor, arm = (table.value("2-norm of the error [rad]", side) for side in ("motor", "arm"))
     overshoot = table.value("overshoot [rad]", "arm")
-    ends = "where the motor reference ends [rad]"
     return [
-        Check("S02.2", ends, "5", end, 5.0 - 1e-6, 5.0 + 1e-6),
+        Check("S02.2", "where the motor reference ends [rad]", "5", end, 5.0 - 1e-6, 5.0 + 1e-6),
         _norm("S02.3", "motor error, 2-norm", "a curve", motor, 5.32128),
         _norm("S02.4", "arm error, 2-norm", "follows satisfactorily", arm, 1.46962),
         _computed("S02.5", "overshoot of the arm [rad]", "a curve", overshoot, 0.0413, 1e-4),
@@ -151,18 +130,17 @@ def criterion(table: Table) -> list[Check]:
         statement = f"largest cutoff of Q with which a shift of {delta} converges [Hz]"
         ours, reason = table.value("largest cutoff [Hz]", delta), NOT_11_HZ if delta == 0 else ""
         band = (cutoff - 0.5, cutoff + 0.5)
-        checks.append(Check(f"S03.{i}", statement, f"about {cutoff:g}", ours, *band, reason))
+        checks.append(Check(f"S03.{i}", statement, f"about {cutoff:g}", ours, *band, reason=reason))
     return checks
 
 
 @_section(
     "8.7",
     "the admissible gain over shift and cutoff",
-    "The largest gain that meets the criterion, times the static gain, so that both sides "
-    "compare. Learning from the arm angle is harder: its response has a peak near 1 Hz, and "
-    "only a filter below it leaves the gain that the static gain would allow. Of all shifts, "
-    "15 lasts up to the highest cutoff on the arm side; at lower ones larger shifts admit "
-    "more.",
+    "The largest gain that meets the criterion, times the static gain, so that both sides compare. "
+    "Learning from the arm angle is harder: its response has a peak near 1 Hz, and only a filter "
+    "below it leaves the gain that the static gain would allow. Of all shifts, 15 lasts up to the "
+    "highest cutoff on the arm side; at lower ones larger shifts admit more.",
 )
 def admissible_gain(table: Table) -> list[Check]:
     def gain(side: str, cutoff: float) -> float:
@@ -172,23 +150,22 @@ def admissible_gain(table: Table) -> list[Check]:
         """A best shift [samples] against the one the thesis names for that side."""
         named, reason = THESIS_SHIFT[side], NOT_SHIFT_5 if side == "motor" else ""
         ours = table.value(column, side, cutoff)
-        return Check(id, statement, f"{named}", ours, named, named, reason)
+        return Check(id, statement, f"{named}", ours, named, named, reason=reason)
 
-    def ratio(cutoff: float) -> float:
-        motor, arm = (table.value("gamma |Tu(0)|", side, cutoff) for side in THESIS_SHIFT)
-        return arm / motor
-
-    motor_05, motor_1 = (f"motor, {f} Hz, shift 5: largest gain" for f in ("0.5", "1"))
-    arm_05, arm_1 = (f"arm, {f} Hz, shift 15: largest gain" for f in ("0.5", "1"))
+    gains = (
+        [table.value("gamma |Tu(0)|", side, cutoff) for side in THESIS_SHIFT]
+        for cutoff in {row[1] for row in table.rows}
+    )
+    largest = max(arm / motor for motor, arm in gains)
+    motor, arm = "motor, {} Hz, shift 5: largest gain", "arm, {} Hz, shift 15: largest gain"
     limit = "10 in the limit, below 1 Hz"
     over = "gain times static gain, arm over motor: largest in the table"
-    largest = max(ratio(cutoff) for cutoff in {row[1] for row in table.rows})
     fives = "motor, 17 Hz: best of the multiples of five"
     return [
-        Check("S04.1", motor_05, "2", gain("motor", 0.5), 2.0 - 2e-4, 2.0 + 2e-4),
-        _computed("S04.2", motor_1, "below 2", gain("motor", 1.0), 1.9987, 1e-4),
-        _computed("S04.3", arm_05, limit, gain("arm", 0.5), 9.7856, 5e-3),
-        _computed("S04.4", arm_1, "less", gain("arm", 1.0), 5.4308, 5e-3),
+        Check("S04.1", motor.format(0.5), "2", gain("motor", 0.5), 2.0 - 2e-4, 2.0 + 2e-4),
+        _computed("S04.2", motor.format(1), "below 2", gain("motor", 1.0), 1.9987, 1e-4),
+        _computed("S04.3", arm.format(0.5), limit, gain("arm", 0.5), 9.7856, 5e-3),
+        _computed("S04.4", arm.format(1), "less", gain("arm", 1.0), 5.4308, 5e-3),
         Check("S04.5", over, "lower for the arm", largest, high=1.0),
         shift("S04.6", "motor, 17 Hz: best shift", "best delta", "motor", 17.0),
         shift("S04.7", fives, "best multiple of 5", "motor", 17.0),
@@ -208,7 +185,7 @@ def learning_curves(table: Table) -> list[Check]:
     rise = max(last[name] / table.value("smallest", name) - 1.0 for name in last)
     first = table.value("k = 0", "17 Hz")
     checks = [_norm("S05.1", "error before learning, 2-norm [rad]", "a curve", first, 5.32128)]
-    says = "lower the higher the cutoff"
+    says, axis = "lower the higher the cutoff", "grows, to less than 100 by its axis"
     for i, (name, (value, tolerance)) in enumerate(AFTER_500.items(), start=2):
         statement = f"{name}: error after 500 iterations, 2-norm [rad]"
         checks.append(_computed(f"S05.{i}", statement, says, last[name], value, tolerance * value))
@@ -218,21 +195,21 @@ def learning_curves(table: Table) -> list[Check]:
         early = table.value("k = 25", name) / last["17 Hz"]
         late = table.value("k = 500", name) / table.value("k = 0", name)
         below = f"{run}: error at k = 25 over that of 17 Hz at k = 500"
-        growth, axis = (
-            f"{run}: error at k = 500 over its first",
-            "grows, to less than 100 by its axis",
-        )
+        growth = f"{run}: error at k = 500 over its first"
         checks += [
             Check(f"S05.{i}", below, "lower", early, high=1.0, reason=NOT_DELTA_5),
-            Check(f"S05.{i + 1}", growth, axis, late, 1.0, 100.0, NOT_DELTA_5),
+            Check(f"S05.{i + 1}", growth, axis, late, 1.0, 100.0, reason=NOT_DELTA_5),
         ]
     return checks
 
 
-def _signal(table: Table, id: str, side: str, k: int, says: str, value: float) -> Check:
-    """The error norm of one side after k iterations."""
-    ours = table.value("2-norm [rad]", k)
-    return _norm(id, f"{side} error at k = {k}, 2-norm [rad]", says, ours, value)
+def _signals(table: Table, first: int, side: str, says: str, by_k: dict[int, float]) -> list[Check]:
+    """The error norms of one side after k iterations; checks are numbered from the first."""
+    ours = {k: table.value("2-norm [rad]", k) for k in by_k}
+    return [
+        _norm(f"S06.{i}", f"{side} error at k = {k}, 2-norm [rad]", says, ours[k], by_k[k])
+        for i, k in enumerate(by_k, start=first)
+    ]
 
 
 @_section(
@@ -243,11 +220,7 @@ def _signal(table: Table, id: str, side: str, k: int, says: str, value: float) -
 )
 def motor_signals(table: Table) -> list[Check]:
     says = "follows well after a couple of iterations"
-    return [
-        _signal(table, "S06.1", "motor", 1, says, 1.31447),
-        _signal(table, "S06.2", "motor", 2, says, 0.6645),
-        _signal(table, "S06.3", "motor", 5, says, 0.27668),
-    ]
+    return _signals(table, 1, "motor", says, {1: 1.31447, 2: 0.6645, 5: 0.27668})
 
 
 @_section(
@@ -258,11 +231,7 @@ def motor_signals(table: Table) -> list[Check]:
     "of that filter.",
 )
 def arm_signals(table: Table) -> list[Check]:
-    return [
-        _signal(table, "S06.4", "arm", 0, "improved", 1.46962),
-        _signal(table, "S06.5", "arm", 1, "improved", 0.52199),
-        _signal(table, "S06.6", "arm", 5, "improved", 0.13409),
-    ]
+    return _signals(table, 4, "arm", "improved", {0: 1.46962, 1: 0.52199, 5: 0.13409})
 
 
 @_section(

@@ -13,39 +13,21 @@ from .report import Part
 
 
 def _chapter5():
-    from . import chapter5
+    from . import chapter5 as chapter
 
-    return chapter5
+    return chapter
 
 
 def _chapter8():
-    from . import chapter8
+    from . import chapter8 as chapter
 
-    return chapter8
+    return chapter
 
 
 def _chapter9():
-    from .chapter9 import sections
+    from .chapter9 import sections as chapter
 
-    return sections
-
-
-def _identification():
-    from .chapter9 import identification
-
-    return identification
-
-
-def _designs():
-    from .chapter9 import designs
-
-    return designs
-
-
-def _robustness():
-    from .chapter9 import robustness
-
-    return robustness
+    return chapter
 
 
 class Entry(NamedTuple):
@@ -84,7 +66,7 @@ ENTRIES = (
     Entry("9.6", ("X04",), "9", lambda: _chapter9().by_velocity),
     Entry("repeatability", ("X05", "9.10"), "9", lambda: _chapter9().repeatability),
     Entry("9.7", ("X06",), "9", lambda: _chapter9().ten_iterations),
-    Entry("9.8", ("X07", "9.12", "9.13"), "9", lambda: _identification().identified_model),
+    Entry("9.8", ("X07", "9.12", "9.13"), "9", lambda: _chapter9().identified_model),
     Entry("9.9", ("X08",), "9", lambda: _chapter9().positions_motor),
     Entry("9.10", ("X08", "9.1"), "9", lambda: _chapter9().circles),
     Entry("9.11", ("X08",), "9", lambda: _chapter9().positions_arm),
@@ -94,11 +76,11 @@ ENTRIES = (
     Entry("9.15", ("X10",), "9", lambda: _chapter9().cutoffs_spread),
     Entry("9.16", ("X10",), "9", lambda: _chapter9().cutoffs_arm),
     Entry("9.17", ("X10",), "9", lambda: _chapter9().cutoffs_circles),
-    Entry("F08", (), "9", lambda: _designs().per_motor),
-    Entry("F09", (), "9", lambda: _designs().friction_feedforward),
-    Entry("F07", (), "", lambda: _robustness().individuals),
-    Entry("9-map", (), "", lambda: _robustness().phenomena_map),
-    Entry("9-effects", (), "", lambda: _robustness().effects),
+    Entry("F08", (), "9", lambda: _chapter9().per_motor),
+    Entry("F09", (), "9", lambda: _chapter9().friction_feedforward),
+    Entry("F07", (), "", lambda: _chapter9().individuals),
+    Entry("9-map", (), "", lambda: _chapter9().phenomena_map),
+    Entry("9-effects", (), "", lambda: _chapter9().effects),
 )
 """In the order of the report."""
 
@@ -110,12 +92,8 @@ def select(ids: Sequence[str]) -> list[Entry]:
     """
     if not ids:
         return [entry for entry in ENTRIES if entry.chapter]
+    names = dict.fromkeys(n for e in ENTRIES for n in (e.chapter, e.id, *e.also) if n)
     for name in ids:
-        if not any(_is_named(entry, name) for entry in ENTRIES):
-            names = dict.fromkeys(n for e in ENTRIES for n in (e.chapter, e.id, *e.also) if n)
+        if name not in names:
             raise unknown("figure, chapter or row", name, names)
-    return [entry for entry in ENTRIES if any(_is_named(entry, name) for name in ids)]
-
-
-def _is_named(entry: Entry, name: str) -> bool:
-    return bool(name) and name in (entry.id, *entry.also, entry.chapter)
+    return [e for e in ENTRIES if not {e.chapter, e.id, *e.also}.isdisjoint(ids)]

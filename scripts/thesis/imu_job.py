@@ -6,17 +6,10 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.imu import (
-    ImuExperiment,
-    ImuResult,
-    RestExperiment,
-    clock_errors,
-    prepare,
-    reprocessed,
-    run_one,
-    run_rest,
-)
+from armside.sim.imu import ImuExperiment, ImuResult, RestExperiment
+from armside.sim.imu.experiment import clock_errors, prepare, reprocessed, run_one
 from armside.sim.imu.phases import RECTANGLE
+from armside.sim.imu.vibration import run_rest
 from armside.sim.moves.planner import JointMotion
 
 
@@ -52,19 +45,16 @@ class ImuJob:
         for prefix, processing in (("as_thesis_", cfg.as_in_the_thesis), ("best_", cfg.best)):
             again = _evaluated(reprocessed(result, processing))
             found |= {f"{prefix}{name}": value for name, value in again.items()}
-        return (
-            found
-            | _moves(result.planned.motion)
-            | {
-                "log_time": recording.time,
-                "motor_angle": recording.motor_angle,
-                "tool": result.evaluation.tool,
-                "tool_predicted": result.evaluation.tool_predicted,
-                "imu_position": result.imu_position,
-                "gear": result.planned.loaded.model.drives.gear,
-                "clock_errors": clock_errors(result, rngs),
-            }
-        )
+        found |= _moves(result.planned.motion)
+        return found | {
+            "log_time": recording.time,
+            "motor_angle": recording.motor_angle,
+            "tool": result.evaluation.tool,
+            "tool_predicted": result.evaluation.tool_predicted,
+            "imu_position": result.imu_position,
+            "gear": result.planned.loaded.model.drives.gear,
+            "clock_errors": clock_errors(result, rngs),
+        }
 
 
 def _evaluated(result: ImuResult) -> dict[str, Array]:

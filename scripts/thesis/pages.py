@@ -1,7 +1,7 @@
 """A report as pages: Markdown beside the figures, and one HTML file that needs nothing else."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -77,17 +77,14 @@ def _made(section: Section) -> str:
 
 def html(title: str, sections: Sequence[Section], figures: Path) -> str:
     """The report as one file: figures inline, no script, no network."""
-    contents = "".join(
-        f'<li><a href="#s{i}">{escape(section.title)}</a></li>'
-        for i, section in enumerate(sections)
-    )
+    titles = enumerate(escape(section.title) for section in sections)
+    contents = "".join(f'<li><a href="#s{i}">{title}</a></li>' for i, title in titles)
     body = "".join(_section_html(i, section, figures) for i, section in enumerate(sections))
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{escape(title)}</title>"
         '<meta name="viewport" content="width=device-width">'
-        f"<style>{STYLE}</style></head>\n<body><h1>{escape(title)}</h1>\n"
-        f"<p>{escape(count(sections))}.</p><ul>{contents}</ul>\n{body}</body></html>\n"
+        f"<style>{STYLE}</style></head>\n<body><h1>{escape(title)}</h1>\n<p>{escape(count(sections))}.</p><ul>{contents}</ul>\n{body}</body></html>\n"
     )
 
 
@@ -98,28 +95,22 @@ def _section_html(i: int, section: Section, figures: Path) -> str:
         alt = escape(section.title, quote=True)
         parts.append(f'<p><img alt="{alt}" src="data:image/png;base64,{data}"></p>')
     if section.checks:
-        parts.append(_checks_html(section.checks))
+        parts.append(_rows_html(COLUMNS, map(_check_html, section.checks)))
     parts += [_table_html(table) for table in section.tables]
     parts.append(f'<p class="made">{escape(_made(section))}</p>\n')
     return "\n".join(parts)
 
 
-def _checks_html(checks: Sequence[Check]) -> str:
-    rows = []
-    for check in checks:
-        *words, verdict = check_row(check)
-        cells = "".join(_cell_html(word, number=i == 3) for i, word in enumerate(words))
-        kind = "holds" if check.holds else "fails"
-        why = "" if check.holds else f'<div class="reason">{escape(check.reason)}</div>'
-        rows.append(f'<tr>{cells}<td class="{kind}">{verdict}{why}</td></tr>')
-    return _rows_html(COLUMNS, rows)
+def _check_html(check: Check) -> str:
+    *words, verdict = check_row(check)
+    cells = "".join(_cell_html(word, number=i == 3) for i, word in enumerate(words))
+    kind = "holds" if check.holds else "fails"
+    why = "" if check.holds else f'<div class="reason">{escape(check.reason)}</div>'
+    return f'{cells}<td class="{kind}">{verdict}{why}</td>'
 
 
 def _table_html(table: Table) -> str:
-    rows = [
-        f"<tr>{''.join(_cell_html(v, number=not isinstance(v, str)) for v in row)}</tr>"
-        for row in table.rows
-    ]
+    rows = ("".join(_cell_html(v, number=not isinstance(v, str)) for v in r) for r in table.rows)
     return f"<p><b>{escape(table.title)}</b></p>{_rows_html(table.columns, rows)}"
 
 
@@ -128,9 +119,8 @@ def _cell_html(value: Any, *, number: bool) -> str:
     return f"<td{kind}>{escape(cell(value))}</td>"
 
 
-def _rows_html(columns: Sequence[str], rows: Sequence[str]) -> str:
+def _rows_html(columns: Sequence[str], rows: Iterable[str]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
-    return (
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>'
-        f"{''.join(rows)}</tbody></table></div>"
-    )
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="scroll">{table}</div>'

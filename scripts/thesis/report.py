@@ -61,14 +61,7 @@ class ReportFolder:
         self.path = path
         if not (path.is_dir() and _is_report(path)):
             check_destination(path)
-
-    @property
-    def results(self) -> Path:
-        return self.path / RESULTS
-
-    @property
-    def figures(self) -> Path:
-        return self.path / FIGURES
+        self.results, self.figures = path / RESULTS, path / FIGURES
 
     def begin(self, config: Any) -> None:
         """Make the folder and its marker: from here on an interrupted report can be resumed."""
@@ -102,12 +95,10 @@ def _is_report(path: Path) -> bool:
 def _section(file: Path) -> Section:
     try:
         raw = json.loads(file.read_text(encoding="utf-8"))
-        checks = [
-            Check(**(entry | {"ours": np.nan if entry["ours"] is None else entry["ours"]}))
-            for entry in raw.pop("checks")
-        ]
-        tables = [Table(**entry) for entry in raw.pop("tables")]
-        return Section(**raw, checks=checks, tables=tables)
+        for entry in raw["checks"]:
+            entry["ours"] = np.nan if entry["ours"] is None else entry["ours"]
+        checks = [Check(**entry) for entry in raw.pop("checks")]
+        return Section(**raw, checks=checks, tables=[Table(**entry) for entry in raw.pop("tables")])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{file} is not a section of a report: {error}") from error
 

@@ -20,29 +20,22 @@ SMALL = 0.10
 def ablations(seeds: Iterable[int]) -> Table:
     """The default cut at p1 and p3 with all effects, without each, and without any."""
     rows = [_row(seed, name) for seed in seeds for name in LEFT_OUT]
-    return Table(
-        "Effects left out: tool RMS before and after five updates [µm]",
-        (
-            *("seed", "left out", "p1, k = 0", "p1, k = 5", "p3, k = 0", "p3, k = 5"),
-            "worst motor at k = 5 over k = 0, both poses",
-        ),
-        rows,
-        [
-            all_hold(
-                f"motors learn whatever is left out: at most {SMALL:g} is left of the worst",
-                [row[-1] <= SMALL for row in rows],
-            ),
-            all_hold(
-                "the tool is left with more at p3 than at p1, whatever is left out",
-                [row[5] > row[3] for row in rows],
-            ),
-            all_hold(
-                "with all effects p3 does not get better, without any it does",
-                [row[5] > row[4] for row in rows if row[1] == "nothing"]
-                + [row[5] < row[4] for row in rows if row[1] == "all four"],
-            ),
+    title = "Effects left out: tool RMS before and after five updates [µm]"
+    columns = ("seed", "left out", "p1, k = 0", "p1, k = 5", "p3, k = 0", "p3, k = 5")
+    worst = "worst motor at k = 5 over k = 0, both poses"
+    statements = {
+        f"motors learn whatever is left out: at most {SMALL:g} is left of the worst": [
+            row[-1] <= SMALL for row in rows
         ],
-    )
+        "the tool is left with more at p3 than at p1, whatever is left out": [
+            row[5] > row[3] for row in rows
+        ],
+        "with all effects p3 does not get better, without any it does": [
+            *(row[5] > row[4] for row in rows if row[1] == "nothing"),
+            *(row[5] < row[4] for row in rows if row[1] == "all four"),
+        ],
+    }
+    return Table(title, (*columns, worst), rows, [all_hold(*each) for each in statements.items()])
 
 
 def _row(seed: int, name: str) -> tuple:

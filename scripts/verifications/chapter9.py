@@ -7,13 +7,11 @@ from armside.sim.calibration.targets import MOST_MOVED, POSES, SPEEDS
 from armside.sim.evaluation.check import Check, Table, over_seeds
 from armside.sim.laser.job import LearningJob
 
-from ..jobs.store import Result
 from ..jobs.workers import Workers
 from ..thesis.chapter9.identification import LAW
 from ..thesis.chapter9.table import STUDIES, Study
 
-FRACTION = 0.8
-"""Fraction of the seeds at which each band must hold: four of five."""
+FRACTION = 0.8  # fraction of the seeds at which each band must hold: four of five
 NAMED = ("position", "stability", "identification", "operating point", "shift, arm", "cutoff")
 EXPERIMENTS = {name: STUDIES[name] for name in NAMED} | {
     "velocity": Study({"speed": (10.0, 80.0, 100.0), "pose": POSES}, {"iterations": 0}),
@@ -28,9 +26,8 @@ def checks(results: dict[str, dict]) -> list[Check]:
     data = results["identification"]
     model = targets.identify({v: data["p1", v] for v in SPEEDS})
     at_40 = {pose: data[pose, 40.0] for pose in ("p1", "p2")}
-    delta_3, delta_6 = (
-        {pose: results["shift, arm"][pose, delta] for pose in ("p1", "p2")} for delta in (3, 6)
-    )
+    shifted = results["shift, arm"]
+    delta_3, delta_6 = ({pose: shifted[pose, d] for pose in ("p1", "p2")} for d in (3, 6))
     at_10, at_80, at_100 = (
         {pose: results["velocity"][speed, pose] for pose in POSES} for speed in (10.0, 80.0, 100.0)
     )
@@ -56,8 +53,9 @@ def checks(results: dict[str, dict]) -> list[Check]:
 def found(seed: int, workers: Workers) -> list[Check]:
     """Run the experiments of one seed and compare."""
     jobs = {name: study.jobs(seed) for name, study in EXPERIMENTS.items()}
-    distinct = sorted({job for study in jobs.values() for job in study.values()}, key=_longest)
-    results = dict(zip(distinct, workers.map(_run, distinct), strict=True))
+    every = {job for study in jobs.values() for job in study.values()}
+    distinct = sorted(every, key=lambda job: -job.cost)  # the longest first
+    results = dict(zip(distinct, workers.map(LearningJob.run, distinct), strict=True))
     return checks(
         {name: {key: results[job] for key, job in study.items()} for name, study in jobs.items()}
     )
@@ -68,11 +66,3 @@ def chapter9(seeds: Iterable[int]) -> Table:
     with Workers() as workers:
         by_seed = {seed: found(seed, workers) for seed in seeds}
     return over_seeds("Chapter 9: what the robot does, over robots and noise", by_seed, FRACTION)
-
-
-def _run(job: LearningJob) -> Result:
-    return job.run()
-
-
-def _longest(job: LearningJob) -> float:
-    return -job.cost

@@ -1,107 +1,71 @@
 """Claims of `armside verify` by name. Only the module of the chosen one is imported."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from armside.sim.evaluation.check import Table
 
+from ..shell.registry import unknown
 
-def _kinematics():
-    from . import kinematics
-
-    return kinematics
-
-
-def _laser():
-    from . import laser
-
-    return laser
-
-
-def _chapter9():
-    from . import chapter9
-
-    return chapter9
-
-
-def _ablations():
-    from . import ablations
-
-    return ablations
-
-
-def _irb1400_laser():
-    from . import irb1400_laser
-
-    return irb1400_laser
-
-
-def _estimation():
-    from . import estimation
-
-    return estimation
-
-
-def _controls():
-    from . import controls
-
-    return controls
-
-
-def _irb1400():
-    from . import irb1400
-
-    return irb1400
-
-
-def _imu_large():
-    from . import imu_large
-
-    return imu_large
-
-
-def _env():
-    from . import env
-
-    return env
-
-
-def _tuning():
-    from . import tuning
-
-    return tuning
-
-
-def _sweep():
-    from . import sweep
-
-    return sweep
+Function = Callable[[Sequence[int]], Table]
+"""Called with the seeds."""
 
 
 class Claim(NamedTuple):
-    """A function `(seeds) -> Table`, and the number of seeds of its full instance."""
+    """Number of seeds of the full instance, and the import of the claim's function."""
 
     n_seeds: int
-    load: Callable[[], Callable[[Sequence[int]], Table]]
-    """Import the function."""
+    load: Callable[[], Function]
 
 
-CLAIMS: dict[str, Claim] = {
-    "kinematics": Claim(10, lambda: _kinematics().kinematics),
-    "laser": Claim(20, lambda: _laser().laser),
-    "ablations": Claim(3, lambda: _ablations().ablations),
-    "env": Claim(1000, lambda: _env().env),
-    "tuning": Claim(100, lambda: _tuning().tuning),
-    "tuning-iterations": Claim(100, lambda: _tuning().iterations),
-    "sweep": Claim(10, lambda: _sweep().sweep),
-    "sweep-memory": Claim(10_000, lambda: _sweep().memory),
-    "chapter9": Claim(5, lambda: _chapter9().chapter9),
-    "imu": Claim(20, lambda: _irb1400().imu),
-    "estimation": Claim(10, lambda: _estimation().estimation),
-    "estimation-controls": Claim(10, lambda: _controls().controls),
-    "imu-causes": Claim(5, lambda: _irb1400().imu_causes),
-    "imu-large": Claim(10, lambda: _imu_large().imu_large),
-    "imu-rest": Claim(10, lambda: _irb1400().rest),
-    "laser-irb1400": Claim(20, lambda: _irb1400_laser().laser),
-    "laser-irb1400-design": Claim(20, lambda: _irb1400_laser().design),
+def _load(name: str) -> Function:
+    match name:
+        case "kinematics":
+            from .kinematics import kinematics as claim
+        case "laser":
+            from .laser import laser as claim
+        case "ablations":
+            from .ablations import ablations as claim
+        case "env":
+            from .env import env as claim
+        case "tuning":
+            from .tuning import tuning as claim
+        case "tuning-iterations":
+            from .tuning import iterations as claim
+        case "sweep":
+            from .sweep import sweep as claim
+        case "sweep-memory":
+            from .sweep import memory as claim
+        case "chapter9":
+            from .chapter9 import chapter9 as claim
+        case "imu":
+            from .irb1400 import imu as claim
+        case "estimation":
+            from .estimation import estimation as claim
+        case "estimation-controls":
+            from .controls import controls as claim
+        case "imu-causes":
+            from .irb1400 import imu_causes as claim
+        case "imu-large":
+            from .imu_large import imu_large as claim
+        case "imu-rest":
+            from .irb1400 import rest as claim
+        case "laser-irb1400":
+            from .irb1400_laser import laser as claim
+        case "laser-irb1400-design":
+            from .irb1400_laser import design as claim
+        case _:
+            raise unknown("claim", name, CLAIMS)
+    return claim
+
+
+_SEEDS = {
+    **{"kinematics": 10, "laser": 20, "ablations": 3, "env": 1000},
+    **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
+    **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
+    **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
+    **{"laser-irb1400": 20, "laser-irb1400-design": 20},
 }
+"""A new claim is one entry here and two lines in `_load`."""
+CLAIMS = {name: Claim(n_seeds, partial(_load, name)) for name, n_seeds in _SEEDS.items()}

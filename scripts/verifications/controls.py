@@ -5,6 +5,7 @@ Estimation error (3D RMS) of the first run, and the tool's deviation after five 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,8 +31,7 @@ POSES = ("p1", "p2", "p3")
 UPDATES = 5
 _DEFAULT = "identified (the default)"
 _KINEMATICS, _NO_DYNAMICS = "motor-angle kinematics", "kinematic filter, no dynamics"
-SILENCED = 1e3
-"""Noise of a sensor that is excluded from the estimate, over its own."""
+SILENCED = 1e3  # noise of a sensor that is excluded from the estimate, over its own
 
 
 class Variant(NamedTuple):
@@ -47,9 +47,8 @@ def variants() -> dict[str, Variant]:
     unit = ImuCfg()
 
     def noisy(factor: float) -> Variant:
-        parts = (_louder(t, factor) for t in (unit.accelerometer, unit.gyroscope))
-        pair = dict(zip(("accelerometer", "gyroscope"), parts, strict=True))
-        return Variant(replace(unit, **pair))
+        a, omega = (_louder(triad, factor) for triad in (unit.accelerometer, unit.gyroscope))
+        return Variant(replace(unit, accelerometer=a, gyroscope=omega))
 
     def commissioned(**options: Any) -> ToolPath:
         return replace(COMPARED, commissioning=replace(COMPARED.commissioning, **options))
@@ -89,10 +88,10 @@ def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
 
 
 class Found(NamedTuple):
-    """Errors of one cut with one variant."""
+    """Errors of one cut with one variant; NaN where learning was refused."""
 
     error: float = np.nan
-    """Estimation error of the first run's path [m], 3D RMS; NaN where learning was refused."""
+    """Estimation error of the first run's path [m], 3D RMS."""
     ratio: float = np.nan
     """Deviation of the tool after `UPDATES` over that before; NaN where nothing is learned."""
 
@@ -103,7 +102,7 @@ def controls(seeds: Iterable[int]) -> Table:
     Learning is refused where no springs make the model explain the readings; medians are those of
     the cuts that remain.
     """
-    cases = [(seed, pose) for seed in seeds for pose in POSES]
+    cases = list(product(seeds, POSES))
     with Workers() as workers:
         found = list(zip(cases, workers.map(_tried, cases), strict=True))
     errors, ratios, refused = {}, {}, {}
@@ -112,27 +111,20 @@ def controls(seeds: Iterable[int]) -> Table:
         errors[name] = 1e6 * np.array([_median([cut.error for cut in at]) for at in cuts])
         ratios[name] = np.array([_median([cut.ratio for cut in at]) for at in cuts])
         refused[name] = sum(np.isnan(cut.error) for at in cuts for cut in at)
+    words = ("error 3D [µm]", "k = 5 over k = 0")
+    larger = "negative control: without dynamics errors are more than twice as large"
+    more = "negative control: without identification averaging runs leaves twice as much"
+    averaged = ratios["not identified, 4 runs averaged"]
     return Table(
         "What the estimate needs: error of the tool's path, and what learning leaves",
-        (
-            "",
-            *(f"{pose}: error 3D [µm]" for pose in POSES),
-            *(f"{pose}: k = 5 over k = 0" for pose in POSES),
-            "refused",
-        ),
+        ("", *(f"{pose}: {what}" for what in words for pose in POSES), "refused"),
         [
             [name, *errors[name].tolist(), *ratios[name].tolist(), f"{n} of {len(cases)}"]
             for name, n in refused.items()
         ],
         [
-            all_hold(
-                "negative control: without dynamics errors are more than twice as large",
-                errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT],
-            ),
-            all_hold(
-                "negative control: without identification averaging runs leaves twice as much",
-                ratios["not identified, 4 runs averaged"] > 2.0 * ratios[_DEFAULT],
-            ),
+            all_hold(larger, errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT]),
+            all_hold(more, averaged > 2.0 * ratios[_DEFAULT]),
         ],
     )
 
@@ -145,14 +137,13 @@ def _median(values: Sequence[float]) -> float:
 def _tried(case: tuple[int, str]) -> dict[str, Found]:
     """All variants on one robot at one pose, by name."""
     seed, pose = case
-    found = {_KINEMATICS: Found(), _NO_DYNAMICS: Found()}
+    found = dict.fromkeys((_KINEMATICS, _NO_DYNAMICS, *variants()), Found())
     for name, (unit, measure, repeats) in variants().items():
         cut = Cut(pose=pose, without=tuple(Effect), imu=unit)
         try:
             output, learned = Case(cut=cut, seed=seed).from_tool(UPDATES, measure, repeats=repeats)
             iterations = list(learned)
         except ImuError:
-            found[name] = Found()
             continue
         first, deviation = iterations[0].run, rms(iterations)
         found[name] = Found(path_error(output(first), first), deviation[-1] / deviation[0])

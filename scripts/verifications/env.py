@@ -32,9 +32,7 @@ def env(seeds: Iterable[int]) -> Table:
         ),
         rows,
         [
-            all_hold(
-                "every observation lies in the observation space", [row[5] == 0 for row in rows]
-            ),
+            all_hold("every observation lies in the observation space", [r[5] == 0 for r in rows]),
             all_hold("every reward lies in [-5, 5]", [-5 <= r[8] <= r[9] <= 5 for r in rows]),
         ],
     )

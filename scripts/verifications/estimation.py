@@ -6,6 +6,7 @@ Each seed is another individual, another IMU screwed on differently with its clo
 
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -70,7 +71,7 @@ BEATEN = (
 def estimation(seeds: Iterable[int]) -> Table:
     """p1, p2, p3; 40 mm/s and fast; ten updates."""
     with Workers() as workers:
-        rows = workers.map(_row, [(seed, pose) for seed in seeds for pose in POSES])
+        rows = workers.map(_row, list(product(seeds, POSES)))
     return Table(
         "Learning from an estimate of the tool: tool deviation RMS in µm",
         ("seed", "pose", *COLUMNS.values(), "any diverged"),
@@ -102,30 +103,16 @@ def row(seed: int, pose: str) -> Row:
     motor, default_motor, fast_motor, faster_motor = (
         rms(list(case.from_motors(FIVE)))[-1] for case in (springs, default, fast, faster)
     )
-    lengths = {
-        "forward_kinematics": path_error(rigid_path(first), first),
-        "estimate": path_error(output(first), first),
-        "start": base[0].tool.rms,
-        "motor_5": motor,
-        "estimate_5": base[FIVE].tool.rms,
-        "estimate_10": base[-1].tool.rms,
-        "tracker_5": tracked[-1].tool.rms,
-        "default_start": all_effects[0].tool.rms,
-        "default_motor_5": default_motor,
-        "default_5": all_effects[FIVE].tool.rms,
-        "default_10": all_effects[-1].tool.rms,
-        "hard_start": worst[0].tool.rms,
-        "hard_10": worst[-1].tool.rms,
-        "fast_start": quick[0].tool.rms,
-        "fast_motor": fast_motor,
-        "fast_estimate": quick[-1].tool.rms,
-        "faster_start": quicker[0].tool.rms,
-        "faster_motor": faster_motor,
-        "faster_estimate": quicker[-1].tool.rms,
-    }
     all_runs = (base, tracked, all_effects, worst, quick, quicker)
-    diverged = any(runs[-1].diverged for runs in all_runs)
-    return seed, pose, {name: 1e6 * lengths[name] for name in COLUMNS}, diverged
+    s, t, d, h, f, g = map(rms, all_runs)
+    lengths = [
+        *(path_error(path, first) for path in (rigid_path(first), output(first))),
+        *(s[0], motor, s[FIVE], s[-1], t[-1]),
+        *(d[0], default_motor, d[FIVE], d[-1], h[0], h[-1]),
+        *(f[0], fast_motor, f[-1], g[0], faster_motor, g[-1]),
+    ]
+    in_um = {name: 1e6 * length for name, length in zip(COLUMNS, lengths, strict=True)}
+    return seed, pose, in_um, any(runs[-1].diverged for runs in all_runs)
 
 
 def verdicts(rows: list[Row]) -> list[Check]:
@@ -138,16 +125,11 @@ def verdicts(rows: list[Row]) -> list[Check]:
         return Check("", words, "", worst, high=bar)
 
     hard, allowed = column["hard_10"], np.maximum(0.12 * column["hard_start"], 30.0)
+    larger = "hard case after ten: at most 0.12 of k = 0 or 30 µm, whichever is larger"
+    below = [column[estimate] < column[motor] for estimate, motor in BEATEN]
     return [
         *(bounded(*bar) for bar in BARS),
-        all_hold(
-            "hard case after ten: at most 0.12 of k = 0 or 30 µm, whichever is larger "
-            f"(worst {hard.max():.0f} µm)",
-            hard <= allowed,
-        ),
-        all_hold(
-            "estimate below motor side in every case",
-            [column[estimate] < column[motor] for estimate, motor in BEATEN],
-        ),
+        all_hold(f"{larger} (worst {hard.max():.0f} µm)", hard <= allowed),
+        all_hold("estimate below motor side in every case", below),
         all_hold("no case diverges", [not diverged for *_, diverged in rows]),
     ]

@@ -26,6 +26,9 @@ def laser(seeds: Iterable[int]) -> Table:
     numbers = np.array(rows)
     worst = {"2-norm": numbers[:, 1:4], "inf-norm": numbers[:, 4:7]}
     arm_first, arm_last, by_thesis = numbers[:, 13:16], numbers[:, 16:19], numbers[:, 19:21]
+    ends = f"ends at {LEARNED} or below at every pose, normalised as (9.5)"
+    half = "the tool's RMS falls to half or less at every pose, by the tracker"
+    higher = "with the design of the thesis every seed ends higher in either norm"
     return Table(
         "Motor-side learning on the IRB1400 at 40 mm/s",
         (
@@ -38,21 +41,11 @@ def laser(seeds: Iterable[int]) -> Table:
         rows,
         [
             *(
-                all_hold(
-                    f"every motor's {norm} ends at {LEARNED} or below at every pose, normalised as "
-                    f"(9.5); worst {values.max():.3f}",
-                    values <= LEARNED,
-                )
-                for norm, values in worst.items()
+                all_hold(f"every motor's {norm} {ends}; worst {of.max():.3f}", of <= LEARNED)
+                for norm, of in worst.items()
             ),
-            all_hold(
-                "the tool's RMS falls to half or less at every pose, by the tracker",
-                arm_last < 0.5 * arm_first,
-            ),
-            all_hold(
-                "with the design of the thesis every seed ends higher in either norm",
-                by_thesis > numbers[:, [1, 4]],
-            ),
+            all_hold(half, arm_last < 0.5 * arm_first),
+            all_hold(higher, by_thesis > numbers[:, [1, 4]]),
         ],
     )
 
@@ -84,24 +77,20 @@ def design(seeds: Iterable[int]) -> Table:
     gamma, delta, cutoff = np.array(rows).T[5:8]
     ours = DEFAULT_DESIGN[ROBOT]
     offered = ", ".join(f"{cutoff:g}" for cutoff in CUTOFFS)
-    model_columns = ("delay [samples]", "pole", "static gain", "fit")
+    highest = (
+        f"of {offered} Hz, {ours.cutoff[0]:g} is the highest cutoff that contracts by "
+        f"{FAST_ENOUGH:g} in the median: the default"
+    )
+    shift = f"the median shift is the default's {ours.delta[0]}"
+    gain = f"every gain is within 0.05 of the default's {ours.gamma[0]:g}"
+    columns = ("seed", "delay [samples]", "pole", "static gain", "fit")
     return Table(
         "The design that learning data of the IRB1400 ask for",
-        ("seed", *model_columns, "gamma", "delta", "cutoff [Hz]", "contraction"),
+        (*columns, "gamma", "delta", "cutoff [Hz]", "contraction"),
         rows,
         [
-            all_hold(
-                f"of {offered} Hz, {ours.cutoff[0]:g} is the highest cutoff that contracts by "
-                f"{FAST_ENOUGH:g} in the median: the default",
-                np.median(cutoff) == ours.cutoff[0],
-            ),
-            all_hold(
-                f"the median shift is the default's {ours.delta[0]}",
-                np.median(delta) == ours.delta[0],
-            ),
-            all_hold(
-                f"every gain is within 0.05 of the default's {ours.gamma[0]:g}",
-                np.abs(gamma - ours.gamma[0]) <= 0.05,
-            ),
+            all_hold(highest, np.median(cutoff) == ours.cutoff[0]),
+            all_hold(shift, np.median(delta) == ours.delta[0]),
+            all_hold(gain, np.abs(gamma - ours.gamma[0]) <= 0.05),
         ],
     )

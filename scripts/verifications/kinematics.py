@@ -8,8 +8,7 @@ from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compi
 from armside.kinematics.links import link_transform
 from armside.sim.evaluation.check import Table, all_hold
 
-CONFIGURATIONS = 1000
-"""Number of configurations for each seed and robot."""
+CONFIGURATIONS = 1000  # number of configurations for each seed and robot
 POSE, INVERSE, DERIVATIVE = 1e-13, 1e-11, 1e-8
 """Greatest errors: rounding of a product, of an inverse, of central differences (h = 1e-6)."""
 
@@ -22,25 +21,20 @@ def kinematics(seeds: Iterable[int]) -> Table:
         for robot in (IRB1400, LARGE_ROBOT)
     ]
     pose, inverse, missing, derivative = np.array([row[2:] for row in rows], dtype=float).T
+    exact = (derivative <= DERIVATIVE).all()
     return Table(
-        title=f"Kinematics at {CONFIGURATIONS} random configurations for each row",
-        columns=(
-            "seed",
-            "robot",
-            "pose against the product of link matrices",
+        f"Kinematics at {CONFIGURATIONS} random configurations for each row",
+        (
+            *("seed", "robot", "pose against the product of link matrices"),
             "forward of every inverse branch against its target",
-            "configurations that no branch returns to",
-            "Jacobian against central differences",
+            *("configurations that no branch returns to", "Jacobian against central differences"),
         ),
-        rows=rows,
-        verdicts=(
-            all_hold(f"generated poses are exact to {POSE:g}", bool((pose <= POSE).all())),
-            all_hold(f"every branch has its pose to {INVERSE:g}", bool((inverse <= INVERSE).all())),
-            all_hold("one branch is always the original configuration", bool((missing == 0).all())),
-            all_hold(
-                f"Jacobians are derivatives to {DERIVATIVE:g}",
-                bool((derivative <= DERIVATIVE).all()),
-            ),
+        rows,
+        (
+            all_hold(f"generated poses are exact to {POSE:g}", (pose <= POSE).all()),
+            all_hold(f"every branch has its pose to {INVERSE:g}", (inverse <= INVERSE).all()),
+            all_hold("one branch is always the original configuration", (missing == 0).all()),
+            all_hold(f"Jacobians are derivatives to {DERIVATIVE:g}", exact),
         ),
     )
 
@@ -59,17 +53,15 @@ def _row(robot: Robot, rng: np.random.Generator) -> tuple[float, float, int, flo
     gap = (found.phi - phi[:, None]) @ robot.coupling.T
     gap = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi))).max(axis=-1)
     missing = int((np.nanmin(gap, axis=1) > 1e-6).sum())
-    return (
-        float(np.abs(T - product).max()),
-        float(np.abs(back).max()),
-        missing,
-        float(np.abs(_differences(functions, phi) - functions.jacobian(phi)[:, :3]).max()),
-    )
+    slope = _differences(functions, phi) - functions.jacobian(phi)[:, :3]
+    pose, inverse, derivative = (float(np.abs(e).max()) for e in (T - product, back, slope))
+    return pose, inverse, missing, derivative
 
 
 def _differences(functions: CompiledRobot, phi: np.ndarray, h: float = 1e-6) -> np.ndarray:
     """dp/dphi by central differences, (N, 3, 6)."""
-    steps = h * np.eye(6)
-    ahead = [functions.pose(phi + step)[:, :3, 3] for step in steps]
-    behind = [functions.pose(phi - step)[:, :3, 3] for step in steps]
-    return (np.stack(ahead, axis=-1) - np.stack(behind, axis=-1)) / (2 * h)
+    ahead, behind = (
+        np.stack([functions.pose(phi + step)[:, :3, 3] for step in steps], axis=-1)
+        for steps in (h * np.eye(6), -h * np.eye(6))
+    )
+    return (ahead - behind) / (2 * h)

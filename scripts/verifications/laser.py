@@ -27,15 +27,7 @@ def laser(seeds: Iterable[int]) -> Table:
         worst, count, own_worst = (check.ours for check in by_seed[seed][:3])
         ratio = [float(targets.over_first(base[pose])) for pose in POSES]
         rows.append((seed, worst, int(count), own_worst, *ratio))
-    return Table(
-        "Motor-side learning at 40 mm/s: motors and tool after five updates",
-        (
-            "seed",
-            "worst motor (9.5)",
-            "motors at 0.10 of own k = 0",
-            "worst motor of own k = 0",
-            *(f"arm RMS {pose} of its k = 0" for pose in POSES),
-        ),
-        rows,
-        held(by_seed),
-    )
+    title = "Motor-side learning at 40 mm/s: motors and tool after five updates"
+    motors = ("worst motor (9.5)", "motors at 0.10 of own k = 0", "worst motor of own k = 0")
+    columns = ("seed", *motors, *(f"arm RMS {pose} of its k = 0" for pose in POSES))
+    return Table(title, columns, rows, held(by_seed))

@@ -22,11 +22,9 @@ from ..shell.errors import RunFailed
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")
 """Two thirds can be done; the third place is out of reach."""
-LOOK = 0.01
-"""[s], between two looks at what is on disk."""
+LOOK = 0.01  # [s], between two looks at what is on disk
 SAMPLES = 10
-FLAT = 1.10
-"""Of the memory after a tenth of the work."""
+FLAT = 1.10  # of the memory after a tenth of the work
 
 
 def sweep(seeds: Iterable[int]) -> Table:
@@ -51,23 +49,17 @@ def sweep(seeds: Iterable[int]) -> Table:
             known = counts[KNOWN] + counts[KNOWN_FAILED]
             now = counts.total() - known
             rows.append((seed, delay, kept, known, now, dataset(killed).read().equals(whole)))
-    n = len(grid)
+    n, found = len(grid), all(row[2] == row[3] for row in rows)
     return Table(
-        title="Sweeps killed at random moments and run again",
-        columns=(
-            "seed",
-            "killed after its first result [s]",
-            "results on disk then",
-            "taken over",
-            "computed",
-            "dataset equal to an undisturbed one",
+        "Sweeps killed at random moments and run again",
+        (
+            *("seed", "killed after its first result [s]", "results on disk then", "taken over"),
+            *("computed", "dataset equal to an undisturbed one"),
         ),
-        rows=rows,
-        verdicts=(
+        rows,
+        (
             all_hold(f"an undisturbed sweep holds all {n} configurations", len(whole) == n),
-            all_hold(
-                "no result on disk is lost or computed again", all(r[2] == r[3] for r in rows)
-            ),
+            all_hold("no result on disk is lost or computed again", found),
             all_hold("the rest is computed once", all(r[3] + r[4] == n for r in rows)),
             all_hold("the dataset equals that of an undisturbed sweep", all(r[5] for r in rows)),
         ),
@@ -91,17 +83,15 @@ def memory(seeds: Iterable[int]) -> Table:
 
     with tempfile.TemporaryDirectory() as folder, Workers() as ours:
         counts = run_grid(grid, dataset(Path(folder)), ours, step)
-    first, last = rows[0], rows[-1]
+    pairs = zip(rows[0][1:], rows[-1][1:], strict=True)
+    flat = f"memory after all is at most {FLAT} times that after the first tenth"
     return Table(
-        title="Memory of a sweep over many configurations",
-        columns=("configurations done", "the sweep [MiB]", "its largest worker [MiB]"),
-        rows=rows,
-        verdicts=(
+        "Memory of a sweep over many configurations",
+        ("configurations done", "the sweep [MiB]", "its largest worker [MiB]"),
+        rows,
+        (
             all_hold(f"all {len(seeds)} configurations are done", counts["done"] == len(seeds)),
-            all_hold(
-                f"memory after all is at most {FLAT} times that after the first tenth",
-                last[1] <= FLAT * first[1] and last[2] <= FLAT * first[2],
-            ),
+            all_hold(flat, [end <= FLAT * start for start, end in pairs]),
         ),
     )
 
@@ -124,17 +114,12 @@ def _descendants(pid: int) -> list[int]:
     return found
 
 
-def _start(folder: Path) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "armside.scripts.cli", "sweep", *AXES, "--into", str(folder)]
-    # It says at its end that some configurations have failed, which they should.
-    return subprocess.Popen(
-        [*command, "--quiet"], cwd=Path(__file__).parents[2], stderr=subprocess.DEVNULL
-    )
-
-
 def _begun(folder: Path) -> subprocess.Popen[bytes]:
     """A sweep with its first result on disk: it takes longer to start than to do its work."""
-    process = _start(folder)
+    command = [sys.executable, "-m", "armside.scripts.cli", "sweep", *AXES, "--into", str(folder)]
+    here, silent = Path(__file__).parents[2], subprocess.DEVNULL
+    # It says at its end that some configurations have failed, which they should.
+    process = subprocess.Popen([*command, "--quiet"], cwd=here, stderr=silent)
     while not dataset(folder).keys():
         if process.poll() is not None:
             raise RunFailed("the sweep ended without a result")

@@ -21,14 +21,10 @@ from armside.sim.tuning.task import TEST_SEEDS
 from ..studies.tuned_design import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"
-DATA_SEED = 1
-"""Seed of the experiments that models are identified from."""
-NORMAL_95 = 1.96
-"""Standard errors to either side of a mean."""
-TWICE = 10
-"""Iterations, twice the budget that was searched and trained with."""
-SIGNIFICANT = 3.0
-"""Standard errors by which a mean must be better than another."""
+DATA_SEED = 1  # seed of the experiments that models are identified from
+NORMAL_95 = 1.96  # standard errors to either side of a mean
+TWICE = 10  # iterations, twice the budget that was searched and trained with
+SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
 
 
 def tuning(seeds: Iterable[int]) -> Table:
@@ -45,36 +41,25 @@ def tuning(seeds: Iterable[int]) -> Table:
     )
     logs = {name: np.log([e.ratio for e in episodes]) for name, episodes in found.items()}
     thesis, search = logs["thesis design"], logs["best fixed design by search"]
-    rows = [
-        (
-            name,
-            float(np.exp(log.mean())),
-            _against(log, thesis),
-            _against(log, search),
-            float(np.quantile(np.exp(log), 0.9)),
-            float(np.exp(log.max())),
-            float(np.median([1e6 * episode.rms_true[-1] for episode in found[name]])),
-            sum(episode.diverged for episode in found[name]),
-        )
-        for name, log in logs.items()
-    ]
+    rows = []
+    for name, log in logs.items():
+        mean, quantile, worst = np.exp(log.mean()), np.quantile(np.exp(log), 0.9), np.exp(log.max())
+        middle = np.median([1e6 * episode.rms_true[-1] for episode in found[name]])
+        others = (_against(log, thesis), _against(log, search))
+        diverged = sum(episode.diverged for episode in found[name])
+        rows.append((name, float(mean), *others, *map(float, (quantile, worst, middle)), diverged))
+    better = ("best fixed design by search", "learned policy")
     return Table(
-        title=f"Tool RMS after five iterations, {len(thesis)} sealed episodes",
-        columns=(
-            "baseline",
-            "RMS after / before, geometric mean",
+        f"Tool RMS after five iterations, {len(thesis)} sealed episodes",
+        (
+            *("baseline", "RMS after / before, geometric mean"),
             "RMS over the thesis design's (95 % interval), episodes won",
             "RMS over the best fixed design's (95 % interval), episodes won",
-            "90 % quantile of after / before",
-            "worst after / before",
-            "median RMS after [µm]",
-            "diverged",
+            *("90 % quantile of after / before", "worst after / before"),
+            *("median RMS after [µm]", "diverged"),
         ),
-        rows=rows,
-        verdicts=[
-            _beats(name, "thesis design", logs)
-            for name in ("best fixed design by search", "learned policy")
-        ],
+        rows,
+        [_beats(name, "thesis design", logs) for name in better],
     )
 
 
@@ -98,19 +83,12 @@ def iterations(seeds: Iterable[int]) -> Table:
     chosen = [[d.gamma[0] for d in e.designs] for e in found["learned policy"]]
     rows["gain γ of the learned policy, mean"] = np.mean(chosen, axis=0)
     search = rows["best fixed design by search"]
+    more = "the searched design is made for its budget: after ten iterations it leaves more"
     return Table(
-        title=f"RMS of the tool over that before learning, geometric mean, {n} episodes",
-        columns=("", *(f"k = {k}" for k in range(1, TWICE + 1))),
-        rows=[
-            (name, *values.tolist(), *[np.nan] * (TWICE - len(values)))
-            for name, values in rows.items()
-        ],
-        verdicts=[
-            all_hold(
-                "the searched design is made for its budget: after ten iterations it leaves more",
-                bool(search[-1] > search[4]),
-            )
-        ],
+        f"RMS of the tool over that before learning, geometric mean, {n} episodes",
+        ("", *(f"k = {k}" for k in range(1, TWICE + 1))),
+        [(name, *row.tolist(), *[np.nan] * (TWICE - len(row))) for name, row in rows.items()],
+        [all_hold(more, search[-1] > search[4])],
     )
 
 
@@ -143,11 +121,9 @@ def _paired(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, float]:
 
 def _beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
     gain, error = _paired(logs[other], logs[name])
-    return all_hold(
-        f"the {name} leaves less error at the tool than the {other} "
-        f"(mean by more than {SIGNIFICANT:g} standard errors)",
-        bool(gain.mean() > SIGNIFICANT * error),
-    )
+    less = f"the {name} leaves less error at the tool than the {other}"
+    by = f"(mean by more than {SIGNIFICANT:g} standard errors)"
+    return all_hold(f"{less} {by}", gain.mean() > SIGNIFICANT * error)
 
 
 def searched() -> Design:
@@ -166,10 +142,8 @@ def identified() -> Design:
     from ..thesis.chapter9.designs import CUTOFFS
     from ..thesis.chapter9.table import STUDIES
 
-    jobs = {
-        v: job for (p, v), job in STUDIES["identification"].jobs(DATA_SEED).items() if p == "p1"
-    }
-    results = {speed: jobs[speed].run() for speed in SPEEDS}
+    jobs = STUDIES["identification"].jobs(DATA_SEED)
+    results = {speed: jobs["p1", speed].run() for speed in SPEEDS}
     models = [identify(results, (motor,)) for motor in range(6)]
     proposals = [design_for(model.system, CUTOFFS, fit=model.fit) for model in models]
     gamma, delta, cutoff = (

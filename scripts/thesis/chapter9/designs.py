@@ -11,8 +11,8 @@ from armside.ilc.analysis.proposal import Proposal, design_for
 from armside.ilc.identification.first_order import FirstOrderModel
 from armside.sim.calibration.targets import AT, POSES, SPEEDS, Result, identify, over
 from armside.sim.evaluation.check import Check, Table
-from armside.sim.laser.job import LearningJob
 
+from ...jobs.store import Job
 from ..report import Part, Read, Section
 from . import figures
 from .table import STUDIES, learning_job
@@ -28,36 +28,35 @@ def per_motor(seed: int) -> Part:
     base = STUDIES["operating point"].jobs(seed)
     data = STUDIES["identification"].jobs(seed)
 
-    def designed(
-        read: Read,
-    ) -> tuple[list[FirstOrderModel], list[Proposal], dict[str, LearningJob]]:
+    def designed(read: Read) -> tuple[list[FirstOrderModel], list[Proposal], dict[str, Job]]:
         results = {v: read(data["p1", v]) for v in SPEEDS}
         models = [identify(results, (motor,)) for motor in range(6)]
         designs = [design_for(m.system, CUTOFFS, fit=m.fit) for m in models]
-        tuned = {
-            "gamma": tuple(round(design.gamma, 3) for design in designs),
-            "delta": tuple(design.delta for design in designs),
-            "cutoff": tuple(design.cutoff for design in designs),
-        }
-        jobs = {pose: learning_job(seed, pose=pose, **tuned) for pose in POSES}
-        return models, designs, jobs
+        gamma, delta, cutoff = zip(
+            *((round(d.gamma, 3), d.delta, d.cutoff) for d in designs), strict=True
+        )
+        tuned = {"gamma": gamma, "delta": delta, "cutoff": cutoff}
+        return models, designs, {p: learning_job(seed, pose=p, **tuned) for p in POSES}
 
     def draw(read: Read, folder: Path) -> Section:
         models, designs, jobs = designed(read)
         own, shared = ({p: read(j) for p, j in by_pose.items()} for by_pose in (jobs, base))
         largest = max(result["motor_inf"][0].max() for result in shared.values())
-        curves = {"shared": shared["p1"], "per motor": own["p1"]}
-        figures.by_motor(
-            folder / "F08.png",
-            "One design for all motors, and one for each: p1",
-            {name: result["motor_inf"] / largest for name, result in curves.items()},
-        )
+        at_p1 = {"shared": shared["p1"], "per motor": own["p1"]}
+        curves = {name: result["motor_inf"] / largest for name, result in at_p1.items()}
+        title = "One design for all motors, and one for each: p1"
+        figures.by_motor(folder / "F08.png", title, curves)
         every = _ratios(own, shared, AT)
         chosen = [
             [f"motor {i + 1}", d.gamma, d.delta, d.cutoff, m.fit, d.contraction]
             for i, (d, m) in enumerate(zip(designs, models, strict=True))
         ]
+        rows = [[pose, *_row(own[pose], shared[pose], AT)] for pose in POSES]
         columns = ["", "γ", "δ", "cutoff [Hz]", "fit of the model", "contraction"]
+        title, both = (
+            "Per-motor design over shared design at k = 5",
+            ["", *figures.MOTORS, "arm RMS"],
+        )
         says, smaller = "larger reduction possible", (every < 1.0).sum()
         what = "motor errors at k = 5, per-motor over shared design"
         return Section(
@@ -71,47 +70,29 @@ def per_motor(seed: int) -> Part:
                 Check("F08a", f"{what}: median of 18", says, float(np.median(every)), high=1.0),
                 Check("F08b", "the same, how many of 18 are smaller", says, smaller, low=10),
             ],
-            [
-                Table("Designs", columns, chosen),
-                Table(
-                    "Per-motor design over shared design at k = 5",
-                    ["", *figures.MOTORS, "arm RMS"],
-                    [[pose, *_row(own[pose], shared[pose], AT)] for pose in POSES],
-                ),
-            ],
+            [Table("Designs", columns, chosen), Table(title, both, rows)],
         )
 
-    return Part(
-        [*base.values(), *data.values()], draw, lambda read: list(designed(read)[2].values())
-    )
+    first = [*base.values(), *data.values()]
+    return Part(first, draw, lambda read: [*designed(read)[2].values()])
 
 
 def friction_feedforward(seed: int) -> Part:
     """F09: ILC reduces the low frequencies, feedforward the friction at reversals."""
     plain = STUDIES["operating point"].jobs(seed)
-    helped = {
-        pose: replace(job, cut=replace(job.cut, friction_feedforward=FED_FORWARD))
-        for pose, job in plain.items()
-    }
+    options = {"friction_feedforward": FED_FORWARD}
+    helped = {p: replace(job, cut=replace(job.cut, **options)) for p, job in plain.items()}
 
     def draw(read: Read, folder: Path) -> Section:
         without, with_it = ({p: read(j) for p, j in jobs.items()} for jobs in (plain, helped))
         cases = {f"{pose}, ILC alone": without[pose] for pose in POSES} | {
             f"{pose}, with feedforward": with_it[pose] for pose in POSES
         }
-        figures.panels(
-            folder / "F09.png",
-            "Learning with and without friction feedforward",
-            {
-                "Tool, RMS [µm]": {name: 1e6 * run["arm_rms"] for name, run in cases.items()},
-                "Motors, mean of six, ∞-norm [motor mrad]": {
-                    name: 1e3 * run["motor_inf"].mean(axis=1) for name, run in cases.items()
-                },
-            },
-            columns=2,
-            wide=True,
-            log=True,
-        )
+        tool = {name: 1e6 * run["arm_rms"] for name, run in cases.items()}
+        motors = {name: 1e3 * run["motor_inf"].mean(axis=1) for name, run in cases.items()}
+        content = {"Tool, RMS [µm]": tool, "Motors, mean of six, ∞-norm [motor mrad]": motors}
+        title = "Learning with and without friction feedforward"
+        figures.panels(folder / "F09.png", title, content, columns=2, wide=True, log=True)
         first, last = (float(np.median(_ratios(with_it, without, k))) for k in (0, AT))
         what = "motor errors {}, with over without: median of 18"
         rows = [[p, k, *_row(with_it[p], without[p], k)] for p in POSES for k in (0, AT)]

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -45,12 +46,16 @@ def panels(
     """
     width = 6.2 if len(content) == 1 else 4.4 if wide else 3.1
     height = 2.5 if len(content) > columns else 3.2
-    with _panels(
-        file, title, content, columns, width, height, xlabel, ylabel, share_y=True
-    ) as grid:
+    labels = xlabel, ylabel
+    with _panels(file, title, content, columns, width, height, *labels, share_y=True) as grid:
         for axes, curves in zip(grid, content.values(), strict=True):
             _draw(axes, curves, x, ordered)
-            _scale(axes, log, x)
+            if log:
+                axes.set_yscale("log")
+                axes.yaxis.set_minor_formatter(NullFormatter())
+            if x is None:
+                axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
         if not log:
             tops = [np.nanmax(values) for curves in content.values() for values in curves.values()]
             grid[0].set_ylim(0.0, 1.06 * float(max(tops)))
@@ -62,16 +67,14 @@ def by_motor(
     curves: Mapping[str, Array],
     x: ArrayLike | None = None,
     *,
-    xlabel: str = "iteration k",
-    ylabel: str = "error (9.5), ∞-norm",
     log: bool = True,
-    ordered: bool = False,
+    **options: Any,
 ) -> None:
-    """A panel for each motor; curves: label: (K, 6) over x."""
+    """A panel for each motor; curves: label: (K, 6) over x. options: as those of `panels`."""
     content = {
         f"Motor {i + 1}": {name: values[:, i] for name, values in curves.items()} for i in range(6)
     }
-    panels(file, title, content, x, xlabel=xlabel, ylabel=ylabel, log=log, ordered=ordered)
+    panels(file, title, content, x, ylabel="error (9.5), ∞-norm", log=log, **options)
 
 
 def by_position(file: Path, positions: Sequence[str], errors: Array) -> None:
@@ -131,10 +134,8 @@ def distributions(
             axes.hist(values, bins=20, color=COLORS[0])
             left, right = axes.get_xlim()
             if name in bands:
-                start, stop = (
-                    limit if end is None else end
-                    for end, limit in ((bands[name].low, left), (bands[name].high, right))
-                )
+                ends = ((bands[name].low, left), (bands[name].high, right))
+                start, stop = (limit if end is None else end for end, limit in ends)
                 axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
                 axes.set_xlim(min(left, start), max(right, stop))
             axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
@@ -160,9 +161,8 @@ def fields(
         for axes, (values, holds) in zip(grid, content.values(), strict=True):
             for (i, j), value in np.ndenumerate(values):
                 back, ink = ("#BFE3D6", INK) if holds[i, j] else ("#F6D3C2", "#8A2E00")
-                axes.add_patch(
-                    Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=back, edgecolor="white")
-                )
+                corner = (j - 0.5, i - 0.5)
+                axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=back, edgecolor="white"))
                 axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=7, color=ink)
             axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
             axes.set_xticks(range(len(columns)), columns)
@@ -191,7 +191,20 @@ def _panels(
     """
     titles = list(content)
     columns = min(columns, len(titles))
-    figure, grid = _grid(-(-len(titles) // columns), columns, width, height, share_y=share_y)
+    rows = -(-len(titles) // columns)
+    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.95, 0.62, 0.45, 0.62
+    total_width = left + right + columns * width + (columns - 1) * gap_x
+    total_height = bottom + top + rows * height + (rows - 1) * gap_y
+    figure = new_figure(total_width, total_height)
+    grid = list(figure.subplots(rows, columns, squeeze=False, sharey=share_y).flat)
+    figure.subplots_adjust(
+        left=left / total_width,
+        right=1.0 - right / total_width,
+        bottom=bottom / total_height,
+        top=1.0 - top / total_height,
+        wspace=gap_x / width,
+        hspace=gap_y / height,
+    )
     figure.suptitle(title, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
     used = grid[: len(titles)]
     yield used
@@ -217,52 +230,16 @@ def _legend(figure: Figure, axes: Axes) -> None:
     figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8)
 
 
-def _grid(
-    rows: int, columns: int, width: float, height: float, *, share_y: bool = False
-) -> tuple[Figure, list[Axes]]:
-    """Panels of width x height [inch], with room for a title above and a legend below."""
-    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.95, 0.62, 0.45, 0.62
-    total_width = left + right + columns * width + (columns - 1) * gap_x
-    total_height = bottom + top + rows * height + (rows - 1) * gap_y
-    figure = new_figure(total_width, total_height)
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=share_y)
-    figure.subplots_adjust(
-        left=left / total_width,
-        right=1.0 - right / total_width,
-        bottom=bottom / total_height,
-        top=1.0 - top / total_height,
-        wspace=gap_x / width,
-        hspace=gap_y / height,
-    )
-    return figure, list(grid.flat)
-
-
 def _draw(axes: Axes, curves: Curves, x: ArrayLike | None, ordered: bool) -> None:
     colors = _sequence(len(curves)) if ordered else COLORS
     for i, (name, values) in enumerate(curves.items()):
         at = np.arange(np.size(values)) if x is None else np.asarray(x)
-        axes.plot(
-            at,
-            np.asarray(values),
-            color=colors[i % len(colors)],
-            marker=MARKERS[i % len(MARKERS)],
-            ls=LINE_STYLES[i // len(COLORS) % len(LINE_STYLES)] if not ordered else "-",
-            ms=4,
-            lw=1.3,
-            label=name,
-        )
-
-
-def _scale(axes: Axes, log: bool, x: ArrayLike | None) -> None:
-    if log:
-        axes.set_yscale("log")
-        axes.yaxis.set_minor_formatter(NullFormatter())
-    if x is None:
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+        color, marker = colors[i % len(colors)], MARKERS[i % len(MARKERS)]
+        style = LINE_STYLES[0 if ordered else i // len(COLORS) % len(LINE_STYLES)]
+        look: dict[str, Any] = {"color": color, "marker": marker, "ls": style, "ms": 4, "lw": 1.3}
+        axes.plot(at, np.asarray(values), label=name, **look)
 
 
 def _sequence(n: int) -> list[str]:
     """n colours from dark to light that grow evenly for every eye."""
-    ramp = colormaps["viridis"]
-    return [to_hex(ramp(value)) for value in np.linspace(0.0, 0.88, n)]
+    return [to_hex(color) for color in colormaps["viridis"](np.linspace(0.0, 0.88, n))]

@@ -8,34 +8,21 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, shift_response
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.identification.arx import ArxFit, fit_arx
-from armside.ilc.identification.first_order import (
-    FirstOrderModel,
-    fit_first_order,
-    fit_of,
-    fit_of_each,
-)
+from armside.ilc.identification import first_order
+from armside.ilc.identification.arx import fit_arx
+from armside.ilc.identification.first_order import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
 from armside.sim.calibration import targets
-from armside.sim.calibration.targets import (
-    MOST_MOVED,
-    SAMPLE_TIME,
-    SPEEDS,
-    Result,
-    identify,
-    learning_signals,
-)
+from armside.sim.calibration.targets import MOST_MOVED, SAMPLE_TIME, SPEEDS, Result, identify
 from armside.sim.evaluation.check import Table
 
 from ..report import Part, Read, Section
 from . import figures
 from .table import STUDIES
 
-POSES = ("p1", "p2")
-"""Positions of estimation and of validation."""
-DELAYS = range(3, 9)
-"""[samples], of the tables."""
+POSES = ("p1", "p2")  # positions of estimation and of validation
+DELAYS = range(3, 9)  # [samples], of the tables
 LAW = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
 """The law that the data are learned with."""
 _MODEL = ("delay", "pole", "static gain", "delay and lag", "fit p1", "fit p2")
@@ -51,6 +38,7 @@ def identified_model(seed: int) -> Part:
     def draw(read: Read, folder: Path) -> Section:
         data = {pose: {v: read(jobs[pose, v]) for v in SPEEDS} for pose in POSES}
         model = identify(data["p1"])
+        at_40 = {pose: data[pose][40.0] for pose in POSES}
         _criterion_figure(folder / "9.8.png", model)
         _response_figure(folder / "9.8-model.png", data, model.system)
         return Section(
@@ -59,16 +47,13 @@ def identified_model(seed: int) -> Part:
             "The response of the measured motor angle to the correction, identified from the fifth "
             "iteration at 30, 40 and 60 mm/s at p1, while the tool moves, and validated at p2. "
             "Left: the criterion for the thesis's model (9.12); right: for the model of our robot, "
-            f"q^-{model.delay} {model.static_gain * (1 - model.pole):.4f} / "
-            f"(1 - {model.pole:.4f} q^-1), whose best shift below 10 Hz is "
-            f"{targets.best_shift(model.system)}.",
+            f"q^-{model.delay} {model.static_gain * (1 - model.pole):.4f} / (1 - {model.pole:.4f} "
+            f"q^-1), whose best shift below 10 Hz is {targets.best_shift(model.system)}.",
             ["9.8.png", "9.8-model.png"],
             [
                 *targets.fitted_model(model),
                 *targets.criterion_of(),
-                *targets.predicted_rates(
-                    model.system, {pose: data[pose][40.0] for pose in POSES}, LAW, MOST_MOVED
-                ),
+                *targets.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
             ],
             [_delay_table(data), _motors_table(data), _arx_table(data)],
         )
@@ -78,33 +63,28 @@ def identified_model(seed: int) -> Part:
 
 def _criterion_figure(file: Path, model: FirstOrderModel) -> None:
     omega = frequency_grid(1200)
-    frequency = hertz(omega, SAMPLE_TIME)
-    shown = frequency >= 0.1
+    omega = omega[hertz(omega, SAMPLE_TIME) >= 0.1]
 
     def learning(system: System) -> dict[str, Array]:
-        response = system.response(omega)
-        return {
-            f"δ = {d}": np.abs(1.0 - shift_response(0.9, d, omega) * response)[shown]
-            for d in range(1, 9)
+        left = {
+            d: 1.0 - shift_response(0.9, d, omega) * system.response(omega) for d in range(1, 9)
         }
+        return {f"δ = {d}": np.abs(values) for d, values in left.items()}
 
-    bounds = {
-        f"1/|Q|, {cutoff:g} Hz": 1.0
-        / np.maximum(ZeroPhaseButterworth(cutoff, SAMPLE_TIME).response(omega)[shown], 1e-9)
-        for cutoff in (5.0, 10.0, 22.5)
-    }
+    filters = {f: ZeroPhaseButterworth(f, SAMPLE_TIME).response(omega) for f in (5.0, 10.0, 22.5)}
+    bounds = {f"1/|Q|, {f:g} Hz": 1.0 / np.maximum(Q, 1e-9) for f, Q in filters.items()}
     models = {
         "model of the thesis, (9.12)": learning(targets.THESIS_MODEL),
         "model of our robot, motors 4 and 6 at p1": learning(model.system),
     }
-    figures.criterion(file, frequency[shown], models, bounds)
+    figures.criterion(file, hertz(omega, SAMPLE_TIME), models, bounds)
 
 
 def _response_figure(file: Path, data: Data, model: System) -> None:
     cases = {}
     for pose, word in zip(POSES, ("estimation", "validation"), strict=True):
         for motor in MOST_MOVED:
-            u, y = learning_signals(data[pose], (motor,))
+            u, y = targets.learning_signals(data[pose], (motor,))
             name = f"motor {motor + 1}, {pose}, {word}: fit {fit_of(model, u, y):.3f}"
             cases[name] = (1e3 * y[:, 0], 1e3 * model.simulate(u)[:, 0])
     figures.simulated(file, SAMPLE_TIME, cases)
@@ -112,49 +92,40 @@ def _response_figure(file: Path, data: Data, model: System) -> None:
 
 def _row(model: FirstOrderModel, data: Data, motors: tuple[int, ...]) -> list[float]:
     """A model as in `_MODEL`, validated at p2."""
-    validation = fit_of(model.system, *learning_signals(data["p2"], motors))
-    return [
-        model.delay, model.pole, model.static_gain, model.total_delay, model.fit, validation
-    ]  # fmt: skip
+    validation = fit_of(model.system, *targets.learning_signals(data["p2"], motors))
+    dynamics = (model.delay, model.pole, model.static_gain, model.total_delay)
+    return [*dynamics, model.fit, validation]
 
 
 def _delay_table(data: Data) -> Table:
     """Output error by delay: the pole makes up for a wrong delay, so the choice is flat."""
-    u, y = learning_signals(data["p1"], MOST_MOVED)
-    fits = [fit_first_order(u, y, SAMPLE_TIME, delays=[delay]) for delay in DELAYS]
+    u, y = targets.learning_signals(data["p1"], MOST_MOVED)
+    fits = [first_order.fit_first_order(u, y, SAMPLE_TIME, delays=[delay]) for delay in DELAYS]
     title = "Output error by delay, motors 4 and 6: estimated at p1, validated at p2"
     return Table(title, _MODEL, [_row(fit, data, MOST_MOVED) for fit in fits])
 
 
 def _motors_table(data: Data) -> Table:
     """Output error, each motor on its own: the error of one model for all."""
-    rows = [
-        [f"motor {motor + 1}", *_row(identify(data["p1"], (motor,)), data, (motor,))]
-        for motor in range(6)
-    ]
+    found = (_row(identify(data["p1"], (motor,)), data, (motor,)) for motor in range(6))
+    rows = [[name, *row] for name, row in zip(figures.MOTORS, found, strict=True)]
     return Table("Output error, each motor on its own", ("", *_MODEL), rows)
 
 
 def _arx_table(data: Data) -> Table:
     """The structure of (9.12) by least squares, for each delay: prediction is not simulation."""
-    p1, p2 = (learning_signals(data[pose], MOST_MOVED) for pose in POSES)
-    fits = [fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk) for nk in DELAYS]
-    return Table(
-        "ARX with one pole, motors 4 and 6: estimated at p1, simulated at p1 and p2",
-        ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]"],
-        [
-            [
-                fit.nk,
-                float(-fit.coefficients[0]),
-                fit.system.static_gain,
-                _simulated_fit(fit, *p1),
-                _simulated_fit(fit, *p2),
-            ]
-            for fit in fits
-        ],
-    )
+    p1, p2 = (targets.learning_signals(data[pose], MOST_MOVED) for pose in POSES)
+    rows = []
+    for nk in DELAYS:
+        fit = fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk)
+        fits = (_simulated_fit(fit.system, *signals) for signals in (p1, p2))
+        rows.append([nk, float(-fit.coefficients[0]), fit.system.static_gain, *fits])
+    title = "ARX with one pole, motors 4 and 6: estimated at p1, simulated at p1 and p2"
+    return Table(title, ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]"], rows)
 
 
-def _simulated_fit(fit: ArxFit, u: Array, y: Array) -> float:
+def _simulated_fit(system: System, u: Array, y: Array) -> float:
     """[%]; a model that predicts well may be unstable, and then simulates nothing."""
-    return 100.0 * float(fit_of_each(fit.system, u, y).mean()) if fit.system.is_stable else -np.inf
+    return (
+        100.0 * float(first_order.fit_of_each(system, u, y).mean()) if system.is_stable else -np.inf
+    )

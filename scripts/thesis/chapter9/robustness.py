@@ -1,13 +1,13 @@
 """Robots, speeds and payloads for which the findings of chapter 9 hold: F07 and the map."""
 
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
 from armside.sim.calibration import targets
 from armside.sim.calibration.targets import BANDS, POSES, Result, over_first
 from armside.sim.evaluation.check import Check, Table
@@ -23,9 +23,7 @@ MAP_SPEEDS = (20.0, 30.0, 40.0, 50.0, 60.0, 80.0)
 MAP_PAYLOADS = (0.0, 40.0, 100.0, 175.0)
 MAP_INDIVIDUALS = tuple(range(6))
 CUTS = {
-    "p1": {"pose": "p1"},
-    "p2": {"pose": "p2"},
-    "p3": {"pose": "p3"},
+    **{pose: {"pose": pose} for pose in POSES},
     "p1, 15 Hz": {"pose": "p1", "cutoff": 15.0},
     "p1, delta 6": {"pose": "p1", "delta": 6},
     "p2, delta 6": {"pose": "p2", "delta": 6},
@@ -64,43 +62,32 @@ def individuals(seed: int) -> Part:
     robots = range(N_INDIVIDUALS)
     jobs = {
         (pose, i): learning_job(seed, series=False, individual=seed + i, **CUTS[pose])
-        for pose in POSES
-        for i in robots
+        for pose, i in product(POSES, robots)
     }
 
     def draw(read: Read, folder: Path) -> Section:
         results = {key: read(job) for key, job in jobs.items()}
 
-        def falls(name: str) -> dict[str, Array]:
-            return {
-                pose: np.array([over_first(results[pose, i], name).max() for i in robots])
-                for pose in POSES
-            }
-
-        arm, diverged = falls("arm_rms"), sum(bool(r["diverged"]) for r in results.values())
-        p1, p2, p3 = arm.values()
-        content = {f"{pose}: arm RMS, k = 5 over k = 0": arm[pose] for pose in POSES} | {
-            f"{pose}: worst motor, k = 5 over k = 0": worst
-            for pose, worst in falls("motor_inf").items()
+        content = {
+            f"{pose}: {what}, k = 5 over k = 0": np.array(
+                [over_first(results[pose, i], name).max() for i in robots]
+            )
+            for what, name in (("arm RMS", "arm_rms"), ("worst motor", "motor_inf"))
+            for pose in POSES
         }
-        figures.distributions(
-            folder / "F07.png",
-            f"The default design on {N_INDIVIDUALS} robots",
-            content,
-            {
-                f"{p}: arm RMS, k = 5 over k = 0": BANDS[id]
-                for p, id in (("p1", "b1"), ("p3", "b5"))
-            },
-        )
+        p1, p2, p3, *_ = content.values()
+        bands = {
+            f"{p}: arm RMS, k = 5 over k = 0": BANDS[id] for p, id in (("p1", "b1"), ("p3", "b5"))
+        }
+        title = f"The default design on {N_INDIVIDUALS} robots"
+        figures.distributions(folder / "F07.png", title, content, bands)
+        diverged = sum(bool(result["diverged"]) for result in results.values())
         improved, ordered = (p1 <= 0.5).mean(), ((p1 < p2) & (p2 < p3)).mean()
-        who = "fraction of individuals"
-        half = "whose tool improves to half or less at p1"
-        order = "with p1 better than p2 and p2 than p3"
+        half = "fraction of individuals whose tool improves to half or less at p1"
+        order = "fraction of individuals with p1 better than p2 and p2 than p3"
         all_of = "experiments that diverge, of all individuals and positions"
-        percentiles = [0, 5, 25, 50, 75, 95, 100]
-        rows = [
-            [name, *np.percentile(values, percentiles).tolist()] for name, values in content.items()
-        ]
+        percent = [0, 5, 25, 50, 75, 95, 100]
+        rows = [[name, *np.percentile(all_, percent).tolist()] for name, all_ in content.items()]
         return Section(
             "F07",
             f"F07: robustness over {N_INDIVIDUALS} robot individuals",
@@ -110,10 +97,10 @@ def individuals(seed: int) -> Part:
             ["F07.png"],
             [
                 Check("F07a", all_of, "robots are individuals", diverged, high=0.0),
-                Check("F07b", f"{who} {half}", "improves at p1", improved, low=0.5),
-                Check("F07c", f"{who} {order}", "p1 best, p3 worst", ordered, low=0.9),
+                Check("F07b", half, "improves at p1", improved, low=0.5),
+                Check("F07c", order, "p1 best, p3 worst", ordered, low=0.9),
             ],
-            [Table("Distribution", ["", *(f"{p} %" for p in percentiles)], rows)],
+            [Table("Distribution", ["", *(f"{p} %" for p in percent)], rows)],
         )
 
     return Part(list(jobs.values()), draw)
@@ -129,9 +116,9 @@ def phenomena_map(seed: int) -> Part:
     def jobs(rows: Mapping[float, Mapping[str, Any]]) -> Jobs:
         return {
             (row, speed, name): learning_job(seed, series=False, speed=speed, **cut, **options)
-            for row, options in rows.items()
-            for speed in MAP_SPEEDS
-            for name, cut in CUTS.items()
+            for (row, options), speed, (name, cut) in product(
+                rows.items(), MAP_SPEEDS, CUTS.items()
+            )
         }
 
     by_payload = jobs({payload: {"payload": payload} for payload in MAP_PAYLOADS})
@@ -144,7 +131,8 @@ def phenomena_map(seed: int) -> Part:
         _, robots = _map(read, by_individual, folder / "9-map-individual.png", title, label)
         at_40 = robots[:, [MAP_SPEEDS.index(40.0)]]
         fractions = [inside.mean(axis=(0, 1)) for inside in (payloads, robots, at_40)]
-        rows = np.transpose(fractions).tolist()
+        rows = [[n, *row] for n, row in zip(names, np.transpose(fractions).tolist(), strict=True)]
+        columns = ["", "payloads x speeds", "robots x speeds", "robots at 40 mm/s"]
         return Section(
             "9-map",
             "Where the findings of chapter 9 hold",
@@ -153,13 +141,7 @@ def phenomena_map(seed: int) -> Part:
             "Numbers are the values that are compared with the bands; the colour shows whether "
             "they are inside.",
             ["9-map-payload.png", "9-map-individual.png"],
-            tables=[
-                Table(
-                    "Fraction of the map where a finding holds",
-                    ["", "payloads x speeds", "robots x speeds", "robots at 40 mm/s"],
-                    [[name, *row] for name, row in zip(names, rows, strict=True)],
-                )
-            ],
+            tables=[Table("Fraction of the map where a finding holds", columns, rows)],
         )
 
     return Part([*by_payload.values(), *by_individual.values()], draw)
@@ -177,15 +159,10 @@ def _map(
     names = [_heading(check) for check in checks[0][0]]
     values = np.array([[[check.ours for check in cell] for cell in row] for row in checks])
     holds = np.array([[[check.holds for check in cell] for cell in row] for row in checks])
-    figures.fields(
-        file,
-        title,
-        {name: (values[..., i], holds[..., i]) for i, name in enumerate(names)},
-        [f"{row:g}" for row in rows],
-        [f"{speed:g}" for speed in MAP_SPEEDS],
-        row_label=row_label,
-        column_label="speed [mm/s]",
-    )
+    content = {name: (values[..., i], holds[..., i]) for i, name in enumerate(names)}
+    ticks = ([f"{value:g}" for value in values] for values in (rows, MAP_SPEEDS))
+    labels = {"row_label": row_label, "column_label": "speed [mm/s]"}
+    figures.fields(file, title, content, *ticks, **labels)
     return names, holds
 
 
@@ -194,8 +171,7 @@ def effects(seed: int) -> Part:
     left_out = {"nothing": (), **{e.value: (e,) for e in Effect}, "all of them": tuple(Effect)}
     jobs = {
         (label, name): learning_job(seed, series=False, without=without, **cut)
-        for label, without in left_out.items()
-        for name, cut in CUTS.items()
+        for (label, without), (name, cut) in product(left_out.items(), CUTS.items())
     }
 
     def draw(read: Read, folder: Path) -> Section:

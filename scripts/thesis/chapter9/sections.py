@@ -1,6 +1,7 @@
 """Chapter 9 of the thesis, section by section: experiments, figure, caption, comparison."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +16,12 @@ from armside.sim.evaluation.check import Check, Table
 from ...figures.laser import circles as circle_figure
 from ..report import Part, Read, Section
 from . import figures
+from .designs import friction_feedforward as friction_feedforward
+from .designs import per_motor as per_motor
+from .identification import identified_model as identified_model
+from .robustness import effects as effects
+from .robustness import individuals as individuals
+from .robustness import phenomena_map as phenomena_map
 from .table import STUDIES
 
 Results = Mapping[Any, Result]
@@ -37,20 +44,17 @@ Draw = Callable[[Results, Path], Drawn]
 def _section(id: str, study: str, title: str) -> Callable[[Draw], Callable[[int], Part]]:
     """Decorator: a section with one figure, from the results of one study."""
 
-    def decorate(draw: Draw) -> Callable[[int], Part]:
-        def part(seed: int) -> Part:
-            jobs = STUDIES[study].jobs(seed)
+    def part(draw: Draw, seed: int) -> Part:
+        jobs = STUDIES[study].jobs(seed)
 
-            def section(read: Read, folder: Path) -> Section:
-                results = {key: read(job) for key, job in jobs.items()}
-                caption, checks, tables = draw(results, folder / f"{id}.png")
-                return Section(id, title, caption, [f"{id}.png"], checks, tables)
+        def section(read: Read, folder: Path) -> Section:
+            results = {key: read(job) for key, job in jobs.items()}
+            caption, checks, tables = draw(results, folder / f"{id}.png")
+            return Section(id, title, caption, [f"{id}.png"], checks, tables)
 
-            return Part(list(jobs.values()), section)
+        return Part(list(jobs.values()), section)
 
-        return part
-
-    return decorate
+    return lambda draw: lambda seed: part(draw, seed)
 
 
 @_section("9.5", "position", "Fig. 9.5: nominal error by position, 50 mm/s")
@@ -73,14 +77,9 @@ def by_velocity(results: Results, file: Path) -> Drawn:
     at = {v: {pose: results[v, pose] for pose in POSES} for v in speeds}
     errors = {p: np.array([at[v][p]["motor_inf"][0] for v in speeds]) for p in ("p1", "p2")}
     largest = np.max(list(errors.values()))
-    figures.by_motor(
-        file,
-        "Largest motor error without learning, by programmed speed",
-        {pose: error / largest for pose, error in errors.items()},
-        speeds,
-        xlabel="speed [mm/s]",
-        log=False,
-    )
+    curves = {pose: error / largest for pose, error in errors.items()}
+    title = "Largest motor error without learning, by programmed speed"
+    figures.by_motor(file, title, curves, speeds, xlabel="speed [mm/s]", log=False)
     reached = 1e3 * float(at[max(speeds)]["p1"]["reached_speed"])
     return Drawn(
         "The same measure from 10 to 100 mm/s at p1 and p2. The motion planner lowers a programmed "
@@ -93,11 +92,7 @@ def by_velocity(results: Results, file: Path) -> Drawn:
 @_section("repeatability", "repeatability", "(9.10): repeatability, with statistics")
 def repeatability(results: Results, file: Path) -> Drawn:
     runs = [results[key] for key in sorted(results)]
-    pairs = [
-        targets.repeatability_per_iteration(first, second)
-        for i, first in enumerate(runs)
-        for second in runs[i + 1 :]
-    ]
+    pairs = [targets.repeatability_per_iteration(*pair) for pair in combinations(runs, 2)]
     low, middle, high = np.percentile(pairs, [5, 50, 95], axis=0)
     curves = {"95 % of pairs below": high, "median pair": middle, "5 % of pairs below": low}
     title = "Difference of two identical experiments, (9.10)"
@@ -117,10 +112,8 @@ def repeatability(results: Results, file: Path) -> Drawn:
 
 @_section("9.7", "stability", "Fig. 9.7: ten iterations, 50 mm/s")
 def ten_iterations(results: Results, file: Path) -> Drawn:
-    content = {
-        pose: dict(zip(figures.MOTORS, norm.T, strict=True))
-        for pose, norm in _normalised(results, "motor_two").items()
-    }
+    norms = _normalised(results, "motor_two")
+    content = {p: dict(zip(figures.MOTORS, norm.T, strict=True)) for p, norm in norms.items()}
     title = "Motor errors over ten iterations"
     figures.panels(file, title, content, ylabel="error (9.5), 2-norm", log=True)
     return Drawn(
@@ -148,8 +141,7 @@ def positions_motor(results: Results, file: Path) -> Drawn:
 
 @_section("9.10", "operating point", "Fig. 9.10: the circles at p1")
 def circles(results: Results, file: Path) -> Drawn:
-    title = "Tool path at p1 at every iteration"
-    _circles(file, results["p1"], range(AT + 1), title)
+    _circles(file, results["p1"], range(AT + 1), "Tool path at p1 at every iteration")
     return Drawn(
         "The path measured by the laser tracker at p1 in every iteration, moved to its centre, "
         "with the deviation from the programmed circle magnified. The panel of k = 0 is also the "
@@ -161,11 +153,8 @@ def circles(results: Results, file: Path) -> Drawn:
 @_section("9.11", "operating point", "Fig. 9.11: arm side at three positions")
 def positions_arm(results: Results, file: Path) -> Drawn:
     _arm_figure(file, "Tool error by iteration at three positions", results)
-    rows = [
-        [pose, name, *(1e6 * results[pose][key]).tolist()]
-        for pose in POSES
-        for name, key in (("RMS", "arm_rms"), ("maximum", "arm_maxdev"))
-    ]
+    shown = product(POSES, (("RMS", "arm_rms"), ("maximum", "arm_maxdev")))
+    rows = [[pose, name, *(1e6 * results[pose][key]).tolist()] for pose, (name, key) in shown]
     columns = ["", "", *(f"k = {k}" for k in range(AT + 1))]
     return Drawn(
         "The same experiments as Fig. 9.9, judged by the tool. In the thesis it improves where the "
@@ -221,11 +210,9 @@ def cutoffs_spread(results: Results, file: Path) -> Drawn:
     errors = {cutoff: result["motor_inf"][:, 3] for cutoff, result in results.items()}
     largest = max(error[0] for error in errors.values())
     curves = {f"{cutoff:g} Hz": error / largest for cutoff, error in errors.items()}
-    title, ylabel = (
-        "Motor 4 for cutoff frequencies from 5 to 22.5 Hz, p1, 50 mm/s",
-        "error (9.5), ∞-norm",
-    )
-    figures.panels(file, title, {"": curves}, ylabel=ylabel, log=True, ordered=True, wide=True)
+    title = "Motor 4 for cutoff frequencies from 5 to 22.5 Hz, p1, 50 mm/s"
+    look: dict[str, Any] = {"log": True, "ordered": True, "wide": True}
+    figures.panels(file, title, {"": curves}, ylabel="error (9.5), ∞-norm", **look)
     return Drawn(
         "The higher the cutoff, the lower the error of motor 4 after a few iterations; at the "
         "highest ones it no longer falls in every iteration.",
@@ -268,21 +255,14 @@ def _normalised(results: Results, name: str) -> dict[Any, Array]:
 
 def _arm_figure(file: Path, title: str, results: Results) -> None:
     """(9.8) and (9.9) side by side."""
-    content = {
-        heading: _normalised(results, name)
-        for heading, name in (("RMS, (9.8)", "arm_rms"), ("Maximum deviation, (9.9)", "arm_maxdev"))
-    }
+    headings = {"RMS, (9.8)": "arm_rms", "Maximum deviation, (9.9)": "arm_maxdev"}
+    content = {heading: _normalised(results, name) for heading, name in headings.items()}
     figures.panels(file, title, content, ylabel="over the largest at k = 0", columns=2, wide=True)
 
 
 def _circles(file: Path, result: Result, shown: Sequence[int], title: str) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 361)
-    circle_figure(
-        file,
-        RADIUS * np.column_stack([np.cos(angle), np.sin(angle)]),
-        [result["path"][k].astype(np.float64) for k in shown],
-        rms=[float(result["arm_rms"][k]) for k in shown],
-        maxdev=[float(result["arm_maxdev"][k]) for k in shown],
-        title=title,
-        iterations=shown,
-    )
+    programmed = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+    paths = [result["path"][k].astype(np.float64) for k in shown]
+    rms, maxdev = ([float(result[name][k]) for k in shown] for name in ("arm_rms", "arm_maxdev"))
+    circle_figure(file, programmed, paths, rms=rms, maxdev=maxdev, title=title, iterations=shown)

@@ -1,6 +1,6 @@
 """The experiments of thesis 9.4.1-9.4.5 as data: options that vary, and options that are fixed."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -23,15 +23,13 @@ class Study:
 
     def jobs(self, seed: int) -> dict[Any, LearningJob]:
         """The experiments by their varied values (a tuple where several vary) and repetition."""
-        return dict(self._jobs(seed))
-
-    def _jobs(self, seed: int) -> Iterator[tuple[Any, LearningJob]]:
-        for values in product(*self.over.values()):
+        jobs = {}
+        for *values, repetition in product(*self.over.values(), range(self.repetitions)):
             options = {**self.fixed, **dict(zip(self.over, values, strict=True))}
-            for repetition in range(self.repetitions):
-                job = learning_job(seed, repetition=repetition, **options)
-                key = [*values, repetition] if self.repetitions > 1 else [*values]
-                yield (tuple(key) if len(key) > 1 else key[0]), job
+            key = (*values, repetition) if self.repetitions > 1 else tuple(values)
+            job = learning_job(seed, repetition=repetition, **options)
+            jobs[key if len(key) > 1 else key[0]] = job
+        return jobs
 
 
 def learning_job(
@@ -46,22 +44,11 @@ def learning_job(
     series: bool = True,
     **cut: Any,
 ) -> LearningJob:
-    """An experiment in the units of the thesis: speed [mm/s], cutoff [Hz].
-
-    cut: further fields of `Cut`.
-    """
-    return LearningJob(
-        cut=Cut(speed=1e-3 * speed, **cut),
-        design=Design(gamma=_each(gamma), delta=_each(delta), cutoff=_each(cutoff)),
-        iterations=iterations,
-        seed=seed,
-        repetition=repetition,
-        series=series,
-    )
-
-
-def _each(value: Any) -> tuple[Any, ...]:
-    return value if isinstance(value, tuple) else (value,)
+    """An experiment in the units of the thesis: speed [mm/s], cutoff [Hz]; cut: fields of `Cut`."""
+    variables = {"gamma": gamma, "delta": delta, "cutoff": cutoff}
+    each: dict[str, Any] = {k: v if isinstance(v, tuple) else (v,) for k, v in variables.items()}
+    run: dict[str, Any] = {"iterations": iterations, "repetition": repetition, "series": series}
+    return LearningJob(cut=Cut(speed=1e-3 * speed, **cut), design=Design(**each), seed=seed, **run)
 
 
 STUDIES: Mapping[str, Study] = {
