@@ -116,24 +116,21 @@ def make_app(chosen: str = "") -> App:
     for name, line in COMMANDS.items():
         if name == chosen:
             command = load(name)
-            app.command(command, name=name, help=_for_users(getdoc(command) or line))
+            paragraphs = (getdoc(command) or line).split("\n\n")
+            shown = "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
+            app.command(command, name=name, help=shown)
         else:
             app.command(App(name=name, help=line))
     return app
-
-
-def _for_users(docstring: str) -> str:
-    paragraphs = docstring.split("\n\n")
-    return "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
     tokens = list(sys.argv[1:] if tokens is None else tokens)
     try:
-        status = _run(tokens)
+        _run(tokens)
         sys.stdout.flush()
-        return status
+        return DONE
     except BrokenPipeError:  # the reader of our output left: nobody reads a message
         _drop_unwritten_output()
         return FAILED
@@ -142,12 +139,13 @@ def main(tokens: Sequence[str] | None = None) -> int:
     except Exception as error:
         if "--debug" in tokens:
             traceback.print_exc()
-        if isinstance(error, InputError):
-            return _complain(one_line(error), BAD_INPUT)
-        return _complain(_failure(error), FAILED)
+        status, message = BAD_INPUT if isinstance(error, InputError) else FAILED, one_line(error)
+        if not isinstance(error, (InputError, RunFailed, OSError)):
+            message = f"failed with {type(error).__name__}: {message} (--debug shows where)"
+        return _complain(message, status)
 
 
-def _run(tokens: list[str]) -> int:
+def _run(tokens: list[str]) -> None:
     """Parse, then run: whatever parsing raises is bad input."""
     app = make_app(chosen=tokens[0] if tokens else "")
     try:
@@ -160,13 +158,6 @@ def _run(tokens: list[str]) -> int:
     except (CycloptsError, ValueError) as error:
         raise InputError(one_line(error)) from error
     command(*bound.args, **bound.kwargs)
-    return DONE
-
-
-def _failure(error: Exception) -> str:
-    if isinstance(error, (RunFailed, OSError)):
-        return one_line(error)
-    return f"failed with {type(error).__name__}: {one_line(error)} (--debug shows where)"
 
 
 def _complain(message: str, status: int) -> int:

@@ -36,8 +36,7 @@ def draw_proposal(file: Path, proposal: Proposal) -> None:
     right.plot(curve.real, curve.imag, color="#BBBBBB", label="LTᵤ above the cutoff")
     below = f <= proposal.cutoff
     right.plot(curve[below].real, curve[below].imag, color=COLORS[0], label="LTᵤ below the cutoff")
-    right.set_aspect("equal")
-    right.set(xlabel="real part", ylabel="imaginary part")
+    right.set(aspect="equal", xlabel="real part", ylabel="imaginary part")
     right.set_title("Learned where the curve is inside the circle", loc="left")
     right.legend(frameon=False, fontsize=8, loc="lower left")
     save(figure, file)

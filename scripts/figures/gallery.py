@@ -29,8 +29,7 @@ def shrink(raw: Path, file: Path) -> int:
     if picture.width > WIDEST:
         height = round(picture.height * WIDEST / picture.width)
         picture = picture.resize((WIDEST, height), Image.Resampling.LANCZOS)
-    palette = picture.quantize(COLOURS, dither=Image.Dither.NONE)
-    palette.save(file, format="PNG", optimize=True)
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
     return file.stat().st_size
 
 

@@ -126,8 +126,7 @@ def acceleration_error(
 
     curves: label: (K, 3) [m/s^2]. shaded: label: a part of the motion, from and to [s].
     """
-    title = f"Acceleration error: RMS over {window:g} s"
-    with _stack(file, title, "Time [s]") as panels:
+    with _stack(file, f"Acceleration error: RMS over {window:g} s", "Time [s]") as panels:
         top = 1.08 * max(float(values.max()) for values in curves.values())
         for i, axes in enumerate(panels):
             for part in shaded.values():

@@ -82,10 +82,9 @@ def error_tables(results: Sequence[ImuResult], report: Report) -> None:
 
 def write_rest(result: RestResult, folder: RunFolder, config: dict[str, Any]) -> None:
     """Write signals.parquet, robot.xml and the figures of an experiment at rest."""
-    run, rest = result.run, result.rest
-    signals, seed = [RecordedRun(k=0, recording=run.recording)], config["seed"]
-    file = folder / "signals.parquet"
-    write_signals(file, signals, config=config, seed=seed, truth_rate=250.0)
+    run, rest, file = result.run, result.rest, folder / "signals.parquet"
+    signals = [RecordedRun(k=0, recording=run.recording)]
+    write_signals(file, signals, config=config, seed=config["seed"], truth_rate=250.0)
     write_robot(folder / "robot.xml", result.experiment.spec())
     figures.rest(folder / "rest.png", run.samples.time, run.samples.acceleration, config["off"])
     figures.spectrum(folder / "spectrum.png", rest.frequency, rest.off_spectrum, rest.on_spectrum)
@@ -93,10 +92,7 @@ def write_rest(result: RestResult, folder: RunFolder, config: dict[str, Any]) ->
 
 def rest_table(result: RestResult, report: Report) -> None:
     """Print the vibration at rest."""
-    rows = [
-        ("motors off, RMS", result.rest.off_rms),
-        ("motors on, RMS", result.rest.on_rms),
-        ("motors on, exceeded by 0.3 %", result.rest.on_level),
-    ]
-    table = [(name, *map(float, values)) for name, values in rows]
-    report.table("Acceleration at rest [m/s²]", ["", *"xyz"], table)
+    names = ("motors off, RMS", "motors on, RMS", "motors on, exceeded by 0.3 %")
+    levels = (result.rest.off_rms, result.rest.on_rms, result.rest.on_level)
+    rows = [(name, *map(float, values)) for name, values in zip(names, levels, strict=True)]
+    report.table("Acceleration at rest [m/s²]", ["", *"xyz"], rows)

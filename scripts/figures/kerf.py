@@ -1,13 +1,13 @@
-"""`kerf.png`: the sheet after the cut, and the hole's edge over the arc length; from arrays."""
+"""`kerf.png`: the sheet after the cut, and the hole's edge over the arc length."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from armside.arrays import Array
+from armside.sim.evaluation.kerf import Kerf
 
 from .laser import COLORS, INK, REFERENCE, new_figure, save
 
@@ -17,38 +17,15 @@ WIDTH, STRIP = 9.6, 2.2
 """Width of the figure and height of the plot of the edge [inch]."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CutEdges:
-    """Edges of one cut."""
-
-    k: int
-    """Iteration."""
-    outer: Array
-    """(M, 2) [m], edge of the hole."""
-    inner: Array
-    """(M, 2) [m], edge of the piece cut out."""
-    deviation: Array
-    """(M,) [m], deviation of the hole's edge from the programmed one."""
-    roundness: float
-    """[m]."""
-
-
-def kerf(
-    file: Path,
-    programmed: Array,
-    arc_length: Array,
-    cuts: Sequence[CutEdges],
-    *,
-    beam: float,
-    measure: str = "roundness",
-) -> None:
+def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness") -> None:
     """Sheet after each cut, a panel per cut, to scale; below, the edges over the arc length.
 
-    programmed: (M, 2) [m], contour of the beam's centre. arc_length: (M,) [m], along it.
-    beam: its diameter [m]. measure: name of the width of the edge's band.
-    Points that are not finite leave a gap.
+    cuts: iteration and edges, all of the same points of one contour and of one beam.
+    measure: name of the width of the edge's band. Points that are not finite leave a gap.
     """
-    edges = np.concatenate([cut.outer for cut in cuts] + [programmed])
+    arc_length, beam = cuts[0][1].arc_length, cuts[0][1].beam
+    programmed = cuts[0][1].curve.point(arc_length)
+    edges = np.concatenate([cut.edge(cut.outer) for _, cut in cuts] + [programmed])
     reach = MARGIN * 1e3 * np.nanmax(np.abs(np.where(np.isfinite(edges), edges, np.nan)), axis=0)
     columns = max(2, len(cuts))
     panel = (WIDTH * 0.92 / columns - 0.4) * reach[1] / reach[0]
@@ -59,33 +36,31 @@ def kerf(
     grid.update(bottom=0.55 / height, top=1.0 - 0.6 / height)
     title = f"Cut with a beam of {beam * 1e3:g} mm, true to scale"
     figure.suptitle(title, x=0.02, y=1.0 - 0.15 / height, ha="left", va="top")
-    for column, cut in enumerate(cuts):
+    for column, (k, cut) in enumerate(cuts):
         axes = figure.add_subplot(grid[0, column])
         _sheet(axes, programmed, cut)
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
-        axes.set_title(f"k = {cut.k}    {measure} {cut.roundness * 1e6:.0f} µm", fontsize=9)
-        axes.set_xlabel("x [mm]")
-        axes.set_ylabel("y [mm]" if column == 0 else "")
+        axes.set_title(f"k = {k}    {measure} {cut.roundness * 1e6:.0f} µm", fontsize=9)
+        axes.set(xlabel="x [mm]", ylabel="y [mm]" if column == 0 else "")
     edge_axes = figure.add_subplot(grid[1, :])
-    for cut, color in zip(cuts, (COLORS[1], COLORS[0], *COLORS[2:]), strict=False):
-        label = f"k = {cut.k}"
-        edge_axes.plot(arc_length * 1e3, cut.deviation * 1e6, color=color, lw=1.3, label=label)
+    for (k, cut), color in zip(cuts, (COLORS[1], COLORS[0], *COLORS[2:]), strict=False):
+        style = {"color": color, "lw": 1.3, "label": f"k = {k}"}
+        edge_axes.plot(arc_length * 1e3, cut.hole_deviation * 1e6, **style)
     edge_axes.axhline(0.0, color=REFERENCE, lw=1.0)
     edge_axes.set_title("Edge of the hole over the arc length", loc="left", fontsize=10)
-    edge_axes.set_xlabel("arc length [mm]")
-    edge_axes.set_ylabel("deviation outwards [µm]")
+    edge_axes.set(xlabel="arc length [mm]", ylabel="deviation outwards [µm]")
     edge_axes.set_xlim(0.0, float(arc_length[-1]) * 1e3)
     edge_axes.grid(True, color="#DDDDDD", lw=0.6)
-    edge_axes.legend(
-        frameon=False, ncols=len(cuts), fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0)
-    )
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+    edge_axes.legend(frameon=False, ncols=len(cuts), fontsize=8, **place)
     save(figure, file)
 
 
-def _sheet(axes: Axes, programmed: Array, cut: CutEdges) -> None:
+def _sheet(axes: Axes, programmed: Array, cut: Kerf) -> None:
     """Draw the sheet, the kerf and the piece within it."""
     axes.set_facecolor(SHEET)
-    for edge, color in ((cut.outer, GAP), (cut.inner, PIECE)):
+    for offset, color in ((cut.outer, GAP), (cut.inner, PIECE)):
+        edge = cut.edge(offset)
         whole = edge[np.isfinite(edge).all(axis=1)] * 1e3
         axes.fill(*whole.T, color=color, lw=0.0)
     closed = np.vstack([programmed, programmed[:1]]) * 1e3

@@ -1,5 +1,6 @@
 """Files and tables of `armside laser`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,126 +24,69 @@ def write(
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
 
+    from . import kerf as kerf_figure
     from . import laser as figures
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     runs = [
         RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations
     ]
-    config = outcome["config"]
+    config, rows, curve = outcome["config"], outcome["iterations"], experiment.cut.curve
     motion, model = experiment.motion, experiment.loaded.model
-    write_signals(
-        folder / "signals.parquet",
-        runs,
-        config=config,
-        seed=config["seed"],
-        motion=motion,
-        gear=model.drives.gear,
-    )
+    about: dict[str, Any] = {"config": config, "seed": config["seed"], "gear": model.drives.gear}
+    write_signals(folder / "signals.parquet", runs, motion=motion, **about)
     write_robot(folder / "robot.xml", experiment.nominal.parsed())
     write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
-    rows = outcome["iterations"]
-    curve = experiment.cut.curve
-    figures.circles(
-        folder / "circles.png",
-        curve.point(np.linspace(0.0, curve.length, 361)),
-        [it.tool.path for it in iterations],
-        rms=[row["arm_rms"] for row in rows],
-        maxdev=[row["arm_maxdev"] for row in rows],
+    motor, rms, maxdev = (
+        [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
     )
-    figures.errors(
-        folder / "errors.png",
-        np.array([row["motor_inf_normalised"] for row in rows]),
-        [row["arm_rms"] for row in rows],
-        [row["arm_maxdev"] for row in rows],
-        motor_label="motor error, ∞-norm, normalised",
-    )
-    _draw_kerf(folder / "kerf.png", experiment, iterations, outcome["kerf"])
-
-
-def _draw_kerf(
-    file: Path, experiment: Experiment, iterations: list[Iteration], measures: dict[str, Any]
-) -> None:
-    """The first cut and the last, as the tool truly made them."""
-    from . import kerf as kerf_figure
-
-    beam, curve = measures["beam"], experiment.cut.curve
+    reference = curve.point(np.linspace(0.0, curve.length, 361))
+    paths = [it.tool.path for it in iterations]
+    figures.circles(folder / "circles.png", reference, paths, rms=rms, maxdev=maxdev)
+    label = "motor error, ∞-norm, normalised"
+    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, motor_label=label)
+    # The first cut and the last, as the tool truly made them.
     shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
-    cuts = [(it.k, kerf(curve, it.tool_true.path, beam)) for it in shown]
-    kerf_figure.kerf(
-        file,
-        curve.point(cuts[0][1].arc_length),
-        cuts[0][1].arc_length,
-        [
-            kerf_figure.CutEdges(
-                k=k,
-                outer=cut.edge(cut.outer),
-                inner=cut.edge(cut.inner),
-                deviation=cut.hole_deviation,
-                roundness=cut.roundness,
-            )
-            for k, cut in cuts
-        ],
-        beam=beam,
-        measure="roundness" if isinstance(curve, Circle) else "band of the edge",
-    )
+    cuts = [(it.k, kerf(curve, it.tool_true.path, outcome["kerf"]["beam"])) for it in shown]
+    measure = "roundness" if isinstance(curve, Circle) else "band of the edge"
+    kerf_figure.kerf(folder / "kerf.png", cuts, measure)
 
 
 def show(report: Report, outcome: dict[str, Any], path: Path) -> None:
-    motors = [f"motor {i}" for i in range(1, 7)]
-    rows = outcome["iterations"]
-    report.table(
-        "Raw: largest motor error [mrad of the motor shaft], tool deviation [µm]",
-        ["k", *motors, "arm RMS", "arm max"],
-        [
-            [
-                row["k"],
-                *(1e3 * x for x in row["motor_inf"]),
-                1e6 * row["arm_rms"],
-                1e6 * row["arm_maxdev"],
-            ]
+    rows, kerf, iso = outcome["iterations"], outcome["kerf"], outcome["iso"]
+    columns = ["k", *(f"motor {i}" for i in range(1, 7)), "arm RMS", "arm max"]
+    for title, suffix, mrad, microns in (
+        ("Raw: largest motor error [mrad of the motor shaft], tool deviation [µm]", "", 1e3, 1e6),
+        ("Normalised by the largest at k = 0: thesis (9.5), (9.8), (9.9)", "_normalised", 1, 1),
+    ):
+        motor, tool = f"motor_inf{suffix}", (f"arm_rms{suffix}", f"arm_maxdev{suffix}")
+        cells = [
+            [row["k"], *_times(mrad, row[motor]), *_times(microns, [row[name] for name in tool])]
             for row in rows
-        ],
-    )
-    report.table(
-        "Normalised by the largest at k = 0: thesis (9.5), (9.8), (9.9)",
-        ["k", *motors, "arm RMS", "arm max"],
-        [
-            [
-                row["k"],
-                *row["motor_inf_normalised"],
-                row["arm_rms_normalised"],
-                row["arm_maxdev_normalised"],
-            ]
-            for row in rows
-        ],
-    )
-    kerf, iso = outcome["kerf"], outcome["iso"]
+        ]
+        report.table(title, columns, cells)
+    edges = kerf["hole_roundness_true"], kerf["widest_true"]
+    accuracy = iso["path_accuracy"], iso["path_accuracy_in_plane"]
     report.table(
         f"Cut edge with a beam of {1e3 * kerf['beam']:g} mm, and path accuracy as ISO 9283 [µm]",
         ["k", "hole roundness", "widest kerf", "AT_p", "AT_p in the plane"],
         [
-            [row["k"], *(None if x is None else 1e6 * x for x in values)]
-            for row, *values in zip(
-                rows,
-                kerf["hole_roundness_true"],
-                kerf["widest_true"],
-                iso["path_accuracy"],
-                iso["path_accuracy_in_plane"],
-                strict=True,
-            )
+            [row["k"], *_times(1e6, values)]
+            for row, *values in zip(rows, *edges, *accuracy, strict=True)
         ],
     )
     if iso["repetitions"]:
-        report.line(
-            f"Path repeatability RT_p of {iso['repetitions']} runs: "
-            f"{_microns(iso['path_repeatability'])} tracked, "
-            f"{_microns(iso['path_repeatability_true'])} true"
-        )
+        tracked, true = iso["path_repeatability"], iso["path_repeatability_true"]
+        of_runs = f"Path repeatability RT_p of {iso['repetitions']} runs"
+        report.line(f"{of_runs}: {_microns(tracked)} tracked, {_microns(true)} true")
     if outcome["loop_error"]:
         report.line(f"The linkage opened by {1e6 * outcome['loop_error']:.3f} µm at most")
     report.line(f"Results in {path}")
     report.summary(outcome)
+
+
+def _times(factor: float, values: Sequence[float | None]) -> list[float | None]:
+    return [None if x is None else factor * x for x in values]
 
 
 def _microns(value: float | None) -> str:

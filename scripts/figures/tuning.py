@@ -54,13 +54,10 @@ def history(file: Path, outcomes: Sequence[Outcome], *, sensor: str) -> None:
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel("trial")
-    axes.set_ylabel("RMS of the tool, after learning / before")
-    legend = axes.legend(
-        loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=COLUMNS, frameon=False, fontsize=8
-    )
-    rows = -(-len(legend.get_texts()) // COLUMNS)
-    top = 1.0 - (0.2 + 0.2 * rows) / HEIGHT
+    axes.set(xlabel="trial", ylabel="RMS of the tool, after learning / before")
+    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
+    legend = axes.legend(**place, frameon=False, fontsize=8)
+    top = 1.0 - (0.2 + 0.2 * -(-len(legend.get_texts()) // COLUMNS)) / HEIGHT
     figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=top)
     save(figure, file)
 
@@ -70,15 +67,13 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
 
     found: `Importance` of each as a mapping, the largest first.
     """
-    names = list(found)[::-1]
-    height = 1.4 + 0.28 * len(names)
+    names, height = list(found)[::-1], 1.4 + 0.28 * len(found)
     figure = new_figure(7.0, height)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.35 / height)
-    significant = [found[name]["share"] > found[name]["by_chance"] for name in names]
-    colors = [COLORS[0] if one else REFERENCE for one in significant]
-    axes.barh(names, [found[name]["share"] for name in names], color=colors)
-    chance = [found[name]["by_chance"] for name in names]
+    share, chance = ([found[name][key] for name in names] for key in ("share", "by_chance"))
+    colors = [COLORS[0] if s > c else REFERENCE for s, c in zip(share, chance, strict=True)]
+    axes.barh(names, share, color=colors)
     axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
     axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
     axes.set_xlabel("importance (PED-ANOVA); grey: not above chance")

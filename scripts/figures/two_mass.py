@@ -6,14 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from armside.ilc import analysis
 from armside.ilc import two_mass_study as study
-from armside.ilc.analysis import (
-    frequency_grid,
-    hertz,
-    heuristic_criterion,
-    largest_cutoff,
-    largest_gamma,
-)
+from armside.ilc.analysis import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.sim.evaluation.check import Table
 
@@ -72,11 +67,8 @@ def reference(file: Path, seed: int) -> Table:
     axes.set_xlim(0.5, 2.5)
     finish(file, grid, "time [s]", titles=["Arm reference"], legends=[0])
     moving = np.flatnonzero(speed)
-    rows = [
-        ("move from [s]", t[moving[0]]),
-        ("to [s]", t[moving[-1]]),
-        ("largest speed [rad/s]", speed.max()),
-    ]
+    rows = [("move from [s]", t[moving[0]]), ("to [s]", t[moving[-1]])]
+    rows.append(("largest speed [rad/s]", speed.max()))
     return Table("Fig 8.4: arm reference", ("", "value"), rows)
 
 
@@ -95,7 +87,7 @@ def tracking(file: Path, seed: int) -> Table:
         axes.plot(t, q, label=f"$q_{side[0]}$")
         axes.set_xlim(0.5, 4.0)
         goal = 5.0 if side == "motor" else 1.0
-        rows.append((side, norms[0], _largest(r - q), _overshoot(q, goal), float(r[-1, 0])))
+        rows.append((side, norms[0], *_extremes(r, q, goal), float(r[-1, 0])))
     titles = ("Motor side", "Arm side")
     finish(file, grid, "time [s]", "angle [rad]", titles=titles, legends=[0, 1])
     errors = ("2-norm of the error [rad]", "largest error [rad]", "overshoot [rad]")
@@ -115,7 +107,7 @@ def criterion_curves(file: Path, seed: int) -> Table:
         axes.semilogx(f, decibel(result.learning), label=f"δ = {delta}")
         worst = float(hertz(result.limiting_omega, T_S))
         met = [heuristic_criterion(T_u, study.GAMMA, delta, q, omega).is_met for q in Q.values()]
-        edge = largest_cutoff(T_u, study.GAMMA, delta)
+        edge = analysis.largest_cutoff(T_u, study.GAMMA, delta)
         answers = ("yes" if each else "no" for each in met)
         rows.append((delta, float(decibel(result.contraction)), worst, edge, *answers))
     for cutoff in FILTERS:
@@ -144,7 +136,7 @@ def gamma_maps(file: Path, seed: int) -> Table:
     rows = []
     for axes, side in zip(grid, THESIS_SHIFT, strict=True):
         T_u = LOOP.T_motor if side == "motor" else LOOP.T_arm
-        gain = largest_gamma(T_u, shifts, cutoffs)
+        gain = analysis.largest_gamma(T_u, shifts, cutoffs)
         weighted = gain * T_u.static_gain
         axes.pcolormesh(shifts, cutoffs, weighted.T, vmin=0.0, vmax=2.0, cmap="viridis")
         best = weighted.argmax(axis=0)
@@ -190,10 +182,8 @@ def learning_curves(file: Path, seed: int) -> Table:
 
 def model_error(file: Path, seed: int) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
-    runs = {
-        "ideal model": study.learned(17.0),
-        "model error": study.learned(17.0, stiffness_factor=2.0),
-    }
+    runs = {"ideal model": study.learned(17.0)}
+    runs["model error"] = study.learned(17.0, stiffness_factor=2.0)
     grid = panels(9.6, 4.0, 1, 2, sharey=True)
     rows = []
     for axes, side in zip(grid, ("motor", "arm"), strict=True):
@@ -227,16 +217,13 @@ def signals(file: Path, seed: int, *, side: str, title: str, **changes: Any) -> 
     rows = []
     for k, trial in runs.kept.items():
         q = getattr(trial.result, side)
-        rows.append((k, getattr(runs, side)[k], _largest(r - q), _overshoot(q, float(r[-1, 0]))))
+        rows.append((k, getattr(runs, side)[k], *_extremes(r, q, float(r[-1, 0]))))
     return Table(title, ("k", "2-norm [rad]", "largest error [rad]", "overshoot [rad]"), rows)
 
 
-def _largest(error: Any) -> float:
-    return float(np.abs(error).max())
-
-
-def _overshoot(signal: Any, goal: float) -> float:
-    return float(np.max(signal) - goal)
+def _extremes(r: Any, q: Any, goal: float) -> tuple[float, float]:
+    """Largest error, and overshoot."""
+    return float(np.abs(r - q).max()), float(np.max(q) - goal)
 
 
 FIGURES = {

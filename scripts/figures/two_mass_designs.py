@@ -33,8 +33,7 @@ def nyquist(file: Path, seed: int) -> Table:
         for delta in (0, 2, 4, 6):
             curve = shift_response(study.GAMMA, delta, omega) * T_u.response(omega)
             axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
-        axes.set_aspect("equal")
-        axes.set_xlabel("real part of LTᵤ")
+        axes.set(aspect="equal", xlabel="real part of LTᵤ")
     grid[0].set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
     grid[1].set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
     grid[0].set_title("Inside the circle, a frequency is learned", loc="left")
@@ -92,8 +91,7 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
 def algorithms(file: Path, seed: int) -> Table:
     """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
     (axes,) = grid = panels(7.0, 4.0)
-    rows = []
-    plant = study.learned(17.0).plant
+    rows, plant = [], study.learned(17.0).plant
     for name, law in study.algorithms().items():
         norms = study.run(plant, law, 100).motor
         axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
@@ -120,8 +118,7 @@ def robustness(file: Path, seed: int) -> Table:
     left.set(xlabel="stiffness k, times nominal", ylabel="motor inertia Jₘ, times nominal")
     left.set_title("Worst |Q(1 − LTᵤ)|; line: 1", loc="left")
     left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
-    rows = []
-    rng = np.random.default_rng(seed)
+    rows, rng = [], np.random.default_rng(seed)
     for spread in (0.2, 0.5, 1.0):
         sampled = monte_carlo(LOOP, LAW, spread, 200, rng)
         x = np.sort(sampled.contraction)

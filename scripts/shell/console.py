@@ -5,16 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from rich import progress as bars
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
 from rich.text import Text
 
@@ -41,28 +33,23 @@ class Report:
     @contextmanager
     def progress(self, task: str, total: int) -> Iterator[Callable[[], None]]:
         """A progress bar while the block runs; call what it yields after each of `total` steps."""
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-        with self._bar(*columns, TimeElapsedColumn()) as bar:
+        columns = (bars.TextColumn("{task.description}"), bars.BarColumn())
+        with self._bar(*columns, bars.MofNCompleteColumn(), bars.TimeElapsedColumn()) as bar:
             task_id = bar.add_task(task, total=total)
             yield lambda: bar.advance(task_id)
 
     @contextmanager
     def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
         """As `progress`, for steps of unequal weight; shows the time that is left."""
-        columns = (TextColumn("{task.description} {task.percentage:3.0f} %"), BarColumn())
-        with self._bar(*columns, TimeRemainingColumn(elapsed_when_finished=True)) as bar:
+        columns = (bars.TextColumn("{task.description} {task.percentage:3.0f} %"), bars.BarColumn())
+        with self._bar(*columns, bars.TimeRemainingColumn(elapsed_when_finished=True)) as bar:
             task_id = bar.add_task(task, total=total)
             yield lambda weight: bar.advance(task_id, weight)
 
-    def _bar(self, *columns: ProgressColumn) -> Progress:
-        shown = sys.stderr.isatty() and not self.common.quiet
-        console = Console(file=sys.stderr)
-        return Progress(
-            *columns,
-            console=console,
-            disable=not shown,
-            transient=True,
-            speed_estimate_period=120.0,
+    def _bar(self, *columns: bars.ProgressColumn) -> bars.Progress:
+        hidden, console = self.common.quiet or not sys.stderr.isatty(), Console(file=sys.stderr)
+        return bars.Progress(
+            *columns, console=console, disable=hidden, transient=True, speed_estimate_period=120.0
         )
 
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:

@@ -13,15 +13,9 @@ def install(extra: str) -> str:
 
 @contextmanager
 def needs(extra: str, user: str, package: str) -> Iterator[None]:
-    """Import packages of an extra in this block.
+    """Import packages of an extra in this block; InputError where one of them is not installed.
 
-    Args:
-        extra: name of the extra that brings them.
-        user: what cannot do without, such as "armside tune".
-        package: their name as people write it, such as "Optuna".
-
-    Raises:
-        InputError: one of them is not installed.
+    user: what cannot do without, such as "armside tune". package: as people write it: "Optuna".
     """
     try:
         yield

@@ -54,11 +54,8 @@ class Page:
         """Addresses that the page asked for and got an answer from, since the last call."""
         entries = _ask(f"{self._address}/se/log", {"type": "performance"})
         messages = [json.loads(entry["message"])["message"] for entry in entries]
-        return [
-            m["params"]["response"]["url"]
-            for m in messages
-            if m["method"] == "Network.responseReceived"
-        ]
+        received = (m for m in messages if m["method"] == "Network.responseReceived")
+        return [m["params"]["response"]["url"] for m in received]
 
 
 @contextmanager
@@ -67,17 +64,15 @@ def page(
 ) -> Iterator[Page]:
     """Open an address in a browser of its own; it is closed when the block ends.
 
-    Raises:
-        OSError: there is no such driver, or it does not start.
+    Raises OSError where there is no such driver, or it does not start.
     """
-    command = [driver, "--port=0"]
     wanted = {
         "browserName": "chrome",
         "goog:chromeOptions": {"args": [*ARGUMENTS, f"--window-size={width},{height}"]},
         "goog:loggingPrefs": {"performance": "ALL"},
     }
     out, err = subprocess.PIPE, subprocess.DEVNULL
-    with subprocess.Popen(command, stdout=out, stderr=err, text=True) as process:
+    with subprocess.Popen([driver, "--port=0"], stdout=out, stderr=err, text=True) as process:
         try:
             base = f"http://127.0.0.1:{_port(process)}"
             opened = _ask(f"{base}/session", {"capabilities": {"alwaysMatch": wanted}})
@@ -103,9 +98,8 @@ def _port(process: subprocess.Popen[str]) -> int:
 
 def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = None) -> Any:
     data = None if body is None else json.dumps(body).encode()
-    request = urllib.request.Request(
-        address, data, {"Content-Type": "application/json"}, method=method
-    )
+    headers = {"Content-Type": "application/json"}
+    request = urllib.request.Request(address, data, headers, method=method)
     try:
         with urllib.request.urlopen(request, timeout=ANSWER) as answer:
             return json.load(answer)["value"]

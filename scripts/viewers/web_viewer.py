@@ -15,7 +15,6 @@ import time
 import urllib.request
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import IO
@@ -33,14 +32,8 @@ POLICY = (
 )
 START = 30.0
 """Longest wait for Rerun to start [s]."""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Answer for one address."""
-
-    content: bytes
-    headers: Mapping[str, str]
+Answer = tuple[bytes, Mapping[str, str]]
+"""Content and headers of the answer for one address."""
 
 
 def rerun_program() -> str:
@@ -60,15 +53,13 @@ def private_environment(telemetry: bool) -> Iterator[dict[str, str]]:
         yield dict(os.environ)
         return
     with tempfile.TemporaryDirectory(prefix="armside-rerun-") as folder:
-        home = Path(folder)
-        (home / "rerun").mkdir()
-        data = home / "data"
-        settings = home / "rerun" / "analytics.json"
+        settings, data = Path(folder) / "rerun" / "analytics.json", f"{folder}/data"
+        settings.parent.mkdir()
         settings.write_text(
             '{"analytics_enabled": false, "analytics_id": "", "metadata": {}, '
             f'"config_file_path": "{settings}", "data_dir_path": "{data}"}}'
         )
-        yield os.environ | {"XDG_CONFIG_HOME": str(home), "XDG_DATA_HOME": str(data)}
+        yield os.environ | {"XDG_CONFIG_HOME": folder, "XDG_DATA_HOME": data}
 
 
 def viewer_pages(replay: Path) -> dict[str, Answer]:
@@ -103,7 +94,7 @@ def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
 def _read(address: str) -> Answer:
     with urllib.request.urlopen(address, timeout=START) as answer:
         headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
-        return Answer(answer.read(), headers)
+        return answer.read(), headers
 
 
 class WebViewer:
@@ -119,14 +110,13 @@ class WebViewer:
         try:
             self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(pages, telemetry))
         except OSError as error:
-            raise InputError(
-                f"port {port} is in use or not allowed ({error.strerror}); "
-                f"choose another with --port, or 0 for any free one"
-            ) from error
+            advice = "choose another with --port, or 0 for any free one"
+            text = f"port {port} is in use or not allowed ({error.strerror}); {advice}"
+            raise InputError(text) from error
         try:
             pages.update(viewer_pages(replay))
             headers = {"Content-Type": "application/octet-stream"}
-            pages["/replay.rrd"] = Answer(replay.read_bytes(), headers)
+            pages["/replay.rrd"] = replay.read_bytes(), headers
         except BaseException:
             self._server.server_close()
             raise
@@ -149,16 +139,11 @@ class WebViewer:
 
 
 def serve(replay: Path, say: Callable[[str], None], *, port: int, telemetry: bool) -> None:
-    """Serve the web viewer until Ctrl-C.
-
-    say: prints the address, and the end.
-    """
+    """Serve the web viewer until Ctrl-C. say: prints the address, and the end."""
     viewer = WebViewer(replay, port=port, telemetry=telemetry)
     # A shell that starts us in the background sets Ctrl-C to be ignored.
-    before = {
-        ending: signal.signal(ending, signal.default_int_handler)
-        for ending in (signal.SIGINT, signal.SIGTERM)
-    }
+    endings, end = (signal.SIGINT, signal.SIGTERM), signal.default_int_handler
+    before = {ending: signal.signal(ending, end) for ending in endings}
     try:
         say(f"Open {viewer.address} in a browser on this machine; Ctrl-C ends")
         sys.stdout.flush()
@@ -188,14 +173,14 @@ def _handler(pages: Mapping[str, Answer], telemetry: bool) -> type[BaseHTTPReque
                 self.send_error(404)
 
         def _answer(self, page: Answer) -> None:
+            content, headers = page
             self.send_response(200)
-            for name, value in page.headers.items():
+            for name, value in {**headers, "Content-Length": str(len(content))}.items():
                 self.send_header(name, value)
-            self.send_header("Content-Length", str(len(page.content)))
             if not telemetry:
                 self.send_header("Content-Security-Policy", POLICY)
             self.end_headers()
-            self.wfile.write(page.content)
+            self.wfile.write(content)
 
         def log_message(self, format: str, *args: object) -> None:
             """Log nothing."""

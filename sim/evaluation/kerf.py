@@ -42,7 +42,9 @@ class Kerf:
 
     @property
     def hole_deviation(self) -> Array:
-        """(M,) [m], deviation of the hole's edge from the programmed edge, best fit."""
+        """(M,) [m], deviation of the hole's edge from the programmed one, fitted; NaN with gaps."""
+        if not np.isfinite(self.outer).all():
+            return np.full_like(self.outer, np.nan)
         # The programmed edge lies half a beam outside the contour: subtracted along the normals.
         shifted = self.edge(self.outer - 0.5 * self.beam)
         return fit(self.curve, shifted).deviation
@@ -54,8 +56,6 @@ class Kerf:
         For a circle: largest minus smallest distance from the least-squares centre. NaN where the
         path has gaps.
         """
-        if not np.isfinite(self.outer).all():
-            return float("nan")
         return float(np.ptp(self.hole_deviation))
 
 

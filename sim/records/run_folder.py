@@ -9,7 +9,6 @@ import shutil
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from types import TracebackType
 
 from .atomic import staging
 from .errors import InputError
@@ -61,8 +60,7 @@ class RunFolder:
         if out is not None:
             check_destination(out)
         self._fixed = out is not None
-        stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-        self.path = out or RUNS / f"{experiment}-{stamp}-{seed}"
+        self.path = out or RUNS / f"{experiment}-{datetime.now():%Y%m%d-%H%M%S}-{seed}"
 
     def __enter__(self) -> "RunFolder":
         target = self.path.resolve()
@@ -75,12 +73,7 @@ class RunFolder:
         """Path of the file `name` while the block runs."""
         return self._staging / name
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
         try:
             if error is None:
                 self._publish()
@@ -89,15 +82,12 @@ class RunFolder:
 
     def _publish(self) -> None:
         """Rename to the destination; two default names of one second differ by a suffix."""
-        if self._fixed:
-            self._staging.rename(self.path.resolve())
-            return
         first = self.path
         for n in count(2):
             try:
                 self._staging.rename(self.path.resolve())
                 return
             except OSError:
-                if not self.path.exists():
+                if self._fixed or not self.path.exists():
                     raise
                 self.path = first.with_name(f"{first.name}-{n}")

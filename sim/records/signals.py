@@ -29,22 +29,15 @@ from ..robot.recording import Recording, Truth
 from .atomic import atomic
 from .programmed_path import from_json, to_json
 
-AXES = tuple("123456")
 XYZ = tuple("xyz")
-WXYZ = tuple("wxyz")
-
-LOG = {
-    "reference": ("rad", AXES),
-    "correction": ("rad", AXES),
-    "motor_angle": ("rad", AXES),
-    "motor_torque": ("N m", AXES),
-}
+ANGLES, TORQUES = ("rad", tuple("123456")), ("N m", tuple("123456"))
+LOG = dict.fromkeys(("reference", "correction", "motor_angle"), ANGLES) | {"motor_torque": TORQUES}
 TRUTH = {
-    "motor_angle": ("rad", AXES),
-    "flex_angle": ("rad", AXES),
-    "motor_torque": ("N m", AXES),
+    "motor_angle": ANGLES,
+    "flex_angle": ANGLES,
+    "motor_torque": TORQUES,
     "tool_position": ("m", XYZ),
-    "tool_quaternion": ("1", WXYZ),
+    "tool_quaternion": ("1", tuple("wxyz")),
     "imu_acceleration": ("m/s^2", XYZ),
     "imu_angular_velocity": ("rad/s", XYZ),
 }
@@ -93,19 +86,14 @@ def write_signals(
 ) -> None:
     """Write the runs to one file, whole or not at all. The same data gives the same bytes.
 
-    Args:
-        truth_rate: [Hz].
-        motion: programmed path, the same for all runs.
-        gear: (n,) gear ratios.
+    truth_rate: [Hz]. motion: programmed path, the same for all runs. gear: (n,) gear ratios.
 
-    Raises:
-        ValueError: no runs, an iteration twice, a truth rate that does not divide the record's, two
-            clocks that nearly agree, or a contour that cannot be stored.
+    Raises ValueError for no runs, an iteration twice, a truth rate that does not divide the
+    record's, two clocks that nearly agree, or a contour that cannot be stored.
     """
     ks = [run.k for run in runs]
     if not ks or len(set(ks)) != len(ks):
         raise ValueError(f"signals need one or more runs with different k, got k = {ks}")
-    tables = [_table(run, truth_rate) for run in runs]
     metadata = {
         "config": json.dumps(dict(config), sort_keys=True),
         "format": json.dumps(FORMAT),
@@ -118,34 +106,24 @@ def write_signals(
         metadata["path"] = json.dumps(to_json(motion))
     if gear is not None:
         metadata["gear"] = json.dumps(np.asarray(gear, dtype=np.float64).tolist())
-    table = pa.concat_tables(tables).replace_schema_metadata(
-        {f"armside.{key}": text for key, text in metadata.items()}
-    )
+    table = pa.concat_tables(_table(run, truth_rate) for run in runs)
+    table = table.replace_schema_metadata({f"armside.{k}": text for k, text in metadata.items()})
     floats = [field.name for field in table.schema if field.type == pa.float64()]
+    # Measured floats hardly repeat: no dictionary.
+    how: dict[str, Any] = {"use_dictionary": False, "use_byte_stream_split": floats}
     with atomic(path) as partial:
-        pq.write_table(
-            table,
-            partial,
-            compression="zstd",
-            use_dictionary=False,  # measured floats hardly repeat
-            use_byte_stream_split=floats,  # pyright: ignore[reportArgumentType]
-        )
+        pq.write_table(table, partial, compression="zstd", **how)
 
 
 def read_signals(path: Path) -> Signals:
-    """Runs of a file, bit for bit as written.
-
-    Raises:
-        ValueError: the file holds something else, or signals of another format.
-    """
+    """Runs of a file, bit for bit as written. Raises ValueError as `signals_of`."""
     return signals_of(pq.read_table(path), source=str(path))
 
 
 def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
     """Runs of a table with the columns and the metadata of `write_signals`.
 
-    Raises:
-        ValueError: the table holds something else, or signals of another format.
+    Raises ValueError where it holds something else, or signals of another format.
     """
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
     if "armside.config" not in metadata:
@@ -154,12 +132,9 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
-    runs = []
-    for k in table["k"].unique().to_pylist():
-        hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit[str(k)])
-        runs.append(_run(k, table.filter(pc.field("k") == k), hits))
+    ks = table["k"].unique().to_pylist()
     return Signals(
-        runs=tuple(runs),
+        runs=tuple(_run(k, table.filter(pc.field("k") == k), limits_hit[str(k)]) for k in ks),
         config=json.loads(metadata["armside.config"]),
         seed=json.loads(metadata["armside.seed"]),
         version=metadata["armside.version"],
@@ -169,7 +144,7 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
 
 
 def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
-    return TRUTH | {"qpos": ("rad or m", tuple(str(i) for i in range(n_qpos)))}
+    return TRUTH | {"qpos": ("rad or m", tuple(map(str, range(n_qpos))))}
 
 
 def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
@@ -181,20 +156,16 @@ def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
     blocks.append(("tracker", "1", ("valid",), tracker.time, tracker.valid[:, np.newaxis]))
     for name, of in _truth_blocks(truth.qpos.shape[1]).items():
         blocks.append((f"true_{name}", *of, truth.time, getattr(truth, name)))
-
     time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
         raise ValueError("sample times of log, truth and tracker must come from one grid of time")
-    fields = [
-        pa.field("k", pa.int32(), metadata={"unit": "1"}),
-        pa.field("time", pa.float64(), metadata={"unit": "s"}),
-    ]
-    columns = [pa.array(np.full(len(time), run.k, dtype=np.int32)), pa.array(time)]
+    columns = [("k", "1", pa.array(np.full(len(time), run.k, dtype=np.int32)))]
+    columns.append(("time", "s", pa.array(time)))
     for prefix, unit, suffixes, own_time, values in blocks:
         for suffix, column in zip(suffixes, _spread(time, own_time, values), strict=True):
-            fields.append(pa.field(f"{prefix}_{suffix}", column.type, metadata={"unit": unit}))
-            columns.append(column)
-    return pa.Table.from_arrays(columns, schema=pa.schema(fields))
+            columns.append((f"{prefix}_{suffix}", unit, column))
+    fields = [pa.field(name, of.type, metadata={"unit": unit}) for name, unit, of in columns]
+    return pa.Table.from_arrays([of for _, _, of in columns], schema=pa.schema(fields))
 
 
 def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:
@@ -215,30 +186,19 @@ def _rates(run: RecordedRun, truth_rate: float) -> dict[str, float]:
     return {name: round(rate, 6) for name, rate in rates.items()}
 
 
-def _run(k: int, table: pa.Table, limits_hit: tuple[tuple[str, int, float], ...]) -> RecordedRun:
+def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) -> RecordedRun:
     log = table.filter(pc.field("reference_1").is_valid())
     true = table.filter(pc.field("true_tool_position_x").is_valid())
     n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
-    truth = {
-        attribute: _stack(true, f"true_{attribute}", suffixes)
-        for attribute, (_, suffixes) in _truth_blocks(n_qpos).items()
-    }
-    signals = {
-        attribute: _stack(log, attribute, suffixes) for attribute, (_, suffixes) in LOG.items()
-    }
-    recording = Recording(
-        time=_numbers(log, "time"),
-        # The gear error is part of the stored angles already.
-        truth=Truth(
-            time=_numbers(true, "time"),
-            gear_angle=truth.pop("motor_angle"),
-            spring_angle=truth.pop("flex_angle"),
-            gear_error=EXACT,
-            **truth,
-        ),
-        limits_hit=limits_hit,
-        **signals,
-    )
+    blocks = _truth_blocks(n_qpos).items()
+    stored = {name: _stack(true, f"true_{name}", suffixes) for name, (_, suffixes) in blocks}
+    signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in LOG.items()}
+    # The gear error is part of the stored angles already.
+    angles = {"gear_angle": stored.pop("motor_angle"), "spring_angle": stored.pop("flex_angle")}
+    truth = Truth(time=_numbers(true, "time"), gear_error=EXACT, **angles, **stored)
+    time = _numbers(log, "time")
+    hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit)
+    recording = Recording(time=time, truth=truth, limits_hit=hits, **signals)
     return RecordedRun(k=k, recording=recording, tracker=_tracker(table))
 
 
@@ -246,11 +206,8 @@ def _tracker(table: pa.Table) -> TrackerSamples | None:
     samples = table.filter(pc.field("tracker_valid").is_valid())
     if samples.num_rows == 0:
         return None
-    return TrackerSamples(
-        time=_numbers(samples, "time"),
-        position=_stack(samples, "tracker", XYZ),
-        valid=samples["tracker_valid"].to_numpy(),
-    )
+    position, valid = _stack(samples, "tracker", XYZ), samples["tracker_valid"].to_numpy()
+    return TrackerSamples(time=_numbers(samples, "time"), position=position, valid=valid)
 
 
 def _numbers(table: pa.Table, name: str) -> Array:

@@ -39,8 +39,7 @@ class StoredRun:
 
     @property
     def _writer(self) -> str:
-        made = self.summary["config"].get("versions", {}).get("armside", "an unknown version")
-        return f"`{self.experiment}` of armside {made}"
+        return f"`{self.experiment}` of armside {_version(self.summary)}"
 
     @cached_property
     def signals(self) -> "Signals":
@@ -56,9 +55,8 @@ class StoredRun:
     def path(self) -> "ToolMotion":
         """Programmed tool motion. Raises InputError for a run that has none."""
         if self.signals.path is None:
-            raise InputError(
-                f"{self.folder} holds no programmed path: {self._writer} stored none; run it again"
-            )
+            missing = f"no programmed path: {self._writer} stored none; run it again"
+            raise InputError(f"{self.folder} holds {missing}")
         return self.signals.path
 
     @cached_property
@@ -70,11 +68,7 @@ class StoredRun:
 
 
 def read_run(folder: str | PathLike[str]) -> StoredRun:
-    """Open the folder of a run.
-
-    Raises:
-        InputError: no such folder, no run in it, or one of another format.
-    """
+    """Open the folder of a run. Raises InputError for no run, or one of another format."""
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder} is no folder; give the folder of a run, such as runs/laser-...")
@@ -89,9 +83,10 @@ def read_run(folder: str | PathLike[str]) -> StoredRun:
         raise InputError(f"{file} is no summary of a run")
     found = summary.get("format", 0)
     if found != FORMAT:
-        made = summary["config"].get("versions", {}).get("armside", "an unknown version")
-        raise InputError(
-            f"{folder} was written by armside {made} in format {found}, this one reads {FORMAT}; "
-            f"run it again"
-        )
+        formats = f"in format {found}, this one reads {FORMAT}; run it again"
+        raise InputError(f"{folder} was written by armside {_version(summary)} {formats}")
     return StoredRun(folder, summary)
+
+
+def _version(summary: dict[str, Any]) -> str:
+    return summary["config"].get("versions", {}).get("armside", "an unknown version")

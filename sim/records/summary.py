@@ -46,9 +46,7 @@ def plain(value: Any) -> Any:
         return str(value)
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def dumps(value: Any) -> str:

@@ -35,10 +35,8 @@ STREAMS = ("tracker", "true")
 def read_table(file: Path) -> pa.Table:
     """Table in a file, of the kind that its suffix names.
 
-    Raises:
-        ValueError: an unknown suffix, or a file that holds no table.
-        InputError: HDF5 without h5py.
-        OSError: the file cannot be read.
+    Raises ValueError for an unknown suffix or a file that holds no table, InputError for HDF5
+    without h5py, OSError where the file cannot be read.
     """
     return _of_kind(READERS, file)(file)
 
@@ -46,9 +44,7 @@ def read_table(file: Path) -> pa.Table:
 def write_table(file: Path, table: pa.Table) -> None:
     """Write a table, whole or not at all, in the kind of file that the suffix names.
 
-    Raises:
-        ValueError: an unknown suffix.
-        InputError: HDF5 without h5py, MCAP without mcap.
+    Raises ValueError for an unknown suffix, InputError for HDF5 without h5py, MCAP without mcap.
     """
     write = _of_kind(WRITERS, file)
     with atomic(file) as partial:
@@ -78,10 +74,8 @@ def _metadata(table: pa.Table) -> dict[str, str]:
 
 def _table(columns: Mapping[str, pa.Array], metadata: Mapping[str, str]) -> pa.Table:
     unit = json.loads(metadata.get("units", "{}"))
-    fields = [
-        pa.field(name, array.type, metadata={"unit": unit[name]} if name in unit else None)
-        for name, array in columns.items()
-    ]
+    of = {name: {"unit": unit[name]} if name in unit else None for name in columns}
+    fields = [pa.field(name, array.type, metadata=of[name]) for name, array in columns.items()]
     own = {key: text for key, text in metadata.items() if key != "units"}
     return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields, metadata=own))
 
@@ -103,11 +97,9 @@ def _read_csv(file: Path) -> pa.Table:
             metadata[key] = value.rstrip("\r")
     try:
         names = text.split(b"\n", 1)[0].decode().strip().split(",")
-        convert = pacsv.ConvertOptions(
-            column_types={name: pa.float64() for name in names} | TYPES,
-            null_values=[""],
-            strings_can_be_null=True,
-        )
+        types = dict.fromkeys(names, pa.float64()) | TYPES
+        nulls: dict[str, Any] = {"null_values": [""], "strings_can_be_null": True}
+        convert = pacsv.ConvertOptions(column_types=types, **nulls)
         table = pacsv.read_csv(io.BytesIO(text), convert_options=convert)
     except (pa.ArrowInvalid, UnicodeDecodeError) as error:
         raise ValueError(f"{file.name} is no table of numbers: {error}") from error
@@ -116,10 +108,8 @@ def _read_csv(file: Path) -> pa.Table:
 
 def _as_floats(table: pa.Table) -> dict[str, Array]:
     """Columns with NaN for missing values."""
-    return {
-        name: table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
-        for name in table.column_names
-    }
+    floats = {name: table[name].cast(pa.float64()) for name in table.column_names}
+    return {name: column.to_numpy(zero_copy_only=False) for name, column in floats.items()}
 
 
 def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: Path) -> pa.Table:
@@ -133,20 +123,19 @@ def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: 
         raise ValueError(f"{file.name}: columns must be equally long, got {lengths}")
     arrays: dict[str, pa.Array] = {}
     for name, values in columns.items():
-        sampled = TRUTH_VALUE if name in TRACKER and TRUTH_VALUE in columns else name
-        missing = np.isnan(columns[sampled])
         if name == INTEGER:
             arrays[name] = pa.array(values.astype(np.int32))
-        else:
-            arrays[name] = pa.array(values == 1.0 if name == TRUTH_VALUE else values, mask=missing)
+            continue
+        sampled = TRUTH_VALUE if name in TRACKER and TRUTH_VALUE in columns else name
+        own = values == 1.0 if name == TRUTH_VALUE else values
+        arrays[name] = pa.array(own, mask=np.isnan(columns[sampled]))
     return _table(arrays, metadata)
 
 
 def _write_mat(file: Path, table: pa.Table) -> None:
     from scipy.io import savemat
 
-    content: dict[str, Any] = dict(_as_floats(table))
-    content["armside_metadata"] = json.dumps(_metadata(table))
+    content = _as_floats(table) | {"armside_metadata": json.dumps(_metadata(table))}
     with file.open("wb") as out:
         savemat(out, content, do_compression=True, oned_as="column")
 
@@ -157,9 +146,8 @@ def _read_mat(file: Path) -> pa.Table:
     try:
         content = loadmat(file, chars_as_strings=True)
     except NotImplementedError as error:
-        raise ValueError(
-            f"{file.name} is of MATLAB 7.3, which is HDF5; save it with -v7, or give it as .h5"
-        ) from error
+        text = "is of MATLAB 7.3, which is HDF5; save it with -v7, or give it as .h5"
+        raise ValueError(f"{file.name} {text}") from error
     metadata = json.loads(str(content.pop("armside_metadata", ["{}"])[0]))
     own = {name: values for name, values in content.items() if not name.startswith("__")}
     return _from_floats(own, metadata, file)
@@ -168,8 +156,7 @@ def _read_mat(file: Path) -> pa.Table:
 def _write_hdf5(file: Path, table: pa.Table) -> None:
     unit = units(table)
     with _package("h5py").File(file, "w", track_order=True) as out:
-        for key, text in _metadata(table).items():
-            out.attrs[key] = text
+        out.attrs.update(_metadata(table))
         for name, values in _as_floats(table).items():
             column = out.create_dataset(name, data=values, compression="gzip", shuffle=True)
             column.attrs["unit"] = unit.get(name, "")
@@ -178,7 +165,7 @@ def _write_hdf5(file: Path, table: pa.Table) -> None:
 def _read_hdf5(file: Path) -> pa.Table:
     with _package("h5py").File(file, "r", track_order=True) as content:
         metadata = {key: str(text) for key, text in content.attrs.items()}
-        return _from_floats(dict(content.items()), metadata, file)
+        return _from_floats(content, metadata, file)
 
 
 def _write_mcap(file: Path, table: pa.Table) -> None:
@@ -223,14 +210,8 @@ def _package(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        package = name.partition(".")[0]
-        raise InputError(
-            f"this kind of file needs the package {package}: pip install 'armside[convert]'"
-        ) from error
-
-
-def _write_parquet(file: Path, table: pa.Table) -> None:
-    pq.write_table(table, file, compression="zstd")
+        needed = f"the package {name.partition('.')[0]}: pip install 'armside[convert]'"
+        raise InputError(f"this kind of file needs {needed}") from error
 
 
 READERS: Mapping[str, Callable[[Path], pa.Table]] = {
@@ -241,7 +222,7 @@ READERS: Mapping[str, Callable[[Path], pa.Table]] = {
     ".hdf5": _read_hdf5,
 }
 WRITERS: Mapping[str, Callable[[Path, pa.Table], None]] = {
-    ".parquet": _write_parquet,
+    ".parquet": lambda file, table: pq.write_table(table, file, compression="zstd"),
     ".csv": _write_csv,
     ".mat": _write_mat,
     ".h5": _write_hdf5,

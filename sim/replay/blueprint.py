@@ -39,13 +39,15 @@ class Layout:
         """The path below this experiment's prefix."""
         return f"{self.name}/{path}" if self.name else path
 
+    def titled(self, title: str) -> str:
+        """The title of a view, with the name of this experiment."""
+        return f"{self.name}: {title}" if self.name else title
+
 
 def blueprint(layouts: Sequence[Layout]) -> rrb.Blueprint:
     """One experiment in three columns, several side by side."""
-    if len(layouts) == 1:
-        views = _alone(layouts[0])
-    else:
-        views = rrb.Horizontal(*(_column(layout) for layout in layouts))
+    several = len(layouts) > 1
+    views = rrb.Horizontal(*map(_column, layouts)) if several else _alone(layouts[0])
     return rrb.Blueprint(views, *panels())
 
 
@@ -61,7 +63,7 @@ def panels() -> list[rrb.BlueprintPart]:
 def _alone(layout: Layout) -> rrb.Container:
     shares = [3, 2]
     return rrb.Horizontal(
-        rrb.Vertical(_robot(layout), _about(layout), row_shares=shares),
+        rrb.Vertical(*_robot(layout), row_shares=shares),
         rrb.Vertical(rrb.Tabs(*_paths(layout)), _learning(layout), row_shares=shares),
         rrb.Vertical(
             _series(layout, "motor_error", "Motor error, arm side of the gear [mrad]", LEGEND),
@@ -74,11 +76,11 @@ def _alone(layout: Layout) -> rrb.Container:
 
 def _column(layout: Layout) -> rrb.Container:
     return rrb.Vertical(
-        rrb.Tabs(*_paths(layout), _robot(layout), _about(layout), name=layout.name),
+        rrb.Tabs(*_paths(layout), *_robot(layout), name=layout.name),
         _learning(layout),
         rrb.Tabs(
-            _series(layout, "arm_error", f"{layout.name}: deviation across the path [µm]"),
-            _series(layout, "motor_error", f"{layout.name}: motor error [mrad]"),
+            _series(layout, "arm_error", layout.titled("deviation across the path [µm]")),
+            _series(layout, "motor_error", layout.titled("motor error [mrad]")),
             *_more(layout),
         ),
         row_shares=[5, 3, 3],
@@ -86,23 +88,20 @@ def _column(layout: Layout) -> rrb.Container:
     )
 
 
-def _titled(layout: Layout, title: str) -> str:
-    return f"{layout.name}: {title}" if layout.name else title
-
-
-def _robot(layout: Layout) -> rrb.View:
-    """View of the whole robot, from the side and a little above."""
+def _robot(layout: Layout) -> tuple[rrb.View, rrb.View]:
+    """View of the whole robot, from the side and a little above, and the text about the run."""
     reach = layout.height + float(np.hypot(*layout.target[:2]))
     middle = np.array([*(0.5 * layout.target[:2]), 0.5 * layout.height])
     position = middle + reach * np.array([0.35, -1.05, 0.35])
     eye = rrb.EyeControls3D(position=position, look_target=middle)
-    name = _titled(layout, "Robot")
-    return rrb.Spatial3DView(origin=layout.entity("robot"), name=name, eye_controls=eye)
+    origin, name = layout.entity("robot"), layout.titled("Robot")
+    about = rrb.TextDocumentView(origin=layout.entity("about"), name="Design and measures")
+    return rrb.Spatial3DView(origin=origin, name=name, eye_controls=eye), about
 
 
 def _paths(layout: Layout) -> tuple[rrb.View, rrb.View]:
     """Paths of all iterations, and of the current one."""
-    every = _titled(layout, f"Tool path by iteration, deviation ×{layout.factor:g}")
+    every = layout.titled(f"Tool path by iteration, deviation ×{layout.factor:g}")
     now = f"This iteration ×{layout.factor:g} [mm, y up]"
     return (
         rrb.Spatial2DView(origin=layout.entity("paths"), name=every),
@@ -111,10 +110,9 @@ def _paths(layout: Layout) -> tuple[rrb.View, rrb.View]:
 
 
 def _learning(layout: Layout) -> rrb.View:
-    title = "Error, % of the first run's; orange: tool, others: motors"
     return rrb.TimeSeriesView(
         origin=layout.entity("learning"),
-        name=_titled(layout, title),
+        name=layout.titled("Error, % of the first run's; orange: tool, others: motors"),
         plot_legend=NO_LEGEND if layout.name else LEGEND,
         axis_y=rrb.ScalarAxis(range=(0.0, 1.1 * layout.worst)),
     )
@@ -131,7 +129,3 @@ def _more(layout: Layout) -> list[rrb.View]:
     origin, name = layout.entity("spectrum"), "Spectrum [µm over Hz]"
     spectrum = rrb.BarChartView(origin=origin, name=name, plot_legend=LEGEND)
     return [*(_series(layout, entity, title) for entity, title in MORE), spectrum]
-
-
-def _about(layout: Layout) -> rrb.View:
-    return rrb.TextDocumentView(origin=layout.entity("about"), name="Design and measures")

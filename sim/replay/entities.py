@@ -1,6 +1,7 @@
 """Entities of a replay: robot, tool paths, signals and learning curves as Rerun columns."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,25 +22,15 @@ SPECTRUM_TO = 40.0
 """Largest frequency shown [Hz]; above it the robot hardly moves."""
 GREY, BLUE, ORANGE, INK = [150, 150, 150], [70, 130, 230], [240, 120, 20], [60, 60, 60]
 TOOL_MAXIMUM = [240, 180, 60]
-AXIS_COLOURS = [
-    [0, 114, 178],
-    [86, 180, 233],
-    [0, 158, 115],
-    [204, 121, 167],
-    [150, 110, 190],
-    [120, 120, 120],
-]
+AXIS_RGB = ("0072B2", "56B4E9", "009E73", "CC79A7", "966EBE", "787878")
+AXIS_COLOURS = [[*bytes.fromhex(rgb)] for rgb in AXIS_RGB]
 """Colours of axes 1 to 6: none is orange, which is the tool's."""
-AXIS_NAMES = [f"axis {i}" for i in range(1, 7)]
-XYZ = ["x", "y", "z"]
-SERIES = {
-    "motor_error": (AXIS_NAMES, AXIS_COLOURS),
-    "correction": (AXIS_NAMES, AXIS_COLOURS),
-    "motor_torque": (AXIS_NAMES, AXIS_COLOURS),
-    "arm_error": (["tool", "motors"], [ORANGE, BLUE]),
-    "imu/acceleration": (XYZ, AXIS_COLOURS[:3]),
-    "imu/angular_velocity": (XYZ, AXIS_COLOURS[:3]),
-    "tracker": (XYZ, AXIS_COLOURS[:3]),
+OF_AXES = {"names": [f"axis {i}" for i in range(1, 7)], "colors": AXIS_COLOURS}
+OF_XYZ = {"names": ["x", "y", "z"], "colors": AXIS_COLOURS[:3]}
+SERIES: Mapping[str, Mapping[str, Any]] = {
+    **dict.fromkeys(("motor_error", "correction", "motor_torque"), OF_AXES),
+    "arm_error": {"names": ["tool", "motors"], "colors": [ORANGE, BLUE]},
+    **dict.fromkeys(("imu/acceleration", "imu/angular_velocity", "tracker"), OF_XYZ),
 }
 TOOL_LINES = ("tool RMS", "tool maximum")
 """Learning curves of the tool; all others are of a motor."""
@@ -64,10 +55,8 @@ class Entities:
 
 
 def _indexes(time: Array, k: int | Array) -> list[rr.TimeColumn]:
-    return [
-        rr.TimeColumn("time", duration=time),
-        rr.TimeColumn("iteration", sequence=np.broadcast_to(k, len(time))),
-    ]
+    ks = np.broadcast_to(k, len(time))
+    return [rr.TimeColumn("time", duration=time), rr.TimeColumn("iteration", sequence=ks)]
 
 
 def _every(time: Array, period: float) -> slice:
@@ -87,8 +76,8 @@ def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) 
     programmed = contour.magnified(0.0, 1.0)
     line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
     to.static("plane/programmed", line)
-    for path, (names, colours) in SERIES.items():
-        to.static(path, rr.SeriesLines(names=names, colors=colours))
+    for path, lines in SERIES.items():
+        to.static(path, rr.SeriesLines(**lines))
     if about:
         to.static("about", rr.TextDocument(about, media_type="text/markdown"))
 
@@ -104,18 +93,16 @@ def send_bodies(
     truth = run.recording.truth
     every = _every(truth.time, FRAME_PERIOD)
     frames, time = truth.qpos[every], start + truth.time[every]
-    position = np.empty((len(frames), mj.nbody, 3))
-    quaternion = np.empty((len(frames), mj.nbody, 4))
+    position, quaternion = (np.empty((len(frames), mj.nbody, n)) for n in (3, 4))
     data = mujoco.MjData(mj)
     for i, qpos in enumerate(frames):
         data.qpos[:] = qpos
         mujoco.mj_kinematics(mj, data)
         position[i], quaternion[i] = data.xpos, data.xquat
-    indexes = _indexes(time, run.k)
+    indexes, quaternion = _indexes(time, run.k), np.roll(quaternion, -1, axis=2)
     for body in range(1, mj.nbody):
-        columns = rr.Transform3D.columns(
-            translation=position[:, body], quaternion=np.roll(quaternion[:, body], -1, axis=1)
-        )
+        p, q = position[:, body], quaternion[:, body]
+        columns = rr.Transform3D.columns(translation=p, quaternion=q)
         stream.send_columns(body_entity(mj, body, prefix), indexes, columns)
 
 
@@ -135,16 +122,15 @@ def send_paths(
         to.static(f"paths/{name}", rr.LineStrips2D(lines, colors=colour))
     heads = [place - np.array([0.0, 0.46 * pitch]) for place in places]
     labels = [f"k = {run.k}" for run in runs]
-    to.static(
-        "paths/labels", rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True)
-    )
+    shown = rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True)
+    to.static("paths/labels", shown)
 
 
 def send_contour(to: Entities, k: int, contour: Contour, start: float) -> None:
     """Send the magnified paths of one iteration, and the tool moving along its own."""
     for name, deviation, colour in _sides(contour):
-        strip = contour.cut(deviation, to.layout.factor)
-        columns = rr.LineStrips2D.columns(strips=[strip], colors=[colour])
+        strips = [contour.cut(deviation, to.layout.factor)]
+        columns = rr.LineStrips2D.columns(strips=strips, colors=[colour])
         to.send(f"plane/{name}", start, k, columns)
     _send_point(to, "plane/tool_now", k, contour, start)
 
@@ -183,18 +169,14 @@ def send_series(to: Entities, run: RecordedRun, contour: Contour, start: float) 
 
 
 def send_learning(
-    to: Entities,
-    runs: Sequence[RecordedRun],
-    learning: Mapping[str, Sequence[float]],
-    starts: Array,
+    to: Entities, runs: Sequence[RecordedRun], curves: Mapping[str, Sequence[float]], starts: Array
 ) -> None:
     """Send the learning curves [%]: a step over time, a point for each iteration."""
-    starts = starts[: len(runs)]
-    ends = starts + [run.recording.time[-1] for run in runs]
-    time = np.column_stack([starts, ends]).ravel()
+    lengths = [run.recording.time[-1] for run in runs]
+    time = np.column_stack([starts[: len(runs)], starts[: len(runs)] + lengths]).ravel()
     ks = np.repeat([run.k for run in runs], 2)
     motors = iter(AXIS_COLOURS)
-    for name, values in learning.items():
+    for name, values in curves.items():
         tool = name in TOOL_LINES
         colour = (TOOL_MAXIMUM if name.endswith("maximum") else ORANGE) if tool else next(motors)
         path = f"learning/{name.replace(' ', '_')}"
@@ -208,7 +190,6 @@ def send_spectrum(to: Entities, k: int, contour: Contour, start: float) -> None:
     for name, deviation, colour in _sides(contour):
         frequency, amplitude = contour.spectrum(deviation)
         shown = frequency <= SPECTRUM_TO
-        columns = rr.BarChart.columns(
-            values=[1e6 * amplitude[shown]], abscissa=[frequency[shown]], color=[colour]
-        )
+        values, abscissa = [1e6 * amplitude[shown]], [frequency[shown]]
+        columns = rr.BarChart.columns(values=values, abscissa=abscissa, color=[colour])
         to.send(f"spectrum/{name}", start, k, columns)

@@ -45,8 +45,7 @@ class Shots:
 def stored_shots(run: StoredRun) -> Shots:
     """Shots of a laser or an IMU run on disk.
 
-    Raises:
-        InputError: another experiment, or a run that lacks its path or its robot.
+    Raises InputError for another experiment, or a run that lacks its path or its robot.
     """
     if run.experiment not in ("laser", "imu"):
         raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
@@ -83,8 +82,7 @@ def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], Non
     with atomic(file) as partial:
         if kind := PILLOW_FORMATS.get(file.suffix.lower()):
             timing = {"duration": round(1e3 / RATE), "loop": 0, "quality": 75}
-            first = next(images)
-            first.save(partial, format=kind, save_all=True, append_images=images, **timing)
+            next(images).save(partial, kind, save_all=True, append_images=images, **timing)
         else:
             _by_ffmpeg(partial, file.suffix, images)
 
@@ -96,11 +94,10 @@ def n_images(shots: Shots) -> int:
 
 def check_film(file: Path) -> None:
     """Raise InputError for a kind of film that cannot be written here."""
-    if file.suffix.lower() in PILLOW_FORMATS:
-        return
-    if file.suffix.lower() not in (".mp4", ".webm", ".mkv"):
+    kind = file.suffix.lower()
+    if kind not in (*PILLOW_FORMATS, ".mp4", ".webm", ".mkv"):
         raise InputError(f"{file.name}: a film ends with .gif, .webp, .mp4, .webm or .mkv")
-    if shutil.which("ffmpeg") is None:
+    if kind not in PILLOW_FORMATS and shutil.which("ffmpeg") is None:
         raise InputError(f"{file.name} needs the program ffmpeg; .gif and .webp do without")
 
 

@@ -35,15 +35,14 @@ def shapes(mj: mujoco.MjModel, prefix: str = "robot") -> Iterator[tuple[str, rr.
 
 def _colours(mj: mujoco.MjModel) -> np.ndarray:
     """Colours (ngeom, 4), 0..255; a material's colour overrides the geom's own."""
-    rgba = mj.geom_rgba.copy()
-    has_material = mj.geom_matid >= 0
-    rgba[has_material] = mj.mat_rgba[mj.geom_matid[has_material]]
+    rgba, material = mj.geom_rgba.copy(), mj.geom_matid
+    rgba[material >= 0] = mj.mat_rgba[material[material >= 0]]
     return np.rint(255 * rgba).astype(np.uint8)
 
 
 def _primitive(mj: mujoco.MjModel, kind: mjtGeom, geoms: np.ndarray) -> rr.AsComponents | None:
     """Batch of shapes; kinds that Rerun cannot draw are left out."""
-    size, centre = mj.geom_size[geoms], mj.geom_pos[geoms]
+    size, centre, lengths = mj.geom_size[geoms], mj.geom_pos[geoms], 2 * mj.geom_size[geoms, 1]
     common: dict[str, Any] = {
         "quaternions": np.roll(mj.geom_quat[geoms], -1, axis=1),  # Rerun has w last
         "colors": _colours(mj)[geoms],
@@ -56,36 +55,26 @@ def _primitive(mj: mujoco.MjModel, kind: mjtGeom, geoms: np.ndarray) -> rr.AsCom
             half = np.where(size[:, :2] > 0.0, size[:, :2], FLOOR)
             flat = np.column_stack([half, np.full(len(half), 1e-3)])
             return rr.Boxes3D(centers=centre - [0.0, 0.0, 2e-3], half_sizes=flat, **common)
-        case mjtGeom.mjGEOM_SPHERE:
-            return rr.Ellipsoids3D(centers=centre, half_sizes=size[:, [0, 0, 0]], **common)
-        case mjtGeom.mjGEOM_ELLIPSOID:
-            return rr.Ellipsoids3D(centers=centre, half_sizes=size, **common)
+        case mjtGeom.mjGEOM_SPHERE | mjtGeom.mjGEOM_ELLIPSOID:
+            half = size[:, [0, 0, 0]] if kind == mjtGeom.mjGEOM_SPHERE else size
+            return rr.Ellipsoids3D(centers=centre, half_sizes=half, **common)
         case mjtGeom.mjGEOM_CYLINDER:
-            lengths, radii = 2 * size[:, 1], size[:, 0]
-            return rr.Cylinders3D(centers=centre, lengths=lengths, radii=radii, **common)
+            return rr.Cylinders3D(centers=centre, lengths=lengths, radii=size[:, 0], **common)
         case mjtGeom.mjGEOM_CAPSULE:
             # A capsule of Rerun starts at its origin, one of MuJoCo is centred there.
-            lengths, radii = 2 * size[:, 1], size[:, 0]
-            start = centre - size[:, 1:2] * _z_axis(mj.geom_quat[geoms])
-            return rr.Capsules3D(translations=start, lengths=lengths, radii=radii, **common)
+            w, x, y, z = mj.geom_quat[geoms].T
+            axis = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
+            start = centre - size[:, 1:2] * np.column_stack(axis)
+            return rr.Capsules3D(translations=start, lengths=lengths, radii=size[:, 0], **common)
     return None
-
-
-def _z_axis(quaternion: np.ndarray) -> np.ndarray:
-    w, x, y, z = quaternion.T
-    return np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
 
 
 def _mesh(mj: mujoco.MjModel, geom: int) -> rr.Mesh3D:
     """A mesh, moved into its body's frame."""
-    mesh = int(mj.geom_dataid[geom])
-    first, n = mj.mesh_vertadr[mesh], mj.mesh_vertnum[mesh]
-    first_face, n_faces = mj.mesh_faceadr[mesh], mj.mesh_facenum[mesh]
-    R = np.empty(9)
+    mesh, R = int(mj.geom_dataid[geom]), np.empty(9)
+    vertices = mj.mesh_vert[mj.mesh_vertadr[mesh] :][: mj.mesh_vertnum[mesh]]
+    faces = mj.mesh_face[mj.mesh_faceadr[mesh] :][: mj.mesh_facenum[mesh]]
     mujoco.mju_quat2Mat(R, mj.geom_quat[geom])
-    vertices = mj.mesh_vert[first : first + n] @ R.reshape(3, 3).T + mj.geom_pos[geom]
-    return rr.Mesh3D(
-        vertex_positions=vertices,
-        triangle_indices=mj.mesh_face[first_face : first_face + n_faces],
-        albedo_factor=_colours(mj)[geom],
-    )
+    placed = vertices @ R.reshape(3, 3).T + mj.geom_pos[geom]
+    colour = _colours(mj)[geom]
+    return rr.Mesh3D(vertex_positions=placed, triangle_indices=faces, albedo_factor=colour)

@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from types import TracebackType
 
 import mujoco
 import numpy as np
@@ -20,10 +19,8 @@ class NoGraphicsError(InputError):
 class Offscreen:
     """Draws a model; a context manager, as graphics memory is freed by hand.
 
-    MUJOCO_GL=osmesa draws on the CPU by OSMesa; EGL is the default.
-
-    Raises:
-        NoGraphicsError: neither is there, or the driver refuses.
+    MUJOCO_GL=osmesa draws on the CPU by OSMesa; EGL is the default. Raises NoGraphicsError where
+    neither is there, or the driver refuses.
     """
 
     def __init__(self, mj: mujoco.MjModel, width: int, height: int) -> None:
@@ -44,19 +41,13 @@ class Offscreen:
     def __enter__(self) -> "Offscreen":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._context.free()
         self._gl.free()
 
     def draw(self, data: mujoco.MjData, camera: mujoco.MjvCamera) -> Image:
         """(height, width, 3), of a state after `mj_forward` or `mj_kinematics` and cameras."""
-        option = mujoco.MjvOption()
-        everything = mujoco.mjtCatBit.mjCAT_ALL.value
+        option, everything = mujoco.MjvOption(), mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.mj, data, option, None, camera, everything, self._scene)
         mujoco.mjr_render(self._rect, self._scene, self._context)  # pyright: ignore[reportAttributeAccessIssue]
         image = np.empty((self._rect.height, self._rect.width, 3), dtype=np.uint8)

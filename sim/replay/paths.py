@@ -9,7 +9,6 @@ from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
 from ..records.signals import RecordedRun
-from ..robot.recording import Recording
 
 MAGNIFICATIONS = (50.0, 20.0, 10.0, 5.0, 2.0)
 LARGEST_SHOWN = 0.75
@@ -29,7 +28,8 @@ class Contour:
         self.normal = _normals(self.programmed)
         motor = robot.pose(recording.motor_angle)[:, :3, 3]
         self.motor = self._deviation(plane.from_base(motor)[:, :2])
-        self.tool = self._deviation(plane.from_base(_at_log(recording))[:, :2])
+        row = np.searchsorted(recording.truth.time, self.time - 1e-9)
+        self.tool = self._deviation(plane.from_base(recording.truth.tool_position[row])[:, :2])
 
     def _deviation(self, p: Array) -> Array:
         """(N,) [m], across the path, outwards on a counter-clockwise contour.
@@ -59,9 +59,8 @@ class Contour:
         cut = deviation[self.cutting]
         window = np.hanning(len(cut))
         amplitude: Array = 2.0 * np.abs(np.fft.rfft(cut * window)) / window.sum()
-        step = float(self.time[1] - self.time[0])
-        frequency: Array = np.asarray(np.fft.rfftfreq(len(cut), step), dtype=np.float64)
-        return frequency, amplitude
+        frequency = np.fft.rfftfreq(len(cut), float(self.time[1] - self.time[0]))
+        return np.asarray(frequency, dtype=np.float64), amplitude
 
 
 def fitting_magnification(contours: Sequence[Contour]) -> float:
@@ -81,9 +80,3 @@ def _normals(p: Array) -> Array:
     nearest = moving[np.clip(np.searchsorted(moving, np.arange(len(p))), 0, len(moving) - 1)]
     tangent = step[nearest] / length[nearest, np.newaxis]
     return np.column_stack([tangent[:, 1], -tangent[:, 0]])
-
-
-def _at_log(recording: Recording) -> Array:
-    """True tool position at the log's instants, (N, 3)."""
-    row = np.searchsorted(recording.truth.time, recording.time - 1e-9)
-    return recording.truth.tool_position[row]

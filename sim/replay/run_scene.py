@@ -17,6 +17,9 @@ from .scene import Scene, write_scenes
 
 Row = Mapping[str, Any]
 DESIGN = ("robot", "pose", "shape", "speed", "measure", "law", "gamma", "delta", "cutoff")
+LEGEND = """\
+Motors learn from their own angles: their error falls. The tracker measures the tool.
+Grey: programmed. Blue: where the motors alone would put the tool. Orange: the tool."""
 UNITS = {"speed": "mm/s", "delta": "samples", "cutoff": "Hz"}
 
 
@@ -29,28 +32,21 @@ def laser_scene(
     name: str = "",
 ) -> Scene:
     """Scene of a laser run with the summary `outcome`."""
-    rows = outcome["iterations"]
+    rows, robot = outcome["iterations"], CELLS[outcome["config"]["robot"]].robot
+    curves, text = learning(rows) if len(rows) == len(runs) else {}, about(outcome)
     return Scene(
-        mj=mj,
-        runs=runs,
-        motion=motion,
-        robot=CELLS[outcome["config"]["robot"]].robot,
-        name=name,
-        about=about(outcome),
-        learning=learning(rows) if len(rows) == len(runs) else {},
+        mj=mj, runs=runs, motion=motion, robot=robot, name=name, about=text, learning=curves
     )
 
 
 def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
     """Scene of a laser run on disk, of nothing but its files.
 
-    Raises:
-        InputError: another experiment, or a run that lacks its path or its robot.
+    Raises InputError for another experiment, or a run that lacks its path or its robot.
     """
     if run.experiment != "laser":
-        raise InputError(
-            f"{run.folder} is a run of {run.experiment}; only those of laser are redrawn"
-        )
+        other = f"is a run of {run.experiment}; only those of laser are redrawn"
+        raise InputError(f"{run.folder} {other}")
     return laser_scene(run.summary, run.robot, run.signals.runs, run.path, name=name)
 
 
@@ -59,40 +55,29 @@ def write_stored(
 ) -> None:
     """Write the replay of runs on disk: of one of another experiment as it is, of laser runs anew.
 
-    Several are shown side by side under their folders' names, numbered where two are alike.
-
-    Raises:
-        InputError: runs of other experiments side by side, or a file that is missing.
+    Several are shown side by side under their folders' names, numbered where two are alike. Raises
+    InputError for runs of other experiments side by side, or a file that is missing.
     """
     if len(runs) == 1 and runs[0].experiment != "laser":
         content = runs[0].file("replay.rrd").read_bytes()
         with atomic(file) as partial:
             partial.write_bytes(content)
         return
-    names = [run.folder.resolve().name for run in runs]
+    names = [run.folder.resolve().name if len(runs) > 1 else "" for run in runs]
     unique = [f"{name}-{i}" if names.count(name) > 1 else name for i, name in enumerate(names, 1)]
-    scenes = [
-        stored_scene(run, name=name if len(runs) > 1 else "")
-        for run, name in zip(runs, unique, strict=True)
-    ]
+    scenes = [stored_scene(run, name=name) for run, name in zip(runs, unique, strict=True)]
     write_scenes(file, scenes, magnification=magnification)
 
 
 def learning(rows: Sequence[Row]) -> dict[str, list[float]]:
     """Motor 2-norms and measures of the tool by iteration, relative to the first run."""
-    curves = {
-        f"motor {i + 1}": [row["motor_two"][i] for row in rows]
-        for i in range(len(rows[0]["motor_two"]))
-    }
+    motors = zip(*(row["motor_two"] for row in rows), strict=True)
+    curves: dict[str, Sequence[float | None]] = {f"motor {i}": m for i, m in enumerate(motors, 1)}
     curves["tool RMS"] = [row["arm_rms"] for row in rows]
     curves["tool maximum"] = [row["arm_maxdev"] for row in rows]
-    return {name: _relative(values) for name, values in curves.items()}
-
-
-def _relative(values: Sequence[float | None]) -> list[float]:
-    """NaN where a measure is missing: a lost beam, a run that diverged."""
-    numbers = np.array([np.nan if v is None else v for v in values], dtype=np.float64)
-    return (numbers / numbers[0]).tolist()
+    # None becomes NaN: a measure is missing where the beam was lost or the run diverged.
+    arrays = {name: np.array(values, dtype=np.float64) for name, values in curves.items()}
+    return {name: (values / values[0]).tolist() for name, values in arrays.items()}
 
 
 def about(outcome: Mapping[str, Any]) -> str:
@@ -116,12 +101,7 @@ def about(outcome: Mapping[str, Any]) -> str:
         lines.append(f"| {row['k']} | {motor} | {rms} | {largest} |")
     if outcome["status"] != "done":
         lines += ["", f"Status: {outcome['status']}."]
-    lines += [
-        "",
-        "Motors learn from their own angles: their error falls. The tracker measures the tool.",
-        "Grey: programmed. Blue: where the motors alone would put the tool. Orange: the tool.",
-    ]
-    return "\n".join(lines)
+    return "\n".join([*lines, "", LEGEND])
 
 
 def _text(value: Any) -> str:

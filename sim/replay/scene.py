@@ -1,12 +1,12 @@
 """`replay.rrd`: the runs of an experiment for the Rerun viewer, sent as columns.
 
 Two timelines. `time` lays the runs one after the other; `iteration` holds the last state of each,
-so its slider compares the paths learned. Nothing is shown, spawned or sent anywhere: a file is
-written.
+so its slider compares the paths learned. A file is written; nothing is shown or sent anywhere.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 
 import mujoco
@@ -51,10 +51,8 @@ class Scene:
         if (nq := self.runs[0].recording.truth.qpos.shape[1]) != self.mj.nq:
             raise ValueError(f"the runs have {nq} joint positions, the model has {self.mj.nq}")
         for name, values in self.learning.items():
-            if len(values) != len(self.runs):
-                raise ValueError(
-                    f"learning {name!r} has {len(values)} values for {len(self.runs)} runs"
-                )
+            if len(values) != (n := len(self.runs)):
+                raise ValueError(f"learning {name!r} has {len(values)} values for {n} runs")
 
     @property
     def contours(self) -> list[Contour]:
@@ -66,18 +64,11 @@ class Scene:
 def write_scenes(
     path: Path, scenes: Sequence[Scene], *, magnification: float | None = None
 ) -> None:
-    """Write one or more experiments side by side, whole or not at all.
+    """Write one or more experiments side by side, whole or not at all. Iterations start together.
 
-    Their iterations start together.
+    magnification: factor on deviations from the path. By default that of `fitting_magnification`.
 
-    Args:
-        path: the file to write.
-        scenes: the experiments; names must differ.
-        magnification: factor on deviations from the path. By default 50, or the largest of 20, 10,
-            5, 2, 1 that leaves the contour's shape visible.
-
-    Raises:
-        ValueError: no scene, two of one name, or a magnification that is not above 0.
+    Raises ValueError for no scene, two of one name, or a magnification that is not above 0.
     """
     names = [scene.name for scene in scenes]
     if not scenes or len(set(names)) != len(names):
@@ -100,10 +91,8 @@ def write_scenes(
 
 def _starts(scenes: Sequence[Scene]) -> Array:
     """Start of each iteration [s]: after the longest of the one before."""
-    last = np.zeros(max(len(scene.runs) for scene in scenes))
-    for scene in scenes:
-        for i, run in enumerate(scene.runs):
-            last[i] = max(last[i], run.recording.time[-1])
+    ends = [[run.recording.time[-1] for run in scene.runs] for scene in scenes]
+    last = np.array([max(at_k) for at_k in zip_longest(*ends, fillvalue=0.0)])
     return np.concatenate([[0.0], np.cumsum(last[:-1] + entities.FRAME_PERIOD)])
 
 
@@ -118,13 +107,8 @@ def _layout(scene: Scene, factor: float, worst: float) -> Layout:
     data = mujoco.MjData(scene.mj)
     data.qpos[:] = scene.runs[0].recording.truth.qpos[0]
     mujoco.mj_kinematics(scene.mj, data)
-    return Layout(
-        name=scene.name,
-        factor=factor,
-        target=scene.motion.plane.origin,
-        height=float(data.geom_xpos[:, 2].max()),
-        worst=worst,
-    )
+    height, target = float(data.geom_xpos[:, 2].max()), scene.motion.plane.origin
+    return Layout(name=scene.name, factor=factor, target=target, height=height, worst=worst)
 
 
 def _send_scene(

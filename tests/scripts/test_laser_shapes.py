@@ -13,6 +13,7 @@ from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.shell.errors import InputError
 from armside.sim.cut.contour import Circle
 from armside.sim.estimation.springs_file import read_springs
+from armside.sim.evaluation.kerf import Kerf
 
 
 def laser(out, line):
@@ -147,20 +148,15 @@ def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, bad_input):
 
 def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
     way = np.linspace(0.0, 0.0314, 90)
-    angle = way / 0.005
-    ring = np.column_stack([np.cos(angle), np.sin(angle)])
-    gone = np.full_like(ring, np.nan)
+    half, gone = np.full_like(way, 1e-4), np.full_like(way, np.nan)
+    contour = {"curve": Circle(5e-3), "beam": 2e-4, "arc_length": way}
     cuts = [
-        kerf_figure.CutEdges(
-            k=0, outer=5.1e-3 * ring, inner=4.9e-3 * ring, deviation=0 * way, roundness=0.0
-        ),
-        kerf_figure.CutEdges(
-            k=3, outer=gone, inner=gone, deviation=np.nan * way, roundness=float("nan")
-        ),
+        (0, Kerf(outer=half, inner=-half, **contour)),
+        (3, Kerf(outer=gone, inner=gone, **contour)),
     ]
     files = [tmp_path / name for name in ("one.png", "again.png")]
     for file in files:
-        kerf_figure.kerf(file, 5e-3 * ring, way, cuts, beam=2e-4)
+        kerf_figure.kerf(file, cuts)
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
