@@ -54,9 +54,7 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
         fitted = fit(curve, points)
         path, deviation = fitted.points, fitted.deviation
     return ToolError(
-        rms=float(np.sqrt(np.mean(deviation**2))),
-        maxdev=float(np.abs(deviation).max()),
-        path=path,
+        rms=float(np.sqrt(np.mean(deviation**2))), maxdev=float(np.abs(deviation).max()), path=path
     )
 
 

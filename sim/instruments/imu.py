@@ -169,11 +169,7 @@ class Imu:
     """Robot time = clock_offset + (1 + clock_drift) * unit time."""
 
     def measure(
-        self,
-        time: Array,
-        acceleration: Array,
-        angular_velocity: Array,
-        rng: np.random.Generator,
+        self, time: Array, acceleration: Array, angular_velocity: Array, rng: np.random.Generator
     ) -> ImuSamples:
         """Readings of a record.
 

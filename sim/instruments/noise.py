@@ -24,11 +24,7 @@ def from_density(
 
 
 def band_limited(
-    rng: np.random.Generator,
-    shape: tuple[int, int],
-    std: ArrayLike,
-    bandwidth: float,
-    step: float,
+    rng: np.random.Generator, shape: tuple[int, int], std: ArrayLike, bandwidth: float, step: float
 ) -> Array:
     """White noise through a first-order low-pass: a stationary process of standard deviation `std`.
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.calibration.targets import learned
+from armside.sim.calibration.experiments import learned
 from armside.sim.cell import LARGE_CELL
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.plant import plan
