@@ -201,8 +201,8 @@ def truth(
 ) -> tuple[Truth, Limits]:
     """Ground truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
-    Args: full physics state; controls (M, nu) in motor units; states and sensors (M, ...) of the
-    rollout.
+    It takes the full physics state at the start, controls (M, nu) in motor units as they were run,
+    and states and sensors (M, ...) as the rollout returns them.
     """
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     at = slice(1, 1 + model.mj.nq)

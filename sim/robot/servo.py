@@ -62,24 +62,18 @@ def correction_path(
     correction: (N, 6) [rad], u at the log rate; delay in [s], corner frequency of the lag in [Hz].
     """
     shape = ((len(correction) - 1) * ratio + 1, correction.shape[1])
-    position, velocity, omega = np.empty(shape), np.empty(shape), 2.0 * np.pi * lag
-    _held_and_lagged(correction, period, period / ratio, delay, omega, position, velocity)
+    position, velocity = out = np.empty(shape), np.empty(shape)
+    _held_and_lagged(correction, period, period / ratio, delay, 2.0 * np.pi * lag, out)
     return Setpoints(position=position, velocity=velocity)
 
 
 @njit(cache=True, nogil=True)
 def _held_and_lagged(
-    samples: Array,
-    period: float,
-    step: float,
-    delay: float,
-    omega: float,
-    position: Array,
-    velocity: Array,
+    samples: Array, period: float, step: float, delay: float, omega: float, out: tuple[Array, Array]
 ) -> None:  # pragma: no cover - compiled
     """First-order lag x' = omega (signal - x), exact for a signal that is linear between steps."""
-    n = len(samples)
-    decay = np.exp(-omega * step)
+    position, velocity = out
+    n, decay = len(samples), np.exp(-omega * step)
     last = np.empty(samples.shape[1])
     for i in range(len(position)):
         sample = min(max((i * step - delay) / period, 0.0), n - 1.0)

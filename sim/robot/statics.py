@@ -22,11 +22,11 @@ _REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the soft
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibrium:
-    """Static equilibrium of the flexible robot with its motors held: (nq,) [rad]."""
+    """Static equilibrium of the flexible robot with its motors held."""
 
     qpos: Array
     holding_torque: Array
-    """(6,) [N m], arm side, that the motors deliver."""
+    """(nq,) [rad], and (6,) [N m], arm side, that the motors deliver."""
 
 
 class Statics:
