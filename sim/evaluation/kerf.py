@@ -27,8 +27,7 @@ class Kerf:
     """(M,) [m], of the contour."""
     outer: Array
     inner: Array
-    """(M,) [m], outwards from the contour: edge of the hole; of the piece that falls out, below 0.
-    """
+    """(M,) [m], outwards from the contour, edges of the hole and of the fallen piece (below 0)."""
 
     @property
     def width(self) -> Array:

@@ -100,10 +100,8 @@ def run_batch(
         np.zeros_like(x.reference) if u is None else checked_signal(u, "correction", x.reference)
         for x, u in zip(references, corrections, strict=True)
     ]
-    each, noises = zip(
-        *(x.controls_with(u, rng) for x, u, rng in zip(references, applied, rngs, strict=True)),
-        strict=True,
-    )
+    inputs = [x.controls_with(u, rng) for x, u, rng in zip(references, applied, rngs, strict=True)]
+    each, noises = [controls for controls, _ in inputs], [noise for _, noise in inputs]
     controls = each[0][None] if len(each) == 1 else np.stack(each)
     parts = references, applied, controls, noises, *_roll_out(references, controls, threads)
     return [_recording(*part) for part in zip(*parts, strict=True)]
@@ -208,8 +206,8 @@ def truth(
     at = slice(1, 1 + model.mj.nq)
     qpos = np.vstack((initial_state[at], states[:-1, at]))
     angle, spring, torque = out = tuple(np.empty((3, len(states), N_AXES)))
-    inputs = (np.ascontiguousarray(part) for part in (initial_state, states, controls))
-    first = _motors(*inputs, _columns(model), _servo(model), _limits(model), out)
+    start, rows, inputs = map(np.ascontiguousarray, (initial_state, states, controls))
+    first = _motors(start, rows, inputs, _columns(model), _servo(model), _limits(model), out)
     record = Truth(
         time=time,
         gear_angle=angle,
