@@ -102,7 +102,7 @@ def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose,
         mj.opt.timestep = step
         fine = _ideal_encoder(load_model(mj))
         fine = with_effects(fine, available(fine), phi=reference[0])
-        recording = VirtualRobot(fine).run(reference, run.corrections[k])
+        recording = VirtualRobot(fine).run(reference, run["correction"][k])
         tools.append(recording.truth.tool_position[:: round(0.0005 / step)])
     assert np.linalg.norm(tools[0] - tools[1], axis=1).max() < 10e-6
 
