@@ -58,11 +58,7 @@ orientations every motor moves: one that stays within its stiction cannot be imp
 
 
 def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPose:
-    """Pose by name.
-
-    Raises:
-        ValueError: unknown name; the message lists those that exist.
-    """
+    """Pose by name. Raises ValueError for an unknown name, with a list of those that exist."""
     if name not in poses:
         raise ValueError(f"Unknown pose {name!r}. Poses: {', '.join(poses)}")
     return poses[name]

@@ -104,9 +104,8 @@ class ArcsAndLines:
 
     def point(self, s: ArrayLike) -> Array:
         element, along = self._locate(s)
-        return self._corners[element] + chord(
-            along, self._curvature[element], self._heading[element]
-        )
+        bend, heading = self._curvature[element], self._heading[element]
+        return self._corners[element] + chord(along, bend, heading)
 
     def tangent(self, s: ArrayLike) -> Array:
         element, along = self._locate(s)
@@ -135,8 +134,7 @@ class ArcsAndLines:
         to_centre = offset @ normal - 1.0 / curvature
         angle = np.arctan2(offset @ tangent * np.sign(curvature), -to_centre * np.sign(curvature))
         along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
-        # Beyond its end another element is as near.
-        return np.minimum(along, length)
+        return np.minimum(along, length)  # beyond its end another element is as near
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
         """Element at each arc length, and the length along it."""
@@ -164,8 +162,7 @@ class ArcsAndLines:
     def _corners(self) -> Array:
         """(E + 1, 2) [m], start of each element and end of the last."""
         steps = [
-            chord(length, curvature, heading)
-            for (length, curvature), heading in zip(self.elements, self._heading, strict=True)
+            chord(*e, heading) for e, heading in zip(self.elements, self._heading, strict=True)
         ]
         return np.concatenate([[self.start], np.array(self.start) + np.cumsum(steps, axis=0)])
 
@@ -195,8 +192,7 @@ def hexagon(across_flats: float, corner_radius: float) -> ArcsAndLines:
 def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAndLines:
     """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side.
 
-    Raises:
-        ValueError: the corner radius does not fit: 0 < radius <= half of across_flats.
+    Raises ValueError unless 0 < corner radius <= half of across_flats.
     """
     if n < 3:
         raise ValueError(f"a polygon has 3 sides or more, got {n}")
@@ -217,8 +213,8 @@ def slot(length: float, width: float) -> ArcsAndLines:
     if not length > width:
         raise ValueError(f"a slot must be longer than wide, got {length} and {width} m")
     radius = width / 2
-    quarter, line = (np.pi / 2 * radius, 1.0 / radius), (length - width, 0.0)
-    half = (np.pi * radius, 1.0 / radius)
+    quarter, half = (np.pi / 2 * radius, 1.0 / radius), (np.pi * radius, 1.0 / radius)
+    line = (length - width, 0.0)
     return ArcsAndLines((length / 2, 0.0), (quarter, line, half, line, quarter))
 
 

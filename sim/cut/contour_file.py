@@ -36,39 +36,32 @@ SHORTEST = 1e-9
 def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
     """Contour of a file.
 
-    Args:
-        corner: radius of its corners [m]; None takes the file's own, or 1.5 mm.
+    corner: radius of its corners [m]; None takes the file's own, or 1.5 mm.
 
     Raises:
         ValueError: a file that is not as above, or a contour that cannot be cut.
         OSError: the file cannot be read.
         ImportError: a drawing without the package ezdxf.
     """
-    match file.suffix.lower():
-        case ".toml":
-            return _from_toml(file, corner)
-        case ".dxf":
-            return _from_dxf(file, corner)
-    raise ValueError(f"{file.name}: a contour is a .toml or a .dxf file")
+    readers = {".toml": _from_toml, ".dxf": _from_dxf}
+    if file.suffix.lower() not in readers:
+        raise ValueError(f"{file.name}: a contour is a .toml or a .dxf file")
+    return readers[file.suffix.lower()](file, corner)
 
 
 def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
-    """Polygon with rounded corners.
+    """Polygon through points (K, 2) [m], in either order, with rounded corners [m].
 
-    Args:
-        points: (K, 2) [m], in either order; the last is joined to the first.
-        corner: radius [m].
-
-    Raises:
-        ValueError: fewer than three points, points that coincide, or a side too short for its
-            corners.
+    Raises ValueError for fewer than three points, points that coincide, or a side too short for its
+    corners.
     """
     p = np.asarray(points, dtype=np.float64)
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3 or not np.isfinite(p).all():
         raise ValueError(f"points must be three or more pairs of numbers, got shape {p.shape}")
     if not corner > 0.0:
         raise ValueError(f"corner must be > 0 m, got {corner:g}")
-    if _area(p) < 0.0:
+    following = np.roll(p, -1, axis=0)
+    if np.sum(p[:, 0] * following[:, 1] - following[:, 0] * p[:, 1]) < 0.0:  # clockwise
         p = p[::-1]
     side = np.roll(p, -1, axis=0) - p
     length = np.linalg.norm(side, axis=1)
@@ -77,9 +70,8 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
     heading = np.arctan2(side[:, 1], side[:, 0])
     turn = _wrapped(heading - np.roll(heading, 1))  # at the start of each side
     if np.abs(turn).max() > np.pi - 1e-6:
-        raise ValueError(
-            f"the contour turns back on itself at {_said(p[np.abs(turn).argmax()])} mm"
-        )
+        place = _said(p[np.abs(turn).argmax()])
+        raise ValueError(f"the contour turns back on itself at {place} mm")
     cut = corner * np.tan(np.abs(turn) / 2.0)  # of both sides, for the arc at their corner
     straight = length - cut - np.roll(cut, -1)
     if straight.min() < 0.0:
@@ -89,10 +81,9 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
             f"for corners of {corner / MM:g} mm"
         )
     elements: list[Element] = []
-    for i in range(len(p)):
-        elements.append((float(straight[i]), 0.0))
-        bend = float(turn[(i + 1) % len(p)])
-        elements.append((corner * abs(bend), float(np.copysign(1.0 / corner, bend))))
+    for line, bend in zip(straight.tolist(), np.roll(turn, -1).tolist(), strict=True):
+        arc = (corner * abs(bend), float(np.copysign(1.0 / corner, bend)))
+        elements += [(line, 0.0), arc]
     first = p[0] + cut[0] * side[0] / length[0]
     return _chain(first, float(heading[0]), elements)
 
@@ -102,9 +93,8 @@ def _from_toml(file: Path, corner: float | None) -> ClosedCurve:
         data = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{file.name}: {error}") from error
-    for name in data:
-        if name not in ("points", "corner"):
-            raise ValueError(f"{file.name}: {name} is not known here. Known: corner, points")
+    if unknown := [name for name in data if name not in ("points", "corner")]:
+        raise ValueError(f"{file.name}: {unknown[0]} is not known here. Known: corner, points")
     if "points" not in data:
         raise ValueError(f"{file.name}: points are missing")
     own = data.get("corner", CORNER)
@@ -191,8 +181,9 @@ def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAnd
     _, i, along, start = best
     length, curvature = kept[i]
     begun = [(length - along, curvature), *kept[i + 1 :], *kept[:i], (along, curvature)]
-    begun = [e for e in begun if e[0] > SHORTEST]
-    return ArcsAndLines((float(start[0]), float(start[1])), tuple(begun))
+    return ArcsAndLines(
+        (float(start[0]), float(start[1])), tuple(e for e in begun if e[0] > SHORTEST)
+    )
 
 
 def _where_north(heading: float, length: float, curvature: float) -> float | None:
@@ -202,11 +193,6 @@ def _where_north(heading: float, length: float, curvature: float) -> float | Non
         return length / 2.0 if abs(off) < 1e-9 else None
     along = np.mod(off * np.sign(curvature), 2.0 * np.pi) / abs(curvature)
     return float(along) if along <= length else None
-
-
-def _area(p: Array) -> float:
-    x, y = p.T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def _wrapped(angle: Array) -> Array:

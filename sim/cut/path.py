@@ -5,6 +5,7 @@ The lead-in follows the contour itself, or a `Spiral` from inside it.
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,15 +27,12 @@ def _unit(name: str, vector: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Plane:
-    """Plane in base axes: p_base = origin + axes[:, :2] @ p.
-
-    Columns of `axes` are its x, its y and its normal.
-    """
+    """Plane in base axes: p_base = origin + axes[:, :2] @ p."""
 
     origin: Array
     """(3,) [m]."""
     axes: Array = field(default_factory=lambda: np.eye(3))
-    """(3, 3), a rotation matrix; the default is the base x-y plane."""
+    """(3, 3), a rotation matrix, its x, y and normal; the default is the base x-y plane."""
 
     def __post_init__(self) -> None:
         origin = np.array(self.origin, dtype=np.float64)
@@ -86,20 +84,20 @@ class Spiral:
 
     curve: ClosedCurve
     end: float
-    """Arc length of the contour at the end of the spiral [m]."""
     length: float
-    """[m], of the spiral."""
+    """[m]: arc length of the contour at the end of the spiral, and length of the spiral."""
     inner: float
     """Scale at its start."""
 
     def point(self, s: ArrayLike) -> Array:
         """Shape (..., 2) [m], s from 0 to `length`."""
-        return self._at(self._parameter(np.asarray(s, dtype=np.float64)), self._span)
+        x = self._parameter(np.asarray(s, dtype=np.float64))
+        scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
+        return scale[..., np.newaxis] * self.curve.point(self.end - self._span * (1.0 - x))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector along increasing s, shape (..., 2)."""
-        x = self._parameter(np.asarray(s, dtype=np.float64))
-        velocity = self._velocity(x, self._span)
+        velocity = self._velocity(self._parameter(np.asarray(s, dtype=np.float64)), self._span)
         return velocity / np.linalg.norm(velocity, axis=-1, keepdims=True)
 
     @property
@@ -108,10 +106,6 @@ class Spiral:
         s = np.linspace(0.0, self.length, NODES)
         heading = np.unwrap(np.arctan2(*self.tangent(s).T[::-1]))
         return float(1.0 / np.max(np.abs(np.diff(heading) / np.diff(s))))
-
-    def _at(self, x: Array, span: float) -> Array:
-        scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
-        return scale[..., np.newaxis] * self.curve.point(self.end - span * (1.0 - x))
 
     def _velocity(self, x: Array, span: float) -> Array:
         """Derivative by x."""
@@ -155,12 +149,10 @@ class Spiral:
         for _ in range(2):
             below = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, NODES - 2)
             h = x - nodes[below]
-            speeds = [
-                np.linalg.norm(self._velocity(nodes[below] + h * part, self._span), axis=-1)
-                for part in (0.0, 0.5, 1.0)
-            ]
-            reached = arc_length[below] + (speeds[0] + 4.0 * speeds[1] + speeds[2]) * h / 6.0
-            x = np.clip(x - (reached - s) / speeds[2], 0.0, 1.0)
+            at = (nodes[below] + h * part for part in (0.0, 0.5, 1.0))
+            first, mid, last = (np.linalg.norm(self._velocity(y, self._span), axis=-1) for y in at)
+            reached = arc_length[below] + (first + 4.0 * mid + last) * h / 6.0
+            x = np.clip(x - (reached - s) / last, 0.0, 1.0)
         return x
 
 
@@ -176,9 +168,8 @@ class CuttingPath:
     curve: ClosedCurve
     plane: Plane
     lead_in: float
-    """[m]."""
     lead_out: float
-    """[m], along the contour."""
+    """[m]; the lead-out is along the contour."""
     spiral: float | None = None
     """Scale of the contour on which a spiral lead-in starts, in (0, 1). The contour then starts at
     the end of an equally long lead-in along it."""
@@ -222,21 +213,19 @@ class CuttingPath:
 
     def position(self, s: ArrayLike) -> Array:
         """Shape (..., 3) [m], base axes."""
-        s = np.asarray(s, dtype=np.float64)
-        p = self.curve.point(s)
-        if self._spiral:
-            inside = (s < self.lead_in)[..., np.newaxis]
-            p = np.where(inside, self._spiral.point(np.minimum(s, self.lead_in)), p)
-        return self.plane.to_base(p)
+        return self.plane.to_base(self._in_plane(s, "point"))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector along the motion, shape (..., 3), base axes."""
+        return self._in_plane(s, "tangent") @ self.plane.axes[:, :2].T
+
+    def _in_plane(self, s: ArrayLike, quantity: Literal["point", "tangent"]) -> Array:
         s = np.asarray(s, dtype=np.float64)
-        t = self.curve.tangent(s)
-        if self._spiral:
-            inside = (s < self.lead_in)[..., np.newaxis]
-            t = np.where(inside, self._spiral.tangent(np.minimum(s, self.lead_in)), t)
-        return t @ self.plane.axes[:, :2].T
+        p = getattr(self.curve, quantity)(s)
+        if self._spiral is None:
+            return p
+        on_spiral = getattr(self._spiral, quantity)(np.minimum(s, self.lead_in))
+        return np.where((s < self.lead_in)[..., np.newaxis], on_spiral, p)
 
     @cached_property
     def _spiral(self) -> Spiral | None:

@@ -83,10 +83,8 @@ def rest_to_rest(length: float, speed: float, limits: PathLimits) -> Timing:
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be > 0, got {value}")
     asked = ruckig.InputParameter(1)
-    asked.target_position = [length]
-    asked.max_velocity = [speed]
-    asked.max_acceleration = [limits.acceleration]
-    asked.max_jerk = [limits.jerk]
+    asked.target_position, asked.max_velocity = [length], [speed]
+    asked.max_acceleration, asked.max_jerk = [limits.acceleration], [limits.jerk]
     return jerk_limited(asked, f"over {length} m at {speed} m/s")
 
 
@@ -101,8 +99,7 @@ def jerk_limited(asked: ruckig.InputParameter, description: str) -> Timing:
         raise RuntimeError(f"no timing {description}: {result}")
     profile = trajectory.profiles[0][0]
     phase_time = np.asarray(profile.t)
-    start = np.concatenate([[0.0], np.cumsum(phase_time)[:-1]])
+    start, used = np.concatenate([[0.0], np.cumsum(phase_time)[:-1]]), phase_time > 0.0
     rows = (profile.p, profile.v, profile.a, profile.j)
     state = np.stack([np.asarray(row)[: len(phase_time)] for row in rows], axis=1)
-    used = phase_time > 0.0
     return Timing(start[used], state[used], float(trajectory.duration))

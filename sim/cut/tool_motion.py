@@ -28,9 +28,8 @@ class ToolMotion:
     time: Array
     """(N,) [s], from 0."""
     position: Array
-    """(N, 3) [m], base axes."""
     quaternion: Array
-    """(N, 4), base to tool."""
+    """(N, 3) [m], base axes, and (N, 4), base to tool."""
     arc_length: Array
     """(N,) [m]."""
     on_contour: NDArray[np.bool_]
@@ -38,7 +37,6 @@ class ToolMotion:
     contour_time: tuple[float, float]
     """Exact start and end of the contour [s], between samples."""
     programmed_speed: float
-    """[m/s]."""
     reached_speed: float
     """[m/s], on the contour."""
     limits_hit: tuple[LimitHit, ...]
@@ -84,8 +82,7 @@ def cut(
     are lengthened, so that the whole contour is cut at constant speed. The default rests are those
     of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
 
-    Raises:
-        ValueError: speed, step or rest out of range, or a quaternion of zero length.
+    Raises ValueError for speed, step or rest out of range, or a quaternion of zero length.
     """
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be > 0 m/s, got {speed}")
@@ -98,8 +95,10 @@ def cut(
     ramp = limits.ramp_length(reached)
     path = replace(path, lead_in=max(path.lead_in, ramp), lead_out=max(path.lead_out, ramp))
     timing = rest_to_rest(path.length, reached, limits)
-    contour_time = _contour_time(path, timing, rest_before)
-
+    cruise, _ = timing.cruise
+    s_cruise, cruise_speed, _ = timing.at(cruise)
+    first = float(rest_before + cruise + (path.contour_start - s_cruise) / cruise_speed)
+    last = first + path.curve.length / float(cruise_speed)
     n_samples = int(np.ceil((rest_before + timing.duration + rest_after) / step - 1e-9)) + 1
     time: Array = np.arange(n_samples, dtype=np.float64) * step
     s, _, _ = timing.at(time - rest_before)
@@ -108,8 +107,8 @@ def cut(
         position=path.position(s),
         quaternion=np.tile(_unit_quaternion(quaternion), (n_samples, 1)),
         arc_length=s,
-        on_contour=(time >= contour_time[0]) & (time < contour_time[1]),
-        contour_time=contour_time,
+        on_contour=(time >= first) & (time < last),
+        contour_time=(first, last),
         programmed_speed=float(speed),
         reached_speed=reached,
         limits_hit=_limits_hit(timing, limits, speed, reached, rest_before),
@@ -117,14 +116,6 @@ def cut(
         timing=timing,
         rest_before=rest_before,
     )
-
-
-def _contour_time(path: CuttingPath, timing: Timing, rest_before: float) -> tuple[float, float]:
-    """Start and end of the contour [s], both in the phase of constant speed."""
-    cruise, _ = timing.cruise
-    s_cruise, speed, _ = timing.at(cruise)
-    first = float(rest_before + cruise + (path.contour_start - s_cruise) / speed)
-    return first, first + path.curve.length / float(speed)
 
 
 def _limits_hit(
@@ -160,12 +151,9 @@ def joint_reference(
 
     Args:
         start: (6,) [rad], selects the nearest solution; zero pose by default.
-        shift: (N, 3) [m], subtracted from the programmed positions, such as an anticipated
-            deflection.
+        shift: (N, 3) [m], subtracted from the programmed positions: an anticipated deflection.
 
-    Raises:
-        UnreachableError: a position is out of reach; says by how much.
-        ValueError: a pose is outside of the joint limits, or the path leaves them.
+    Raises UnreachableError for a position out of reach, ValueError for one outside of the limits.
     """
     position = motion.position if shift is None else motion.position - shift
     T_base_tool = transform(from_quaternion(motion.quaternion), position)
@@ -194,13 +182,8 @@ def plan_cut(
         use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
         if use.max() <= 1.0:
             break
-        slowed = _first_hit(use, motion.time)
+        axis = int(np.argmax(use.max(axis=0)))
+        slowed = (("joint_speed", axis + 1, float(motion.time[np.argmax(use[:, axis] > 1.0)])),)
         reached = motion.reached_speed / use.max() * (1.0 - 1e-6)
     hits = motion.limits_hit + slowed
     return replace(motion, programmed_speed=float(speed), limits_hit=hits), phi
-
-
-def _first_hit(use: Array, time: Array) -> tuple[LimitHit, ...]:
-    """Joint with the highest ratio of speed to limit, and the time at which it passes it."""
-    axis = int(np.argmax(use.max(axis=0)))
-    return (("joint_speed", axis + 1, float(time[np.argmax(use[:, axis] > 1.0)])),)

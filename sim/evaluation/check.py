@@ -81,10 +81,7 @@ class Table:
 
 
 def held(by_seed: Mapping[int, Sequence[Check]], fraction: float = 1.0) -> list[Check]:
-    """The check that each check holds for at least a fraction of the seeds.
-
-    by_seed: the same checks, in the same order, of every seed.
-    """
+    """Checks that each check holds for at least a fraction of the seeds, all in the same order."""
     n = len(by_seed)
     rule = "every seed" if fraction == 1.0 else f"at least {100 * fraction:.0f} % of the seeds"
     found = []

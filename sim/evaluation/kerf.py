@@ -26,9 +26,8 @@ class Kerf:
     arc_length: Array
     """(M,) [m], of the contour."""
     outer: Array
-    """(M,) [m], edge of the hole, outwards from the contour."""
     inner: Array
-    """(M,) [m], edge of the piece that falls out, outwards from the contour: below 0."""
+    """(M,) [m], outwards from the contour, edges of the hole and of the fallen piece (below 0)."""
 
     @property
     def width(self) -> Array:
@@ -46,8 +45,7 @@ class Kerf:
         if not np.isfinite(self.outer).all():
             return np.full_like(self.outer, np.nan)
         # The programmed edge lies half a beam outside the contour: subtracted along the normals.
-        shifted = self.edge(self.outer - 0.5 * self.beam)
-        return fit(self.curve, shifted).deviation
+        return fit(self.curve, self.edge(self.outer - 0.5 * self.beam)).deviation
 
     @property
     def roundness(self) -> float:
@@ -62,10 +60,8 @@ class Kerf:
 def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -> Kerf:
     """Edges of the area that a disc of diameter `beam` [m] sweeps along a closed path.
 
-    Args:
-        curve: the programmed contour.
-        path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
-            point is joined to the first. The edges are NaN for a path that is not finite.
+    path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
+    point is joined to the first. The edges are NaN for a path that is not finite.
     """
     if not beam > 0.0:
         raise ValueError(f"beam must be > 0 m, got {beam}")

@@ -20,13 +20,11 @@ class PathMeasures:
     """Path accuracy and repeatability of n runs; NaN where samples are missing."""
 
     accuracy: float
-    """AT_p [m], height over the plane included."""
     accuracy_in_plane: float
-    """[m]."""
+    """AT_p [m], with and without the height over the plane."""
     repeatability: float
-    """RT_p [m]; NaN for a single run."""
     repeatability_in_plane: float
-    """[m]."""
+    """RT_p [m], likewise; NaN for a single run."""
 
 
 def path_measures(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> PathMeasures:
@@ -59,8 +57,7 @@ def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
     """
     curve = motion.path.curve
     turns = [motion.plane.from_base(p[motion.is_on_contour(time)]) for time, p in runs]
-    stacked = np.concatenate(turns)
-    points = commanded(motion)
+    stacked, points = np.concatenate(turns), commanded(motion)
     if len(stacked) < 3 * len(turns) or not np.isfinite(stacked).all():
         return np.full((len(turns), *points.shape), np.nan)
     moved = stacked - stacked.mean(axis=0)

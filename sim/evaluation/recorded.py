@@ -25,9 +25,8 @@ class CircleTurn:
     radius: float
     """Programmed [m]."""
     start: float = -np.inf
-    """Start of the turn [s]."""
     end: float = np.inf
-    """End of the turn [s]."""
+    """[s]."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     """Normal of the circle's plane, in the axes of the tracker."""
 
@@ -38,20 +37,17 @@ class RecordedMeasures:
 
     k: int
     motor_inf: Array
-    """(n,) [rad] of the motor shaft."""
     motor_two: Array
     """(n,) [rad] of the motor shaft."""
     arm_rms: float
-    """[m], (9.6)."""
     arm_maxdev: float
-    """[m], (9.7)."""
+    """[m], (9.6) and (9.7)."""
 
 
 def measure_signals(signals: Signals) -> list[RecordedMeasures]:
     """Measures of each iteration of a stored run, along its stored path; no motion is planned.
 
-    Raises:
-        ValueError: the signals come without programmed path or gear ratios.
+    Raises ValueError for signals without programmed path or gear ratios.
     """
     path, gear = signals.path, signals.gear
     if path is None or gear is None:
@@ -82,8 +78,7 @@ def measure_table(
         gear: (n,) ratios.
         turn: circle that the tracker saw; None measures the motors alone.
 
-    Raises:
-        ValueError: columns that are missing, or not as many motors as gears.
+    Raises ValueError for columns that are missing, or not as many motors as gears.
     """
     gear = np.asarray(gear, dtype=np.float64)
     names = set(table.column_names)
@@ -109,18 +104,12 @@ def _one(table: pa.Table, k: int, gear: Array, turn: CircleTurn | None) -> Recor
 
 
 def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> RecordedMeasures:
-    return RecordedMeasures(
-        k=int(k),
-        motor_inf=norms.inf_norm(motor_error),
-        motor_two=norms.two_norm(motor_error),
-        arm_rms=rms,
-        arm_maxdev=maxdev,
-    )
+    inf, two = norms.inf_norm(motor_error), norms.two_norm(motor_error)
+    return RecordedMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
 
 
 def _circle(own: pa.Table, turn: CircleTurn) -> tuple[float, float]:
-    time = _block(own, ["time"])[:, 0]
-    point = _block(own, TRACKER)
+    time, point = _block(own, ["time"])[:, 0], _block(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan

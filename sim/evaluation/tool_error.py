@@ -23,9 +23,8 @@ class ToolError:
     """Error of the tool on one turn of the contour."""
 
     rms: float
-    """[m], (9.6)."""
     maxdev: float
-    """[m], (9.7)."""
+    """[m], (9.6) and (9.7)."""
     path: Array
     """(M, 2) [m], the measured contour in its plane, fitted to the programmed one."""
 
@@ -36,9 +35,7 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
     On a contour that is no circle, the distance from it takes the place of r_ref - r_meas. Where
     samples are missing, rms and maxdev are NaN and the path has the samples that exist.
 
-    Args:
-        time: (K,) [s].
-        position: (K, 3) [m], base axes; NaN where there is no sample.
+    position: (K, 3) [m] at the times (K,) [s], base axes; NaN where there is no sample.
     """
     turn = position[motion.is_on_contour(time)]
     points = motion.plane.from_base(turn)[:, :2]
@@ -53,11 +50,8 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
     else:
         fitted = fit(curve, points)
         path, deviation = fitted.points, fitted.deviation
-    return ToolError(
-        rms=float(np.sqrt(np.mean(deviation**2))),
-        maxdev=float(np.abs(deviation).max()),
-        path=path,
-    )
+    rms, maxdev = float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
+    return ToolError(rms=rms, maxdev=maxdev, path=path)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,31 +21,34 @@ WARM_UP = 0.5
 """Time before the record in which filters and noise become stationary [s]."""
 
 
+def _check_not_negative(cfg: object, *names: str) -> None:
+    for name in names:
+        if not getattr(cfg, name) >= 0.0:
+            raise ValueError(f"{name} must be >= 0, got {getattr(cfg, name)}")
+
+
 @dataclass(frozen=True, kw_only=True)
 class TriadCfg:
-    """Three orthogonal sensors of one kind. `unit` is m/s^2 or rad/s."""
+    """Three orthogonal sensors of one kind. `unit` is m/s^2 or rad/s; errors are one sigma."""
 
     noise_density: float
     """One-sided, [unit/sqrt(Hz)]."""
     bandwidth: float
     """Corner of a second-order low-pass [Hz]."""
     bias: float
-    """One standard deviation of the turn-on bias [unit]."""
     bias_walk: float
-    """Random walk of the bias [unit/sqrt(s)]."""
+    """Turn-on bias [unit] and its random walk [unit/sqrt(s)]."""
     scale_error: float
-    """One standard deviation, relative."""
     misalignment: float
-    """One standard deviation of each sensitive axis from its housing axis [rad]."""
+    """Of the scale, relative, and of each sensitive axis from its housing axis [rad]."""
     range: float
     """Readings are clipped at +-range [unit]."""
     bits: int = 16
     """Resolution of the converter over the whole range; 0 does not quantise."""
 
     def __post_init__(self) -> None:
-        for name in ("noise_density", "bias", "bias_walk", "scale_error", "misalignment", "bits"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        errors = "bias", "bias_walk", "scale_error", "misalignment"
+        _check_not_negative(self, "noise_density", *errors, "bits")
         for name in ("bandwidth", "range"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
@@ -100,9 +103,7 @@ class ImuCfg:
     def __post_init__(self) -> None:
         if not self.rate > 0.0:
             raise ValueError(f"IMU rate must be > 0 Hz, got {self.rate}")
-        for name in ("mounting_error", "clock_offset", "clock_drift"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        _check_not_negative(self, "mounting_error", "clock_offset", "clock_drift")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,9 +117,8 @@ class ImuSamples:
     angular_velocity: Array
     """(K, 3) [rad/s]."""
     acceleration_clipped: NDArray[np.bool_]
-    """(K, 3), True for a reading at the end of its range."""
     angular_velocity_clipped: NDArray[np.bool_]
-    """(K, 3)."""
+    """(K, 3), True for a reading at the end of its range."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,8 +145,7 @@ class Triad:
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Bias, range and converter at the output rate: readings, and a mask of clipped ones."""
         cfg = self.cfg
-        walk = noise.random_walk(rng, (len(samples), 3), cfg.bias_walk, period)
-        y = samples + self.bias + walk
+        y = samples + self.bias + noise.random_walk(rng, samples.shape, cfg.bias_walk, period)
         clipped = np.abs(y) >= cfg.range
         y = np.clip(y, -cfg.range, cfg.range)
         if cfg.resolution > 0.0:
@@ -164,34 +163,24 @@ class Imu:
     R_site_imu: Array
     """(3, 3), the mounting error."""
     clock_offset: float
-    """Robot time when the unit's clock shows 0 [s]."""
     clock_drift: float
-    """Robot time = clock_offset + (1 + clock_drift) * unit time."""
+    """Robot time [s] = clock_offset + (1 + clock_drift) * unit time."""
 
     def measure(
-        self,
-        time: Array,
-        acceleration: Array,
-        angular_velocity: Array,
-        rng: np.random.Generator,
+        self, time: Array, acceleration: Array, angular_velocity: Array, rng: np.random.Generator
     ) -> ImuSamples:
-        """Readings of a record.
+        """Readings of a record, interpolated linearly at the unit's instants after the low-pass.
 
         Args:
             time: (M,) [s], uniform, robot time; fine enough for the bandwidths.
-            acceleration: (M, 3) [m/s^2], ideal specific force in the frame of the site.
-            angular_velocity: (M, 3) [rad/s], ideal, in the frame of the site.
-
-        The unit's instants fall between those of the record; the low-passed signal is interpolated
-        linearly there.
+            acceleration, angular_velocity: (M, 3) [m/s^2] and [rad/s], ideal specific force and
+                rate in the frame of the site.
         """
         step = 1.0 / rate_of(time)
         own_time, robot_time = self._instants(time)
         readings = []
-        for triad, ideal in (
-            (self.accelerometer, acceleration),
-            (self.gyroscope, angular_velocity),
-        ):
+        ideals = (self.accelerometer, acceleration), (self.gyroscope, angular_velocity)
+        for triad, ideal in ideals:
             fine = triad.filtered(ideal @ self.R_site_imu, step, rng)
             at_samples = np.stack([np.interp(robot_time, time, c) for c in fine.T], axis=1)
             readings.append(triad.digitised(at_samples, 1.0 / self.cfg.rate, rng))

@@ -31,9 +31,8 @@ class LaserTrackerCfg:
     rate: float = 1000.0
     """[Hz]; must divide the physics rate."""
     range_noise: float = 5e-6
-    """White, one standard deviation [m]. ESTIMATE: 5 um a coordinate at 4 m."""
     angle_noise: float = 1.25e-6
-    """White, one standard deviation [rad]. ESTIMATE: 5 um a coordinate at 4 m."""
+    """White, one standard deviation [m] and [rad]. ESTIMATES: 5 um a coordinate at 4 m."""
     range_scale_error: float = 5e-6
     """One standard deviation of the scale error of a set-up: half of 10 ppm (2 sigma)."""
     angle_bias: float = 5e-6
@@ -43,8 +42,7 @@ class LaserTrackerCfg:
     angle_resolution: float = 0.14 * ARCSEC
     """[rad]."""
     acceptance_angle: float = np.deg2rad(30.0)
-    """Half angle of the cone in which the reflector returns the beam [rad]. ESTIMATE: corner
-    cube."""
+    """Half angle of the cone in which a corner cube returns the beam [rad]. ESTIMATE."""
     target_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Centre of the reflector in tool axes, from TCP0 [m]."""
     reference_targets: tuple[tuple[float, float, float], ...] = (
@@ -105,8 +103,7 @@ class Registration:
 def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
     """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch).
 
-    Raises:
-        ValueError: fewer than three points, or all on one line.
+    Raises ValueError for fewer than three points, or all on one line.
     """
     a, b = np.asarray(p_tracker, dtype=np.float64), np.asarray(p_base, dtype=np.float64)
     if a.shape != b.shape or a.ndim != 2 or a.shape[1] != 3:
@@ -143,12 +140,10 @@ class LaserTracker:
         *,
         target_axis: ArrayLike | None = None,
     ) -> TrackerSamples:
-        """Samples of a tool during a run.
+        """Samples of a tool, (M, 3) [m] and (M, 4), base axes, during a run.
 
         Args:
             time: (M,) [s], uniform, at a rate that is a multiple of the tracker's.
-            tool_position: (M, 3) [m], TCP0 in base axes.
-            tool_quaternion: (M, 4), base to tool.
             target_axis: (3,), direction of the reflector in tool axes; None points it at the
                 tracker at the first sample. Zero raises ValueError.
 
@@ -176,8 +171,7 @@ class LaserTracker:
 
 def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
     """Tracker with the constant errors of a set-up, registered on its targets."""
-    one_sigma = np.array([cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
-    bias = rng.standard_normal(3) * one_sigma
+    bias = noise.white(rng, (3,), [cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
     targets = np.repeat(np.array(cfg.reference_targets), cfg.readings_per_target, axis=0)
     registration = best_fit(_read(cfg, bias, targets, rng), targets)
     return LaserTracker(cfg=cfg, bias=bias, registration=registration)
@@ -192,41 +186,29 @@ def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Gener
     R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
     level = np.hypot(x, y)
-    distance = np.hypot(level, z) * (1.0 + bias[0])
-    distance = reading(distance, cfg.range_noise, cfg.range_resolution)
+    r = reading(np.hypot(level, z) * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution)
     azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
     elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
-    level = distance * np.cos(elevation)
-    return np.stack(
-        [level * np.cos(azimuth), level * np.sin(azimuth), distance * np.sin(elevation)], axis=-1
-    )
+    level = r * np.cos(elevation)
+    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), r * np.sin(elevation)], -1)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sight(
-    tool_position: Array,
-    tool_quaternion: Array,
-    offset: Array,
-    axis: Array,
-    tracker: Array,
-    least_cosine: float,
+    tool: Array, quaternion: Array, offset: Array, axis: Array, tracker: Array, least_cosine: float
 ) -> tuple[Array, NDArray[np.bool_]]:  # pragma: no cover - compiled
     """Position of the reflector (K, 3) [m] in base axes, and a mask of samples with beam (K,).
 
-    Once the reflector has left the cone the beam stays lost: an interferometer counts.
-
-    Args:
-        axis: direction of the reflector in tool axes; zero for the tracker at the first sample.
+    Once the reflector has left the cone the beam stays lost: an interferometer counts. A zero axis
+    points at the tracker at the first sample.
     """
-    reflector = np.empty_like(tool_position)
-    holds = np.zeros(len(tool_position), dtype=np.bool_)
-    looks = (axis[0], axis[1], axis[2])
-    held = True
-    for i in range(len(tool_position)):
-        w, x, y, z = tool_quaternion[i]
+    reflector, holds = np.empty_like(tool), np.zeros(len(tool), dtype=np.bool_)
+    looks, held = (axis[0], axis[1], axis[2]), True
+    for i in range(len(tool)):
+        w, x, y, z = quaternion[i]
         away = _rotated(w, x, y, z, (offset[0], offset[1], offset[2]))
         for j in range(3):
-            reflector[i, j] = tool_position[i, j] + away[j]
+            reflector[i, j] = tool[i, j] + away[j]
         to_tracker = tracker - reflector[i]
         beam = (to_tracker[0], to_tracker[1], to_tracker[2])
         if i == 0 and not axis.any():

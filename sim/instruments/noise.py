@@ -15,20 +15,15 @@ def white(rng: np.random.Generator, shape: tuple[int, ...], std: ArrayLike) -> A
 def from_density(
     rng: np.random.Generator, shape: tuple[int, ...], density: ArrayLike, rate: float
 ) -> Array:
-    """White noise sampled at `rate` [Hz] whose one-sided power spectral density is density^2.
+    """White noise sampled at `rate` [Hz], of one-sided `density` [units/sqrt(Hz)].
 
-    `density` in units/sqrt(Hz). All power lies below the Nyquist frequency: std = density
-    sqrt(rate / 2).
+    All power lies below the Nyquist frequency: std = density sqrt(rate / 2).
     """
     return white(rng, shape, np.asarray(density) * np.sqrt(rate / 2.0))
 
 
 def band_limited(
-    rng: np.random.Generator,
-    shape: tuple[int, int],
-    std: ArrayLike,
-    bandwidth: float,
-    step: float,
+    rng: np.random.Generator, shape: tuple[int, int], std: ArrayLike, bandwidth: float, step: float
 ) -> Array:
     """White noise through a first-order low-pass: a stationary process of standard deviation `std`.
 
@@ -41,8 +36,7 @@ def band_limited(
     c = np.exp(-2.0 * np.pi * bandwidth * step)
     x = rng.standard_normal(shape)
     _correlate(x, c, np.sqrt(1.0 - c * c))
-    x *= np.asarray(std, dtype=np.float64)
-    return x
+    return x * np.asarray(std, dtype=np.float64)
 
 
 @njit(cache=True, nogil=True)

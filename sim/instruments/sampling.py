@@ -4,11 +4,7 @@ from armside.arrays import Array
 
 
 def stride(record_rate: float, rate: float) -> int:
-    """Rows of a record per sample of an instrument of `rate` [Hz].
-
-    Raises:
-        ValueError: the rate does not divide the rate of the record.
-    """
+    """Rows of a record per sample of an instrument; ValueError unless its rate [Hz] divides."""
     if not (rate > 0.0 and record_rate > 0.0):
         raise ValueError(f"rates must be > 0 Hz, got {rate} and {record_rate}")
     every = round(record_rate / rate)

@@ -25,9 +25,8 @@ class Bounds:
     speed: Array
     """(K,) [1/s]."""
     along: Array
-    """(K, 7) [s^2]: first derivatives by w over the limit of acceleration."""
     bend: Array
-    """(K, 7) [s^2]: second derivatives by w over the same."""
+    """(K, 7) [s^2]: first and second derivatives by w over the limit of acceleration."""
 
 
 def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Array, Array]:

@@ -24,9 +24,8 @@ class PieceLimits:
     """Constant limits of one curve, in its parameter w."""
 
     speed: float
-    """[1/s]."""
     acceleration: float
-    """[1/s^2]."""
+    """[1/s] and [1/s^2]."""
     limited_by: str
     """Limit that keeps the speed below the programmed one; empty if none does."""
     tool_rate: float
@@ -53,14 +52,11 @@ def piece_limits(
     caps = {f"speed of motor {i + 1}": float(v) for i, v in enumerate(joint_speed)}
     caps |= {f"acceleration of motor {i + 1}": float(v) for i, v in enumerate(joint_bend)}
     if bend > TINY:
-        caps["path acceleration"] = float(
-            np.sqrt(CORNER_FRACTION * dynamics.path_acceleration / bend)
-        )
+        of_path = CORNER_FRACTION * dynamics.path_acceleration / bend
+        caps["path acceleration"] = float(np.sqrt(of_path))
     name, cap = min(caps.items(), key=lambda item: item[1])
     top = min(wanted, cap)
-
-    left = (of_joints - d2 * top**2) / np.maximum(d1, TINY)
-    acceleration = float(left.min())
+    acceleration = float(((of_joints - d2 * top**2) / np.maximum(d1, TINY)).min())
     if curve.on_path:
         along = np.sqrt(dynamics.path_acceleration**2 - (bend * top**2) ** 2)
         acceleration = min(acceleration, float(along) / max(tool_rate, TINY))
@@ -77,10 +73,8 @@ def time_chain(
     curves: Sequence[Curve], limits: Sequence[PieceLimits], jerk_time: float
 ) -> list[Timing]:
     """From rest at the start of the first curve to rest at the end of the last."""
-    first, last = _end_speeds(curves, limits, jerk_time)
-    return [
-        _timed(piece, v0, v1, jerk_time) for piece, v0, v1 in zip(limits, first, last, strict=True)
-    ]
+    ends = _end_speeds(curves, limits, jerk_time)
+    return [_timed(*piece, jerk_time) for piece in zip(limits, *ends, strict=True)]
 
 
 def _end_speeds(
@@ -93,18 +87,15 @@ def _end_speeds(
     # Joint-space speed |dphi/dt| at the joints between pieces, common to both sides.
     junction = np.zeros(n + 1)
     for j in range(1, n):
-        before, after = limits[j - 1].speed * rate_last[j - 1], limits[j].speed * rate_first[j]
-        junction[j] = min(before, after)
+        junction[j] = min(limits[j - 1].speed * rate_last[j - 1], limits[j].speed * rate_first[j])
     for j in range(n):
-        start = junction[j] / max(rate_first[j], 1e-12)
+        start = junction[j] / max(rate_first[j], TINY)
         reach = _reachable(start, limits[j], jerk_time) * rate_last[j]
         junction[j + 1] = min(junction[j + 1], reach)
     for j in reversed(range(n)):
-        end = junction[j + 1] / max(rate_last[j], 1e-12)
+        end = junction[j + 1] / max(rate_last[j], TINY)
         junction[j] = min(junction[j], _reachable(end, limits[j], jerk_time) * rate_first[j])
-    return junction[:-1] / np.maximum(rate_first, 1e-12), junction[1:] / np.maximum(
-        rate_last, 1e-12
-    )
+    return junction[:-1] / np.maximum(rate_first, TINY), junction[1:] / np.maximum(rate_last, TINY)
 
 
 def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
@@ -128,8 +119,7 @@ def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
 def _timed(limits: PieceLimits, first: float, last: float, jerk_time: float) -> Timing:
     asked = ruckig.InputParameter(1)
     asked.current_velocity, asked.target_velocity = [first], [last]
-    asked.target_position = [1.0]
-    asked.max_velocity = [max(limits.speed, first, last)]
+    asked.target_position, asked.max_velocity = [1.0], [max(limits.speed, first, last)]
     asked.max_acceleration = [limits.acceleration]
     asked.max_jerk = [limits.acceleration / jerk_time]
     return jerk_limited(asked, f"from {first} to {last} 1/s")

@@ -56,14 +56,11 @@ def move_curve(
     Raises ValueError where it cannot be followed, with the place.
     """
     if isinstance(move, MoveJ):
-        return _straight(start, _motors(move.to, start, robot, limits))
+        end = _motors(move.to, start, robot, limits)
+        return Curve(PPoly(np.stack([end - start, start])[:, np.newaxis], [0.0, 1.0]))
     T = robot.pose(start)
     path = _line(T, move) if isinstance(move, MoveL) else _arc(T, move)
     return _followed(path, start, T, move.to, robot)
-
-
-def _straight(start: Array, end: Array) -> Curve:
-    return Curve(PPoly(np.stack([end - start, start])[:, np.newaxis], [0.0, 1.0]))
 
 
 def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> Array:
@@ -97,10 +94,8 @@ class _Path:
 
 
 def _line(T: Array, move: MoveL) -> _Path:
-    start, end = T[:3, 3], np.array(move.to.position)
-    return _Path(
-        float(np.linalg.norm(end - start)), lambda u: start + u[:, np.newaxis] * (end - start)
-    )
+    start, way = T[:3, 3], np.array(move.to.position) - T[:3, 3]
+    return _Path(float(np.linalg.norm(way)), lambda u: start + u[:, np.newaxis] * way)
 
 
 def _arc(T: Array, move: MoveC) -> _Path:
@@ -129,8 +124,7 @@ def _arc(T: Array, move: MoveC) -> _Path:
 
 def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
     """Motor angles along a path, rotated at an even rate over its length."""
-    q_start = to_quaternion(T[:3, :3])
-    q_end = to_quaternion(_end_rotation(T, to))
+    q_start, q_end = to_quaternion(T[:3, :3]), to_quaternion(_end_rotation(T, to))
     rotation = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
     if path.length < 1e-6 and rotation < 1e-6:
         raise ValueError("the move ends where it starts")
@@ -149,22 +143,17 @@ def check_limits(curve: Curve, limits: Limits) -> None:
     """Raise ValueError where a curve leaves a joint's range, with joint, angle and place."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     phi = curve.at(w)
-    ranges = [
-        (f"motor {i + 1}", np.eye(6)[i], low, high)
-        for i, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True))
-    ]
-    for bound in limits.coupled:
-        c = np.array(bound.coefficients)
-        ranges.append((_combination(c), c, bound.lower, bound.upper))
-    for name, c, low, high in ranges:
+    ranges = list(zip(np.eye(6), limits.lower, limits.upper, strict=True))
+    ranges += [(np.array(b.coefficients), b.lower, b.upper) for b in limits.coupled]
+    for c, low, high in ranges:
         value = phi @ c
         outside = (value < low - 1e-9) | (value > high + 1e-9)
         if outside.any():
             worst = int(np.argmax(np.maximum(low - value, value - high)))
             raise ValueError(
-                f"{name} leaves its range of {np.degrees(low):g} to {np.degrees(high):g} deg "
-                f"{100 * w[np.argmax(outside)]:.0f} % of the way and reaches "
-                f"{np.degrees(value[worst]):.1f} deg"
+                f"{_combination(c)} leaves its range of {np.degrees(low):g} to "
+                f"{np.degrees(high):g} deg {100 * w[np.argmax(outside)]:.0f} % of the way and "
+                f"reaches {np.degrees(value[worst]):.1f} deg"
             )
 
 
@@ -194,8 +183,7 @@ def blend(before: Curve, after: Curve) -> Curve:
 def zone_fraction(curve: Curve, zone: float, robot: CompiledRobot, *, at_end: bool) -> float:
     """Fraction of a whole curve within `zone` [m] of one end; below half of it."""
     w = np.linspace(0.0, 1.0, SAMPLES)
-    w_of = 1.0 - w if at_end else w
-    p = robot.pose(np.ascontiguousarray(curve.at(w_of)))[:, :3, 3]
+    p = robot.pose(np.ascontiguousarray(curve.at(1.0 - w if at_end else w)))[:, :3, 3]
     distance = np.linalg.norm(p - p[0], axis=1)
     beyond = np.flatnonzero(distance >= zone)
     if not len(beyond):

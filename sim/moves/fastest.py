@@ -26,7 +26,9 @@ def fastest(bounds: Bounds, jerk_time: float) -> Timing:
     x = _reached(x[::-1], bounds.along[::-1], bounds.bend[::-1])[::-1]
     timing = averaged(x, jerk_time)
     # Where limits change within the jerk time, an average may pass them: by 0.6 % in our programs.
-    return _stretched(timing, max(1.0, _excess(timing, bounds)))
+    factor = max(1.0, _excess(timing, bounds))
+    state = timing.state * factor ** -np.arange(4.0)
+    return Timing(timing.start * factor, state, timing.duration * factor)
 
 
 def _reached(x: Array, along: Array, bend: Array) -> Array:
@@ -55,12 +57,9 @@ def averaged(x: Array, window: float) -> Timing:
     state = np.zeros((len(length), 4))
     state[:, 3] = (entering - leaving) / window
     for k, h in enumerate(length[:-1]):
-        s, v_k, a, j = state[k]
-        state[k + 1, :3] = (
-            s + h * (v_k + h * (a / 2 + h * j / 6)),
-            v_k + h * (a + h * j / 2),
-            a + h * j,
-        )
+        s, v, a, j = state[k]
+        moved = s + h * (v + h * (a / 2 + h * j / 6))
+        state[k + 1, :3] = moved, v + h * (a + h * j / 2), a + h * j
     return Timing(start[:-1], state, float(start[-1]))
 
 
@@ -81,9 +80,3 @@ def _excess(timing: Timing, bounds: Bounds) -> float:
     )
     used = bend * (v**2)[:, np.newaxis] + along * np.abs(a)[:, np.newaxis]
     return float(max((v / np.interp(w, grid, bounds.speed)).max(), np.sqrt(used.max())))
-
-
-def _stretched(timing: Timing, factor: float) -> Timing:
-    """Timing over the same length in `factor` times the time."""
-    scale = factor ** -np.arange(4.0)
-    return Timing(timing.start * factor, timing.state * scale, timing.duration * factor)

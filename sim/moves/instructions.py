@@ -65,6 +65,13 @@ class _Move:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.zone) and self.zone >= 0.0):
             raise ValueError(f"zone must be >= 0 m, got {self.zone}")
+        if isinstance(self, MoveJ):
+            return
+        name = type(self).__name__
+        if self.to.position is None:
+            raise ValueError(f"{name} needs a target with a position; MoveJ goes to motor angles")
+        if self.speed.path is None:
+            raise ValueError(f"{name} needs a speed along its path; MoveJ can take a percentage")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,10 +83,6 @@ class MoveJ(_Move):
 class MoveL(_Move):
     """Straight line of the tool, rotated at an even rate about one axis."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _needs_pose("MoveL", self.to, self.speed)
-
 
 @dataclass(frozen=True, kw_only=True)
 class MoveC(_Move):
@@ -90,16 +93,8 @@ class MoveC(_Move):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _needs_pose("MoveC", self.to, self.speed)
         if not (len(self.via) == 3 and np.isfinite(self.via).all()):
             raise ValueError(f"via must be 3 finite numbers, got {self.via}")
-
-
-def _needs_pose(name: str, to: Target, speed: Speed) -> None:
-    if to.position is None:
-        raise ValueError(f"{name} needs a target with a position; MoveJ goes to motor angles")
-    if speed.path is None:
-        raise ValueError(f"{name} needs a speed along its path; MoveJ can take a percentage")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,7 +144,7 @@ class Program:
     """Line of each instruction in that file."""
 
     def __post_init__(self) -> None:
-        if not any(not isinstance(i, Wait) for i in self.instructions):
+        if all(isinstance(i, Wait) for i in self.instructions):
             raise ProgramError(f"{self.source}: a program needs at least one move")
         if len(self.start) != 6 or not np.isfinite(self.start).all():
             raise ProgramError(f"{self.source}: start must be 6 finite motor angles")

@@ -34,7 +34,6 @@ class MoveReport:
     instruction: int
     """Index in the program."""
     start: float
-    """[s]."""
     end: float
     """[s]."""
     programmed: Speed
@@ -81,9 +80,8 @@ def plan_program(
 ) -> JointMotion:
     """Plan a program: geometry, corners, then the fastest timing the limits allow.
 
-    Raises:
-        ProgramError: a target out of reach, a joint limit that is passed, no circle through three
-            points; the message names the place in the program.
+    Raises ProgramError, with the place in the program, for a target out of reach, a joint limit
+    that is passed, or no circle through three points.
     """
     planner = _Planner(program, compile_robot(robot), limits)
     clock = rest_before
@@ -110,10 +108,9 @@ def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
     running = False
     for index, instruction in enumerate(instructions):
         is_move = not isinstance(instruction, Wait)
-        if running and is_move:
-            chains[-1].append(index)
-        else:
-            chains.append([index])
+        if not (running and is_move):
+            chains.append([])
+        chains[-1].append(index)
         running = is_move and instruction.zone > 0.0
     return chains
 
@@ -219,9 +216,7 @@ def _reports(
     starts = np.concatenate([[begun], ends[:-1]])
     reports = []
     for index in dict.fromkeys(piece.instruction for piece in pieces):
-        parts = [
-            j for j, piece in enumerate(pieces) if piece.instruction == index and not piece.corner
-        ]
+        parts = [j for j, p in enumerate(pieces) if p.instruction == index and not p.corner]
         programmed = program.move(index).speed
         reached = [_reached(pieces[j].limits, timings[j], programmed) for j in parts]
         wanted = programmed.share or programmed.path or 0.0
@@ -266,11 +261,9 @@ def _sampled(
     phi = np.tile(np.array(program.start), (len(time), 1))
     instruction = np.zeros(len(time), dtype=np.int64)
     for first, last, index, curve, timing in spans:
-        later = time >= first
-        instruction[later] = index
-        if curve is None or timing is None:
-            continue
-        inside = later & (time <= last)
-        phi[inside] = curve.at(np.clip(timing.at(time[inside] - first)[0], 0.0, 1.0))
-        phi[time > last] = curve.at(1.0)
+        instruction[time >= first] = index
+        if curve is not None and timing is not None:
+            inside = (time >= first) & (time <= last)
+            phi[inside] = curve.at(np.clip(timing.at(time[inside] - first)[0], 0.0, 1.0))
+            phi[time > last] = curve.at(1.0)
     return JointMotion(time=time, phi=phi, instruction=instruction, reports=reports)

@@ -46,9 +46,7 @@ MM, MS, DEG = 1e-3, 1e-3, np.pi / 180.0
 def read_program(path: Path) -> Program:
     """Program of a file.
 
-    Raises:
-        ProgramError: file, line and reason.
-        OSError: the file cannot be read.
+    Raises ProgramError with file, line and reason, OSError where the file cannot be read.
     """
     return parse_program(path.read_text(encoding="utf-8"), source=path.name)
 
@@ -117,14 +115,9 @@ class _Reader:
         try:
             return make()
         except ValueError as error:
-            first, last = place
             word = re.match(r"\w+", str(error))
-            keys = [
-                i
-                for i in range(first, last)
-                if word and re.match(rf"\s*{word.group(0)}\s*=", self.text_lines[i])
-            ]
-            line = keys[0] if keys else first
+            key = re.compile(rf"\s*{word.group(0)}\s*=" if word else "(?!)")  # none without a word
+            line = next((i for i in range(*place) if key.match(self.text_lines[i])), place[0])
             raise ProgramError(f"{self.source}, line {line + 1}: {error}") from error
 
 
@@ -147,10 +140,8 @@ def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target]) -> Ins
         "speed": _speed(_required(table, "speed")),
         "zone": _number("zone", table.get("zone", 0.0)) * MM,
     }
-    if kind == "MoveJ":
-        return MoveJ(**common)
-    if kind == "MoveL":
-        return MoveL(**common)
+    if kind != "MoveC":
+        return MoveJ(**common) if kind == "MoveJ" else MoveL(**common)
     via = _to(_required(table, "via"), targets, "via").position
     if via is None:
         raise ValueError("via needs a position")
@@ -198,14 +189,13 @@ def _speed(value: Any) -> Speed:
 
 
 def _dynamics(table: Mapping[str, Any]) -> Dynamics:
-    _only(table, {"joint_acceleration", "path_acceleration", "jerk_time"})
-    given: dict[str, Any] = {}
-    for name, value in table.items():
-        if name == "joint_acceleration":
-            given[name] = _numbers(name, value, 6, 1.0)
-        else:
-            given[name] = _number(name, value) * (MS if name == "jerk_time" else 1.0)
-    return Dynamics(**given)
+    read: dict[str, Callable[[str, Any], Any]] = {
+        "joint_acceleration": lambda name, value: _numbers(name, value, 6, 1.0),
+        "path_acceleration": _number,
+        "jerk_time": lambda name, value: _number(name, value) * MS,
+    }
+    _only(table, set(read))
+    return Dynamics(**{name: read[name](name, value) for name, value in table.items()})
 
 
 def _number(name: str, value: Any) -> float:

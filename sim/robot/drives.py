@@ -1,7 +1,6 @@
 """Drive trains as the controller knows them: motors, gears with their transmission error, friction.
 
-`Drives` is read from the custom numerics and actuators of the MJCF. `GearError` is the transmission
-error of the gears; `friction_torque` is the friction that the torque feedforward contains.
+`Drives` is read from the custom numerics and actuators of the MJCF.
 """
 
 from dataclasses import dataclass
@@ -20,40 +19,33 @@ FRICTION_SPEED = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class Drives:
-    """Nominal parameters of the six drives. Motor units: before the gear."""
+    """Nominal parameters of the six drives, arrays (6,). Motor units: before the gear."""
 
     gear: Array
-    """(6,) gear ratio, motor angle over arm-side angle."""
+    """Gear ratio, motor angle over arm-side angle."""
     kp: Array
-    """(6,) [N m/rad]."""
     ki: Array
-    """(6,) [N m/(rad s)]."""
     kd: Array
-    """(6,) [N m s/rad]."""
+    """Gains [N m/rad], [N m/(rad s)], [N m s/rad]."""
     torque_limit: Array
-    """(6,) [N m]."""
+    """[N m]."""
     speed_limit: Array
-    """(6,) [rad/s], arm side."""
+    """[rad/s], arm side."""
     encoder_counts: float
     """Counts per motor revolution; 0 for an ideal encoder."""
     encoder_noise: float
     """[counts rms], white at the rate of the servo."""
     velocity_feedforward: Array
-    """(6,) gain of the velocity feedforward."""
     torque_feedforward: float
-    """Gain of the feedforward of rigid computed torque and friction."""
     friction_feedforward: float
-    """Gain of the friction feedforward."""
+    """Gains of the feedforward; that of the torque is of rigid computed torque and friction."""
     friction_curve: bool
     """Friction feedforward has Stribeck and viscous friction too, not Coulomb friction alone."""
     coulomb_friction: Array
-    """(6,) [N m]."""
     static_friction: Array
-    """(6,) [N m]."""
     stribeck_speed: Array
-    """(6,) [rad/s]."""
     viscous_friction: Array
-    """(6,) [N m s/rad]."""
+    """[N m], [N m], [rad/s], [N m s/rad]."""
     correction_delay: float
     """[s], before a correction reaches the servo."""
     correction_lag: float
@@ -61,9 +53,8 @@ class Drives:
     elastic_compensation: float
     """Fraction of the quasi-static elastic deflection that the reference compensates."""
     torque_noise: float
-    """Non-repeatable torque, rms relative to the torque limit."""
     torque_noise_bandwidth: float
-    """[Hz]."""
+    """Non-repeatable torque, rms relative to the torque limit, and [Hz]."""
 
 
 def read_drives(mj: mujoco.MjModel) -> Drives:
@@ -97,11 +88,9 @@ def read_drives(mj: mujoco.MjModel) -> Drives:
 
 
 def friction_torque(drives: Drives, velocity: Array) -> Array:
-    """(M, 6) [N m], arm side: friction feedforward.
+    """(M, 6) [N m], arm side: friction feedforward at the velocity (M, 6) [rad/s] of the reference.
 
     Coulomb friction; with `friction_curve` also (F_s - F_c) exp(-(v / v_s)^2) and viscous friction.
-
-    velocity: (M, 6) [rad/s], of the reference.
     """
     gain = drives.friction_feedforward
     fade = np.tanh(velocity / FRICTION_SPEED)
@@ -122,11 +111,9 @@ class GearError:
     """
 
     amplitude: Array
-    """(6, H) [rad], arm side."""
     order: Array
-    """(6, H), periods per revolution of the output."""
     phase: Array
-    """(6, H) [rad]."""
+    """(6, H) each: [rad] on the arm side, periods per revolution of the output, [rad]."""
 
     def __call__(self, phi: Array) -> Array:
         """epsilon, shape (M, 6) [rad], at arm-side angles phi (M, 6)."""
@@ -135,8 +122,7 @@ class GearError:
     def rate(self, phi: Array, phi_dot: Array) -> Array:
         """Time derivative of epsilon, shape (M, 6) [rad/s]."""
         # sin(x + pi/2) = cos(x): the derivative is an error of other amplitudes and phases
-        slope = self.amplitude * self.order
-        phase = self.phase + 0.5 * np.pi
+        slope, phase = self.amplitude * self.order, self.phase + 0.5 * np.pi
         return _error(np.ascontiguousarray(phi), slope, self.order, phase) * phi_dot
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .drives import GearError
-from .mjcf import AXES, axis_actuators, has, numeric, scalar
+from .mjcf import axis_actuators, has, numeric, scalar
 from .model import RobotModel
 from .statics import Statics
 
@@ -29,7 +29,6 @@ class Effect(Enum):
     LOST_MOTION = "lost-motion"
     """Gear springs that are soft in the middle and stiff outside."""
     GEAR_ERROR = "gear-error"
-    """Transmission error of the gears."""
     RIPPLE = "ripple"
     """Motor torque that depends on the motor angle."""
     LOAD_FRICTION = "load-friction"
@@ -71,7 +70,7 @@ def _set_lost_motion(model: RobotModel) -> None:
     """Set soft joint springs; a tendon adds the rest of the stiffness outside the lost motion."""
     mj = model.mj
     soft, half = numeric(mj, "gear_soft_stiffness", 6), numeric(mj, "gear_lost_motion", 6)
-    for i in range(len(AXES)):
+    for i in range(6):
         joint, tendon = mj.joint(f"flex_{i + 1}").id, mj.tendon(f"gear_{i + 1}").id
         mj.tendon_stiffness[tendon] = mj.jnt_stiffness[joint] - soft[i]
         mj.tendon_lengthspring[tendon] = (-half[i], half[i])
@@ -85,10 +84,9 @@ def _set_ripple(model: RobotModel) -> None:
 
 
 def _gear_error(model: RobotModel) -> GearError:
-    amplitude = numeric(model.mj, "gear_error", 4)
     gear = model.drives.gear
     return GearError(
-        amplitude=np.tile(amplitude, (len(AXES), 1)),
+        amplitude=np.tile(numeric(model.mj, "gear_error", 4), (6, 1)),
         order=np.column_stack([np.ones(6), 2.0 * np.ones(6), gear, 2.0 * gear]),
         phase=numeric(model.mj, "gear_error_phase", 24).reshape(6, 4),
     )

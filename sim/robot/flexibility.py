@@ -37,12 +37,8 @@ def variant(
     The time step stays that of the file; shorten it where the highest mode [Hz] times the step [s]
     passes 0.3, beyond which an explicit integrator is unstable.
 
-    Args:
-        source: MJCF file.
-        gear_stiffness: factor on the springs of flex_1..6; see `stiffen`.
-        structure_stiffness: factor on those of struct_*.
-
-    Raises ValueError for a factor that is not positive.
+    The factors scale the springs of flex_1..6 and of struct_*; see `stiffen`. Raises ValueError for
+    one that is not positive.
     """
     for name, factor in (("gear", gear_stiffness), ("structure", structure_stiffness)):
         if not (np.isfinite(factor) and factor > 0.0):
@@ -57,7 +53,6 @@ def variant(
 
 def without(spec: mujoco.MjSpec, flexibility: Flexibility) -> None:
     """Remove the springs from a parsed file that this flexibility does not have."""
-    prefixes = _REMOVED[flexibility]
     for joint in list(spec.joints):
-        if joint.name.startswith(prefixes):
+        if joint.name.startswith(_REMOVED[flexibility]):
             spec.delete(joint)

@@ -25,9 +25,8 @@ class Spread:
     friction: float = 0.10
     """log(factor) on each axis: run-in, grease and temperature."""
     gear_stiffness: float = 0.10
-    """log(factor) on each axis."""
     structure_stiffness: float = 0.10
-    """log(factor) on each hinge of the structure."""
+    """log(factor) on each axis, and on each hinge of the structure."""
     position: float = 0.5e-3
     """[m], position of each joint on the link before it, each direction."""
     orientation: float = 0.5e-3
@@ -45,9 +44,8 @@ class Individual:
     """Parameters of one robot relative to its design. The defaults are the design itself."""
 
     friction: Array = field(default_factory=lambda: np.ones(N_AXES))
-    """(6,) factor on Coulomb and static friction."""
     gear_stiffness: Array = field(default_factory=lambda: np.ones(N_AXES))
-    """(6,) factor."""
+    """(6,) factors on Coulomb and static friction, and on the stiffness of the gears."""
     structure_stiffness: ArrayLike = 1.0
     """(n,) factor on each hinge of the structure, or one for all."""
     ripple_phase: Array = field(default_factory=lambda: np.zeros(N_AXES))
@@ -59,10 +57,7 @@ class Individual:
 
 
 def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) -> Individual:
-    """Random individual: factors log-normal, geometry normal, phases uniform.
-
-    n_structure: number of `structure_hinges` of the model.
-    """
+    """Individual of a model with n `structure_hinges`: factors log-normal, phases uniform."""
     return Individual(
         friction=np.exp(spread.friction * rng.standard_normal(N_AXES)),
         gear_stiffness=np.exp(spread.gear_stiffness * rng.standard_normal(N_AXES)),
@@ -80,12 +75,11 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     gears = [mj.joint(f"flex_{i}").id for i in AXES] if len(model.flex) else []
     stiffen(mj, gears, individual.gear_stiffness)
     stiffen(mj, structure_hinges(model), individual.structure_stiffness)
-    for i in AXES:  # the stiff part of a gear with lost motion is a tendon over its joint
-        tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
-        if tendon >= 0:
-            mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
     mj.actuator_biasprm[axis_actuators(mj), _COGGING_PHASE] += individual.ripple_phase
     for i in AXES:
+        tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
+        if tendon >= 0:  # the stiff part of a gear with lost motion, over its joint
+            mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
         body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
         mj.body_pos[body] += individual.position[i - 1]
         mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
@@ -107,10 +101,7 @@ def joints(mj: mujoco.MjModel, prefix: str) -> list[int]:
 
 
 def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> None:
-    """Scale the stiffness of joint springs, and their damping with its square root.
-
-    The damping ratio of a spring under a given inertia stays.
-    """
+    """Scale the stiffness of joint springs and, for equal damping ratios, their damping."""
     factor = np.asarray(factor, dtype=np.float64)
     mj.jnt_stiffness[springs] *= factor
     mj.dof_damping[mj.jnt_dofadr[springs]] *= np.sqrt(factor)
@@ -134,15 +125,11 @@ def with_payload(model: RobotModel, mass: float) -> RobotModel:
 
 
 def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
-    """Robot model with scaled Coulomb and static friction.
-
-    factor: one for all axes or (6,), > 0.
-    """
-    factor = np.broadcast_to(np.asarray(factor, dtype=np.float64), (len(AXES),))
+    """Robot model with Coulomb and static friction scaled by one factor > 0 or (6,)."""
+    factor = np.broadcast_to(np.asarray(factor, dtype=np.float64), (N_AXES,))
     if not (np.isfinite(factor).all() and (factor > 0.0).all()):
         raise ValueError(f"friction factors must be > 0, got {factor.tolist()}")
     mj = copy.copy(model.mj)
-    axes = axis_actuators(mj)
-    mj.actuator_biasprm[axes, _COULOMB] *= factor
-    mj.actuator_biasprm[axes, _STATIC] *= factor
+    for kind in (_COULOMB, _STATIC):
+        mj.actuator_biasprm[axis_actuators(mj), kind] *= factor
     return replace(model, mj=mj)

@@ -1,9 +1,8 @@
 """Closed chains: motion of the passive joints of a linkage.
 
 A closed chain is an open tree whose cut is held together by `connect` constraints between two
-sites. Its passive joints (link_*) are no degrees of freedom of the mechanism: they follow a motion
-dq of the other joints so that the cut stays closed. `Linkage` computes that motion from the
-geometry, without the constraint solver.
+sites. Its passive joints (link_*) follow a motion dq of the other joints so that the cut stays
+closed. `Linkage` computes that motion from the geometry, without the constraint solver.
 """
 
 import mujoco
@@ -43,10 +42,9 @@ class Linkage:
         rows = np.empty((3 * len(self._cuts), self._mj.nv))
         other = np.empty((3, self._mj.nv))
         for i, (a, b) in enumerate(self._cuts):
-            block = rows[3 * i : 3 * i + 3]
-            mujoco.mj_jacSite(self._mj, data, block, None, a)
+            mujoco.mj_jacSite(self._mj, data, rows[3 * i : 3 * i + 3], None, a)
             mujoco.mj_jacSite(self._mj, data, other, None, b)
-            block -= other
+            rows[3 * i : 3 * i + 3] -= other
         return rows
 
     def close(self, data: mujoco.MjData) -> None:
@@ -76,8 +74,7 @@ class Linkage:
         if self.is_open:
             return Z
         jacobian = self.jacobian(data)
-        passive = jacobian[:, self._passive]
-        Z[self._passive] = -np.linalg.lstsq(passive, jacobian)[0]
+        Z[self._passive] = -np.linalg.lstsq(jacobian[:, self._passive], jacobian)[0]
         Z[:, self._passive] = 0.0
         return Z
 

@@ -1,7 +1,6 @@
 """Names and custom numerics that a robot's MJCF must have, and their lookup.
 
-The names are those listed in the `armside.assets` docstring. A model that lacks one is refused with
-the names that are missing.
+The names are those listed in the `armside.assets` docstring.
 """
 
 import mujoco

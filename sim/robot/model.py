@@ -43,10 +43,7 @@ class RobotModel:
     """The parsed file; None for a model that was not loaded from one, or sent to this process."""
 
     def parsed(self) -> mujoco.MjSpec:
-        """A copy of the parsed file, to derive another model from; later changes are not in it.
-
-        Raises ModelError for a model without one.
-        """
+        """A copy of the parsed file, to derive other models from. Raises ModelError without one."""
         if self.spec is None:
             raise ModelError("a model can be derived only from one that was loaded from its file")
         return self.spec.copy()
@@ -58,10 +55,8 @@ class RobotModel:
     @property
     def implicit(self) -> bool:
         """True where velocity feedback acts on the velocity at the end of a step."""
-        return int(self.mj.opt.integrator) not in (
-            int(mujoco.mjtIntegrator.mjINT_EULER),
-            int(mujoco.mjtIntegrator.mjINT_RK4),
-        )
+        explicit = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_RK4
+        return int(self.mj.opt.integrator) not in map(int, explicit)
 
     @property
     def timestep(self) -> float:
@@ -77,11 +72,7 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
     spec, mj = (None, source) if isinstance(source, mujoco.MjModel) else _parsed(Path(source))
     require_names(mj)
     motor = _dofs(mj, "motor")
-    springs = np.flatnonzero(mj.jnt_stiffness > 0.0)
-    sensors = {
-        mj.sensor(i).name: slice(int(mj.sensor_adr[i]), int(mj.sensor_adr[i] + mj.sensor_dim[i]))
-        for i in range(mj.nsensor)
-    }
+    sensors = map(mj.sensor, range(mj.nsensor))
     return RobotModel(
         mj=mj,
         spec=spec,
@@ -89,11 +80,11 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
         flex=_flex_dofs(mj),
         posture=_posture(mj, motor),
         integrator=_integrators(mj),
-        springs=mj.jnt_dofadr[springs],
+        springs=mj.jnt_dofadr[np.flatnonzero(mj.jnt_stiffness > 0.0)],
         drives=read_drives(mj),
         joint_range=np.array([mj.joint(f"motor_{i}").range for i in AXES]),
         brakes=_brakes(mj),
-        sensors=sensors,
+        sensors={s.name: slice(int(s.adr[0]), int(s.adr[0] + s.dim[0])) for s in sensors},
     )
 
 

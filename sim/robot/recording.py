@@ -18,8 +18,7 @@ def _freeze(record: "Truth | Recording", **shape_of_row: tuple[int, ...]) -> Non
     """Check the shape of the arrays of a record and make them read-only."""
     for name, shape in shape_of_row.items():
         value = np.asarray(getattr(record, name), dtype=np.float64)
-        expected = (len(record.time), *shape)
-        if value.shape != expected:
+        if value.shape != (expected := (len(record.time), *shape)):
             raise ValueError(f"{name} must have shape {expected}, got {value.shape}")
         value.setflags(write=False)
         object.__setattr__(record, name, value)
@@ -41,13 +40,11 @@ class Truth:
     motor_torque: Array
     """(M, 6) [N m], motor side, delivered by the drives."""
     tool_position: Array
-    """(M, 3) [m], TCP0 in base axes."""
     tool_quaternion: Array
-    """(M, 4), w first, base to tool."""
+    """(M, 3) [m], TCP0 in base axes, and (M, 4), w first, base to tool."""
     imu_acceleration: Array
-    """(M, 3) [m/s^2], ideal specific force in the IMU frame."""
     imu_angular_velocity: Array
-    """(M, 3) [rad/s], ideal, in the IMU frame."""
+    """(M, 3) [m/s^2], ideal specific force, and (M, 3) [rad/s], ideal, in the IMU frame."""
     qpos: Array
     """(M, nq), MuJoCo joint positions, for replay."""
     gear_error: GearError = EXACT
@@ -71,12 +68,8 @@ class Truth:
 
     def every(self, stride: int) -> "Truth":
         """Every `stride`-th sample."""
-        rows = {
-            field.name: getattr(self, field.name)[::stride]
-            for field in fields(self)
-            if field.name != "gear_error"
-        }
-        return replace(self, **rows)
+        names = (field.name for field in fields(self) if field.name != "gear_error")
+        return replace(self, **{name: getattr(self, name)[::stride] for name in names})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,11 +82,9 @@ class Recording:
     time: Array
     """(N,) [s], log instants."""
     reference: Array
-    """(N, 6) [rad], r, arm-side motor angles."""
     correction: Array
-    """(N, 6) [rad], u, the ILC input."""
     motor_angle: Array
-    """(N, 6) [rad], y, measured: quantised encoder."""
+    """(N, 6) [rad], arm side: r, the ILC input u, and y as measured by the quantised encoder."""
     motor_torque: Array
     """(N, 6) [N m], motor side, reported by the drives."""
     truth: Truth

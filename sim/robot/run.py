@@ -1,9 +1,7 @@
 """Runs of a loaded reference: controls, one rollout of the physics, and the record of the run.
 
-`LoadedReference.run` adds a correction and noise to the controls of the servo. `run_batch` does so
-for several robots at once and rolls the physics out in one call. `truth` then turns states and
-sensors into a `Truth`, with the torque of the servo computed again from the states, and
-`measured_angle` into encoder readings.
+A run adds a correction and noise to the controls of the servo, and rolls the physics out. Its
+record follows from states and sensors; the torque of the servo is computed again from the states.
 """
 
 import logging
@@ -53,12 +51,7 @@ class LoadedReference:
     def run(
         self, correction: Array | None = None, rng: np.random.Generator | None = None
     ) -> Recording:
-        """Run once.
-
-        Args:
-            correction: (N, 6) [rad], u; zero if None.
-            rng: source of the non-repeatable torque; without it the run is noise-free.
-        """
+        """Run once with a correction (N, 6) [rad], zero if None; noise-free without `rng`."""
         return run_batch([self], [correction], [rng])[0]
 
     def controls_with(
@@ -70,30 +63,23 @@ class LoadedReference:
         pos - (q + n) = (pos - n) - q, so the servo stays inside the physics.
         """
         drives, step = self.model.drives, self.model.timestep
-        path = correction_path(
-            correction,
-            self.log_period,
-            self.ratio,
-            drives.correction_delay,
-            drives.correction_lag,
-        )
+        delay, lag = drives.correction_delay, drives.correction_lag
+        path = correction_path(correction, self.log_period, self.ratio, delay, lag)
         controls = self.controls.copy().reshape(-1, N_AXES, 3)
         on = self.powered[:, None]
         controls[:, :, 0] += drives.gear * path.position
         velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
         controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
-        encoder_noise = None
+        encoder_noise, shape = None, (len(controls), N_AXES)
         if rng is not None and drives.torque_noise > 0.0:
-            controls[:, :, 2] += on * band_limited(
-                rng,
-                (len(controls), N_AXES),
+            std, bandwidth = (
                 drives.torque_noise * drives.torque_limit,
                 drives.torque_noise_bandwidth,
-                step,
             )
+            controls[:, :, 2] += on * band_limited(rng, shape, std, bandwidth, step)
         if rng is not None and drives.encoder_noise > 0.0 and drives.encoder_counts > 0.0:
             std = drives.encoder_noise * 2.0 * np.pi / drives.encoder_counts
-            encoder_noise = white(rng, (len(controls), N_AXES), std)
+            encoder_noise = white(rng, shape, std)
             controls[:, :, 0] -= on * encoder_noise
             controls[:, :, 1] -= on * encoder_perturbation(encoder_noise, step)
         return controls.reshape(len(controls), -1), encoder_noise
@@ -111,39 +97,26 @@ def run_batch(
     The result does not depend on the number of threads.
     """
     applied = [
-        np.zeros_like(loaded.reference)
-        if u is None
-        else checked_signal(u, "correction", loaded.reference)
-        for loaded, u in zip(references, corrections, strict=True)
+        np.zeros_like(x.reference) if u is None else checked_signal(u, "correction", x.reference)
+        for x, u in zip(references, corrections, strict=True)
     ]
-    inputs = [
-        loaded.controls_with(u, rng)
-        for loaded, u, rng in zip(references, applied, rngs, strict=True)
-    ]
-    each = [controls for controls, _ in inputs]
+    inputs = [x.controls_with(u, rng) for x, u, rng in zip(references, applied, rngs, strict=True)]
+    each, noises = [controls for controls, _ in inputs], [noise for _, noise in inputs]
     controls = each[0][None] if len(each) == 1 else np.stack(each)
-    states, sensors = _roll_out(references, controls, threads)
-    return [
-        _recording(loaded, u, controls[i], noise, states[i], sensors[i])
-        for i, (loaded, u, (_, noise)) in enumerate(zip(references, applied, inputs, strict=True))
-    ]
+    parts = references, applied, controls, noises, *_roll_out(references, controls, threads)
+    return [_recording(*part) for part in zip(*parts, strict=True)]
 
 
 def _recording(
-    loaded: LoadedReference,
-    correction: Array,
-    controls: Array,
-    encoder_noise: Array | None,
-    states: Array,
-    sensors: Array,
+    loaded: LoadedReference, u: Array, controls: Array, noise: Array | None, *rolled_out: Array
 ) -> Recording:
-    happened, limits = truth(loaded.model, loaded.initial_state, controls, states, sensors)
+    happened, limits = truth(loaded.model, loaded.initial_state, controls, *rolled_out)
     log = slice(None, None, loaded.ratio)
-    noise = None if encoder_noise is None else encoder_noise[log]
+    noise = None if noise is None else noise[log]
     return Recording(
         time=happened.time[log],
         reference=loaded.reference,
-        correction=correction,
+        correction=u,
         motor_angle=measured_angle(loaded.model, happened.gear_angle[log], noise),
         motor_torque=happened.motor_torque[log],
         truth=happened,
@@ -198,8 +171,7 @@ def _blank_after_instability(states: Array, sensors: Array, step: float) -> None
     """NaN from the first unstable step on, where the rollout repeats its last state and time."""
     if states[-1, 0] < (len(states) - 0.5) * step:
         unstable = int(np.argmax(np.diff(states[:, 0]) < 0.5 * step)) + 1
-        states[unstable:] = np.nan
-        sensors[unstable:] = np.nan
+        states[unstable:] = sensors[unstable:] = np.nan
 
 
 def checked_signal(values: Array, name: str, like: Array | None = None) -> Array:
@@ -227,25 +199,15 @@ def truth(
 ) -> tuple[Truth, Limits]:
     """Ground truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
-    Args:
-        initial_state: full physics state.
-        controls: (M, nu), motor units, as they were run.
-        states, sensors: (M, ...), as the rollout returns them.
+    It takes the full physics state at the start, controls (M, nu) in motor units as they were run,
+    and states and sensors (M, ...) as the rollout returns them.
     """
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
-    qpos = np.empty((len(states), model.mj.nq))
-    qpos[0] = initial_state[1 : 1 + model.mj.nq]
-    qpos[1:] = states[:-1, 1 : 1 + model.mj.nq]
-    angle, spring, torque = (np.empty((len(states), N_AXES)) for _ in range(3))
-    first = _motors(
-        np.ascontiguousarray(initial_state),
-        np.ascontiguousarray(states),
-        np.ascontiguousarray(controls),
-        _columns(model),
-        _servo(model),
-        _limits(model),
-        (angle, spring, torque),
-    )
+    at = slice(1, 1 + model.mj.nq)
+    qpos = np.vstack((initial_state[at], states[:-1, at]))
+    angle, spring, torque = out = tuple(np.empty((3, len(states), N_AXES)))
+    start, rows, inputs = map(np.ascontiguousarray, (initial_state, states, controls))
+    first = _motors(start, rows, inputs, _columns(model), _servo(model), _limits(model), out)
     record = Truth(
         time=time,
         gear_angle=angle,
@@ -266,10 +228,7 @@ def truth(
 
 
 def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | None) -> Array:
-    """Encoder readings (N, 6) [rad], arm side, at gear angles (N, 6).
-
-    encoder_noise: (N, 6) [motor rad], None where there is none.
-    """
+    """Encoder readings (N, 6) [rad], arm side, at gear angles; encoder noise in [motor rad]."""
     drives, motor_angle = model.drives, gear_angle
     if model.gear_error is not None:
         motor_angle = motor_angle - model.gear_error(gear_angle)
@@ -300,8 +259,7 @@ def _servo(model: RobotModel) -> Array:
 
 def _limits(model: RobotModel) -> Array:
     """(3, 2, 6), lower and upper, in the order of WATCHED and the units of the truth."""
-    drives = model.drives
-    torque, speed = drives.torque_limit, drives.speed_limit
+    torque, speed = model.drives.torque_limit, model.drives.speed_limit
     return np.array([(-torque, torque), (-speed, speed), model.joint_range.T])
 
 

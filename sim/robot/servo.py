@@ -26,12 +26,10 @@ VELOCITY_FILTER = 200.0
 
 @dataclass(frozen=True, kw_only=True)
 class Setpoints:
-    """Position and velocity set points at the physics rate, arm side."""
+    """Set points (M, 6) [rad] and [rad/s] at the physics rate, arm side."""
 
     position: Array
-    """(M, 6) [rad]."""
     velocity: Array
-    """(M, 6) [rad/s]."""
 
 
 def substeps(timestep: float, log_period: float) -> int:
@@ -43,14 +41,9 @@ def substeps(timestep: float, log_period: float) -> int:
 
 
 def interpolate(samples: Array, period: float, ratio: int) -> tuple[Array, Array, Array]:
-    """Cubic spline through log samples, at rest at both ends.
+    """Cubic spline through log samples (N, n), one each `period` [s], at rest at both ends.
 
-    Args:
-        samples: (N, n), one row each `period` [s].
-        ratio: physics steps per sample.
-
-    Returns:
-        Value, first and second derivative, each ((N - 1) * ratio + 1, n).
+    Returns value, first and second derivative, each ((N - 1) * ratio + 1, n).
     """
     from scipy.interpolate import CubicSpline
 
@@ -66,32 +59,21 @@ def correction_path(
     """Correction at the input of the servo: first-order hold, pure delay, first-order lag.
 
     With the hold, the derivative after the lag, u_f' = 2 pi lag (u - u_f), is free of impulses.
-
-    Args:
-        correction: (N, 6) [rad], u at the log rate.
-        delay: [s].
-        lag: corner frequency [Hz].
+    correction: (N, 6) [rad], u at the log rate; delay in [s], corner frequency of the lag in [Hz].
     """
-    n, step = len(correction), period / ratio
-    shape = ((n - 1) * ratio + 1, correction.shape[1])
-    position, velocity = np.empty(shape), np.empty(shape)
-    _held_and_lagged(correction, period, step, delay, 2.0 * np.pi * lag, position, velocity)
+    shape = ((len(correction) - 1) * ratio + 1, correction.shape[1])
+    position, velocity = out = np.empty(shape), np.empty(shape)
+    _held_and_lagged(correction, period, period / ratio, delay, 2.0 * np.pi * lag, out)
     return Setpoints(position=position, velocity=velocity)
 
 
 @njit(cache=True, nogil=True)
 def _held_and_lagged(
-    samples: Array,
-    period: float,
-    step: float,
-    delay: float,
-    omega: float,
-    position: Array,
-    velocity: Array,
+    samples: Array, period: float, step: float, delay: float, omega: float, out: tuple[Array, Array]
 ) -> None:  # pragma: no cover - compiled
     """First-order lag x' = omega (signal - x), exact for a signal that is linear between steps."""
-    n = len(samples)
-    decay = np.exp(-omega * step)
+    position, velocity = out
+    n, decay = len(samples), np.exp(-omega * step)
     last = np.empty(samples.shape[1])
     for i in range(len(position)):
         sample = min(max((i * step - delay) / period, 0.0), n - 1.0)
@@ -100,8 +82,7 @@ def _held_and_lagged(
         for j in range(samples.shape[1]):
             signal = samples[before, j] * (1.0 - weight) + samples[before + 1, j] * weight
             if i == 0:
-                position[i, j] = signal
-                velocity[i, j] = 0.0
+                position[i, j], velocity[i, j] = signal, 0.0
             else:
                 slope = (signal - last[j]) / step
                 steady = signal - slope / omega
@@ -117,21 +98,12 @@ def at_step_end(signal: Array) -> Array:
 
 
 def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
-    """Control array of the MJCF, in motor units, from arm-side set points.
+    """Control array of the MJCF from arm-side set points (M, 6) [rad], [rad/s] and [N m].
 
-    Args:
-        position: (M, 6) [rad], arm side.
-        velocity: (M, 6) [rad/s], arm side.
-        torque: (M, 6) [N m], arm side.
-
-    Returns:
-        (M, nu): per actuator position [motor rad], velocity [motor rad/s], torque [motor N m].
+    (M, nu): per actuator position [motor rad], velocity [motor rad/s], torque [motor N m].
     """
     gear = model.drives.gear
-    controls = np.empty((len(position), 6, 3))
-    np.multiply(position, gear, out=controls[:, :, 0])
-    np.multiply(velocity, gear, out=controls[:, :, 1])
-    np.divide(torque, gear, out=controls[:, :, 2])
+    controls = np.stack((position * gear, velocity * gear, torque / gear), axis=2)
     return controls.reshape(len(position), 18)
 
 

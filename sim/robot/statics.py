@@ -1,8 +1,7 @@
 """Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model.
 
-`Statics` computes the forces of a motion without friction, damping and closed-chain constraint
-forces, and how far the springs yield to them. A controller uses it with the nominal model: for the
-torque feedforward, and for `anticipated_shift`, its compensation of the elastic deflection.
+The forces are without friction, damping and those of closed-chain constraints. A controller uses
+`Statics` with the nominal model, for torque feedforward and for `anticipated_shift`.
 """
 
 import copy
@@ -26,9 +25,8 @@ class Equilibrium:
     """Static equilibrium of the flexible robot with its motors held."""
 
     qpos: Array
-    """(nq,) [rad]."""
     holding_torque: Array
-    """(6,) [N m], arm side, that the motors deliver."""
+    """(nq,) [rad], and (6,) [N m], arm side, that the motors deliver."""
 
 
 class Statics:
@@ -44,22 +42,16 @@ class Statics:
         self._stiffness = spring_stiffness(model)
 
     def rigid_forces(self, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
-        """Generalised forces of the rigid motion, every spring at zero deflection.
+        """Generalised forces (N, nv) [N m] of the rigid motion, every spring at zero deflection.
 
-        Args:
-            phi: (N, 6) [rad], arm-side motor angles; then their first and second derivative.
-
-        Returns:
-            (N, nv) [N m]: what each joint would have to deliver if the chain were cut open;
-            `motor_torque` closes it. In an open chain a spring carries its entry.
+        They are the forces of the joints of the chain cut open, in which a spring carries its
+        entry; `motor_torque` closes it. phi: (N, 6) [rad], arm-side motor angles.
         """
         data, posture = self._data, self.model.posture.T
         forces = np.empty((len(phi), self._mj.nv))
-        q, q_dot, q_ddot = phi @ posture, phi_dot @ posture, phi_ddot @ posture
-        for i in range(len(phi)):
-            data.qpos[:] = q[i]
-            data.qvel[:] = q_dot[i]
-            data.qacc[:] = q_ddot[i]
+        motion = phi @ posture, phi_dot @ posture, phi_ddot @ posture
+        for i, (q, q_dot, q_ddot) in enumerate(zip(*motion, strict=True)):
+            data.qpos[:], data.qvel[:], data.qacc[:] = q, q_dot, q_ddot
             mujoco.mj_inverse(self._mj, data)
             forces[i] = data.qfrc_inverse
         return forces
@@ -69,22 +61,14 @@ class Statics:
         return forces @ self.model.posture
 
     def deflection(self, phi: Array, forces: Array) -> Array:
-        """Quasi-static displacement of the tool by the springs that carry `forces`.
+        """Quasi-static displacement (N, 3) [m], base axes, of the tool from its rigid position.
 
-        Args:
-            phi: (N, 6) [rad].
-            forces: (N, nv) [N m], from `rigid_forces`.
-
-        Returns:
-            (N, 3) [m], base axes, from the rigid tool position.
+        phi: (N, 6) [rad]; forces: (N, nv) [N m] that the springs carry, from `rigid_forces`.
         """
-        data, springs = self._data, self.model.springs
-        site = self._mj.site("tool0").id
-        jacobian = np.empty((3, self._mj.nv))
-        moved = np.empty((len(phi), 3))
-        q = phi @ self.model.posture.T
-        for i in range(len(phi)):
-            data.qpos[:] = q[i]
+        data, springs, site = self._data, self.model.springs, self._mj.site("tool0").id
+        jacobian, moved = np.empty((3, self._mj.nv)), np.empty((len(phi), 3))
+        for i, q in enumerate(phi @ self.model.posture.T):
+            data.qpos[:] = q
             mujoco.mj_kinematics(self._mj, data)
             mujoco.mj_comPos(self._mj, data)
             mujoco.mj_jacSite(self._mj, data, jacobian, None, site)
@@ -99,7 +83,7 @@ class Statics:
         Raises RuntimeError when the springs cannot balance the load.
         """
         data, motor, springs = self._data, self.model.motor, self.model.springs
-        data.qpos[:] = data.qvel[:] = data.qacc[:] = 0.0
+        data.qvel[:] = data.qacc[:] = 0.0
         data.qpos[:] = self.model.posture @ phi
         for _ in range(_NEWTON_STEPS):
             self._linkage.close(data)
@@ -133,14 +117,10 @@ def anticipated_shift(nominal: Statics, phi: Array, period: float) -> Array:
     """Elastic deflection of the tool that the reference compensates.
 
     The controller's model is too stiff: it has the fraction `Drives.elastic_compensation` of the
-    quasi-static deflection by gravity and the rigid motion.
+    quasi-static deflection by gravity and the rigid motion. (N, 3) [m], base axes, to be subtracted
+    from the programmed tool positions.
 
-    Args:
-        nominal: of the robot as its controller knows it.
-        phi: (N, 6) [rad], motor angles of the programmed path, every `period` [s].
-
-    Returns:
-        (N, 3) [m], base axes, to be subtracted from the programmed tool positions.
+    phi: (N, 6) [rad], motor angles of the programmed path, every `period` [s].
     """
     _, phi_dot, phi_ddot = interpolate(phi, period, 1)
     forces = nominal.rigid_forces(phi, phi_dot, phi_ddot)
@@ -154,6 +134,5 @@ def smoothed(shift: Array) -> Array:
     follow that within one sample.
     """
     kernel = np.convolve(np.ones(BOX), np.ones(BOX)) / BOX**2
-    edge = len(kernel) // 2
-    padded = np.pad(shift, ((edge, edge), (0, 0)), mode="edge")
+    padded = np.pad(shift, ((BOX - 1, BOX - 1), (0, 0)), mode="edge")
     return np.column_stack([np.convolve(column, kernel, mode="valid") for column in padded.T])

@@ -29,11 +29,7 @@ class VirtualRobot:
     """A robot individual with its controller. `load` a reference, then run it repeatedly."""
 
     def __init__(
-        self,
-        model: RobotModel,
-        *,
-        nominal: Statics | None = None,
-        log_period: float = LOG_PERIOD,
+        self, model: RobotModel, *, nominal: Statics | None = None, log_period: float = LOG_PERIOD
     ) -> None:
         """Args:
         nominal: model of the controller's torque feedforward; that of the robot itself if None.
@@ -109,9 +105,9 @@ def _braked_at(model: RobotModel, phi: Array) -> RobotModel:
     """Robot model whose brakes, once engaged, hold the motors at phi (6,) [rad]."""
     if not len(model.brakes):
         raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
-    mj = copy.copy(model.mj)
-    mj.eq_data[model.brakes, 0] = phi
-    return replace(model, mj=mj)
+    model = replace(model, mj=copy.copy(model.mj))
+    model.mj.eq_data[model.brakes, 0] = phi
+    return model
 
 
 def _check_holds(model: RobotModel, torque: Array) -> None:
