@@ -155,10 +155,7 @@ def arm_filter(
     turning = np.zeros((3, size))
     turning[:, n : 2 * n] = arm.imu_jacobian[3:]
     for k, (triad, ideal, direct) in enumerate(
-        (
-            (imu.accelerometer, from_state, from_torque),
-            (imu.gyroscope, turning, np.zeros((3, n))),
-        )
+        ((imu.accelerometer, from_state, from_torque), (imu.gyroscope, turning, np.zeros((3, n))))
     ):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
         omega = _omega(triad)

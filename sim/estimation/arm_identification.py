@@ -12,11 +12,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import Whiteness, whiteness
 from armside.ilc.estimation.kalman import SteadyStateFilter
-from armside.ilc.estimation.prediction_error import (
-    ParameterEstimate,
-    Whitened,
-    estimate_parameters,
-)
+from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened, estimate_parameters
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
@@ -36,14 +32,7 @@ REST = 0.2
 """At the beginning of a run in which the arm does not move yet [s]."""
 _SLOWEST = 1.0
 """[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
-_STARTS = (
-    (0.0, 0.0),
-    (-0.3, -0.3),
-    (-0.3, 0.0),
-    (-0.7, -0.3),
-    (-0.7, 0.3),
-    (-1.1, 0.0),
-)
+_STARTS = ((0.0, 0.0), (-0.3, -0.3), (-0.3, 0.0), (-0.7, -0.3), (-0.7, 0.3), (-1.1, 0.0))
 """Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
 first only softens them. The wrist is not searched beyond its prior, where wrong minima lie."""
 
@@ -229,8 +218,7 @@ class _Innovations:
             candidate, self.imu, replace(self.process_noise, fraction=springs.process_noise)
         )
         return _Filter(
-            SteadyStateFilter(model.sampled(1.0 / self.imu.rate)),
-            _explained(model, self.run),
+            SteadyStateFilter(model.sampled(1.0 / self.imu.rate)), _explained(model, self.run)
         )
 
 

@@ -14,8 +14,7 @@ from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, ImuSamples
 
-MOST_MISSING = 0.2
-"""Share of samples that may be lost or clipped. ESTIMATE."""
+MOST_MISSING = 0.2  # Share of samples that may be lost or clipped. ESTIMATE.
 _LATE = 0.25  # of a period, by which a sample may be off its place
 
 

@@ -20,8 +20,7 @@ from .arm_identification import REST, Run
 JERK = 60.0
 """Intensity's root of the twist's third derivative [rad/s^3/sqrt(Hz)] times 1e-3: a twist of 60
 microradians at 7 Hz, the motion the arm shows. ESTIMATE."""
-TWIST = 1e-4
-"""Standard deviation of the pseudo-measurement f = 0 [rad]."""
+TWIST = 1e-4  # Standard deviation of the pseudo-measurement f = 0 [rad]
 
 
 def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:

@@ -26,8 +26,7 @@ from ..robot.flexibility import Flexibility, without
 from ..robot.mjcf import AXES, N_AXES, ModelError
 from ..robot.model import RobotModel
 
-PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
-"""The couplings of two axes."""
+PAIRS = tuple(itertools.combinations(range(N_AXES), 2))  # The couplings of two axes
 
 
 @dataclass(frozen=True, kw_only=True)
