@@ -122,7 +122,7 @@ def _evaluate(task: Task) -> Candidate:
 
 
 def mutate(trim: Trim, rng: np.random.Generator) -> Trim:
-    """Another trim: one to three of the quantities drawn anew around their values."""
+    """Another trim: one to three of its quantities drawn around their values."""
     chosen = rng.choice(list(DEVIATIONS), size=rng.integers(1, 4), replace=False)
     changes: dict[str, Any] = {}
     for name in map(str, chosen):
