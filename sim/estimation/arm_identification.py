@@ -125,7 +125,7 @@ def identify(
 def residual(
     model: ArmFilter, run: Run, clock_offset: float, mounting: Array
 ) -> tuple[Array, Array]:
-    """IMU readings (K, 6) minus those that the motor angles explain; biases (6,): their mean at rest.
+    """IMU readings (K, 6) minus those the motor angles explain; biases (6,), their mean at rest.
 
     mounting: (3,) [rad], rotation of the IMU's housing: it reads y - mounting x y.
     """
