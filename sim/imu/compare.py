@@ -86,9 +86,10 @@ def compare(
     force, rate = samples.acceleration[inside], samples.angular_velocity[inside]
     if cfg.compensation is Compensation.ACTUAL_ORIENTATION:
         # Forward differences are half a sample early: a fit would mistake that for a tilt.
-        best, turn = (predicted(delay, Order.MAP_THEN_FILTER, Scheme.CENTRAL) for delay in delays)
-        ideal_force = compensation.to_imu(best.R_base_imu, best.acceleration + compensation.GRAVITY)
-        ideal_rate = compensation.to_imu(turn.R_base_imu, turn.angular_velocity)
+        linear, angular = (predicted(d, Order.MAP_THEN_FILTER, Scheme.CENTRAL) for d in delays)
+        total = linear.acceleration + compensation.GRAVITY
+        ideal_force = compensation.to_imu(linear.R_base_imu, total)
+        ideal_rate = compensation.to_imu(angular.R_base_imu, angular.angular_velocity)
         fitted = compensation.calibrate(force, rate, ideal_force, ideal_rate)
         force, rate = fitted.corrected(force, rate)
     a = compensation.to_base(at_force.R_base_imu, force) - compensation.GRAVITY
@@ -96,10 +97,8 @@ def compare(
     if cfg.compensation is Compensation.MEAN_AT_REST:
         rest = _first_rest(at_force, transient=round(1.0 / (cfg.cutoff * period)))
         a, omega = compensation.mean_removed(a, rest), compensation.mean_removed(omega, rest)
-    rates, forces = (
-        (low_pass(omega), at_rate.angular_velocity),
-        (low_pass(a), at_force.acceleration),
-    )
+    rates = low_pass(omega), at_rate.angular_velocity
+    forces = low_pass(a), at_force.acceleration
     return Comparison(robot_time[inside], *rates, *forces, offset)
 
 

@@ -29,9 +29,9 @@ class Experiment:
     cut: Cut
     seed: int
     nominal: RobotModel = field(repr=False)
-    """The robot as its controller knows it."""
+    """Nominal robot of the controller."""
     added_payload: float
-    """Mass of the tool beside that of the robot's file [kg], as far as the controller knows it."""
+    """Known mass of the tool beside that of the robot's file [kg]."""
     motion: ToolMotion = field(repr=False)
     loaded: LoadedReference = field(repr=False)
     plant: CuttingPlant = field(repr=False)

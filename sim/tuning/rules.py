@@ -49,7 +49,7 @@ class Rules:
     sealed: bool = False
     """Episodes are those of TEST_SEEDS, which are refused otherwise."""
     nominal: RobotModel = field(init=False, repr=False)
-    """The robot as its controller knows it."""
+    """Nominal robot of the controller."""
     sensor: Sensor = field(init=False, repr=False)
     """Sensor that the reward is computed from."""
 
