@@ -36,9 +36,8 @@ class _NoiseFree:
         every = slice(None, None, round(1.0 / (rate * float(truth.time[1]))))
         time, position = truth.time[every], truth.tool_position[every]
         valid = np.ones(len(time), dtype=bool)
-        return Pass(
-            recording=recording, tracker=TrackerSamples(time=time, position=position, valid=valid)
-        )
+        tracker = TrackerSamples(time=time, position=position, valid=valid)
+        return Pass(recording=recording, tracker=tracker)
 
 
 def learned(
@@ -61,10 +60,8 @@ def learned(
     design = Design(gamma=(0.9,), delta=(delta,), cutoff=(cutoff,))
     set_up = MotorAngles(design).prepare(experiment)
     found = list(iterate(experiment, set_up, iterations, plant=_NoiseFree(experiment)))
-    return arrays_of(found, experiment) | {
-        "gear": model.drives.gear,
-        "motion_end": np.array(experiment.motion_end),
-    }
+    fixed = {"gear": model.drives.gear, "motion_end": np.array(experiment.motion_end)}
+    return arrays_of(found, experiment) | fixed
 
 
 def learning_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
@@ -95,9 +92,6 @@ def model_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Chec
     yield from targets.fitted_model(targets.identify(runs))
 
 
-CHECKS: tuple[Callable[[RobotModel, frozenset[Effect]], Iterator[Check]], ...] = (
-    learning_checks,
-    nominal_checks,
-    model_checks,
-)
+Checks = Callable[[RobotModel, frozenset[Effect]], Iterator[Check]]
+CHECKS: tuple[Checks, ...] = (learning_checks, nominal_checks, model_checks)
 """Those that exclude most candidates first."""

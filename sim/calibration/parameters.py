@@ -95,12 +95,10 @@ def numbers(trim: Trim) -> Numbers:
     kd = 2.0 * trim.servo_damping * inertia * w0 / GEAR**2
     size = PEAK_TORQUE / 26.0
     stiffness = trim.gear_stiffness * GEAR_STIFFNESS
-    springs = {
-        f"flex_{i + 1}": (stiffness[i], trim.gear_damping * GEAR_DAMPING[i]) for i in range(6)
-    } | {
-        name: (trim.structure_stiffness * k, trim.structure_damping * d)
-        for name, (k, d) in STRUCTURE.items()
-    }
+    gears = zip(stiffness, trim.gear_damping * GEAR_DAMPING, strict=True)
+    springs = {f"flex_{i}": spring for i, spring in enumerate(gears, 1)}
+    for name, (k, d) in STRUCTURE.items():
+        springs[name] = trim.structure_stiffness * k, trim.structure_damping * d
     return Numbers(
         springs=springs,
         controllers=np.column_stack([kp, kd]),
@@ -124,9 +122,7 @@ def apply(mj: mujoco.MjModel, trim: Trim) -> None:
     """Set the numbers of a trim in a compiled model of the large robot."""
     found = numbers(trim)
     for name, (stiffness, damping) in found.springs.items():
-        joint = mj.joint(name)
-        joint.stiffness[:] = stiffness
-        joint.damping[:] = damping
+        mj.joint(name).stiffness[:], mj.joint(name).damping[:] = stiffness, damping
     for i in range(6):
         actuator = mj.actuator(f"axis_{i + 1}").id
         mj.actuator_gainprm[actuator, [4, 6]] = found.controllers[i]

@@ -62,8 +62,7 @@ MARGIN = 0.05
 """Wanted distance from the end of the band to a number inside, relative to that end."""
 MARGINS: Mapping[str, float] = {"a3": 1 / 14, "c5": 0.0, "e2": 0.0, "f1": 0.0}
 """By id of the check, where it is another."""
-CHILDREN = 4
-"""Candidates of one generation; the best of them is the next parent if it is better."""
+CHILDREN = 4  # Candidates of one generation; the best of them is the next parent if it is better
 DIGITS = 3
 EFFECTS = frozenset(Effect)
 
@@ -123,7 +122,7 @@ def _evaluate(task: Task) -> Candidate:
 
 
 def mutate(trim: Trim, rng: np.random.Generator) -> Trim:
-    """Another trim: one to three of the quantities drawn anew around their values."""
+    """Another trim: one to three of its quantities drawn around their values."""
     chosen = rng.choice(list(DEVIATIONS), size=rng.integers(1, 4), replace=False)
     changes: dict[str, Any] = {}
     for name in map(str, chosen):

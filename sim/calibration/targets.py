@@ -107,11 +107,8 @@ repeatability."""
 def compare(**ours: ArrayLike) -> list[Check]:
     """Numbers by the id of their band."""
     return [
-        Check(
-            id, band.statement, band.thesis, float(np.asarray(value)), low=band.low, high=band.high
-        )
-        for id, value in ours.items()
-        for band in (BANDS[id],)
+        Check(id, statement, thesis, float(np.asarray(ours[id])), low=low, high=high)
+        for id, (statement, thesis, low, high) in ((id, BANDS[id]) for id in ours)
     ]
 
 
@@ -156,15 +153,9 @@ def arm_side(base: ByPose) -> list[Check]:
     """(b): the arm improves at p1, not at p2 and p3. Thesis 9.4.3, Fig 9.11."""
     p1, p2, p3 = (over_first(base[pose]) for pose in POSES)
     rms = base["p2"]["arm_rms"]
-    return compare(
-        b1=p1,
-        b2=over_first(base["p1"], "arm_maxdev"),
-        b3=rms[AT] / rms[1],
-        b4=rms[1 : AT + 1].max() / rms[1],
-        b5=p3,
-        b6=p2 - p1,
-        b7=p3 - p2,
-    )
+    b2, b3 = over_first(base["p1"], "arm_maxdev"), rms[AT] / rms[1]
+    b4 = rms[1 : AT + 1].max() / rms[1]
+    return compare(b1=p1, b2=b2, b3=b3, b4=b4, b5=p3, b6=p2 - p1, b7=p3 - p2)
 
 
 def cutoff_arm(slow: Result, fast: Result) -> list[Check]:
@@ -218,9 +209,8 @@ def criterion_of(model: System = THESIS_MODEL, gamma: float = 0.9) -> list[Check
         Q = ZeroPhaseButterworth(cutoff, model.sample_time)
         return [d for d in range(1, 9) if heuristic_criterion(model, gamma, d, Q).is_met]
 
-    return compare(
-        e5=len(stable(10.0)), e6=min(stable(22.5), default=0), e7=best_shift(model, gamma)
-    )
+    at_10, at_22 = stable(10.0), stable(22.5)
+    return compare(e5=len(at_10), e6=min(at_22, default=0), e7=best_shift(model, gamma))
 
 
 def best_shift(model: System, gamma: float = 0.9, below: float = 10.0) -> int:

@@ -1,4 +1,4 @@
-"""The tool's path from motor angles and IMU: observer, plus what a smoother makes of the readings.
+"""The tool's path from motor angles and IMU: observer, plus a smoothed deviation.
 
 The observer simulates the nominal arm with the measured motors as input. The deviation that the IMU
 adds is small, so it is estimated in deviation form: a linear filter and smoother whose gains depend
@@ -42,17 +42,17 @@ class Estimate(Enum):
     """All of them, in the frequency domain."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ToolEstimate:
     """The tool as estimated, at the instants of the motor log."""
 
     displacement: Array
-    """(N, 6): displacement [m] and turn [rad] from rest, base axes."""
+    """(N, 6): displacement [m] and rotation vector [rad] from rest, base axes."""
     innovation: Array
     """(K, 6), whitened innovations of the filter; NaN where no reading was used."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ArmEstimator:
     """Estimates the tool of one robot at one pose."""
 
@@ -61,7 +61,7 @@ class ArmEstimator:
     clock_offset: float
     """Robot time when the IMU's clock shows 0 [s]."""
     mounting: Array
-    """(3,) [rad], turn of the IMU's housing."""
+    """(3,) [rad], rotation of the IMU's housing."""
     rest: Array
     """(6,) [rad], motor angles at rest."""
     imu: ImuCfg
@@ -89,10 +89,6 @@ class ArmEstimator:
     def settled(self) -> SteadyStateFilter:
         return SteadyStateFilter(self.model.sampled(1.0 / self.imu.rate))
 
-    @cached_property
-    def _wiener(self) -> NonCausal:
-        return NonCausal(self.model.A, self.model.intensity, self.model.C, self.model.tool)
-
     def deviations(self, run: Run) -> Smoothed:
         """States of filter and smoother at the IMU's instants."""
         left, bias = self._residual(run)
@@ -112,24 +108,28 @@ class ArmEstimator:
         kind: Estimate = Estimate.SMOOTHER,
     ) -> ToolEstimate:
         """The tool in one run: log (N,), (N, 6) and IMU samples, None without an IMU."""
+        from scipy.interpolate import CubicSpline
+
         period = float(time[1] - time[0])
         path = tool_path(observe(self.arm, motor_angle, period), period)
         if samples is None or kind is Estimate.OBSERVER:
-            return ToolEstimate(displacement=path, innovation=np.empty((0, 6)))
+            return ToolEstimate(path, np.empty((0, 6)))
         run = prepared(self.arm, time, motor_angle, samples)
         states = self.deviations(run)
         if kind is Estimate.WIENER:
             left, bias = self._residual(run)
-            deviation = self._wiener(
-                left - bias, 1.0 / self.imu.rate, self.model.reading_covariance
-            )
+            model = self.model
+            wiener = NonCausal(model.A, model.intensity, model.C, model.tool)
+            deviation = wiener(left - bias, 1.0 / self.imu.rate, model.reading_covariance)
         else:
             chosen = states.filtered if kind is Estimate.FILTER else states.smoothed
             deviation = chosen @ self.model.tool.T
-        shift = _at(time, run.imu_time + self.clock_offset, deviation)
+        instants = run.imu_time + self.clock_offset
+        # A cubic spline, held beyond its ends.
+        shift = CubicSpline(instants, deviation)(np.clip(time, instants[0], instants[-1]))
         shift -= shift[:REST_SAMPLES].mean(axis=0)
         W, _ = self.settled.whitening
-        return ToolEstimate(displacement=path + shift, innovation=states.innovation @ W.T)
+        return ToolEstimate(path + shift, states.innovation @ W.T)
 
 
 def estimator(
@@ -140,24 +140,11 @@ def estimator(
     process_noise: ProcessNoise = ProcessNoise(),
 ) -> ArmEstimator:
     """An estimator on identified springs."""
-    return ArmEstimator(
-        arm=springs.on(arm),
-        clock_offset=springs.clock_offset,
-        mounting=springs.mounting,
-        rest=rest,
-        imu=imu,
-        process_noise=replace(process_noise, fraction=springs.process_noise),
-    )
+    noise, clock = replace(process_noise, fraction=springs.process_noise), springs.clock_offset
+    return ArmEstimator(springs.on(arm), clock, springs.mounting, rest, imu, noise)
 
 
 def tool_path(motion: ArmMotion, period: float) -> Array:
-    """(N, 6): displacement and turn of the tool from rest, every `period` [s]."""
+    """(N, 6): displacement and rotation vector of the tool from rest, every `period` [s]."""
     every = round(period / float(motion.time[1] - motion.time[0]))
     return relative_to_start(motion.tool_position[::every], motion.tool_quaternion[::every])
-
-
-def _at(time: Array, instants: Array, values: Array) -> Array:
-    """Values (K, n) at instants (K,), as a cubic spline at times (N,); held beyond the ends."""
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(instants, values)(np.clip(time, instants[0], instants[-1]))

@@ -80,7 +80,7 @@ class ArmFilter:
 
     @property
     def tool(self) -> Array:
-        """(6, m), displacement and turn of the tool for the state."""
+        """(6, m), displacement and rotation of the tool for the state."""
         T = np.zeros((6, len(self.A)))
         T[:, : self.n_free] = self.arm.tool_jacobian
         return T
@@ -93,12 +93,9 @@ class ArmFilter:
     @property
     def reading_covariance(self) -> Array:
         """(6, 6), of rounding to counts; at least a hundredth of the noise, to keep digits."""
-        variances = []
-        for triad in (self.imu.accelerometer, self.imu.gyroscope):
-            noise = triad.noise_density * np.sqrt(triad.bandwidth)
-            floor = max(triad.resolution / np.sqrt(12.0), 0.05 * noise)
-            variances += [floor**2] * 3
-        return np.diag(variances)
+        triads = self.imu.accelerometer, self.imu.gyroscope
+        floors = [max(t.resolution / np.sqrt(12.0), 0.05 * _noise(t)) for t in triads]
+        return np.diag(np.repeat([floor**2 for floor in floors], 3))
 
     def start_covariance(self) -> Array:
         """(m, m) at rest before the cut."""
@@ -107,9 +104,9 @@ class ArmFilter:
         P[:n] = (1e-7) ** 2  # [rad]: the observer starts where the arm is
         P[n : 2 * n] = (1e-6) ** 2
         for k, triad in enumerate((self.imu.accelerometer, self.imu.gyroscope)):
-            noise, omega = triad.noise_density * np.sqrt(triad.bandwidth), _omega(triad)
-            P[2 * n + 6 * k : 2 * n + 6 * k + 3] = noise**2
-            P[2 * n + 6 * k + 3 : 2 * n + 6 * k + 6] = (noise * omega) ** 2
+            low = 2 * n + 6 * k
+            P[low : low + 3] = _noise(triad) ** 2
+            P[low + 3 : low + 6] = (_noise(triad) * _omega(triad)) ** 2
         torque = self.process_noise.torque(self.arm)
         P[m : m + 6] = (torque * self.process_noise.start_torque) ** 2
         P[m + 6 : m + 9] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
@@ -148,17 +145,14 @@ def arm_filter(
     A[n : 2 * n, m : m + 6] = E[n : 2 * n, arm.axes]
     A[m : m + 6, m : m + 6] = -2.0 * np.pi * process_noise.corner * np.eye(6)
 
-    # Accelerometer: J q'' + (turned gravity) q; gyro: J q'.
+    # Accelerometer: J q'' + (rotated gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
     from_state[:, :n] += arm.imu_gravity
     from_torque = arm.imu_jacobian[:3] @ E[n : 2 * n, :n]
     turning = np.zeros((3, size))
     turning[:, n : 2 * n] = arm.imu_jacobian[3:]
     for k, (triad, ideal, direct) in enumerate(
-        (
-            (imu.accelerometer, from_state, from_torque),
-            (imu.gyroscope, turning, np.zeros((3, n))),
-        )
+        ((imu.accelerometer, from_state, from_torque), (imu.gyroscope, turning, np.zeros((3, n))))
     ):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
         omega = _omega(triad)
@@ -172,16 +166,18 @@ def arm_filter(
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
     torque = process_noise.torque(arm)
-    driving = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
-    W[range(m, m + 6), range(m, m + 6)] = driving
+    W[range(m, m + 6), range(m, m + 6)] = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
     walk = np.repeat([process_noise.bias_walk, 0.1 * process_noise.bias_walk], 3) ** 2
     W[range(m + 6, size), range(m + 6, size)] = walk
     C = np.zeros((6, size))
-    C[[0, 1, 2], [2 * n, 2 * n + 1, 2 * n + 2]] = 1.0
-    C[[3, 4, 5], [2 * n + 6, 2 * n + 7, 2 * n + 8]] = 1.0
+    C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(m + 6, size)] = 1.0
     return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
 
 
 def _omega(triad: TriadCfg) -> float:
     return 2.0 * np.pi * triad.bandwidth
+
+
+def _noise(triad: TriadCfg) -> float:
+    return triad.noise_density * np.sqrt(triad.bandwidth)

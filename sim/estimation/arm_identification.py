@@ -12,11 +12,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import Whiteness, whiteness
 from armside.ilc.estimation.kalman import SteadyStateFilter
-from armside.ilc.estimation.prediction_error import (
-    ParameterEstimate,
-    Whitened,
-    estimate_parameters,
-)
+from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened, estimate_parameters
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
@@ -36,30 +32,23 @@ REST = 0.2
 """At the beginning of a run in which the arm does not move yet [s]."""
 _SLOWEST = 1.0
 """[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
-_STARTS = (
-    (0.0, 0.0),
-    (-0.3, -0.3),
-    (-0.3, 0.0),
-    (-0.7, -0.3),
-    (-0.7, 0.3),
-    (-1.1, 0.0),
-)
+_STARTS = ((0.0, 0.0), (-0.3, -0.3), (-0.3, 0.0), (-0.7, -0.3), (-0.7, 0.3), (-1.1, 0.0))
 """Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
 first only softens them. The wrist is not searched beyond its prior, where wrong minima lie."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Identified:
-    """Springs, how well they are known, and whether the filter then leaves white innovations."""
+    """Identified springs, their uncertainty, and the whiteness of the innovations on them."""
 
     springs: Springs
     fit: ParameterEstimate
     names: tuple[str, ...]
-    """Names of the entries of fit.theta."""
+    """Of the entries of fit.theta."""
     whiteness: Whiteness
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Run:
     """Measurements of one run, prepared for linear filters around rest."""
 
@@ -86,25 +75,12 @@ def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSampl
     period = float(time[1] - time[0])
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
     phi, phi_dot, phi_ddot = interpolate(smooth, period, 1)
-    return Run(
-        time=time,
-        phi=phi - phi[0],
-        phi_dot=phi_dot,
-        imu_time=samples.time,
-        reading=np.hstack((samples.acceleration, samples.angular_velocity)),
-        nonlinear=_of_rigid_arm(arm, phi, phi_dot, phi_ddot),
-    )
-
-
-def _of_rigid_arm(
-    arm: NominalArm, phi: Array, phi_dot: Array, phi_ddot: Array
-) -> NonlinearResidual:
-    linear = linearised(arm, phi[0])
+    linear, moved = linearised(arm, phi[0]), phi - phi[0]
     picked = np.zeros((N_AXES, linear.n_free))
     picked[range(N_AXES), linear.axes] = 1.0
-    return nonlinear_residual(
-        arm, linear, (phi - phi[0]) @ picked, phi_dot @ picked, phi_ddot @ picked
-    )
+    rigid = nonlinear_residual(arm, linear, *(a @ picked for a in (moved, phi_dot, phi_ddot)))
+    reading = np.hstack((samples.acceleration, samples.angular_velocity))
+    return Run(time, moved, phi_dot, samples.time, reading, rigid)
 
 
 def with_nonlinear_residual(arm: NominalArm, model: ArmFilter, run: Run) -> Run:
@@ -127,13 +103,10 @@ def identify(
 ) -> Identified:
     """The springs that explain one run best.
 
-    Args:
-        arm: the nominal arm, where the search starts.
-        rest: (6,) [rad], motor angles at rest.
-        imu: the kind of unit, as its data sheet has it.
+    arm: nominal, the start of the search. rest: (6,) [rad], motor angles. imu: kind of unit, as its
+    data sheet has it.
 
-    Raises:
-        RuntimeError: no start leads anywhere.
+    Raises RuntimeError where no start leads to a minimum.
     """
     nominal, sd = linearised(arm, rest), prior.standard_deviation
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
@@ -144,24 +117,17 @@ def identify(
     run = with_nonlinear_residual(arm, arm_filter(elastic, imu, process_noise), run)
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
     best = estimate_parameters(innovations, np.zeros(sd.size), sd, [rigid.theta])
-    return Identified(
-        springs=springs_at(arm, prior, best.theta, process_noise.fraction),
-        fit=replace(best, costs=rigid.costs),
-        names=prior.names,
-        whiteness=whiteness(best.innovation),
-    )
+    springs = springs_at(arm, prior, best.theta, process_noise.fraction)
+    fit = replace(best, costs=rigid.costs)
+    return Identified(springs, fit, prior.names, whiteness(best.innovation))
 
 
 def residual(
     model: ArmFilter, run: Run, clock_offset: float, mounting: Array
 ) -> tuple[Array, Array]:
-    """IMU readings minus those that the motor angles explain, and their mean at rest.
+    """IMU readings (K, 6) minus those the motor angles explain; biases (6,), their mean at rest.
 
-    Args:
-        mounting: (3,) [rad], turn of the IMU's housing: it reads y - mounting x y.
-
-    Returns:
-        (K, 6), and (6,): the biases.
+    mounting: (3,) [rad], rotation of the IMU's housing: it reads y - mounting x y.
     """
     return _left(run, _explained(model, run), clock_offset, mounting)
 
@@ -179,8 +145,7 @@ def _left(
 ) -> tuple[Array, Array]:
     at = run.imu_time + clock_offset
     y = explained(np.clip(at, run.time[0], run.time[-1]))
-    turned = [np.cross(mounting, part) for part in np.split(y, 2, axis=1)]
-    left = run.reading - y + np.hstack(turned)
+    left = run.reading - y + np.hstack([np.cross(mounting, v) for v in np.split(y, 2, axis=1)])
     return left, np.nanmean(left[at < REST], axis=0)
 
 
@@ -212,26 +177,21 @@ class _Innovations:
         return Whitened(known.settled(left, start).innovation @ W.T, log_det)
 
     def _filter(self, springs: Springs) -> "_Filter | None":
-        """None for springs on which the arm would fall."""
-        key = b"".join(
-            np.asarray(part).tobytes()
-            for part in (springs.stiffness, springs.damping, springs.process_noise)
-        )
+        parts = springs.stiffness, springs.damping, springs.process_noise
+        key = b"".join(np.asarray(part).tobytes() for part in parts)
         if key != self._last[0]:
             self._last = key, self._set_up(springs)
         return self._last[1]
 
     def _set_up(self, springs: Springs) -> "_Filter | None":
+        """None for springs on which the arm would fall."""
         candidate = self.nominal.on_springs(springs.stiffness, springs.damping)
         if candidate.locked_modes()[0] < _SLOWEST:
             return None
-        model = arm_filter(
-            candidate, self.imu, replace(self.process_noise, fraction=springs.process_noise)
-        )
-        return _Filter(
-            SteadyStateFilter(model.sampled(1.0 / self.imu.rate)),
-            _explained(model, self.run),
-        )
+        noise = replace(self.process_noise, fraction=springs.process_noise)
+        model = arm_filter(candidate, self.imu, noise)
+        process = model.sampled(1.0 / self.imu.rate)
+        return _Filter(SteadyStateFilter(process), _explained(model, self.run))
 
 
 class _Filter(NamedTuple):

@@ -19,26 +19,27 @@ from ..robot.mjcf import AXES
 from ..robot.model import RobotModel
 from .linearised_arm import LinearisedArm
 
+LEVER = 0.2  # [m]: 1 mrad of tool rotation weighs as much as 0.2 mm of displacement. ESTIMATE
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ArmPlant:
     """Response of the tool to corrections."""
 
     robot: RobotModel
-    """The nominal robot: its servo is what counts here."""
+    """The nominal robot with its servo."""
     arm: LinearisedArm
     period: float
     """Sample time of the correction [s]."""
 
     @property
     def input_size(self) -> Array:
-        """(6,) [rad]: turns of the axes that move the tool, or turn it by its lever, alike."""
+        """(6,) [rad]: rotations of the axes that move the tool, or rotate its lever, alike."""
         J = self.arm.tool_jacobian[:, self.arm.axes]
-        reach = np.sqrt(np.square(J[:3]).sum(axis=0) + np.square(LEVER * J[3:]).sum(axis=0))
-        return 1.0 / reach
+        return 1.0 / np.sqrt(np.square(J[:3]).sum(axis=0) + np.square(LEVER * J[3:]).sum(axis=0))
 
     def response(self, omega: ArrayLike) -> Complex:
-        """(M, 6, 6): displacement [m] and turn [rad] of the tool in base axes for u [rad].
+        """(M, 6, 6): displacement [m] and rotation [rad] of the tool in base axes for u [rad].
 
         omega: (M,) [rad/sample].
         """
@@ -49,35 +50,17 @@ class ArmPlant:
         picked = np.zeros((n, 6))
         picked[arm.axes, range(6)] = 1.0
         spring = arm.stiffness + s * np.diag(arm.damping)
-        viscous = np.diag(square * self._viscous())
+        mj = self.robot.mj
+        rotor = np.array([mj.joint(f"motor_{i}").armature[0] for i in AXES])
+        axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+        viscous = np.diag(square * mj.actuator_damping[axes].reshape(len(axes), -1)[:, 0])
         kp, kd = np.diag(square * drives.kp), np.diag(square * drives.kd)
-        motor = s**2 * np.diag(self._rotor()) + kp + s * (kd + viscous) + spring
+        motor = s**2 * np.diag(rotor) + kp + s * (kd + viscous) + spring
         free = s**2 * arm.mass + s * arm.damping_matrix + arm.spring_matrix
         # Motors and arm in one: [motor, -spring S^T; -S spring, free] (phi, q) = (servo v, 0)
-        whole = np.concatenate(
-            (
-                np.concatenate((motor, -spring @ picked.T), axis=2),
-                np.concatenate((-picked @ spring, free), axis=2),
-            ),
-            axis=1,
-        )
+        whole = np.block([[motor, -spring @ picked.T], [-picked @ spring, free]])
         servo = kp + s * kd * drives.velocity_feedforward
         lag = 1.0 + s / (2.0 * np.pi * drives.correction_lag)
-        right = np.concatenate(
-            (servo * np.exp(-s * drives.correction_delay) / lag, np.zeros((len(s), n, 6))), axis=1
-        )
-        q = np.linalg.solve(whole, right)[:, 6:]
-        return arm.tool_jacobian @ q
-
-    def _rotor(self) -> Array:
-        mj = self.robot.mj
-        return np.array([mj.joint(f"motor_{i}").armature[0] for i in AXES])
-
-    def _viscous(self) -> Array:
-        mj = self.robot.mj
-        axes = [mj.actuator(f"axis_{i}").id for i in AXES]
-        return mj.actuator_damping[axes].reshape(len(axes), -1)[:, 0]
-
-
-LEVER = 0.2
-"""[m]: a turn of the tool by 1 mrad counts as much as a displacement by 0.2 mm. ESTIMATE."""
+        driven = servo * np.exp(-s * drives.correction_delay) / lag
+        right = np.concatenate((driven, np.zeros((len(s), n, 6))), axis=1)
+        return arm.tool_jacobian @ np.linalg.solve(whole, right)[:, 6:]

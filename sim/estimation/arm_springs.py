@@ -2,11 +2,11 @@
 
     theta = (log K_11..K_66, log D scale, clock offset, log process noise, mounting (3), rho_ij)
 
-relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). A structure that gives way couples axes
-that turn the tool the same way: those in the arm's vertical plane with each other, and the others.
+relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). An elastic structure couples axes that
+rotate the tool alike: those in the arm's vertical plane with each other, and the others.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -41,16 +41,9 @@ class SpringPrior:
     """Coupling rho; 0 keeps to gear springs."""
 
     def __post_init__(self) -> None:
-        for name in (
-            "stiffness",
-            "wrist_stiffness",
-            "damping",
-            "clock",
-            "process_noise",
-            "mounting",
-        ):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+        for field in fields(self):
+            if field.name != "coupling" and not getattr(self, field.name) > 0.0:
+                raise ValueError(f"{field.name} must be > 0, got {getattr(self, field.name)}")
         if not self.coupling >= 0.0:
             raise ValueError(f"coupling must be >= 0, got {self.coupling}")
 
@@ -61,32 +54,22 @@ class SpringPrior:
     @property
     def standard_deviation(self) -> Array:
         """(m,), of theta; its mean is 0."""
-        return np.array(
-            [self.stiffness] * 3
-            + [self.wrist_stiffness] * 3
-            + [self.damping, self.clock, self.process_noise]
-            + [self.mounting] * 3
-            + [self.coupling] * len(self.pairs)
-        )
+        values = self.stiffness, self.wrist_stiffness, self.damping, self.clock, self.process_noise
+        repeats = (3, 3, 1, 1, 1, 3, len(self.pairs))
+        return np.repeat([*values, self.mounting, self.coupling], repeats)
 
     @property
     def names(self) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
-        mounting = [f"mounting {axis}" for axis in "xyz"]
-        pairs = [f"coupling {i + 1}-{j + 1}" for i, j in self.pairs]
-        return (
-            *(f"stiffness {i}" for i in range(1, N_AXES + 1)),
-            "damping",
-            "clock",
-            "distrust",
-            *mounting,
-            *pairs,
-        )
+        stiffness = (f"stiffness {i}" for i in range(1, N_AXES + 1))
+        mounting = (f"mounting {axis}" for axis in "xyz")
+        pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs)
+        return (*stiffness, "damping", "clock", "distrust", *mounting, *pairs)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Springs:
-    """Springs of an arm, and when its IMU's clock started."""
+    """Springs of an arm, and clock and mounting of its IMU."""
 
     stiffness: Array
     """(6, 6) [N m/rad]."""
@@ -96,7 +79,6 @@ class Springs:
     """Robot time when the unit's clock shows 0 [s]."""
     process_noise: float
     """`ProcessNoise.fraction`: fraction of the arm's twist that the model leaves unexplained."""
-
     mounting: Array
     """(3,) [rad], rotation of the IMU's housing from its site."""
 
@@ -106,15 +88,12 @@ class Springs:
 
 
 def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, fraction: float) -> Springs:
-    """The springs that parameters mean on a nominal arm; fraction is the fraction expected."""
+    """Springs of parameters theta on a nominal arm; fraction: expected `ProcessNoise.fraction`."""
     own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
     K = np.diag(own)
     for rho, (i, j) in zip(theta[N_AXES + 6 :], prior.pairs, strict=True):
         K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
-    return Springs(
-        stiffness=K,
-        damping=arm.damping * np.exp(theta[N_AXES]),
-        clock_offset=float(theta[N_AXES + 1]),
-        process_noise=fraction * float(np.exp(theta[N_AXES + 2])),
-        mounting=theta[N_AXES + 3 : N_AXES + 6].copy(),
-    )
+    damping, clock, noise = theta[N_AXES : N_AXES + 3]
+    mounting = theta[N_AXES + 3 : N_AXES + 6].copy()
+    noise = fraction * float(np.exp(noise))
+    return Springs(K, arm.damping * np.exp(damping), float(clock), noise, mounting)

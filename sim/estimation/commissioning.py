@@ -52,7 +52,7 @@ class Commissioning:
     process_noise: ProcessNoise = field(default_factory=ProcessNoise)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Commissioned:
     """Result of commissioning."""
 
@@ -61,9 +61,9 @@ class Commissioned:
     """None where springs were given, or where the IMU could not be used."""
     estimator: ArmEstimator
     plant: ArmPlant
-    """That the law is built on."""
-    fault: ImuError | None = field(default=None)
-    """Why the IMU is not used."""
+    """Plant model of the law."""
+    fault: ImuError | None
+    """Fault for which the IMU is not used."""
 
 
 def commission(
@@ -96,29 +96,20 @@ def commission(
         _check_gravity(readings, linearised(arm, rest).imu_up, cfg)
         if springs is None and cfg.identified:
             run = prepared(arm, log.time, log.motor_angle, readings)
-            identified = identify(
-                arm, run, rest, imu, prior=cfg.prior, process_noise=cfg.process_noise
-            )
+            noise = cfg.process_noise
+            identified = identify(arm, run, rest, imu, prior=cfg.prior, process_noise=noise)
             _check_model(identified, cfg)
             springs = identified.springs
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
             raise
         identified, fault = None, problem
-    nominal = Springs(
-        stiffness=arm.stiffness,
-        damping=arm.damping,
-        clock_offset=0.0,
-        process_noise=UNIDENTIFIED,
-        mounting=np.zeros(3),
-    )
+    nominal = Springs(arm.stiffness, arm.damping, 0.0, UNIDENTIFIED, np.zeros(3))
     assumed = springs or nominal
     known = estimator(arm, assumed, rest, imu, cfg.process_noise)
     on = known if cfg.law_identified else estimator(arm, nominal, rest, imu, cfg.process_noise)
     plant = ArmPlant(robot=robot, arm=on.model.arm, period=LOG_PERIOD)
-    return Commissioned(
-        springs=assumed, identified=identified, estimator=known, plant=plant, fault=fault
-    )
+    return Commissioned(assumed, identified, known, plant, fault)
 
 
 def _check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
@@ -138,5 +129,5 @@ def _check_model(found: Identified, cfg: Commissioning) -> None:
         raise ImuError(Fault.MODEL, f"innovations are {worst:.1f} times what the filter expects")
     angle = float(np.abs(found.springs.mounting).max())
     if angle > _UNLIKELY * cfg.prior.mounting:
-        degrees = np.rad2deg(angle)
-        raise ImuError(Fault.MODEL, f"the IMU would have to be turned by {degrees:.1f} deg")
+        turned = f"the IMU would have to be turned by {np.rad2deg(angle):.1f} deg"
+        raise ImuError(Fault.MODEL, turned)

@@ -30,7 +30,7 @@ STEP = 0.0025
 allows: a reading is taken at the step nearest to it, and moved there along its slope."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ExtendedEstimate:
     """The tool by the full filter and smoother."""
 
@@ -82,18 +82,10 @@ class ExtendedArm:
         result = extended(
             lambda i, x: self._step(x, inputs[i], slopes[i]),
             lambda i, x: (model.C @ x, model.C),
-            y,
-            Q,
-            model.reading_covariance,
-            start,
-            model.start_covariance(),
+            *(y, Q, model.reading_covariance, start, model.start_covariance()),
         )
-        return ExtendedEstimate(
-            time=fine,
-            filtered=self._path(result.filtered),
-            smoothed=self._path(result.smoothed),
-            result=result,
-        )
+        filtered, smoothed = self._path(result.filtered), self._path(result.smoothed)
+        return ExtendedEstimate(fine, filtered, smoothed, result)
 
     def _on_steps(self, fine: Array, samples: ImuSamples) -> Array:
         """(N, 6): readings at the filter's instants, NaN between them.
@@ -103,9 +95,8 @@ class ExtendedArm:
         """
         from scipy.interpolate import CubicSpline
 
-        seat = self.known.mounting
-        turned = (y + np.cross(seat, y) for y in (samples.acceleration, samples.angular_velocity))
-        reading = np.hstack(tuple(turned))
+        readings = samples.acceleration, samples.angular_velocity
+        reading = np.hstack([y + np.cross(self.known.mounting, y) for y in readings])
         at = samples.time + self.known.clock_offset
         here = np.unique(np.clip(np.rint(at / STEP).astype(int), 0, len(fine) - 1))
         y = np.full((len(fine), 6), np.nan)
@@ -124,7 +115,7 @@ class ExtendedArm:
         return x + grown[:n, n], grown[:n, :n]
 
     def _motion(self, x: Array, u: Array) -> tuple[Array, Array, ArmFilter]:
-        """x', what an ideal IMU reads (6,), and the filter's matrices at x and u = (phi, phi')."""
+        """x', reading of an ideal IMU (6,), and the filter's matrices at x and u = (phi, phi')."""
         model, arm = self.model, self.model.arm
         q, q_dot, torque = x[:6], x[6:12], x[model.n_mechanical : model.n_mechanical + 6]
         pull = arm.stiffness @ (u[:6] - q) + arm.damping * (u[6:] - q_dot) + torque
@@ -137,8 +128,7 @@ class ExtendedArm:
         reading = self._sensor.reading(q, q_dot, q_ddot)[[9, 10, 11, 6, 7, 8]]
         for k, triad in enumerate((self.known.imu.accelerometer, self.known.imu.gyroscope)):
             low = np.arange(12 + 6 * k, 15 + 6 * k)
-            omega = 2.0 * np.pi * triad.bandwidth
-            ideal = reading[3 * k : 3 * k + 3]
+            omega, ideal = 2.0 * np.pi * triad.bandwidth, reading[3 * k : 3 * k + 3]
             rate[low + 3] = omega**2 * (ideal - x[low]) - np.sqrt(2.0) * omega * x[low + 3]
         return rate, reading, local
 
@@ -154,16 +144,11 @@ class ExtendedArm:
         """The filter's matrices with the mass and the measurement's gradient of this state."""
         model = self.model
         H = self._sensor.jacobian(q, q_dot, q_ddot)
-        moved = replace(
-            model.arm,
-            mass=self._mass.copy(),
-            imu_jacobian=np.vstack((H[9:, 12:], H[6:9, 6:12])),
-            imu_gravity=H[9:, :6],
-        )
+        J, mass = np.vstack((H[9:, 12:], H[6:9, 6:12])), self._mass.copy()
+        moved = replace(model.arm, mass=mass, imu_jacobian=J, imu_gravity=H[9:, :6])
         return arm_filter(moved, model.imu, model.process_noise)
 
     def _path(self, states: Array) -> Array:
         """(N, 3): the tool's displacement from rest."""
-        q = np.ascontiguousarray(states[:, :6])
-        position = self._tool.pose(q)[:, :3, 3]
+        position = self._tool.pose(np.ascontiguousarray(states[:, :6]))[:, :3, 3]
         return position - position[: round(0.1 / STEP)].mean(axis=0)

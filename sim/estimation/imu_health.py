@@ -1,8 +1,7 @@
 """Health check of IMU samples: faults by name, and repair of single samples.
 
-Single samples that are lost or clipped are no fault: they become rows of NaN on an even timeline,
-which filters predict over. Too many of them are one, as are a sensor that stands still and a clock
-that runs backwards.
+Single lost or clipped samples become rows of NaN on an even timeline, which filters predict over.
+Too many of them are a fault, as are constant readings and timestamps out of order.
 """
 
 from dataclasses import replace
@@ -10,17 +9,14 @@ from enum import Enum
 
 import numpy as np
 
-from armside.arrays import Array
-
 from ..instruments.imu import ImuCfg, ImuSamples
 
-MOST_MISSING = 0.2
-"""Share of samples that may be lost or clipped. ESTIMATE."""
+MOST_MISSING = 0.2  # Fraction of samples that may be lost or clipped. ESTIMATE.
 _LATE = 0.25  # of a period, by which a sample may be off its place
 
 
 class Fault(Enum):
-    """Why an IMU cannot be used."""
+    """Fault for which an IMU cannot be used."""
 
     TOO_SHORT = "too few samples"
     OUT_OF_ORDER = "timestamps out of order"
@@ -33,7 +29,7 @@ class Fault(Enum):
 
 
 class ImuError(ValueError):
-    """The IMU cannot be used, and why."""
+    """An IMU that cannot be used, with its fault."""
 
     def __init__(self, fault: Fault, details: str) -> None:
         super().__init__(f"IMU: {fault.value}: {details}")
@@ -76,13 +72,10 @@ def repaired(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
     whole = np.full((n, 6), np.nan)
     whole[slot] = reading
     unclipped = np.zeros((n, 3), dtype=bool)
+    even = time[0] + np.arange(n) / cfg.rate
+    flags = {"acceleration_clipped": unclipped, "angular_velocity_clipped": unclipped}
     return replace(
-        samples,
-        time=time[0] + np.arange(n) / cfg.rate,
-        acceleration=whole[:, :3],
-        angular_velocity=whole[:, 3:],
-        acceleration_clipped=unclipped,
-        angular_velocity_clipped=unclipped,
+        samples, time=even, acceleration=whole[:, :3], angular_velocity=whole[:, 3:], **flags
     )
 
 
@@ -94,8 +87,3 @@ def _few(missing: np.ndarray, fault: Fault) -> None:
     if fraction > MOST_MISSING:
         most = f"{100 * MOST_MISSING:.0f} % at most"
         raise ImuError(fault, f"{100 * fraction:.0f} % of the samples, {most}")
-
-
-def missing_rows(reading: Array) -> int:
-    """Number of rows (K, 6) with missing readings."""
-    return int((~np.isfinite(reading).all(axis=1)).sum())

@@ -20,17 +20,16 @@ from .arm_identification import REST, Run
 JERK = 60.0
 """Intensity's root of the twist's third derivative [rad/s^3/sqrt(Hz)] times 1e-3: a twist of 60
 microradians at 7 Hz, the motion the arm shows. ESTIMATE."""
-TWIST = 1e-4
-"""Standard deviation of the pseudo-measurement f = 0 [rad]."""
+TWIST = 1e-4  # Standard deviation of the pseudo-measurement f = 0 [rad]
 
 
 def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
-    """(K, 6): displacement and turn of the tool by twist, at the IMU's instants.
+    """(K, 6): displacement and rotation of the tool by twist, at the IMU's instants.
 
     Add it to the tool path of rigid kinematics. Of `known` only directions, IMU and clock are used.
     """
     arm, imu = known.model.arm, known.imu
-    J, tilt = arm.imu_jacobian, arm.imu_gravity
+    J, tilt, none = arm.imu_jacobian, arm.imu_gravity, np.zeros((3, 6))
     low, B_low, B_nonlinear = np.zeros((12, 12)), np.zeros((12, 18)), np.zeros((12, 6))
     W = np.zeros((36, 36))
     W[range(12, 18), range(12, 18)] = (1e-3 * JERK) ** 2
@@ -41,11 +40,8 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
         low[rate, x], low[rate, rate] = -(omega**2), -np.sqrt(2.0) * omega
         W[18 + rate, 18 + rate] = omega**4 * triad.noise_density**2 / 2.0
         B_nonlinear[rate, 3 * k + np.arange(3)] = omega**2
-        B_low[rate] = omega**2 * np.hstack(
-            (tilt, np.zeros((3, 6)), J[:3])
-            if k == 0
-            else (np.zeros((3, 6)), J[3:], np.zeros((3, 6)))
-        )
+        ideal = (tilt, none, J[:3]) if k == 0 else (none, J[3:], none)
+        B_low[rate] = omega**2 * np.hstack(ideal)
     phi_ddot = np.gradient(run.phi_dot, run.period, axis=0)
     driven = simulate(
         *first_order_hold(low, np.hstack((B_low, B_nonlinear)), run.period),

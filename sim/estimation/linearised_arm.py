@@ -4,8 +4,7 @@
 
 dq and dphi are deviations of arm and motors from rest, S picks the six axes among the arm's degrees
 of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
-turns the joints by hundredths of a radian, so the matrices may be constant; springs enter
-explicitly, so that another stiffness needs no new physics.
+rotates the joints by hundredths of a radian, so the matrices are constant.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +20,7 @@ from .observer import at_rest
 _TURN = 1e-6  # [rad], of the differences that gradients are made of
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LinearisedArm:
     """Matrices of the arm at rest. n degrees of freedom, six of them behind gears."""
 
@@ -44,9 +43,9 @@ class LinearisedArm:
     imu_jacobian: Array
     """(6, n), (v, omega) of the IMU in its own axes."""
     imu_gravity: Array
-    """(3, n) [m/s^2/rad], by which tilting turns gravity in the IMU's axes."""
+    """(3, n) [m/s^2/rad], change of gravity in the IMU's axes by tilting."""
     imu_up: Array
-    """(3,) [m/s^2], what an ideal accelerometer reads at rest."""
+    """(3,) [m/s^2], reading of an ideal accelerometer at rest."""
 
     def on_springs(self, stiffness: Array, damping: Array) -> "LinearisedArm":
         """The same arm on other gears. The pose at rest is kept: it moves by far less."""
@@ -75,20 +74,12 @@ class LinearisedArm:
         n = self.n_free
         picked = np.zeros((n, 6))
         picked[self.axes, range(6)] = 1.0
-        right = np.hstack(
-            (
-                -self.spring_matrix,
-                -self.damping_matrix,
-                picked @ self.stiffness,
-                picked * self.damping,
-            )
-        )
-        acceleration = np.linalg.solve(self.mass, right)
-        A = np.zeros((2 * n, 2 * n))
+        state = -self.spring_matrix, -self.damping_matrix
+        motors = picked @ self.stiffness, picked * self.damping
+        acceleration = np.linalg.solve(self.mass, np.hstack((*state, *motors)))
+        A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 12))
         A[:n, n:] = np.eye(n)
-        A[n:] = acceleration[:, : 2 * n]
-        B = np.zeros((2 * n, 12))
-        B[n:] = acceleration[:, 2 * n :]
+        A[n:], B[n:] = np.split(acceleration, [2 * n], axis=1)
         return A, B
 
     def locked_modes(self) -> Array:
@@ -107,24 +98,15 @@ def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
     mass = np.empty((mj.nv, mj.nv))
     mujoco.mj_fullM(mj, data, mass)
     tool, imu = mj.site("tool0").id, mj.site("imu").id
-    tool_jacobian, imu_jacobian = np.empty((6, mj.nv)), np.empty((6, mj.nv))
-    mujoco.mj_jacSite(mj, data, tool_jacobian[:3], tool_jacobian[3:], tool)
-    mujoco.mj_jacSite(mj, data, imu_jacobian[:3], imu_jacobian[3:], imu)
+    J_tool, J_imu = np.empty((2, 6, mj.nv))
+    mujoco.mj_jacSite(mj, data, J_tool[:3], J_tool[3:], tool)
+    mujoco.mj_jacSite(mj, data, J_imu[:3], J_imu[3:], imu)
     R_imu_base = data.site_xmat[imu].reshape(3, 3).T
+    J_imu = np.vstack((R_imu_base @ J_imu[:3], R_imu_base @ J_imu[3:]))
     gradient, tilt = _gradients(mj, q, imu)
-    return LinearisedArm(
-        q=q,
-        mass=mass,
-        gradient=gradient,
-        structure_damping=mj.dof_damping.copy(),
-        axes=arm.axes,
-        stiffness=arm.stiffness,
-        damping=arm.damping,
-        tool_jacobian=tool_jacobian,
-        imu_jacobian=np.vstack((R_imu_base @ imu_jacobian[:3], R_imu_base @ imu_jacobian[3:])),
-        imu_gravity=tilt,
-        imu_up=-R_imu_base @ mj.opt.gravity,
-    )
+    passive, springs = mj.dof_damping.copy(), (arm.axes, arm.stiffness, arm.damping)
+    up = -R_imu_base @ mj.opt.gravity
+    return LinearisedArm(q, mass, gradient, passive, *springs, J_tool, J_imu, tilt, up)
 
 
 def _gradients(mj: mujoco.MjModel, q: Array, imu: int) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The arm as an estimator knows it: links on springs whose other ends are the measured motors.
+"""The nominal arm of an estimator: links on springs whose other ends are the measured motors.
 
 The motors are taken out of the robot's MJCF and with them everything that only moves them (rotors,
 friction, servo): their angles are measured, so they are an input,
@@ -6,10 +6,10 @@ friction, servo): their angles are measured, so they are an input,
     M(q) q'' + c(q, q') + g(q) = K (phi - q) + D (phi' - q')
 
 with q the arm's angles and phi the motor's, both on the arm side of the gear. This is the *nominal*
-robot: how far it is wrong is said by `NominalCfg`, and nothing is read from an individual.
+robot: `NominalCfg` sets its errors, and nothing is read from an individual.
 
-K is a symmetric matrix. The gears make its diagonal; a structure that gives way as well, which the
-nominal robot does not know, couples the axes: its elasticity shows as entries off the diagonal.
+K is symmetric. The gears are its diagonal; the elasticity of the structure, which the nominal robot
+lacks, couples the axes by entries off the diagonal.
 """
 
 import copy
@@ -26,8 +26,7 @@ from ..robot.flexibility import Flexibility, without
 from ..robot.mjcf import AXES, N_AXES, ModelError
 from ..robot.model import RobotModel
 
-PAIRS = tuple(itertools.combinations(range(N_AXES), 2))
-"""The couplings of two axes."""
+PAIRS = tuple(itertools.combinations(range(N_AXES), 2))  # The couplings of two axes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,9 +103,8 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     """
     spec = robot.parsed()
     if spec.equalities:
-        raise ModelError(
-            f"an estimator needs an open chain; {spec.modelname} closes loops by equalities"
-        )
+        closed = f"{spec.modelname} closes loops by equalities"
+        raise ModelError(f"an estimator needs an open chain; {closed}")
     missing = [f"flex_{i}" for i in AXES if spec.joint(f"flex_{i}") is None]
     if missing:
         raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
@@ -165,18 +163,12 @@ def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
         tool.mass += cfg.payload
 
 
-def _pair_stiffness(stiffness: Array) -> Array:
-    """(6, 6): the spring -K_ij between each two axes; zero diagonal."""
-    return np.diag(np.diag(stiffness)) - stiffness
-
-
 def _set_springs(mj: mujoco.MjModel, stiffness: Array, damping: Array) -> None:
-    between = _pair_stiffness(stiffness)
     # A spring between two axes adds to both diagonal entries, which the axes' own springs give up.
     own = stiffness.sum(axis=1)
     names = [f"spring_{i + 1}" for i in range(N_AXES)]
     names += [f"spring_{i + 1}_{j + 1}" for i, j in PAIRS]
-    k_all = [*own, *(between[i, j] for i, j in PAIRS)]
+    k_all = [*own, *(0.0 - stiffness[i, j] for i, j in PAIRS)]
     for name, k, d in zip(names, k_all, [*damping, *np.zeros(len(PAIRS))], strict=True):
         spring = mj.actuator(name).id
         mj.actuator_gainprm[spring, 0] = k

@@ -1,9 +1,8 @@
-"""Nonlinear residual of a linearised arm: its matrices rotate as the arm does.
+"""Nonlinear residual of a linearised arm: its matrices depend on the pose.
 
-The filters' arm is linear around rest. Over a fast cut the Jacobian turns by a few thousandths, and
-what moves twice a circle's period then meets the structure's resonances: tens of micrometres. The
-part that is not linear is small, so it is taken along a motion that is nearly the right one, and
-given to the linear arm as an input:
+The filters' arm is linear around rest. Over a fast cut the Jacobian changes by a few thousandths,
+and the second harmonic of a circle excites the structure's resonances: tens of micrometres. The
+residual is small, so it is computed along an approximate motion and is an input of the linear arm:
 
     M0 dq'' + ... = S (K dphi + D dphi') - torque        y = J0 dq'' + ... + reading
 """

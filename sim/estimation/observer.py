@@ -1,7 +1,7 @@
 """The arm's motion from measured motor angles alone: the nominal arm dragged along, one rollout.
 
-Exact where the nominal arm is: motor dynamics, friction and servo drop out, because what they do is
-measured. A drive error of the estimator is therefore only an error of the arm's own model.
+Exact where the nominal arm is: motor dynamics, friction and servo drop out, as the motor angles are
+measured.
 """
 
 from dataclasses import dataclass
@@ -24,24 +24,22 @@ _NEWTON_STEPS = 200
 _REST_TORQUE = 1e-7  # [N m]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class ArmMotion:
     """Motion of the nominal arm. All rows belong to the same instant."""
 
     time: Array
     """(M,) [s], every physics step."""
     q: Array
-    """(M, nv) [rad], the arm's angles."""
+    """(M, nv) [rad], the arm's angles; q_dot (M, nv) [rad/s]."""
     q_dot: Array
-    """(M, nv) [rad/s]."""
     tool_position: Array
     """(M, 3) [m], TCP0 in base axes."""
     tool_quaternion: Array
     """(M, 4), base to tool."""
     imu_acceleration: Array
-    """(M, 3) [m/s^2], specific force in the frame of the IMU's site."""
+    """(M, 3) [m/s^2], specific force in the frame of the IMU's site, as the rates [rad/s]."""
     imu_angular_velocity: Array
-    """(M, 3) [rad/s]."""
 
 
 def at_rest(arm: NominalArm, phi: Array) -> Array:
@@ -72,8 +70,7 @@ def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
     The log is low-passed without phase and splined to the physics rate; it starts at rest.
     """
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
-    ratio = substeps(float(arm.mj.opt.timestep), period)
-    phi, phi_dot, _ = interpolate(smooth, period, ratio)
+    phi, phi_dot, _ = interpolate(smooth, period, substeps(float(arm.mj.opt.timestep), period))
     return dragged(arm, phi, phi_dot)
 
 
@@ -95,12 +92,6 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
         adr, dim = int(mj.sensor(name).adr[0]), int(mj.sensor(name).dim[0])
         return sensors[:, adr : adr + dim]
 
-    return ArmMotion(
-        time=np.arange(len(phi), dtype=np.float64) * float(mj.opt.timestep),
-        q=moved[:, 1 : 1 + nq],
-        q_dot=moved[:, 1 + nq : 1 + 2 * nq],
-        tool_position=sensor("tool0_pos"),
-        tool_quaternion=sensor("tool0_quat"),
-        imu_acceleration=sensor("imu_acc"),
-        imu_angular_velocity=sensor("imu_gyro"),
-    )
+    time = np.arange(len(phi), dtype=np.float64) * float(mj.opt.timestep)
+    tool, imu = (sensor("tool0_pos"), sensor("tool0_quat")), (sensor("imu_acc"), sensor("imu_gyro"))
+    return ArmMotion(time, moved[:, 1 : 1 + nq], moved[:, 1 + nq : 1 + 2 * nq], *tool, *imu)

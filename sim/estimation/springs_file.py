@@ -18,18 +18,12 @@ _SHAPES: Mapping[str, tuple[int, ...]] = {
     "distrust": (),
     "mounting": (3,),
 }
-"""By key; `distrust` is `Springs.process_noise`."""
+"""By key, in the order of `Springs`; `distrust` is `Springs.process_noise`."""
 
 
 def springs_entry(springs: Springs) -> dict[str, Any]:
     """Springs as an entry of a summary."""
-    return {
-        "stiffness": springs.stiffness,
-        "damping": springs.damping,
-        "clock_offset": springs.clock_offset,
-        "distrust": springs.process_noise,
-        "mounting": springs.mounting,
-    }
+    return {"distrust" if name == "process_noise" else name: v for name, v in vars(springs).items()}
 
 
 def read_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
@@ -66,10 +60,5 @@ def _springs(stored: Any, file: Path) -> Springs:
         if value.shape != shape or not np.isfinite(value).all():
             raise InputError(f"{file}: springs.{name} must be numbers of shape {shape}")
         found[name] = value
-    return Springs(
-        stiffness=found["stiffness"],
-        damping=found["damping"],
-        clock_offset=float(found["clock_offset"]),
-        process_noise=float(found["distrust"]),
-        mounting=found["mounting"],
-    )
+    K, D, clock, noise, mounting = found.values()
+    return Springs(K, D, float(clock), float(noise), mounting)

@@ -39,18 +39,15 @@ class ToolLaw:
     rotation_weight: float = 0.1
     """[m]: an orientation error of 1 mrad counts as a position error of 0.1 mm."""
     limit: float = 0.02
-    """Of the correction: displacement of the tool by each axis [m]."""
+    """Largest displacement of the tool by the correction of each axis [m]."""
     guarded: bool = True
-    """Back off when errors no longer fall."""
+    """Reduce the gain when errors no longer fall."""
 
     def law(self, plant: ArmPlant, turn_rate: float, *, rotations: bool = True) -> Law:
-        """The law on a plant's model.
+        """The law on a plant's model. Raises ValueError for design variables out of range.
 
-        Args:
-            turn_rate: of the programmed contour [turns/s].
-            rotations: errors have orientations, not positions alone.
-
-        Raises ValueError for design variables out of range.
+        turn_rate: of the programmed contour [turns/s]. rotations: errors have orientations, not
+        positions alone.
         """
         cutoff = pass_band(turn_rate) if self.cutoff is None else self.cutoff
         rotation = self.rotation_weight if rotations else 0.0

@@ -1,7 +1,7 @@
 """A tool's path as six columns: displacement and rotation vector from rest.
 
-Where the arm hangs at rest, millimetres below its program under its own weight, no run can tell and
-no cut depends on: what is learned is the shape. So paths count from rest.
+The position at rest, millimetres below the program under gravity, is not observable in a run and
+does not affect a cut. So paths count from rest.
 """
 
 import numpy as np
@@ -16,10 +16,8 @@ REST_SAMPLES = 25
 def relative_to_start(position: Array, quaternion: Array | None = None) -> Array:
     """(N, 6): displacement [m] and rotation vector [rad] from rest, base axes.
 
-    Args:
-        position: (N, 3) [m].
-        quaternion: (N, 4) base to tool, w first; None where only positions are known, whose turn
-            is then taken to be zero.
+    position: (N, 3) [m]. quaternion: (N, 4) base to tool, w first; None for positions alone, with
+    rotations of zero.
     """
     path = np.zeros((len(position), 6))
     path[:, :3] = position - position[:REST_SAMPLES].mean(axis=0)

@@ -21,35 +21,33 @@ SYNC_CUTOFF = 40.0
 """Low-pass of the encoder's steps before synchronisation, above the motion's content [Hz]."""
 REST_RATE = 0.005
 """Below this angular velocity, and the acceleration below, the sensor is at rest [rad/s]."""
-REST_ACCELERATION = 0.2
-"""[m/s^2]; above what encoder noise predicts at rest."""
+REST_ACCELERATION = 0.2  # [m/s^2]; above what encoder noise predicts at rest
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Comparison:
-    """Measured and predicted motion of the IMU in base axes, filtered alike."""
+    """Measured and predicted motion of the IMU in base axes, filtered alike.
+
+    Angular velocities (K, 3) [rad/s], accelerations (K, 3) [m/s^2] without gravity.
+    """
 
     time: Array
     """(K,) [s], IMU samples by the robot's clock."""
     angular_velocity_measured: Array
-    """(K, 3) [rad/s]."""
     angular_velocity_predicted: Array
-    """(K, 3) [rad/s]."""
     acceleration_measured: Array
-    """(K, 3) [m/s^2], without gravity."""
     acceleration_predicted: Array
-    """(K, 3) [m/s^2]."""
     clock_offset: float
     """Robot time when the IMU's clock shows 0 [s], estimated or given."""
 
     @property
     def angular_velocity_error(self) -> Array:
-        """Measured minus predicted, (K, 3) [rad/s]."""
+        """Measured minus predicted."""
         return self.angular_velocity_measured - self.angular_velocity_predicted
 
     @property
     def acceleration_error(self) -> Array:
-        """Measured minus predicted, (K, 3) [m/s^2]."""
+        """Measured minus predicted."""
         return self.acceleration_measured - self.acceleration_predicted
 
 
@@ -88,21 +86,20 @@ def compare(
     force, rate = samples.acceleration[inside], samples.angular_velocity[inside]
     if cfg.compensation is Compensation.ACTUAL_ORIENTATION:
         # Forward differences are half a sample early: a fit would mistake that for a tilt.
-        best = [predicted(delay, Order.MAP_THEN_FILTER, Scheme.CENTRAL) for delay in delays]
-        force, rate = _calibrated(force, rate, *best)
+        linear, angular = (predicted(d, Order.MAP_THEN_FILTER, Scheme.CENTRAL) for d in delays)
+        total = linear.acceleration + compensation.GRAVITY
+        ideal_force = compensation.to_imu(linear.R_base_imu, total)
+        ideal_rate = compensation.to_imu(angular.R_base_imu, angular.angular_velocity)
+        fitted = compensation.calibrate(force, rate, ideal_force, ideal_rate)
+        force, rate = fitted.corrected(force, rate)
     a = compensation.to_base(at_force.R_base_imu, force) - compensation.GRAVITY
     omega = compensation.to_base(at_rate.R_base_imu, rate)
     if cfg.compensation is Compensation.MEAN_AT_REST:
         rest = _first_rest(at_force, transient=round(1.0 / (cfg.cutoff * period)))
         a, omega = compensation.mean_removed(a, rest), compensation.mean_removed(omega, rest)
-    return Comparison(
-        time=robot_time[inside],
-        angular_velocity_measured=low_pass(omega),
-        angular_velocity_predicted=at_rate.angular_velocity,
-        acceleration_measured=low_pass(a),
-        acceleration_predicted=at_force.acceleration,
-        clock_offset=offset,
-    )
+    rates = low_pass(omega), at_rate.angular_velocity
+    forces = low_pass(a), at_force.acceleration
+    return Comparison(robot_time[inside], *rates, *forces, offset)
 
 
 def find_offset(
@@ -127,20 +124,6 @@ def _first_rest(prediction: Prediction, transient: int) -> NDArray[np.bool_]:
     moving = np.hstack((rate > REST_RATE, acceleration > REST_ACCELERATION)).any(axis=1)
     later = np.arange(len(rate)) >= transient
     return later & ~np.logical_or.accumulate(moving & later)
-
-
-def _calibrated(
-    force: Array, rate: Array, at_force: Prediction, at_rate: Prediction
-) -> tuple[Array, Array]:
-    """Readings corrected for mounting error and biases, fitted over the whole record."""
-    total = at_force.acceleration + compensation.GRAVITY
-    calibration = compensation.calibrate(
-        force,
-        rate,
-        compensation.to_imu(at_force.R_base_imu, total),
-        compensation.to_imu(at_rate.R_base_imu, at_rate.angular_velocity),
-    )
-    return calibration.corrected(force, rate)
 
 
 def moving_rms(error: Array, window: float, period: float) -> Array:

@@ -32,14 +32,14 @@ def mean_removed(vector: Array, rest: NDArray[np.bool_]) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias."""
+    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias.
+
+    R (3, 3); biases (3,) [m/s^2] and (3,) [rad/s].
+    """
 
     R_site_imu: Array
-    """(3, 3)."""
     accelerometer_bias: Array
-    """(3,) [m/s^2]."""
     gyroscope_bias: Array
-    """(3,) [rad/s]."""
 
     def corrected(self, acceleration: Array, angular_velocity: Array) -> tuple[Array, Array]:
         """Readings (K, 3) of an ideal IMU at the site."""
@@ -51,22 +51,17 @@ class Calibration:
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """Standard deviations of mounting error and biases before the fit, and of the readings.
+    """Standard deviations of mounting error and biases before the fit, and of the readings. SI.
 
-    Where a motion cannot separate a tilt from a bias, the fit divides the residual between
-    them by these.
+    They weight the residual that a motion cannot separate into tilt and bias.
     """
 
     mounting: float = np.deg2rad(1.0)
-    """[rad], about each axis."""
     accelerometer_bias: float = 0.02
-    """[m/s^2]."""
     gyroscope_bias: float = np.deg2rad(1.0)
-    """[rad/s]."""
     acceleration: float = 0.1
-    """[m/s^2], one reading about its prediction: vibration more than noise."""
+    """One reading about its prediction, as `angular_velocity`: vibration more than noise."""
     angular_velocity: float = 0.02
-    """[rad/s], one reading about its prediction."""
 
 
 def calibrate(

@@ -33,7 +33,7 @@ class ImuRun:
     """The individual, for evaluation only."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Evaluation:
     """Measured and predicted motion of one run."""
 
@@ -51,12 +51,9 @@ def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None) -> Evalu
     recording = run.recording
     comparison = compare(run.samples, recording.time, recording.motor_angle, cell.with_imu, cfg)
     period = float(comparison.time[1] - comparison.time[0])
-    return Evaluation(
-        comparison=comparison,
-        window_rms=moving_rms(comparison.acceleration_error, WINDOW, period),
-        tool_predicted=position(cell.robot, recording.motor_angle),
-        tool=recording.truth.tool_position[:: _log_stride(recording)],
-    )
+    window_rms = moving_rms(comparison.acceleration_error, WINDOW, period)
+    tool = recording.truth.tool_position[:: _log_stride(recording)]
+    return Evaluation(comparison, window_rms, position(cell.robot, recording.motor_angle), tool)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,15 +63,13 @@ class Measures:
     since: float
     """Start of the evaluation [s]: the end of the synchronisation."""
     angular_velocity_rms: Array
-    """RMS error [rad/s]. Thesis Fig. 5.8."""
+    """RMS error [rad/s], beside the largest. Thesis Fig. 5.8."""
     angular_velocity_max: Array
-    """Largest error [rad/s]."""
     acceleration_rms: Array
     """RMS error [m/s^2]. Thesis Fig. 5.9."""
     acceleration_window_max: Array
-    """Largest moving RMS of the error [m/s^2]. Thesis Fig. 5.10."""
+    """Largest moving RMS of the error [m/s^2], and its instant [s]. Thesis Fig. 5.10."""
     acceleration_window_time: Array
-    """Instant of that [s]."""
     acceleration_peak: Array
     """Largest measured acceleration, filtered [m/s^2]."""
     clipped_share: float

@@ -11,6 +11,7 @@ from armside.arrays import Array
 from ..instruments.imu import ImuCfg, draw
 from ..moves.planner import JointMotion, plan_program
 from ..moves.program_file import read_program
+from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .compare import find_offset
@@ -20,7 +21,7 @@ from .processing import ProcessingCfg
 from .specification import ImuExperiment
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class PlannedProgram:
     """One motion program, planned and loaded into the robot."""
 
@@ -71,8 +72,7 @@ def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
         program = read_program(path)
         motion = plan_program(program, cell.robot, cell.limits, step=LOG_PERIOD)
         since = synchronised_at(program, motion)
-        loaded = robot.load(motion.phi)
-        planned.append(PlannedProgram(name=path.stem, loaded=loaded, motion=motion, since=since))
+        planned.append(PlannedProgram(path.stem, robot.load(motion.phi), motion, since))
     return planned
 
 
@@ -107,9 +107,12 @@ def sense(loaded: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
     seed: of the robot's noise and of the IMU individual, in separate streams.
     """
     of_robot, of_imu = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
-    recording = loaded.run(rng=of_robot)
-    imu, truth = draw(cfg, of_imu), recording.truth
-    samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, of_imu)
+    return _measured(loaded.run(rng=of_robot), cfg, of_imu)
+
+
+def _measured(recording: Recording, cfg: ImuCfg, rng: np.random.Generator) -> ImuRun:
+    imu, truth = draw(cfg, rng), recording.truth
+    samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, rng)
     return ImuRun(recording=recording, samples=samples, imu=imu)
 
 
@@ -121,14 +124,13 @@ def clock_errors(
     apart: largest offset of their clocks [s]; by default as far as a start by hand may be off.
     """
     recording, experiment = result.run.recording, result.experiment
-    truth, cfg = recording.truth, replace(experiment.imu, clock_offset=apart)
-    log = recording.time, recording.motor_angle
-    errors = []
-    for rng in rngs:
-        imu = draw(cfg, rng)
-        samples = imu.measure(truth.time, truth.imu_acceleration, truth.imu_angular_velocity, rng)
-        offset = find_offset(samples, *log, experiment.cell.with_imu, experiment.processing)
-        errors.append(offset - imu.clock_offset)
+    log, robot = (recording.time, recording.motor_angle), experiment.cell.with_imu
+    cfg = replace(experiment.imu, clock_offset=apart)
+    runs = (_measured(recording, cfg, rng) for rng in rngs)
+    errors = [
+        find_offset(run.samples, *log, robot, experiment.processing) - run.imu.clock_offset
+        for run in runs
+    ]
     return np.array(errors)
 
 

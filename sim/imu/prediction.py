@@ -23,14 +23,14 @@ class Order(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """Predicted motion of the IMU in base axes."""
+    """Predicted motion of the IMU in base axes, SI; accelerations without gravity.
+
+    R (K, 3, 3), the others (K, 3).
+    """
 
     R_base_imu: Array
-    """(K, 3, 3)."""
     angular_velocity: Array
-    """(K, 3) [rad/s]."""
     acceleration: Array
-    """(K, 3) [m/s^2], without gravity."""
 
 
 def predict(

@@ -32,7 +32,6 @@ class ProcessingCfg:
     accelerometer_delay: float = 1e-3 * round(1e3 * ACCELEROMETER.delay, 3)
     """Known delay of the sensor's own low-pass [s], to a microsecond; 0 leaves it in."""
     gyroscope_delay: float = 1e-3 * round(1e3 * GYROSCOPE.delay, 3)
-    """[s]."""
     search: float = 0.5
     """Largest clock offset in the search [s]."""
 
@@ -48,9 +47,7 @@ class ProcessingCfg:
     def as_in_the_thesis(self) -> "ProcessingCfg":
         """Gravity by the mean at rest, and clocks synchronised by one sensor for both."""
         return replace(
-            self,
-            compensation=Compensation.MEAN_AT_REST,
-            accelerometer_delay=self.gyroscope_delay,
+            self, compensation=Compensation.MEAN_AT_REST, accelerometer_delay=self.gyroscope_delay
         )
 
     @property

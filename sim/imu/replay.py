@@ -53,8 +53,7 @@ def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:
             for name, colour in COLOURS.items():
                 lines = rr.SeriesLines(names=f"{name} {axis}", colors=colour)
                 stream.log(f"{kind}_{axis}/{name}", lines, static=True)
-    lines = rr.SeriesLines(names=list(AXES))
-    stream.log("acceleration_error_rms", lines, static=True)
+    stream.log("acceleration_error_rms", rr.SeriesLines(names=list(AXES)), static=True)
 
 
 def _send_path(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:

@@ -35,7 +35,7 @@ def _table(k: int, result: ImuResult) -> pa.Table:
     samples, comparison = result.run.samples, result.evaluation.comparison
     robot_time = samples.time + comparison.clock_offset
     inside = np.isin(robot_time, comparison.time)
-    one = {
+    columns: dict[str, tuple[NDArray[Any], str]] = {
         "k": (np.full(len(comparison.time), k, dtype=np.int32), "1"),
         "time": (comparison.time, "s"),
         "imu_time": (samples.time[inside], "s"),
@@ -51,7 +51,6 @@ def _table(k: int, result: ImuResult) -> pa.Table:
         "angular_velocity_predicted": (comparison.angular_velocity_predicted, "rad/s"),
         "acceleration_error_rms": (result.evaluation.window_rms, "m/s^2"),
     }
-    columns: dict[str, tuple[NDArray[Any], str]] = dict(one)
     for name, (values, unit) in three.items():
         columns |= {f"{name}_{axis}": (values[:, i], unit) for i, axis in enumerate(XYZ)}
     arrays = [pa.array(np.ascontiguousarray(values)) for values, _ in columns.values()]

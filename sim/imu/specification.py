@@ -14,8 +14,7 @@ from .processing import ProcessingCfg
 
 RobotName = Literal["irb1400", "large"]
 Motion = Literal["simultaneous", "sequential"]
-SHORTEST_REST = 3.0
-"""Record that a power spectrum needs [s]."""
+SHORTEST_REST = 3.0  # Record that a power spectrum needs [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,9 +57,8 @@ class ImuExperiment(RobotSetup):
     processing: ProcessingCfg = field(default_factory=ProcessingCfg)
 
     def __post_init__(self) -> None:
-        nyquist = 0.5 * self.imu.rate
-        if self.processing.cutoff >= nyquist:
-            cutoff = self.processing.cutoff
+        nyquist, cutoff = 0.5 * self.imu.rate, self.processing.cutoff
+        if cutoff >= nyquist:
             raise ValueError(f"cutoff must be below {nyquist:g} Hz, got {cutoff:g}")
 
     @property
@@ -70,10 +68,8 @@ class ImuExperiment(RobotSetup):
             return (self.program,)
         programs = self.cell.programs
         if self.motion not in programs:
-            raise ValueError(
-                f"motion {self.motion!r} has no program for {self.robot}. It has: "
-                f"{', '.join(programs)}"
-            )
+            missing = f"motion {self.motion!r} has no program for {self.robot}"
+            raise ValueError(f"{missing}. It has: {', '.join(programs)}")
         return programs[self.motion]
 
 

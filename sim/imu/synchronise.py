@@ -8,12 +8,9 @@ from armside.arrays import Array
 
 from .compensation import cross_matrices
 
-COARSE = 0.01
-"""Grid of the first search [s], well below the time scale of the rotation."""
-READING = 0.02
-"""Standard deviation of a gyro reading about its prediction [rad/s]."""
-MOUNTING = np.deg2rad(2.0)
-"""Standard deviation of the gyro's mounting error about each axis [rad]."""
+COARSE = 0.01  # Grid of the first search [s], well below the time scale of the rotation
+READING = 0.02  # Standard deviation of a gyro reading about its prediction [rad/s]
+MOUNTING = np.deg2rad(2.0)  # Standard deviation of the gyro's mounting error about each axis [rad]
 
 
 def clock_offset(

@@ -13,35 +13,29 @@ from .evaluation import ImuRun, largest_gap
 from .experiment import sense
 from .specification import RestExperiment
 
-SETTLING_TIME = 0.5
-"""Left out after the motors are switched on [s]."""
-SEGMENT = 2.0
-"""Segment of a power spectrum [s]: a resolution of 0.5 Hz."""
-QUANTILE = 0.997
-"""The level that a normal signal exceeds as rarely as three standard deviations."""
-ZERO_POSE = np.zeros(6)
-"""Pose of thesis 5.1.1 [rad]."""
+SETTLING_TIME = 0.5  # Left out after the motors are switched on [s]
+SEGMENT = 2.0  # Segment of a power spectrum [s]: a resolution of 0.5 Hz
+QUANTILE = 0.997  # The level that a normal signal exceeds as rarely as three standard deviations
+ZERO_POSE = np.zeros(6)  # Pose of thesis 5.1.1 [rad]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Rest:
-    """Vibration at rest, motors off and on; vectors are x, y, z of the IMU."""
+    """Vibration at rest, motors off and on; vectors are x, y, z of the IMU [m/s^2].
+
+    RMS about the mean; spectra (F, 3) [(m/s^2)^2/Hz] over frequency (F,) [Hz].
+    """
 
     off_rms: Array
-    """[m/s^2], about the mean."""
     on_rms: Array
-    """[m/s^2]."""
     on_level: Array
-    """[m/s^2], exceeded by 0.3 % of the samples."""
+    """Exceeded by 0.3 % of the samples."""
     frequency: Array
-    """(F,) [Hz]."""
     off_spectrum: Array
-    """(F, 3) [(m/s^2)^2/Hz]."""
     on_spectrum: Array
-    """(F, 3) [(m/s^2)^2/Hz]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class RestResult:
     """One experiment at rest, run and evaluated."""
 
@@ -67,12 +61,8 @@ def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
     robot = VirtualRobot(experiment.model())
     loaded = robot.load(np.tile(ZERO_POSE, (n, 1)), motors_on_at=experiment.off)
     run = sense(loaded, experiment.imu, seed)
-    return RestResult(
-        experiment=experiment,
-        run=run,
-        rest=at_rest(run.samples, experiment.off, experiment.imu.rate),
-        loop_error=largest_gap(run.recording, loaded.model.mj),
-    )
+    rest = at_rest(run.samples, experiment.off, experiment.imu.rate)
+    return RestResult(experiment, run, rest, largest_gap(run.recording, loaded.model.mj))
 
 
 def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
@@ -82,15 +72,9 @@ def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
     """
     off = samples.acceleration[samples.time < motors_on_at]
     on = samples.acceleration[samples.time >= motors_on_at + SETTLING_TIME]
-    frequency, on_spectrum = power_spectrum(on, rate)
-    return Rest(
-        off_rms=off.std(axis=0),
-        on_rms=on.std(axis=0),
-        on_level=np.quantile(np.abs(on - on.mean(axis=0)), QUANTILE, axis=0),
-        frequency=frequency,
-        off_spectrum=power_spectrum(off, rate)[1],
-        on_spectrum=on_spectrum,
-    )
+    (frequency, off_spectrum), (_, on_spectrum) = (power_spectrum(a, rate) for a in (off, on))
+    level = np.quantile(np.abs(on - on.mean(axis=0)), QUANTILE, axis=0)
+    return Rest(off.std(axis=0), on.std(axis=0), level, frequency, off_spectrum, on_spectrum)
 
 
 def power_spectrum(signal: Array, rate: float) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ COMPARED = ToolPath(law=ToolLaw(gamma=0.8))
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One cut with a seed, learned in one way or another."""
+    """One cut with a seed, learned from any of the outputs."""
 
     cut: Cut = field(default_factory=lambda: Cut(imu=ImuCfg()))
     seed: int = 0
@@ -39,8 +39,7 @@ class Case:
         measure = replace(measure, imu=self.cut.imu or measure.imu, springs=springs)
         arm, first = measure.assumed(experiment), first_run(experiment)
         output = measure.commissioned(experiment, arm, first)
-        found = learned(experiment, output, first, iterations, repeats=repeats)
-        return output, found
+        return output, learned(experiment, output, first, iterations, repeats=repeats)
 
     def from_motors(self, iterations: int) -> Iterator[Iteration]:
         """Learn from the motor angles, as the thesis does."""

@@ -40,6 +40,5 @@ def design_from_data(cut: Cut, seed: int) -> DesignFromData:
 
 def _learned(cut: Cut, seed: int) -> LearningRecord:
     experiment = prepare(cut, seed=seed)
-    set_up = MotorAngles(THESIS).prepare(experiment)
-    first, *_, last = iterate(experiment, set_up, 5)
+    first, *_, last = iterate(experiment, MotorAngles(THESIS).prepare(experiment), 5)
     return LearningRecord(last.correction, first.error, last.error, experiment.motion_end)

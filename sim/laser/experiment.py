@@ -13,14 +13,7 @@ from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..robot.effects import available, with_effects
-from ..robot.individual import (
-    Individual,
-    draw,
-    structure_hinges,
-    with_friction,
-    with_individual,
-    with_payload,
-)
+from ..robot.individual import draw, structure_hinges, with_friction, with_individual, with_payload
 from ..robot.model import RobotModel, load_model
 from ..robot.run import LoadedReference
 from ..robot.statics import Statics
@@ -29,16 +22,16 @@ from .plant import CuttingPlant, MountedImu, Pass, plan
 from .specification import Cut
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Experiment:
     """Everything that is fixed before the first run."""
 
     cut: Cut
     seed: int
     nominal: RobotModel = field(repr=False)
-    """The robot as its controller knows it."""
-    added_payload: float = 0.0
-    """Mass of the tool beside that of the robot's file [kg], as far as the controller knows it."""
+    """Nominal robot of the controller."""
+    added_payload: float
+    """Known mass of the tool beside that of the robot's file [kg]."""
     motion: ToolMotion = field(repr=False)
     loaded: LoadedReference = field(repr=False)
     plant: CuttingPlant = field(repr=False)
@@ -64,9 +57,8 @@ class Iteration:
     motor_error: Array = field(repr=False)
     """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
     tool: ToolError
-    """Tool error from tracker samples."""
+    """From tracker samples; `tool_true` from the ground truth."""
     tool_true: ToolError
-    """Tool error from the ground truth."""
     diverged: bool
 
 
@@ -89,54 +81,35 @@ def prepare(
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
     design = load_model(cut.model or cut.cell.xml) if nominal is None else nominal
     carrying = design if cut.payload is None else with_payload(design, cut.payload)
-    known = _as_known(cut, carrying if cut.payload_known else design)
+    known = carrying if cut.payload_known else design
+    if cut.friction_feedforward is not None:
+        drives = replace(known.drives, friction_feedforward=cut.friction_feedforward)
+        known = replace(known, drives=drives)
     statics = Statics(known)
     motion, reference = plan(
         cut.cell, statics, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
     )
     real = with_effects(carrying, available(carrying) - frozenset(cut.without), phi=reference[0])
-    individual = _individual(cut, design)
-    if individual is not None:
-        real = with_individual(real, individual)
-    else:
+    if cut.individual is None:
         spread = cut.friction_spread
         factor = np.random.default_rng(drawing).uniform(-spread, spread, 6)
         real = with_friction(real, 1.0 + factor)
+    elif isinstance(cut.individual, int):
+        drawn = draw(np.random.default_rng(cut.individual), len(structure_hinges(design)))
+        real = with_individual(real, drawn)
+    else:
+        real = with_individual(real, cut.individual)
     loaded = VirtualRobot(real, nominal=statics).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
     if cut.imu is not None:
-        drawn = draw_imu(cut.imu, np.random.default_rng(mounting))
-        unit = MountedImu(drawn, np.random.default_rng(reading))
+        imu = draw_imu(cut.imu, np.random.default_rng(mounting))
+        unit = MountedImu(imu, np.random.default_rng(reading))
     plant = CuttingPlant(loaded, tracker, np.random.default_rng(noise), unit)
-    return Experiment(
-        cut=cut,
-        seed=seed,
-        nominal=known,
-        added_payload=_added_payload(cut, design),
-        motion=motion,
-        loaded=loaded,
-        plant=plant,
-    )
-
-
-def _added_payload(cut: Cut, design: RobotModel) -> float:
-    if cut.payload is None or not cut.payload_known:
-        return 0.0
-    return cut.payload - float(design.mj.body("tool").mass[0])
-
-
-def _as_known(cut: Cut, model: RobotModel) -> RobotModel:
-    if cut.friction_feedforward is None:
-        return model
-    drives = replace(model.drives, friction_feedforward=cut.friction_feedforward)
-    return replace(model, drives=drives)
-
-
-def _individual(cut: Cut, design: RobotModel) -> Individual | None:
-    if isinstance(cut.individual, int):
-        return draw(np.random.default_rng(cut.individual), len(structure_hinges(design)))
-    return cut.individual
+    added = 0.0
+    if cut.payload is not None and cut.payload_known:
+        added = cut.payload - float(design.mj.body("tool").mass[0])
+    return Experiment(cut, seed, known, added, motion, loaded, plant)
 
 
 def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration:

@@ -42,20 +42,14 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     truth = NominalCfg(structure=True, payload=experiment.added_payload)
     true_arm = nominal_arm(experiment.nominal, truth)
     gear = np.diag(true_arm.stiffness)
-    deviations = found.fit.standard_deviation
+    fit, keys = found.fit, ("name", "value", "standard_deviation", "told_by_data")
+    parameters = zip(found.names, fit.theta, fit.standard_deviation, fit.information, strict=True)
     return {
         "springs": springs_entry(found.springs),
-        "parameters": [
-            {"name": name, "value": value, "standard_deviation": deviation, "told_by_data": told}
-            for name, value, deviation, told in zip(
-                found.names, found.fit.theta, deviations, found.fit.information, strict=True
-            )
-        ],
-        "costs": found.fit.costs,
+        "parameters": [dict(zip(keys, row, strict=True)) for row in parameters],
+        "costs": fit.costs,
         "whiteness": {
-            "rms": found.whiteness.rms,
-            "p_value": found.whiteness.p_value,
-            "is_white": found.whiteness.is_white,
+            name: getattr(found.whiteness, name) for name in ("rms", "p_value", "is_white")
         },
         "consistency": _consistency(estimator(arm, found.springs, rest, imu), made, measured),
         "truth": {

@@ -15,11 +15,9 @@ from .measures import MotorAngles
 from .results import iteration_row
 from .specification import Cut
 
-RIPPLE_BAND = (5.0, 14.0)
-"""[Hz], around the resonances that learning leaves undamped."""
+RIPPLE_BAND = (5.0, 14.0)  # [Hz], around the resonances that learning leaves undamped
 _PATH_STRIDE = 4  # tracker samples, 1 ms each
 _PREPARATION = 1.0  # costs as much as a second of simulated motion
-_KEPT = ("motor_inf", "motor_two", "arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,16 +69,15 @@ def arrays_of(
 
 
 def _row(iteration: Iteration, experiment: Experiment, series: bool) -> dict[str, Array]:
-    radii = np.hypot(*iteration.tool.path.T)
-    first, last = experiment.motion.contour_time
+    radii, (first, last) = np.hypot(*iteration.tool.path.T), experiment.motion.contour_time
+    found = {name: value for name, value in iteration_row(iteration).items() if name != "k"}
     ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
-    found = iteration_row(iteration) | {"ripple": ripple}
-    arrays = {name: np.array(found[name]) for name in (*_KEPT, "ripple")}
+    arrays = {name: np.array(value) for name, value in found.items()} | {"ripple": np.array(ripple)}
     if series:
+        path = iteration.tool.path[::_PATH_STRIDE]
+        signals = {"error": iteration.error, "correction": iteration.correction, "path": path}
         # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
-        arrays["error"] = iteration.error.astype(np.float32)
-        arrays["correction"] = iteration.correction.astype(np.float32)
-        arrays["path"] = iteration.tool.path[::_PATH_STRIDE].astype(np.float32)
+        arrays |= {name: signal.astype(np.float32) for name, signal in signals.items()}
     return arrays
 
 

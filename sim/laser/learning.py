@@ -45,7 +45,9 @@ def learn(
             measure cannot serve.
         ImuError: at the first run, for an IMU that cannot be used.
     """
-    chosen = _named(measure) if isinstance(measure, str) else measure
+    if isinstance(measure, str) and measure not in MEASURES:
+        raise ValueError(f"Unknown measure {measure!r}. Measures: {', '.join(MEASURES)}")
+    chosen = MEASURES[measure] if isinstance(measure, str) else measure
     experiment = prepare(replace(cut, imu=cut.imu or chosen.imu), seed=seed)
     return iterate(experiment, chosen.prepare(experiment), iterations, law=law, plant=plant)
 
@@ -58,7 +60,7 @@ def iterate(
     law: Law | None = None,
     plant: Plant[Pass] | None = None,
 ) -> Iterator[Iteration]:
-    """As `learn`, for an experiment and a measure that are prepared: `measure.prepare`."""
+    """As `learn`, for a prepared experiment and measure: `measure.prepare`."""
     first = first_run(experiment, plant)
     yield from learned(experiment, set_up(first), first, iterations, law=law, plant=plant)
 
@@ -83,10 +85,9 @@ def learned(
 
     repeats: runs that are averaged in each iteration.
     """
-    runs = _Repeated(experiment.plant if plant is None else plant, repeats)
     more = [first_run(experiment, plant) for _ in range(repeats - 1)]
     trials = learning.learn(
-        runs,
+        _Repeated(experiment.plant if plant is None else plant, repeats),
         output.law if law is None else law,
         output.reference,
         iterations,
@@ -105,9 +106,3 @@ class _Repeated:
 
     def run(self, correction: Array, /) -> list[Pass]:
         return [self.plant.run(correction) for _ in range(self.times)]
-
-
-def _named(name: str) -> Measure:
-    if name not in MEASURES:
-        raise ValueError(f"Unknown measure {name!r}. Measures: {', '.join(MEASURES)}")
-    return MEASURES[name]

@@ -37,13 +37,7 @@ def plan(
         ValueError: the motion leaves the joint limits (where) or the reach (by how much).
     """
     motion, phi = plan_cut(
-        path,
-        quaternion,
-        speed,
-        cell.robot,
-        cell.limits,
-        path_limits=path_limits,
-        step=LOG_PERIOD,
+        path, quaternion, speed, cell.robot, cell.limits, path_limits=path_limits, step=LOG_PERIOD
     )
     shift = anticipated_shift(nominal, phi, LOG_PERIOD)
     if isinstance(path.curve, ArcsAndLines):
@@ -58,7 +52,6 @@ class Pass:
     recording: Recording
     tracker: TrackerSamples
     imu: ImuSamples | None = None
-    """Samples of an IMU at the tool, if there is one."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +86,5 @@ class CuttingPlant:
         samples = self.tracker.measure(
             truth.time, truth.tool_position, truth.tool_quaternion, self.rng
         )
-        return Pass(
-            recording=recording,
-            tracker=samples,
-            imu=None if self.imu is None else self.imu.read(recording),
-        )
+        imu = None if self.imu is None else self.imu.read(recording)
+        return Pass(recording=recording, tracker=samples, imu=imu)

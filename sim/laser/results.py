@@ -38,13 +38,12 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
     return {
         "status": "diverged" if iterations[-1].diverged else "done",
         "limits_hit": [
-            {"k": None, "limit": name, "axis": axis, "time": time}
-            for name, axis, time in motion.limits_hit
-        ]
-        + [
-            {"k": it.k, "limit": name, "axis": axis, "time": time}
-            for it in iterations
-            for name, axis, time in it.run.recording.limits_hit
+            {"k": k, "limit": name, "axis": axis, "time": time}
+            for k, hits in (
+                (None, motion.limits_hit),
+                *((it.k, it.run.recording.limits_hit) for it in iterations),
+            )
+            for name, axis, time in hits
         ],
         "loop_error": _loop_error(experiment, iterations),
         "reached_speed": motion.reached_speed,
@@ -55,10 +54,9 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
 
 def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
     """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
-    stride = experiment.loaded.ratio
-    runs = [it.run.recording for it in iterations if not it.diverged]
-    mj = experiment.loaded.model.mj
-    return max((checked_loop_error(mj, run.truth.qpos[::stride]) for run in runs), default=0.0)
+    mj, stride = experiment.loaded.model.mj, experiment.loaded.ratio
+    states = (it.run.recording.truth.qpos[::stride] for it in iterations if not it.diverged)
+    return max((checked_loop_error(mj, qpos) for qpos in states), default=0.0)
 
 
 def quality(
@@ -69,12 +67,10 @@ def quality(
     repeated: runs with the last correction.
     """
     motion, curve = experiment.motion, experiment.cut.curve
-    cuts = [kerf(curve, it.tool.path, beam * 1e-3) for it in iterations]
     true_cuts = [kerf(curve, it.tool_true.path, beam * 1e-3) for it in iterations]
-    runs = [it.run for it in iterations]
     iso: dict[str, Any] = {"repetitions": len(repeated)}
     for suffix, samples in (("", _tracked), ("_true", _true)):
-        each = [path_measures(motion, [samples(run)]) for run in runs]
+        each = [path_measures(motion, [samples(run)]) for run in (it.run for it in iterations)]
         iso[f"path_accuracy{suffix}"] = [m.accuracy for m in each]
         iso[f"path_accuracy_in_plane{suffix}"] = [m.accuracy_in_plane for m in each]
         if repeated:
@@ -85,7 +81,9 @@ def quality(
     return {
         "kerf": {
             "beam": beam * 1e-3,
-            "hole_roundness": [cut.roundness for cut in cuts],
+            "hole_roundness": [
+                kerf(curve, it.tool.path, beam * 1e-3).roundness for it in iterations
+            ],
             "hole_roundness_true": [cut.roundness for cut in true_cuts],
             "widest_true": [float(cut.width.max()) for cut in true_cuts],
         },

@@ -14,10 +14,8 @@ from ..instruments.imu import ImuCfg
 from ..robot.effects import Effect
 from ..robot.individual import Individual
 
-SPIRAL_START = 0.6
-"""Fraction of its size at which a contour's spiral starts."""
-SPIRAL_LEAD = 0.25
-"""Length of a spiral in turns: its bends have 0.4 of a circle's radius."""
+SPIRAL_START = 0.6  # Fraction of its size at which a contour's spiral starts
+SPIRAL_LEAD = 0.25  # Length of a spiral in turns: its bends have 0.4 of a circle's radius
 
 
 class LeadIn(Enum):

@@ -77,15 +77,8 @@ class ToolPath:
         Raises:
             ImuError: the IMU cannot be used, and the options refuse to go on.
         """
-        known = commission(
-            experiment.nominal,
-            arm,
-            self.imu,
-            first.recording,
-            first.imu,
-            self.commissioning,
-            self.springs,
-        )
+        robot, log, cfg = experiment.nominal, first.recording, self.commissioning
+        known = commission(robot, arm, self.imu, log, first.imu, cfg, self.springs)
         return ToolOutput(self, known, experiment)
 
 
@@ -119,9 +112,8 @@ class ToolOutput:
         log, measure = run.recording, self.measure
         if measure.source is Source.TRUTH:
             every = round(LOG_PERIOD / float(log.truth.time[1]))
-            return relative_to_start(
-                log.truth.tool_position[::every], log.truth.tool_quaternion[::every]
-            )
+            position, quaternion = log.truth.tool_position, log.truth.tool_quaternion
+            return relative_to_start(position[::every], quaternion[::every])
         if measure.source is Source.TRACKER:
             return _tracked(log.time, run)
         samples = None
@@ -131,8 +123,8 @@ class ToolOutput:
             except ImuError:
                 if measure.commissioning.on_fault is OnFault.REFUSE:
                     raise
-        estimate = self.known.estimator(log.time, log.motor_angle, samples, measure.estimate)
-        return estimate.displacement
+        estimator, kind = self.known.estimator, measure.estimate
+        return estimator(log.time, log.motor_angle, samples, kind).displacement
 
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""

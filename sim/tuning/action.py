@@ -37,8 +37,7 @@ class Variable:
         part = 0.5 * (np.asarray(normalised, dtype=np.float64) + 1.0)
         if self.scale is Scale.LOGARITHMIC:
             # Clipped: the power of a ratio may miss the end of the range by a rounding error.
-            value = self.low * (self.high / self.low) ** part
-            return np.clip(value, self.low, self.high)
+            return np.clip(self.low * (self.high / self.low) ** part, self.low, self.high)
         value = self.low + part * (self.high - self.low)
         return np.rint(value) if self.scale is Scale.WHOLE else value
 
@@ -46,10 +45,8 @@ class Variable:
         """From [low, high] to [-1, 1], any shape. Raises ValueError outside."""
         value = np.asarray(physical, dtype=np.float64)
         if not ((value >= self.low) & (value <= self.high)).all():
-            raise ValueError(
-                f"{self.name} must be in [{self.low:g}, {self.high:g}] {self.unit}, "
-                f"got {value.tolist()}"
-            )
+            limits = f"[{self.low:g}, {self.high:g}] {self.unit}"
+            raise ValueError(f"{self.name} must be in {limits}, got {value.tolist()}")
         if self.scale is Scale.LOGARITHMIC:
             return 2.0 * np.log(value / self.low) / np.log(self.high / self.low) - 1.0
         return 2.0 * (value - self.low) / (self.high - self.low) - 1.0
@@ -77,8 +74,7 @@ class Motors(Enum):
 def design_of(action: ArrayLike, motors: Motors) -> Design:
     """The design that an action stands for.
 
-    Raises:
-        ValueError: wrong shape, NaN or outside of [-1, 1]; the message names the first bad value.
+    Raises ValueError for a wrong shape, NaN or values outside of [-1, 1]; names the first bad one.
     """
     expected = (len(VARIABLES) * motors.count,)
     try:

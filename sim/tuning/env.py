@@ -7,14 +7,12 @@ import gymnasium
 import numpy as np
 
 from .picture import Picture
-from .rules import Rules
+from .rules import Rules, Step
 from .situation import Situation
-
-Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
 
 
 class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """One step is one ILC iteration: learn with the design of the action, run, look.
+    """One step is one ILC iteration: learn with the design of the action, run, observe.
 
     Action: float32 in [-1, 1], -1 is low, +1 is high. With one design for all motors it has shape
     (3,), in the order of the table; with one for each motor (18,), six of each variable.
@@ -25,7 +23,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | delta | 0 | 25 | samples of 4 ms | whole numbers |
     | cutoff | 1 | 30 | Hz | logarithmic |
 
-    Observation: (50,) float32, what a robot cell knows after a run, the tool not among it.
+    Observation: (50,) float32, signals of a robot cell after a run, without the tool's position.
 
     | entries | feature | unit | low | high | scale |
     |---|---|---|---|---|---|
@@ -40,14 +38,13 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | 48:49 | commanded speed | m/s | 0 | 0.1 | linear |
     | 49:50 | iteration k | - | 0 | 10 | linear |
 
-    Errors and corrections are those of the motor shaft. Low becomes -1 and high +1; what lies
-    outside is clipped, and what is not finite (a run that fell apart) becomes +1.
+    Errors and corrections are those of the motor shaft. Low becomes -1 and high +1; values outside
+    are clipped, values that are not finite become +1.
 
     Reward: log(RMS before / RMS after) of the tool's circle as measured by the configured sensor,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
 
-    Info: see `armside.sim.tuning.rules.Rules.info`. Tasks and their distributions:
-    `armside.sim.tuning.task`.
+    Info: `armside.sim.tuning.rules.Rules.info`. Tasks: `armside.sim.tuning.task`.
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
     """
 
@@ -129,19 +126,14 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             RuntimeError: before `reset`, or after the episode is over.
         """
         design = self.rules.design(action)
-        before = self._now
+        if not self._history:
+            raise RuntimeError("call reset before the first step")
+        before = self._history[-1]
         if before.diverged or self.rules.truncated(before):
             raise RuntimeError("this episode is over: call reset before the next step")
         after = self.rules.advance(before, design)
         self._history.append(after)
-        score = self.rules.score(before, after)
-        return (
-            self.rules.observe(after),
-            score.reward,
-            after.diverged,
-            self.rules.truncated(after),
-            self.rules.info(after, design, score),
-        )
+        return self.rules.step(before, after, design)
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
         """(320, 640, 3) uint8 of the episode so far; None without a render mode.
@@ -155,9 +147,3 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if not self._history:
             raise RuntimeError("there is nothing to draw yet: call reset first")
         return self.picture.draw(self._history, self.rules)
-
-    @property
-    def _now(self) -> Situation:
-        if not self._history:
-            raise RuntimeError("call reset before the first step")
-        return self._history[-1]

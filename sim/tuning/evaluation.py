@@ -16,7 +16,7 @@ Policy = Callable[[np.ndarray], np.ndarray]
 """From an observation (50,) to an action, (3,) or (18,)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Episode:
     """Outcome of one episode."""
 
@@ -48,13 +48,9 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
         situation = rules.advance(situation, design)
         designs.append(design)
         runs.append(situation)
-    return Episode(
-        seed=seed,
-        rms_true=np.array([run.true.rms for run in runs]),
-        rms_measured=np.array([run.measured.rms for run in runs]),
-        designs=tuple(designs),
-        diverged=situation.diverged,
-    )
+    true = np.array([run.true.rms for run in runs])
+    measured = np.array([run.measured.rms for run in runs])
+    return Episode(seed, true, measured, tuple(designs), situation.diverged)
 
 
 def evaluate(

@@ -26,13 +26,11 @@ POLL = 0.1
 class Ratio(NamedTuple):
     """RMS of the tool after learning over that before, geometric mean of all episodes.
 
-    Both are WORST once an episode diverged.
+    By the configured sensor and by ground truth. Both are WORST once an episode diverged.
     """
 
     measured: float
-    """As measured by the configured sensor."""
     true: float
-    """Ground truth."""
 
 
 class Episode(NamedTuple):
@@ -61,16 +59,13 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
 class Objective:
     """Ratio of a design over the same episodes, with the same noise for every design.
 
-    The runs before learning are made once. Use it as a context manager: it ends its threads, which
-    serve better here than processes, as rollouts release the interpreter and an episode's models
-    would take longer to send than an iteration takes to run.
+    The runs before learning are made once. A context manager: it ends its threads, which are faster
+    than processes here, as rollouts release the interpreter and an episode's models take longer to
+    send than an iteration takes to run.
     """
 
     def __init__(
-        self,
-        rules: Rules,
-        episodes: Sequence[Episode],
-        check: Callable[[], None] = lambda: None,
+        self, rules: Rules, episodes: Sequence[Episode], check: Callable[[], None] = lambda: None
     ) -> None:
         """Make the first runs.
 
@@ -118,10 +113,8 @@ class Objective:
         if any(s.diverged for s in situations):
             return Ratio(WORST, WORST)
         pairs = list(zip(situations, self._first, strict=True))
-        return Ratio(
-            measured=mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs),
-            true=mean_ratio((s.true.rms, first.true.rms) for s, first in pairs),
-        )
+        measured = mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs)
+        return Ratio(measured, mean_ratio((s.true.rms, first.true.rms) for s, first in pairs))
 
 
 def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:

@@ -52,8 +52,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)
     for situation in history:
         path = situation.measured.path
-        distance = np.hypot(*path.T)
-        shown = path * (1.0 + (factor - 1.0) * (1.0 - radius / distance))[:, None]
+        shown = path * (1.0 + (factor - 1.0) * (1.0 - radius / np.hypot(*path.T)))[:, None]
         newest = situation is history[-1]
         circle.plot(*(1e3 * shown.T), lw=1.5 if newest else 0.7, color="C3" if newest else "0.7")
     circle.set_aspect("equal")
@@ -62,8 +61,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     label = RewardSensor(rules.reward).label
     circle.set_title(f"tool {label}, deviation x {factor:g} [mm]", fontsize=8)
     k = [situation.k for situation in history]
-    first = history[0].first_norm
-    norms = np.array([situation.two_norm / first for situation in history])
+    norms = np.array([situation.two_norm / situation.first_norm for situation in history])
     for i, motor in enumerate(norms.T):
         errors.semilogy(k, motor, ".-", lw=1, label=f"motor {i + 1}")
     rms = np.array([situation.measured.rms for situation in history])
@@ -84,10 +82,9 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
 
 
 def magnification(history: Sequence[Situation], radius: float) -> float:
-    """That of the deviations from a circle of `radius` [m], as the sensor saw them."""
+    """Magnification of the measured deviations from a circle of `radius` [m]."""
     largest = max(np.nan_to_num(situation.measured.maxdev) for situation in history)
-    fitting = (m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius)
-    return next(fitting, 1.0)
+    return next((m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius), 1.0)
 
 
 def _robot(situation: Situation, xml: Path) -> np.ndarray:

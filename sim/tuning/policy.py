@@ -13,9 +13,8 @@ class Network:
     """x -> W_n tanh(... tanh(W_1 x + b_1) ...) + b_n, clipped to [-1, 1]."""
 
     weights: tuple[Array, ...]
-    """Each (outputs, inputs)."""
+    """Each (outputs, inputs); the biases each (outputs,)."""
     biases: tuple[Array, ...]
-    """Each (outputs,)."""
 
     def __post_init__(self) -> None:
         if not self.weights or len(self.weights) != len(self.biases):
@@ -33,12 +32,8 @@ class Network:
 
     def save(self, file: Path) -> None:
         """Write as .npz."""
-        layers = zip(self.weights, self.biases, strict=True)
-        arrays = {
-            name: array
-            for i, (W, b) in enumerate(layers)
-            for name, array in ((f"W{i}", W), (f"b{i}", b))
-        }
+        layers = enumerate(zip(self.weights, self.biases, strict=True))
+        arrays = {f"{s}{i}": a for i, layer in layers for s, a in zip("Wb", layer, strict=True)}
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
     @classmethod
@@ -48,7 +43,5 @@ class Network:
             n = len(arrays.files) // 2
             if sorted(arrays.files) != sorted(f"{s}{i}" for s in "Wb" for i in range(n)):
                 raise ValueError(f"{file} is not a policy: it holds {', '.join(arrays.files)}")
-            return cls(
-                weights=tuple(arrays[f"W{i}"] for i in range(n)),
-                biases=tuple(arrays[f"b{i}"] for i in range(n)),
-            )
+            W, b = (tuple(arrays[f"{s}{i}"] for i in range(n)) for s in "Wb")
+            return cls(weights=W, biases=b)

@@ -1,8 +1,6 @@
 """The rules of an episode, shared by the single and the vector env: spaces, draws, steps, rewards.
 
-Reward of a step: log(RMS before / RMS after) of the tool's circle (9.6) as measured by the
-configured sensor, clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no
-measure.
+The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS after (9.6).
 """
 
 from collections.abc import Mapping
@@ -23,8 +21,11 @@ from .sensor import RewardSensor, Sensor
 from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
-WORST_REWARD = -5.0
-"""Reward of a run that diverged; also the bound of every other."""
+WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
+
+
+Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
+"""Observation, reward, diverged, budget used up, info."""
 
 
 class Score(NamedTuple):
@@ -48,7 +49,7 @@ class Rules:
     sealed: bool = False
     """Episodes are those of TEST_SEEDS, which are refused otherwise."""
     nominal: RobotModel = field(init=False, repr=False)
-    """The robot as its controller knows it."""
+    """Nominal robot of the controller."""
     sensor: Sensor = field(init=False, repr=False)
     """Sensor that the reward is computed from."""
 
@@ -124,6 +125,12 @@ class Rules:
         """The budget of iterations is used up."""
         return situation.k >= self.iterations and not situation.diverged
 
+    def step(self, before: Situation, after: Situation, design: Design) -> Step:
+        """Outcome of an iteration with a design, as Gymnasium has it."""
+        score = self.score(before, after)
+        ends = after.diverged, self.truncated(after)
+        return self.observe(after), score.reward, *ends, self.info(after, design, score)
+
     def observe(self, situation: Situation) -> np.ndarray:
         """See `armside.sim.tuning.observation`."""
         return observation.observation(situation)
@@ -131,7 +138,7 @@ class Rules:
     def info(
         self, situation: Situation, design: Design | None = None, score: Score | None = None
     ) -> dict[str, Any]:
-        """Physical values and ground truth: hidden from a policy, of interest to a person.
+        """Physical values and ground truth, for evaluation; a policy does not get them.
 
         Keys, the same after `reset` but for those of a step:
 

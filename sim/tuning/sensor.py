@@ -4,15 +4,12 @@ A sensor is set up by the first run of an episode, the one without learning, and
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
-from armside.kinematics import CompiledRobot
-from armside.kinematics import compile as compile_robot
+from armside import kinematics
 
-from ..cell import CELLS
 from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
@@ -24,6 +21,7 @@ if TYPE_CHECKING:
 
 Reading = Callable[[Pass], ToolError]
 Sensor = Callable[[Experiment, Pass], Reading]
+_compiled = lru_cache(kinematics.compile)
 
 
 class RewardSensor(Enum):
@@ -40,14 +38,14 @@ class RewardSensor(Enum):
     def sensor(self, robot: str) -> Sensor:
         """The sensor of a robot. Raises ValueError for a robot that it cannot serve."""
         if self is RewardSensor.TRACKER:
-            return _TrackerReading.set_up
+            return _by_tracker
         if self is RewardSensor.MOTOR:
-            return _Motors(robot)
+            return _by_motors
         if robot != "large":
             raise ValueError(
                 f"reward 'estimate' needs an open chain: the large robot, got {robot!r}"
             )
-        return _Estimate()
+        return _by_estimate
 
     @property
     def label(self) -> str:
@@ -60,63 +58,37 @@ class RewardSensor(Enum):
         return ImuCfg() if self is RewardSensor.ESTIMATE else None
 
 
-@dataclass(frozen=True)
-class _TrackerReading:
-    motion: ToolMotion
-
-    @classmethod
-    def set_up(cls, experiment: Experiment, _first: Pass) -> Reading:
-        return cls(experiment.motion)
-
-    def __call__(self, cut: Pass) -> ToolError:
-        return tool_error(self.motion, cut.tracker.time, cut.tracker.position)
+def _by_tracker(experiment: Experiment, _first: Pass) -> Reading:
+    return partial(_tracker_error, experiment.motion)
 
 
-@dataclass(frozen=True)
-class _Motors:
-    robot: str
-
-    def __call__(self, experiment: Experiment, _first: Pass) -> Reading:
-        return _MotorReading(self.robot, experiment.motion)
+def _tracker_error(motion: ToolMotion, cut: Pass) -> ToolError:
+    return tool_error(motion, cut.tracker.time, cut.tracker.position)
 
 
-@dataclass(frozen=True)
-class _MotorReading:
-    robot: str
-    motion: ToolMotion
-
-    def __call__(self, cut: Pass) -> ToolError:
-        arm, log = _arm(self.robot), cut.recording
-        asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
-        # r is shifted against the deflection that the controller expects: compare with r, not
-        # with the programmed path.
-        return tool_error(self.motion, log.time, self.motion.position + got - asked)
+def _by_motors(experiment: Experiment, _first: Pass) -> Reading:
+    return partial(_motor_error, experiment.cut.cell.robot, experiment.motion)
 
 
-@lru_cache
-def _arm(robot: str) -> CompiledRobot:
-    return compile_robot(CELLS[robot].robot)
+def _motor_error(robot: kinematics.Robot, motion: ToolMotion, cut: Pass) -> ToolError:
+    arm, log = _compiled(robot), cut.recording
+    asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
+    # r is shifted against the deflection that the controller expects: compare with r, not
+    # with the programmed path.
+    return tool_error(motion, log.time, motion.position + got - asked)
 
 
-@dataclass(frozen=True)
-class _Estimate:
+def _by_estimate(experiment: Experiment, first: Pass) -> Reading:
     """The assumed payload is right; the springs are those of the nominal robot."""
+    # Imported here: the other sensors do without the estimator.
+    from ..estimation.commissioning import Commissioning, OnFault
+    from ..laser.tool_path import ToolPath
 
-    def __call__(self, experiment: Experiment, first: Pass) -> Reading:
-        # Imported here: the other sensors do without the estimator.
-        from ..estimation.commissioning import Commissioning, OnFault
-        from ..laser.tool_path import ToolPath
-
-        measure = ToolPath(stiffness_error=0.0, commissioning=Commissioning(on_fault=OnFault.GO_ON))
-        arm = measure.assumed(experiment)
-        return _EstimateReading(measure.commissioned(experiment, arm, first), experiment.motion)
+    measure = ToolPath(stiffness_error=0.0, commissioning=Commissioning(on_fault=OnFault.GO_ON))
+    output = measure.commissioned(experiment, measure.assumed(experiment), first)
+    return partial(_estimated_error, output, experiment.motion)
 
 
-@dataclass(frozen=True)
-class _EstimateReading:
-    output: "ToolOutput"
-    motion: ToolMotion
-
-    def __call__(self, cut: Pass) -> ToolError:
-        moved = self.output(cut)[:, :3]
-        return tool_error(self.motion, cut.recording.time, self.motion.position[0] + moved)
+def _estimated_error(output: "ToolOutput", motion: ToolMotion, cut: Pass) -> ToolError:
+    moved = output(cut)[:, :3]
+    return tool_error(motion, cut.recording.time, motion.position[0] + moved)

@@ -17,12 +17,11 @@ from .sensor import Reading, Sensor
 from .task import Task
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Situation:
     """State of an episode after run k."""
 
     task: Task
-    """The task that was drawn."""
     experiment: Experiment
     reading: Reading = field(repr=False)
     """Measures the tool's deviation in a run with the configured sensor."""
@@ -34,9 +33,8 @@ class Situation:
     motor_error: Array = field(repr=False)
     """e_k of the motor shafts, (N, 6) [rad]."""
     two_norm: Array
-    """(6,) [rad], of `motor_error`."""
+    """(6,) [rad], of `motor_error`; `inf_norm` alike."""
     inf_norm: Array
-    """(6,) [rad], of `motor_error`."""
     first_norm: Array
     """(6,) [rad], `two_norm` at k = 0."""
     measured: ToolError
@@ -50,18 +48,15 @@ def begin(task: Task, experiment: Experiment, sensor: Sensor) -> Situation:
     """Run once without learning, k = 0, and set the sensor up by it."""
     correction = np.zeros_like(experiment.loaded.reference)
     cut = experiment.plant.run(correction)
-    reading = sensor(experiment, cut)
-    return _situation(task, experiment, reading, 0, correction, cut)
+    return _situation(task, experiment, sensor(experiment, cut), 0, correction, cut)
 
 
 def advance(situation: Situation, design: Design) -> Situation:
     """Learn once with a design and run again."""
     correction = design.law(situation.correction, situation.error)
-    experiment, k = situation.experiment, situation.k + 1
-    cut = experiment.plant.run(correction)
-    return _situation(
-        situation.task, experiment, situation.reading, k, correction, cut, situation.first_norm
-    )
+    cut = situation.experiment.plant.run(correction)
+    fixed = situation.task, situation.experiment, situation.reading
+    return _situation(*fixed, situation.k + 1, correction, cut, situation.first_norm)
 
 
 def restarted(situation: Situation) -> Situation:
@@ -84,18 +79,7 @@ def _situation(
     motor_error = error * experiment.loaded.model.drives.gear
     norm = two_norm(motor_error)
     first = norm if first is None else first
-    return Situation(
-        task=task,
-        experiment=experiment,
-        reading=reading,
-        k=k,
-        correction=correction,
-        error=error,
-        motor_error=motor_error,
-        two_norm=norm,
-        inf_norm=inf_norm(motor_error),
-        first_norm=first,
-        measured=reading(cut),
-        true=true_tool_error(experiment.motion, cut),
-        diverged=has_diverged(norm, first),
-    )
+    norms, diverged = (norm, inf_norm(motor_error), first), has_diverged(norm, first)
+    tool = reading(cut), true_tool_error(experiment.motion, cut)
+    signals = correction, error, motor_error
+    return Situation(task, experiment, reading, k, *signals, *norms, *tool, diverged)

@@ -22,12 +22,10 @@ from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
 from ..robot import individual
-from ..robot.individual import structure_hinges
 from ..robot.model import RobotModel
 from .checks import whole
 
-POSE_SPREAD = 0.050
-"""[m]"""
+POSE_SPREAD = 0.050  # [m]
 SPEEDS = (0.020, 0.060)
 """[m/s]"""
 SLOWEST, FASTEST = 0.001, 0.1
@@ -61,12 +59,10 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
 
     The draws do not depend on the options: fixing the speed leaves the pose of a seed.
 
-    Args:
-        options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass
-            of the tool, [kg]) and `individual` (a seed).
+    options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass of
+    the tool, [kg]) and `individual` (a seed).
 
-    Raises:
-        ValueError: an option that does not exist or is out of range.
+    Raises ValueError for an option that does not exist or is out of range.
     """
     if not isinstance(options, Mapping | None):
         raise ValueError(f"options of reset must be a dict, got {options!r}")
@@ -99,8 +95,8 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
         return whole("individual", value, 0)
     if name == "payload" and value is None:
         return None
-    number = isinstance(value, int | float | np.integer | np.floating)
-    number = number and not isinstance(value, bool)
+    numbers = int | float | np.integer | np.floating
+    number = isinstance(value, numbers) and not isinstance(value, bool)
     if name == "payload" and not (number and 0.0 <= value < np.inf):
         raise ValueError(f"payload must be a number >= 0 kg, got {value!r}")
     if name == "speed" and not (number and SLOWEST <= value <= FASTEST):
@@ -115,23 +111,13 @@ def experiment(
 ) -> Experiment:
     """The experiment of a task: a circle, cut by one individual.
 
-    Args:
-        nominal: the robot's model.
-        imu: the kind of unit at the tool.
+    nominal: the robot's model. imu: the kind of unit at the tool.
 
-    Raises:
-        ValueError: the task leaves the joint limits or the reach, or the robot cannot carry its
-            load.
+    Raises ValueError as `armside.sim.laser.prepare`: joint limits, reach, load.
     """
     # A stream apart from those that `prepare` spawns.
     rng = np.random.default_rng([task.individual, 1])
-    cut = Cut(
-        robot=robot,
-        pose=task.pose,
-        radius=RADIUS,
-        speed=task.speed,
-        payload=task.payload,
-        individual=individual.draw(rng, len(structure_hinges(nominal))),
-        imu=imu,
-    )
+    drawn = individual.draw(rng, len(individual.structure_hinges(nominal)))
+    base = Cut(robot=robot, radius=RADIUS, individual=drawn, imu=imu)
+    cut = replace(base, pose=task.pose, speed=task.speed, payload=task.payload)
     return prepare(cut, seed=task.individual, nominal=nominal)

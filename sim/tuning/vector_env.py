@@ -18,8 +18,7 @@ from gymnasium.vector.utils import batch_space
 from ..cores import cores
 from ..laser.design import Design
 from .checks import whole
-from .env import Step
-from .rules import Rules
+from .rules import Rules, Step
 from .situation import Situation
 
 Result = TypeVar("Result")
@@ -103,18 +102,15 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         rngs: dict[int, np.random.Generator] = {}
         for i in chosen:
             seed_i, known = self.rules.check_seed(seeds[i]), self._rngs[i]
-            if seed_i is None and known is not None:
-                rngs[i] = copy.deepcopy(known)
-            else:
-                rngs[i], _ = np_random(seed_i)
+            if known is None or seed_i is not None:
+                known, _ = np_random(seed_i)
+            rngs[i] = copy.deepcopy(known)
         tasks = {i: self.rules.draw(rngs[i], options) for i in chosen}
         observations = np.zeros(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         infos: dict[str, Any] = {}
-        begun: dict[int, Situation] = {}
-        for i, situation in self._all(lambda i: self.rules.begin(tasks[i]), chosen):
-            begun[i] = situation
-            infos = self._add_info(infos, self.rules.info(situation), i)
+        begun = dict(self._all(lambda i: self.rules.begin(tasks[i]), chosen))
         for i, situation in begun.items():
+            infos = self._add_info(infos, self.rules.info(situation), i)
             self._rngs[i], self._situations[i], self._over[i] = rngs[i], situation, False
         for i, situation in enumerate(self._situations):
             if situation is not None:
@@ -181,7 +177,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def _start(self, i: int) -> Step:
         """A new episode of robot i, as the step that follows the end of one."""
-        situation = self.rules.begin(self.rules.draw(self._rng(i)))
+        rng = self._rngs[i]
+        assert rng is not None
+        situation = self.rules.begin(self.rules.draw(rng))
         self._situations[i] = situation
         return self.rules.observe(situation), 0.0, False, False, self.rules.info(situation)
 
@@ -193,14 +191,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         assert before is not None
         after = self.rules.advance(before, design)
         self._situations[i] = after
-        score = self.rules.score(before, after)
-        return (
-            self.rules.observe(after),
-            score.reward,
-            after.diverged,
-            self.rules.truncated(after),
-            self.rules.info(after, design, score),
-        )
+        return self.rules.step(before, after, design)
 
     def _all(
         self, function: Callable[[int], Result], robots: Sequence[int]
@@ -215,11 +206,6 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def _order(self, i: int) -> int:
         situation = self._situations[i]
         return 0 if situation is None else -len(situation.error)
-
-    def _rng(self, i: int) -> np.random.Generator:
-        rng = self._rngs[i]
-        assert rng is not None
-        return rng
 
     def _seeds(self, seed: Any) -> list[Any]:
         if seed is None:
