@@ -16,18 +16,18 @@ from .plant import Plant, as_record
 Result = TypeVar("Result")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Trial(Generic[Result]):
-    """One repetition of the task. Arrays have shape (N, n) and are read-only."""
+    """One repetition of the task: u_k, the measured y_k and e_k = r - y_k. Thesis (9.2).
+
+    Arrays have shape (N, n) and are read-only.
+    """
 
     k: int
     """Iteration; 0 is before any learning, unless the loop was given a first correction."""
     correction: Array
-    """u_k."""
     output: Array
-    """y_k, as measured."""
     error: Array
-    """e_k = r - y_k. Thesis (9.2)."""
     result: Result
     """Whatever the plant returned."""
     diverged: bool = False
@@ -95,14 +95,7 @@ def learn(
             diverged = not np.isfinite(error).all() or (
                 k > 0 and has_diverged(size, first_size, divergence_ratio)
             )
-            yield Trial(
-                k=k,
-                correction=correction,
-                output=output,
-                error=error,
-                result=result,
-                diverged=diverged,
-            )
+            yield Trial(k, correction, output, error, result, diverged)
             if diverged or k == iterations:
                 return
             correction, memory = law.step(correction, error, memory)

@@ -28,7 +28,7 @@ TRUSTED_FIT = 0.8
 """Fit of a model below which `design_for` keeps to the lowest cutoff."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Proposal:
     """Design variables of the heuristic law with their convergence criterion."""
 
@@ -159,11 +159,7 @@ def _candidates(
         gamma = float(min(1.0 / T_u.static_gain, fraction * limit))
         result = heuristic_criterion(T_u, gamma, delta, Q, omega)
         if result.contraction <= SLOWEST:
-            found.append(
-                Proposal(
-                    T_u=T_u, Q=Q, gamma=gamma, delta=delta, criterion=result, largest_gamma=limit
-                )
-            )
+            found.append(Proposal(T_u, Q, gamma, delta, result, limit))
     return found
 
 
