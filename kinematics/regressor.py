@@ -38,11 +38,7 @@ def regressor(
 ) -> Array:
     """Y with Y Theta = D phi'' + C phi' + g, rotor inertia and friction apart. Thesis (2.17).
 
-    Args:
-        phi, phi_dot, phi_ddot: shape (n,) or (N, n).
-
-    Returns:
-        shape (n, 10 n) or (N, n, 10 n).
+    Shape (n, 10 n) for phi, phi_dot, phi_ddot of shape (n,), or (N, n, 10 n) for (N, n).
     """
     motion = [np.asarray(a, dtype=np.float64) for a in (phi, phi_dot, phi_ddot)]
     n = model.robot.n_joints

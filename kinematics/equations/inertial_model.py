@@ -106,10 +106,6 @@ class InertialModel:
     @property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols among all parameters, the robot's included."""
-        values: list[Any] = [
-            *self.gravity,
-            *(v for motor in self.motors for v in vars(motor).values()),
-        ]
-        for body in self.bodies:
-            values += [body.mass, *body.com, *body.inertia]
-        return self.robot.free_symbols | symbols_of(values)
+        values = [v for motor in self.motors for v in vars(motor).values()]
+        values += [v for b in self.bodies for v in (b.mass, *b.com, *b.inertia)]
+        return self.robot.free_symbols | symbols_of([*values, *self.gravity])

@@ -82,10 +82,8 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
     _raise_unreachable(robot, outside)
     exists = flags >= 0
     phi[~exists] = np.nan
-    singular = np.maximum(flags, 0)
-    if single:
-        return Branches(phi[0], exists[0], singular[0])
-    return Branches(phi, exists, singular)
+    found = phi, exists, np.maximum(flags, 0)
+    return Branches(*(array[0] for array in found)) if single else Branches(*found)
 
 
 def inverse_nearest(
@@ -140,10 +138,9 @@ def inverse_path(
     _raise_unreachable(robot, outside)
     if limits is not None and not (inside := limits.contain(path)).all():
         k = int(np.argmin(inside))
-        raise ValueError(
-            f"target {k} of {len(path)} leaves the joint limits of {robot.name} at "
-            f"phi = {np.degrees(path[k]).round(2).tolist()} deg"
-        )
+        phi = np.degrees(path[k]).round(2).tolist()
+        where = f"target {k} of {len(path)}"
+        raise ValueError(f"{where} leaves the joint limits of {robot.name} at phi = {phi} deg")
     return path
 
 
