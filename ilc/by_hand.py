@@ -41,11 +41,9 @@ class ByHand:
         self.law.check(*reference.shape)
         if not self.corrections:
             object.__setattr__(self, "corrections", (np.zeros_like(reference),))
-        if len(self.corrections) != len(self.outputs) + 1:
-            raise ValueError(
-                f"{len(self.outputs)} outputs need {len(self.outputs) + 1} corrections, "
-                f"got {len(self.corrections)}"
-            )
+        k, given = len(self.outputs), len(self.corrections)
+        if given != k + 1:
+            raise ValueError(f"{k} outputs need {k + 1} corrections, got {given}")
 
     @property
     def k(self) -> int:
@@ -83,12 +81,9 @@ class ByHand:
     def save(self, file: str | Path) -> None:
         """Write all arrays as .npz."""
         with open(file, "wb") as stream:
-            np.savez(
-                stream,
-                reference=self.reference,
-                outputs=np.array(self.outputs).reshape(-1, *self.reference.shape),
-                corrections=np.array(self.corrections),
-            )
+            outputs = np.array(self.outputs).reshape(-1, *self.reference.shape)
+            corrections = np.array(self.corrections)
+            np.savez(stream, reference=self.reference, outputs=outputs, corrections=corrections)
 
     @classmethod
     def load(cls, file: str | Path, law: Law) -> "ByHand":
@@ -97,9 +92,5 @@ class ByHand:
             missing = {"reference", "outputs", "corrections"} - set(saved.files)
             if missing:
                 raise ValueError(f"{file} lacks {', '.join(sorted(missing))}")
-            return cls(
-                law=law,
-                reference=saved["reference"],
-                outputs=tuple(saved["outputs"]),
-                corrections=tuple(saved["corrections"]),
-            )
+            logs = {name: tuple(saved[name]) for name in ("outputs", "corrections")}
+            return cls(law=law, reference=saved["reference"], **logs)

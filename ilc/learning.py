@@ -78,10 +78,8 @@ def learn(
         first_correction = np.zeros_like(reference)
     first_correction = as_record(first_correction, "first_correction")
     if first_correction.shape != reference.shape:
-        raise ValueError(
-            f"first_correction must have the shape {reference.shape} of the reference, "
-            f"got {first_correction.shape}"
-        )
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"first_correction must have {needed}, got {first_correction.shape}")
 
     def trials() -> Iterator[Trial[Result]]:
         correction, memory, first_size = first_correction, None, None
@@ -106,7 +104,6 @@ def learn(
 def _checked(output: Any, reference: Array) -> Array:
     output = np.asarray(output, dtype=np.float64)
     if output.shape != reference.shape:
-        raise ValueError(
-            f"the output must have the shape {reference.shape} of the reference, got {output.shape}"
-        )
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"the output must have {needed}, got {output.shape}")
     return output

@@ -108,10 +108,8 @@ def propose(
             shift in `deltas` contracts by `SLOWEST`. The message states the feasible bandwidth.
     """
     require_stable(T_u, "T_u")
-    if T_u.static_gain <= 0.0:
-        raise ValueError(
-            f"the static gain of T_u must be > 0, as gamma must, got {T_u.static_gain:.3g}"
-        )
+    if (gain := T_u.static_gain) <= 0.0:
+        raise ValueError(f"the static gain of T_u must be > 0, as gamma must, got {gain:.3g}")
     if not 0.0 < fraction < 1.0:
         raise ValueError(f"fraction must be in (0, 1), got {fraction}")
     found = _candidates(T_u, bandwidth, deltas, fraction, order)

@@ -41,8 +41,7 @@ class Constrained(NormOptimal):
     def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
         from scipy.optimize import minimize
 
-        shape, problem = free.shape, self._problem
-        u_k = correction.ravel()
+        shape, problem, u_k = free.shape, self._problem, correction.ravel()
         free_error = error + self.T_u.simulate(correction)
 
         def cost(u: Array) -> tuple[float, Array]:
@@ -60,7 +59,9 @@ class Constrained(NormOptimal):
         options = {"ftol": 0.0, "gtol": 0.1 * self.tolerance * scale, "maxcor": 30}
         options |= {"maxiter": 5000, "maxfun": 20000}
         bounds = np.column_stack((-bound, bound))
-        solution = minimize(cost, start, (), "L-BFGS-B", True, bounds=bounds, options=options)
+        solution = minimize(
+            cost, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options
+        )
         residual = np.clip(solution.x - cost(solution.x)[1], -bound, bound) - solution.x
         if np.abs(residual).max() > self.tolerance * scale:
             reached = np.abs(residual).max() / scale

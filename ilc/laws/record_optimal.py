@@ -46,10 +46,8 @@ class RecordOptimal(FirstOrderLaw):
             raise ValueError("correction_weight and change_weight must not both be 0")
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if n_columns != len(self.input_size):
-            raise ValueError(
-                f"the law has {len(self.input_size)} inputs, the record {n_columns} columns"
-            )
+        if (n := len(self.input_size)) != n_columns:
+            raise ValueError(f"the law has {n} inputs, the record {n_columns} columns")
         self.F.check(n_samples, n_columns)
 
     def __call__(self, correction: Array, error: Array, /) -> Array:

@@ -42,10 +42,9 @@ def repeatability(first: Array, second: Array, best_error: float) -> Array:
     first, second: outputs of two identical experiments at the same iteration, shape (N, n).
     best_error: min over iterations, motors and experiments of ||e||_inf.
     """
-    if np.shape(first) != np.shape(second):
-        raise ValueError(
-            f"the two outputs must have one shape, got {np.shape(first)} and {np.shape(second)}"
-        )
+    shapes = np.shape(first), np.shape(second)
+    if shapes[0] != shapes[1]:
+        raise ValueError(f"the two outputs must have one shape, got {shapes[0]} and {shapes[1]}")
     if not best_error > 0.0:
         raise ValueError(f"best_error must be > 0, got {best_error}")
     return inf_norm(np.asarray(first) - second) / best_error

@@ -157,9 +157,8 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
     if not hasattr(model, "num"):
         raise ValueError(f"model must be a System, (num, den) or of control, got {type(model)}")
     if (model.ninputs, model.noutputs) != (1, 1):
-        raise ValueError(
-            f"model must have one input and one output, got {model.ninputs} and {model.noutputs}"
-        )
+        given = f"{model.ninputs} and {model.noutputs}"
+        raise ValueError(f"model must have one input and one output, got {given}")
     if model.dt in (None, 0, True):
         raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
     return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))
