@@ -94,12 +94,8 @@ class CompiledRobot:
 def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
     """Compiled pose, Jacobian and acceleration of a robot.
 
-    Args:
-        robot: all D-H parameters must be numbers.
-        cache: folder for generated code; the platform's cache folder by default.
-
-    Raises:
-        ValueError: a D-H parameter is symbolic.
+    cache: folder for generated code; the platform's cache folder by default. Raises ValueError if a
+    D-H parameter is symbolic.
     """
     return CompiledRobot(robot, cache)
 
@@ -204,11 +200,7 @@ class CompiledDynamics:
 
 
 def compile_dynamics(model: InertialModel, *, cache: Path | str | None = None) -> CompiledDynamics:
-    """Compiled dynamics of an inertial model, all of whose parameters must be numbers.
-
-    Args:
-        cache: folder for generated code; the platform's cache folder by default.
-    """
+    """Compiled dynamics of an inertial model, all of whose parameters must be numbers."""
     return CompiledDynamics(model, cache)
 
 
@@ -258,7 +250,6 @@ def compile_measurement(
     Args:
         gravity: [m/s^2] in base axes.
         frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
-        cache: folder for generated code; the platform's cache folder by default.
     """
     return CompiledMeasurement(robot, tuple(float(value) for value in gravity), frame, cache)
 

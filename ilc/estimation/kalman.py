@@ -18,12 +18,13 @@ from .process import Process, steady_state_covariance
 
 @dataclass(frozen=True, eq=False)
 class Filtered:
-    """Innovations of a record of N samples."""
+    """Innovations (N, p), measured minus predicted, NaN where the measurement is missing.
+
+    Their covariance is (N, p, p), or (1, p, p) in steady state.
+    """
 
     innovation: Array
-    """(N, p), measured minus predicted; NaN where the measurement is missing."""
     innovation_covariance: Array
-    """(N, p, p), or (1, p, p) in steady state."""
 
 
 @dataclass(frozen=True, eq=False)

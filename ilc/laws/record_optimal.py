@@ -34,9 +34,8 @@ class RecordOptimal(FirstOrderLaw):
     input_size: tuple[float, ...]
     """(n,), diagonal of S, > 0."""
     correction_weight: float = 1e-3
-    """rho relative to the largest static gain of W^1/2 G S, squared."""
     change_weight: float = 1e-2
-    """sigma, likewise."""
+    """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""
 
     def __post_init__(self) -> None:
         for name in ("correction_weight", "change_weight"):

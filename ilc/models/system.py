@@ -24,12 +24,13 @@ def unit_circle(omega: ArrayLike) -> Complex:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """y(t) = b0 u(t) + b1 u(t-1) + ... - a1 y(t-1) - ...; causal by construction."""
+    """y(t) = b0 u(t) + b1 u(t-1) + ... - a1 y(t-1) - ...; causal by construction.
+
+    b, a: powers of q^-1, leading zeros of b are the delay, a[0] = 1 after construction.
+    """
 
     b: Array
-    """Numerator in powers of q^-1; leading zeros are the delay."""
     a: Array
-    """Denominator in powers of q^-1, a[0] = 1 after construction."""
     sample_time: float
     """[s]."""
 

@@ -189,9 +189,8 @@ class TwoMassPlant:
 
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
     arm_reference: Array = field(default_factory=step_reference)
-    """r_a, shape (N, 1)."""
     motor_reference: Array = field(init=False)
-    """r_m = F_r r_a, shape (N, 1)."""
+    """r_m = F_r r_a, shape (N, 1) as r_a."""
     _T_motor: System = field(init=False, repr=False)
     _to_arm: System = field(init=False, repr=False)
 

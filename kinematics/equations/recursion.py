@@ -29,12 +29,11 @@ def simplified_constant(expression: Any) -> Expression:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Mass, first moment and inertia tensor about the origin of a frame: linear in all of them."""
+    """Mass, first moment and tensor (xx, xy, xz, yy, yz, zz) about the origin of a frame."""
 
     mass: Expression
     moment: Vector
     tensor: tuple[Expression, ...]
-    """xx, xy, xz, yy, yz, zz"""
 
     @property
     def elements(self) -> tuple[Expression, ...]:

@@ -37,13 +37,10 @@ class Singularity(IntFlag):
 
 
 class UnreachableError(ValueError):
-    """A target outside the reach of the wrist centre."""
+    """Target `index` of a batch, `distance` [m] outside the reach of the wrist centre."""
 
     def __init__(self, robot: Robot, index: int, distance: float) -> None:
-        self.index = index
-        """Number of the target in its batch."""
-        self.distance = distance
-        """Distance of the wrist centre from the workspace [m]."""
+        self.index, self.distance = index, distance
         super().__init__(
             f"target {index} is out of reach of {robot.name}: its wrist centre lies "
             f"{distance * 1e3:.3f} mm outside the workspace"
@@ -52,14 +49,14 @@ class UnreachableError(ValueError):
 
 @dataclass(frozen=True)
 class Branches:
-    """All solutions of a batch of targets; a single target has no leading axis."""
+    """All solutions of a batch of targets; a single target has no leading axis.
+
+    Motor angles (..., 8, 6) [rad], NaN where a branch does not exist; flags `Singularity` (..., 8).
+    """
 
     phi: Array
-    """(..., 8, 6) motor angles [rad], NaN where a branch does not exist."""
     exists: NDArray[np.bool_]
-    """(..., 8)"""
     singular: NDArray[np.int8]
-    """(..., 8): `Singularity` flags."""
 
 
 def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = None) -> Branches:
