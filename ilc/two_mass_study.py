@@ -81,9 +81,8 @@ def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> TwoMa
 
 def algorithms(cutoff: float = 17.0) -> dict[str, Law]:
     """Algorithms 1 to 3 of thesis 7.5 for the motor side, with the bandwidth `cutoff` [Hz]."""
-    loop = TwoMassLoop()
-    Q = ZeroPhaseButterworth(cutoff, loop.sample_time)
-    T_u = loop.T_motor
+    T_u = TwoMassLoop().T_motor
+    Q = ZeroPhaseButterworth(cutoff, T_u.sample_time)
     inverse = ModelInverse(T_u=T_u, learned=Q, regularisation=1e-6)
     weights = QuadraticCriterion(correction=1e-6, change=1e-4)
     return {

@@ -200,7 +200,7 @@ class CompiledDynamics:
 
 
 def compile_dynamics(model: InertialModel, *, cache: Path | str | None = None) -> CompiledDynamics:
-    """Compiled dynamics of an inertial model, all of whose parameters must be numbers."""
+    """Compiled dynamics of an inertial model of numbers; for the cache see `compile`."""
     return CompiledDynamics(model, cache)
 
 

@@ -68,11 +68,8 @@ def monte_carlo(
     width = np.log1p(spread)
     factors = np.exp(rng.uniform(-width, width, (n, len(PARAMETERS))))
     omega = frequency_grid(800)
-    values = [
-        contraction(_scaled(loop, dict(zip(PARAMETERS, row, strict=True))), law, omega)
-        for row in factors
-    ]
-    return MonteCarlo(np.array(values), factors)
+    loops = (_scaled(loop, dict(zip(PARAMETERS, row, strict=True))) for row in factors)
+    return MonteCarlo(np.array([contraction(each, law, omega) for each in loops]), factors)
 
 
 def _scaled(loop: TwoMassLoop, factors: dict[str, float]) -> TwoMassLoop:

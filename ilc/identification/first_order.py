@@ -79,12 +79,12 @@ def fit_first_order(
 
 def fit_of(system: System, u: ArrayLike, y: ArrayLike) -> float:
     """Fit of a model's simulation to (u, y), shape (N, m), all experiments together."""
-    return float(_fit(system, u, y, axis=None))
+    return float(_fit(system, u, y, None))
 
 
 def fit_of_each(system: System, u: ArrayLike, y: ArrayLike) -> Array:
     """Fit of a model's simulation to each of m experiments, shape (m,); u, y: shape (N, m)."""
-    return np.asarray(_fit(system, u, y, axis=0), dtype=np.float64)
+    return np.asarray(_fit(system, u, y, 0), dtype=np.float64)
 
 
 def _fit(system: System, u: ArrayLike, y: ArrayLike, axis: int | None) -> Array:
