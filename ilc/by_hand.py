@@ -31,9 +31,8 @@ class ByHand:
     reference: Array
     """r, shape (N, n)."""
     outputs: tuple[Array, ...] = ()
-    """y_0 .. y_{k-1}, as recorded."""
     corrections: tuple[Array, ...] = ()
-    """u_0 .. u_k; the last is the one to run next."""
+    """u_0 .. u_k, the last is the one to run next; outputs are y_0 .. y_{k-1}, as recorded."""
 
     def __post_init__(self) -> None:
         reference = as_record(self.reference, "reference")

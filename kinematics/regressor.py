@@ -62,12 +62,13 @@ def regressor(
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Identifiable combinations of the inertial parameters Theta."""
+    """Identifiable combinations K Theta of the inertial parameters, Y[:, independent] K = Y.
+
+    Independent columns span all of Y; the combination K has shape (r, 10 n).
+    """
 
     independent: tuple[int, ...]
-    """Indices of columns of Y that span all of it."""
     combination: Array
-    """Matrix K, shape (r, 10 n): base parameters = K Theta, and Y[:, independent] K = Y."""
 
     def values(self, theta: ArrayLike) -> Array:
         """Base parameters of a Theta, shape (r,)."""

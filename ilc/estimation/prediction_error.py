@@ -23,12 +23,12 @@ _KEPT = 3
 
 
 class Whitened(NamedTuple):
-    """Innovations normalised with the covariance of the model."""
+    """Normalised innovations S^-1/2 e (N, p), white with unit variance for a correct model, and
+    log det S of each sample.
+    """
 
     innovation: Array
-    """(N, p), S^-1/2 e: white with unit variance for a correct model."""
     log_det: float
-    """log det S of each sample."""
 
 
 @dataclass(frozen=True, eq=False)

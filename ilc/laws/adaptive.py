@@ -22,9 +22,8 @@ class Adaptive(FilteredLaw):
     """
 
     noise_variance: float
-    """r_n, variance of one measured sample."""
     initial_variance: float
-    """P before the first iteration, variance of one sample of the disturbance."""
+    """r_n and P before the first iteration: variance of a measured sample, of the disturbance."""
     window: int = 25
     """Samples over which the error's power is averaged."""
 

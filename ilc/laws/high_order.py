@@ -18,13 +18,11 @@ Pair = tuple[Array, Array]
 class HighOrder(FilteredLaw):
     """u_{k+1} = Q sum_i (alpha_i u_{k-i} + beta_i L e_{k-i}), i = 0 .. p - 1. Thesis 7.3.
 
-    u and e before iteration 0 are zero.
+    u and e before iteration 0 are zero. The weights alpha and beta are equally many, newest first.
     """
 
     alpha: tuple[float, ...]
-    """Weights of past corrections, newest first."""
     beta: tuple[float, ...]
-    """Weights of past errors, newest first, as many."""
 
     def __post_init__(self) -> None:
         if not self.alpha or len(self.alpha) != len(self.beta):

@@ -55,11 +55,9 @@ class BandedProblem:
     """
 
     A: Any
-    """u = A v, sparse (N n, N n)."""
     M: Any
-    """sqrt(We) FB above sqrt(Wu + Wd) A, sparse (2 N n, N n)."""
+    """sqrt(We) FB above sqrt(Wu + Wd) A, sparse (2 N n, N n); A and F are sparse (N n, N n)."""
     F: Any
-    """Filter of the error, sparse."""
     We: Array
     """Diagonal of the error weight, (N n,); likewise Wu and Wd."""
     Wu: Array

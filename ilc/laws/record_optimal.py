@@ -26,13 +26,11 @@ class RecordOptimal(FirstOrderLaw):
     """Norm-optimal law for errors (N, p) and corrections (N, n)."""
 
     G: Response
-    """Response of the output to the correction."""
     F: RecordFilter
-    """Zero-phase filter that selects the learned part of the error."""
+    """Zero-phase filter that selects the learned part of the error; G: response to corrections."""
     output_weight: tuple[float, ...]
-    """(p,), square roots of W's diagonal."""
     input_size: tuple[float, ...]
-    """(n,), diagonal of S, > 0."""
+    """(n,), diagonal of S, > 0; weights: (p,), square roots of W's diagonal."""
     correction_weight: float = 1e-3
     change_weight: float = 1e-2
     """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""

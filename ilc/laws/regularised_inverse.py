@@ -40,9 +40,8 @@ class RegularisedInverse(FirstOrderLaw):
     gamma: float = 0.8
     """Learning gain, in (0, 2)."""
     output_weight: tuple[float, ...]
-    """(p,), square roots of W's diagonal; 0 for an output that is not to be learned."""
     input_size: tuple[float, ...]
-    """(n,), diagonal of S, > 0."""
+    """(n,), diagonal of S, > 0; weights: (p,), roots of W's diagonal, 0 for no learning."""
     regularisation: float = 0.01
     """rho relative to the largest static gain of W^1/2 G S, squared."""
     limit: float = np.inf

@@ -29,9 +29,8 @@ class FrictionPlant:
     coulomb: float = 0.0
     """c [N m], motor side."""
     noise: float = 0.0
-    """Standard deviation of the measured motor angle [rad]."""
     rng: np.random.Generator | None = None
-    """Source of the noise; needed if there is any."""
+    """Source of noise, whose standard deviation is that of the measured motor angle [rad]."""
     substeps: int = 20
     motor_reference: Array = field(init=False)
     """r_m = F_r r_a, shape (N, 1)."""
