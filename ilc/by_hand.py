@@ -31,9 +31,8 @@ class ByHand:
     reference: Array
     """r, shape (N, n)."""
     outputs: tuple[Array, ...] = ()
-    """y_0 .. y_{k-1}, as recorded."""
     corrections: tuple[Array, ...] = ()
-    """u_0 .. u_k; the last is the one to run next."""
+    """u_0 .. u_k, the last is the one to run next; outputs are y_0 .. y_{k-1}, as recorded."""
 
     def __post_init__(self) -> None:
         reference = as_record(self.reference, "reference")
@@ -41,11 +40,9 @@ class ByHand:
         self.law.check(*reference.shape)
         if not self.corrections:
             object.__setattr__(self, "corrections", (np.zeros_like(reference),))
-        if len(self.corrections) != len(self.outputs) + 1:
-            raise ValueError(
-                f"{len(self.outputs)} outputs need {len(self.outputs) + 1} corrections, "
-                f"got {len(self.corrections)}"
-            )
+        k, given = len(self.outputs), len(self.corrections)
+        if given != k + 1:
+            raise ValueError(f"{k} outputs need {k + 1} corrections, got {given}")
 
     @property
     def k(self) -> int:
@@ -83,12 +80,9 @@ class ByHand:
     def save(self, file: str | Path) -> None:
         """Write all arrays as .npz."""
         with open(file, "wb") as stream:
-            np.savez(
-                stream,
-                reference=self.reference,
-                outputs=np.array(self.outputs).reshape(-1, *self.reference.shape),
-                corrections=np.array(self.corrections),
-            )
+            outputs = np.array(self.outputs).reshape(-1, *self.reference.shape)
+            corrections = np.array(self.corrections)
+            np.savez(stream, reference=self.reference, outputs=outputs, corrections=corrections)
 
     @classmethod
     def load(cls, file: str | Path, law: Law) -> "ByHand":
@@ -97,9 +91,5 @@ class ByHand:
             missing = {"reference", "outputs", "corrections"} - set(saved.files)
             if missing:
                 raise ValueError(f"{file} lacks {', '.join(sorted(missing))}")
-            return cls(
-                law=law,
-                reference=saved["reference"],
-                outputs=tuple(saved["outputs"]),
-                corrections=tuple(saved["corrections"]),
-            )
+            logs = {name: tuple(saved[name]) for name in ("outputs", "corrections")}
+            return cls(law=law, reference=saved["reference"], **logs)

@@ -93,18 +93,14 @@ class ZeroPhaseButterworth:
         nyquist = 0.5 / self.sample_time
         for cutoff in as_tuple(self.cutoff):
             if not 0.0 < cutoff < nyquist:  # NaN is refused as well
-                raise ValueError(
-                    f"cutoff must be above 0 and below the Nyquist frequency {nyquist:g} Hz, "
-                    f"got {cutoff:g}"
-                )
+                band = f"above 0 and below the Nyquist frequency {nyquist:g} Hz"
+                raise ValueError(f"cutoff must be {band}, got {cutoff:g}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_columns("cutoff", self.cutoff, n_columns)
-        pad = self._pad()
-        if n_samples <= pad:
-            raise ValueError(
-                f"the record must be longer than the pad of {pad} samples, got {n_samples}"
-            )
+        if n_samples <= (pad := self._pad()):
+            needed = f"longer than the pad of {pad} samples"
+            raise ValueError(f"the record must be {needed}, got {n_samples}")
 
     def __call__(self, signal: Array, /) -> Array:
         self.check(*signal.shape)
@@ -156,9 +152,8 @@ def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> A
     check_shift(delta, n_samples)
     # Row index of each (sample, column).
     source = np.arange(n_samples)[:, None] + np.asarray(deltas)
-    shifted = np.take_along_axis(
-        signal, np.broadcast_to(source.clip(0, n_samples - 1), signal.shape), axis=0
-    )
+    rows = np.broadcast_to(source.clip(0, n_samples - 1), signal.shape)
+    shifted = np.take_along_axis(signal, rows, axis=0)
     if end is End.ZERO:
         shifted = np.where((source >= 0) & (source < n_samples), shifted, 0.0)
     return shifted
@@ -168,9 +163,8 @@ def check_shift(delta: int | tuple[int, ...], n_samples: int) -> None:
     """Raise ValueError if a shift is as long as the record."""
     for value in as_tuple(delta):
         if abs(value) >= n_samples:
-            raise ValueError(
-                f"delta must stay within the record of {n_samples} samples, got {value:g}"
-            )
+            record = f"the record of {n_samples} samples"
+            raise ValueError(f"delta must stay within {record}, got {value:g}")
 
 
 def check_columns(name: str, value: PerColumn, n_columns: int) -> None:

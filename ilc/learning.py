@@ -16,18 +16,18 @@ from .plant import Plant, as_record
 Result = TypeVar("Result")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Trial(Generic[Result]):
-    """One repetition of the task. Arrays have shape (N, n) and are read-only."""
+    """One repetition of the task: u_k, the measured y_k and e_k = r - y_k. Thesis (9.2).
+
+    Arrays have shape (N, n) and are read-only.
+    """
 
     k: int
     """Iteration; 0 is before any learning, unless the loop was given a first correction."""
     correction: Array
-    """u_k."""
     output: Array
-    """y_k, as measured."""
     error: Array
-    """e_k = r - y_k. Thesis (9.2)."""
     result: Result
     """Whatever the plant returned."""
     diverged: bool = False
@@ -78,10 +78,8 @@ def learn(
         first_correction = np.zeros_like(reference)
     first_correction = as_record(first_correction, "first_correction")
     if first_correction.shape != reference.shape:
-        raise ValueError(
-            f"first_correction must have the shape {reference.shape} of the reference, "
-            f"got {first_correction.shape}"
-        )
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"first_correction must have {needed}, got {first_correction.shape}")
 
     def trials() -> Iterator[Trial[Result]]:
         correction, memory, first_size = first_correction, None, None
@@ -95,14 +93,7 @@ def learn(
             diverged = not np.isfinite(error).all() or (
                 k > 0 and has_diverged(size, first_size, divergence_ratio)
             )
-            yield Trial(
-                k=k,
-                correction=correction,
-                output=output,
-                error=error,
-                result=result,
-                diverged=diverged,
-            )
+            yield Trial(k, correction, output, error, result, diverged)
             if diverged or k == iterations:
                 return
             correction, memory = law.step(correction, error, memory)
@@ -113,7 +104,6 @@ def learn(
 def _checked(output: Any, reference: Array) -> Array:
     output = np.asarray(output, dtype=np.float64)
     if output.shape != reference.shape:
-        raise ValueError(
-            f"the output must have the shape {reference.shape} of the reference, got {output.shape}"
-        )
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"the output must have {needed}, got {output.shape}")
     return output

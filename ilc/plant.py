@@ -31,8 +31,6 @@ def as_record(signal: ArrayLike, name: str) -> Array:
     if values.ndim != 2 or 0 in values.shape:
         raise ValueError(f"{name} must have shape (N, n) with N, n >= 1, got {values.shape}")
     if not np.isfinite(values).all():
-        row, column = np.argwhere(~np.isfinite(values))[0]
-        raise ValueError(
-            f"{name} must be finite, got {values[row, column]} at sample {row}, column {column}"
-        )
+        i, j = np.argwhere(~np.isfinite(values))[0]
+        raise ValueError(f"{name} must be finite, got {values[i, j]} at sample {i}, column {j}")
     return values

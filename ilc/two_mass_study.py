@@ -29,14 +29,12 @@ SEARCHED_CUTOFFS = np.linspace(0.5, 49.5, 99)
 """Cutoffs searched in Fig 8.7 [Hz], in steps of 0.5 Hz; the thesis took 1 Hz."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class TwoMassLearning:
-    """Error norms of both sides over the iterations of one learning run."""
+    """Error norms ||e_m,k|| and ||e_a,k||, shape (K + 1,), over the iterations of one run."""
 
     motor: Array
-    """||e_m,k||, shape (K + 1,)."""
     arm: Array
-    """||e_a,k||, shape (K + 1,)."""
     kept: dict[int, Trial[TwoMassRun]]
     """Trials at k = 0, 1, 2, 5 and the last, by iteration."""
     plant: TwoMassPlant | FrictionPlant
@@ -78,14 +76,13 @@ def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> TwoMa
         arm.append(two_norm(plant.arm_reference - trial.result.arm)[0])
         if trial.k in (0, 1, 2, 5, iterations):
             kept[trial.k] = trial
-    return TwoMassLearning(motor=np.array(motor), arm=np.array(arm), kept=kept, plant=plant)
+    return TwoMassLearning(np.array(motor), np.array(arm), kept, plant)
 
 
 def algorithms(cutoff: float = 17.0) -> dict[str, Law]:
     """Algorithms 1 to 3 of thesis 7.5 for the motor side, with the bandwidth `cutoff` [Hz]."""
-    loop = TwoMassLoop()
-    Q = ZeroPhaseButterworth(cutoff, loop.sample_time)
-    T_u = loop.T_motor
+    T_u = TwoMassLoop().T_motor
+    Q = ZeroPhaseButterworth(cutoff, T_u.sample_time)
     inverse = ModelInverse(T_u=T_u, learned=Q, regularisation=1e-6)
     weights = QuadraticCriterion(correction=1e-6, change=1e-4)
     return {

@@ -24,9 +24,7 @@ class AngleFunction(Protocol):
 class RateFunction(Protocol):
     """A function of motor angles and their rates."""
 
-    def __call__(
-        self, phi: ArrayLike, phi_dot: ArrayLike, /, out: Array | None = None
-    ) -> Array: ...
+    def __call__(self, phi: ArrayLike, rate: ArrayLike, /, out: Array | None = None) -> Array: ...
 
 
 class MotionFunction(Protocol):
@@ -96,12 +94,8 @@ class CompiledRobot:
 def compile(robot: Robot, *, cache: Path | str | None = None) -> CompiledRobot:
     """Compiled pose, Jacobian and acceleration of a robot.
 
-    Args:
-        robot: all D-H parameters must be numbers.
-        cache: folder for generated code; the platform's cache folder by default.
-
-    Raises:
-        ValueError: a D-H parameter is symbolic.
+    cache: folder for generated code; the platform's cache folder by default. Raises ValueError if a
+    D-H parameter is symbolic.
     """
     return CompiledRobot(robot, cache)
 
@@ -122,42 +116,42 @@ class CompiledDynamics:
     @cached_property
     def mass_matrix(self) -> AngleFunction:
         """mass_matrix(phi): D, shape (n, n), rotor inertia included."""
-        return self._function("mass_matrix", 1, (self._n, self._n))
+        return self._function("mass_matrix", (self._n,), (self._n, self._n))
 
     @cached_property
     def gravity_torque(self) -> AngleFunction:
         """gravity_torque(phi): g, shape (n,)."""
-        return self._function("gravity_torque", 1, (self._n,))
+        return self._function("gravity_torque", (self._n,), (self._n,))
 
     @cached_property
     def bias_torque(self) -> RateFunction:
         """bias_torque(phi, phi_dot): C phi_dot + g + f, shape (n,)."""
-        return self._function("bias_torque", 2, (self._n,))
+        return self._function("bias_torque", (self._n,) * 2, (self._n,))
 
     @cached_property
     def coriolis_matrix(self) -> RateFunction:
         """coriolis_matrix(phi, phi_dot): C, shape (n, n), with dD/dt - 2 C skew. Thesis (2.16)."""
-        return self._function("coriolis_matrix", 2, (self._n, self._n))
+        return self._function("coriolis_matrix", (self._n,) * 2, (self._n, self._n))
 
     @cached_property
     def inverse_dynamics(self) -> MotionFunction:
         """inverse_dynamics(phi, phi_dot, phi_ddot): tau, shape (n,), friction included."""
-        return self._function("inverse_dynamics", 3, (self._n,))
+        return self._function("inverse_dynamics", (self._n,) * 3, (self._n,))
 
     @cached_property
     def forward_dynamics(self) -> MotionFunction:
         """forward_dynamics(phi, phi_dot, tau): phi_ddot, shape (n,)."""
-        return self._function("forward_dynamics", 3, (self._n,))
+        return self._function("forward_dynamics", (self._n,) * 3, (self._n,))
 
     @cached_property
     def rigid_rate(self) -> StateFunction:
         """rigid_rate(x, tau): x', x = (phi, phi_dot), shape (2 n,)."""
-        return self._rate("rigid_rate", 2 * self._n)
+        return self._function("rigid_rate", (2 * self._n, self._n), (2 * self._n,))
 
     @cached_property
     def flexible_rate(self) -> StateFunction:
         """flexible_rate(x, tau): x', x = (phi_arm, phi_motor, rates), shape (4 n,). K12."""
-        return self._rate("flexible_rate", 4 * self._n)
+        return self._function("flexible_rate", (4 * self._n, self._n), (4 * self._n,))
 
     @cached_property
     def rigid_rate_jacobian(self) -> StateFunction:
@@ -175,13 +169,9 @@ class CompiledDynamics:
         home = state_equations if name.endswith("_rate") else dynamics
         return getattr(coriolis if name == "coriolis_matrix" else home, name)(self.model)
 
-    def _function(self, name: str, arguments: int, shape: tuple[int, ...]) -> Any:
+    def _function(self, name: str, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Any:
         module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
-        return native_function(module, (self._n,) * arguments, shape)
-
-    def _rate(self, name: str, size: int) -> Any:
-        module = native_module(name, self.model.key, lambda: self._program(name), self._cache)
-        return native_function(module, (size, self._n), (size,))
+        return native_function(module, sizes, shape)
 
     def _rate_jacobian(self, name: str, size: int) -> StateFunction:
         """Columns are directional derivatives along the axes of x, one batch for all."""
@@ -198,9 +188,8 @@ class CompiledDynamics:
         def function(x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array:
             x, tau = np.asarray(x, dtype=np.float64), np.asarray(tau, dtype=np.float64)
             if x.shape != (size,) or tau.shape != (n,):
-                raise ValueError(
-                    f"x must be ({size},) and tau ({n},), got {x.shape} and {tau.shape}"
-                )
+                given = f"got {x.shape} and {tau.shape}"
+                raise ValueError(f"x must be ({size},) and tau ({n},), {given}")
             rows = along(np.tile(x, (size, 1)), np.tile(tau, (size, 1)), units)
             if out is None:
                 return np.ascontiguousarray(rows.T)
@@ -211,11 +200,7 @@ class CompiledDynamics:
 
 
 def compile_dynamics(model: InertialModel, *, cache: Path | str | None = None) -> CompiledDynamics:
-    """Compiled dynamics of an inertial model, all of whose parameters must be numbers.
-
-    Args:
-        cache: folder for generated code; the platform's cache folder by default.
-    """
+    """Compiled dynamics of an inertial model of numbers; for the cache see `compile`."""
     return CompiledDynamics(model, cache)
 
 
@@ -265,7 +250,6 @@ def compile_measurement(
     Args:
         gravity: [m/s^2] in base axes.
         frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
-        cache: folder for generated code; the platform's cache folder by default.
     """
     return CompiledMeasurement(robot, tuple(float(value) for value in gravity), frame, cache)
 

@@ -68,17 +68,14 @@ class Link:
     """One row of a Denavit-Hartenberg table. Thesis (4.11).
 
     The joint variable is added to `theta` of a revolute link and to `d` of a prismatic one.
-    Each parameter is a number, a SymPy expression, or text such as "phi[1](t) - Pi/2".
+    Each parameter, theta and alpha [rad], d and a [m], is a number, a SymPy expression, or text
+    such as "phi[1](t) - Pi/2".
     """
 
     theta: "Scalar" = 0
-    """[rad]"""
     d: "Scalar" = 0
-    """[m]"""
     a: "Scalar" = 0
-    """[m]"""
     alpha: "Scalar" = 0
-    """[rad]"""
     joint: Joint = Joint.REVOLUTE
 
     def __post_init__(self) -> None:
@@ -99,14 +96,13 @@ class Robot:
     """Links in order from the base, and the coupling of n motors to n joints. Thesis (4.9)-(4.12).
 
     joint variables = coupling @ phi + offset, over the moving links, where phi are motor angles
-    on the arm side of the gearbox [rad] (or metres for a prismatic joint).
+    on the arm side of the gearbox [rad] (or metres for a prismatic joint); the coupling, shape
+    (n_joints, n_joints), is the identity by default, and the offset, shape (n_joints,), zero.
     """
 
     links: tuple[Link, ...]
     coupling: Array
-    """shape (n_joints, n_joints), the identity by default"""
     offset: Array
-    """shape (n_joints,) [rad or m], zero by default"""
     convention: Convention = Convention.STANDARD
     name: str = "robot"
 
@@ -122,15 +118,12 @@ class Robot:
         if not links or not all(isinstance(link, Link) for link in links):
             raise TypeError(f"links must be one or more armside.kinematics.Link, got {links!r}")
         if not isinstance(convention, Convention):
-            raise TypeError(
-                f"convention must be Convention.STANDARD or Convention.MODIFIED, got {convention!r}"
-            )
+            names = "Convention.STANDARD or Convention.MODIFIED"
+            raise TypeError(f"convention must be {names}, got {convention!r}")
         n = sum(link.moves for link in links)
-        coupling = _constant("coupling", coupling, np.eye(n))
-        offset = _constant("offset", offset, np.zeros(n))
-        vars(self).update(
-            links=links, coupling=coupling, offset=offset, convention=convention, name=name
-        )
+        vars(self).update(links=links, convention=convention, name=name)
+        vars(self)["coupling"] = _constant("coupling", coupling, np.eye(n))
+        vars(self)["offset"] = _constant("offset", offset, np.zeros(n))
         if n and np.linalg.matrix_rank(self.coupling) < n:
             raise ValueError(f"coupling must be invertible, got\n{self.coupling}")
 
@@ -147,8 +140,7 @@ class Robot:
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols and functions of time in the D-H parameters; empty for a robot of numbers."""
-        values = (v for link in self.links for v in (link.theta, link.d, link.a, link.alpha))
-        return symbols_of(values)
+        return symbols_of(v for link in self.links for v in vars(link).values())
 
     @cached_property
     def key(self) -> str:
@@ -176,10 +168,8 @@ def _constant(name: str, value: ArrayLike | None, default: Array) -> Array:
     """A read-only array with the shape of the default."""
     array = np.array(default if value is None else value, dtype=np.float64)
     if array.shape != default.shape:
-        raise ValueError(
-            f"{name} must have shape {default.shape} for {len(default)} moving links, "
-            f"got {array.shape}"
-        )
+        needed = f"shape {default.shape} for {len(default)} moving links"
+        raise ValueError(f"{name} must have {needed}, got {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} must be finite, got {array}")
     array.setflags(write=False)

@@ -9,25 +9,20 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledRange:
-    """A bound on a linear combination of motor angles, such as phi_3 - phi_2."""
+    """A bound [rad] on a linear combination of motor angles, such as phi_3 - phi_2."""
 
     coefficients: tuple[float, ...]
     lower: float
-    """[rad]"""
     upper: float
-    """[rad]"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Ranges of motor angles on the arm side of the gear, and their greatest speeds."""
+    """Ranges of motor angles [rad] on the arm side of the gear, and greatest speeds [rad/s]."""
 
     lower: tuple[float, ...]
-    """[rad]"""
     upper: tuple[float, ...]
-    """[rad]"""
     speed: tuple[float, ...]
-    """[rad/s]"""
     coupled: tuple[CoupledRange, ...] = ()
 
     def __post_init__(self) -> None:

@@ -101,9 +101,8 @@ def _general(module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Cal
             raise ValueError(f"arguments must have shapes {single} or {many}; got {given}")
         expected = (*batch, *shape)
         if out is not None and (out.shape != expected or out.dtype != np.float64):
-            raise ValueError(
-                f"out must be float64 of shape {expected}, got {out.dtype} of {out.shape}"
-            )
+            given = f"got {out.dtype} of {out.shape}"
+            raise ValueError(f"out must be float64 of shape {expected}, {given}")
         # Compiled signatures know one kind of array: read-only arguments are copied.
         arrays = [a if a.flags.writeable else a.copy() for a in arrays]
         result = np.empty(expected)

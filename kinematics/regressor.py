@@ -38,11 +38,7 @@ def regressor(
 ) -> Array:
     """Y with Y Theta = D phi'' + C phi' + g, rotor inertia and friction apart. Thesis (2.17).
 
-    Args:
-        phi, phi_dot, phi_ddot: shape (n,) or (N, n).
-
-    Returns:
-        shape (n, 10 n) or (N, n, 10 n).
+    Shape (n, 10 n) for phi, phi_dot, phi_ddot of shape (n,), or (N, n, 10 n) for (N, n).
     """
     motion = [np.asarray(a, dtype=np.float64) for a in (phi, phi_dot, phi_ddot)]
     n = model.robot.n_joints
@@ -66,12 +62,13 @@ def regressor(
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """Identifiable combinations of the inertial parameters Theta."""
+    """Identifiable combinations K Theta of the inertial parameters, Y[:, independent] K = Y.
+
+    Independent columns span all of Y; the combination K has shape (r, 10 n).
+    """
 
     independent: tuple[int, ...]
-    """Indices of columns of Y that span all of it."""
     combination: Array
-    """Matrix K, shape (r, 10 n): base parameters = K Theta, and Y[:, independent] K = Y."""
 
     def values(self, theta: ArrayLike) -> Array:
         """Base parameters of a Theta, shape (r,)."""

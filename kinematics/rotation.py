@@ -30,9 +30,8 @@ def _rotation(R: ArrayLike) -> Rotation:
     R = np.asarray(R, dtype=np.float64)
     if R.shape[-2:] != (3, 3):
         raise ValueError(f"R must have shape (..., 3, 3), got {R.shape}")
-    if not np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=1e-6) or (
-        (np.linalg.det(R) < 0).any()
-    ):
+    orthogonal = np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=1e-6)
+    if not orthogonal or (np.linalg.det(R) < 0).any():
         raise ValueError("R must be a rotation: orthogonal, with determinant +1, and finite")
     return Rotation.from_matrix(R)
 
@@ -112,14 +111,6 @@ def from_quaternion(q: ArrayLike) -> Array:
 def to_quaternion(R: ArrayLike) -> Array:
     """Unit quaternion with w >= 0, shape (..., 4)."""
     return _rotation(R).as_quat(canonical=True, scalar_first=True)
-
-
-def quaternion_product(p: ArrayLike, q: ArrayLike) -> Array:
-    """Product p q, shape (..., 4): the rotation q, then p."""
-    p, q = np.asarray(p, dtype=np.float64), np.asarray(q, dtype=np.float64)
-    w = p[..., 0] * q[..., 0] - (p[..., 1:] * q[..., 1:]).sum(-1)
-    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate([w[..., None], v], axis=-1)
 
 
 def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:

@@ -34,16 +34,13 @@ def shift_response(gamma: float, delta: int, omega: ArrayLike) -> Complex:
     return gamma * unit_circle(omega) ** delta
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Criterion:
-    """Both sides of the criterion over frequency, and whether it is met."""
+    """Both sides |1 - L T_u| and |Q| of the criterion over omega [rad/sample], shape (M,)."""
 
     omega: Array
-    """(M,) [rad/sample]."""
     learning: Array
-    """(M,), |1 - L T_u|."""
     q: Array
-    """(M,), |Q|."""
 
     @property
     def contraction(self) -> float:
@@ -73,13 +70,11 @@ def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion
     singular value of Q (I - T_u L), and `q` is then 1.
     """
     if T_u.ndim == 1:
-        return Criterion(omega=omega, learning=np.abs(1.0 - L * T_u), q=np.abs(Q))
+        return Criterion(omega, np.abs(1.0 - L * T_u), np.abs(Q))
     q = np.asarray(Q)
     q = q[:, None, None] if q.ndim == 1 else q[:, :, None]
     iteration = q * (np.eye(T_u.shape[1]) - T_u @ L)
-    return Criterion(
-        omega=omega, learning=np.linalg.norm(iteration, ord=2, axis=(1, 2)), q=np.ones(len(omega))
-    )
+    return Criterion(omega, np.linalg.norm(iteration, ord=2, axis=(1, 2)), np.ones(len(omega)))
 
 
 def heuristic_criterion(
@@ -88,9 +83,8 @@ def heuristic_criterion(
     """Criterion for L = gamma q^delta. Raises ValueError for an unstable T_u."""
     require_stable(T_u, "T_u")
     omega = frequency_grid() if omega is None else omega
-    return criterion(
-        T_u.response(omega), shift_response(gamma, delta, omega), Q.response(omega), omega
-    )
+    L = shift_response(gamma, delta, omega)
+    return criterion(T_u.response(omega), L, Q.response(omega), omega)
 
 
 def largest_gamma(

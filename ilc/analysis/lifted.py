@@ -85,8 +85,5 @@ class LiftedIteration:
 
         The Frobenius norm over sqrt(N), which is within a factor sqrt(N) of the 2-norm.
         """
-        norms = [
-            np.linalg.norm(np.linalg.matrix_power(self.iteration, int(k)))
-            for k in np.atleast_1d(iterations)
-        ]
-        return np.array(norms) / np.sqrt(len(self.T))
+        powers = (np.linalg.matrix_power(self.iteration, int(k)) for k in np.atleast_1d(iterations))
+        return np.array([np.linalg.norm(power) for power in powers]) / np.sqrt(len(self.T))

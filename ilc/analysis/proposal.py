@@ -28,7 +28,7 @@ TRUSTED_FIT = 0.8
 """Fit of a model below which `design_for` keeps to the lowest cutoff."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Proposal:
     """Design variables of the heuristic law with their convergence criterion."""
 
@@ -108,10 +108,8 @@ def propose(
             shift in `deltas` contracts by `SLOWEST`. The message states the feasible bandwidth.
     """
     require_stable(T_u, "T_u")
-    if T_u.static_gain <= 0.0:
-        raise ValueError(
-            f"the static gain of T_u must be > 0, as gamma must, got {T_u.static_gain:.3g}"
-        )
+    if (gain := T_u.static_gain) <= 0.0:
+        raise ValueError(f"the static gain of T_u must be > 0, as gamma must, got {gain:.3g}")
     if not 0.0 < fraction < 1.0:
         raise ValueError(f"fraction must be in (0, 1), got {fraction}")
     found = _candidates(T_u, bandwidth, deltas, fraction, order)
@@ -159,11 +157,7 @@ def _candidates(
         gamma = float(min(1.0 / T_u.static_gain, fraction * limit))
         result = heuristic_criterion(T_u, gamma, delta, Q, omega)
         if result.contraction <= SLOWEST:
-            found.append(
-                Proposal(
-                    T_u=T_u, Q=Q, gamma=gamma, delta=delta, criterion=result, largest_gamma=limit
-                )
-            )
+            found.append(Proposal(T_u, Q, gamma, delta, result, limit))
     return found
 
 

@@ -41,14 +41,12 @@ def contraction_map(
     return np.array([[at(row, column) for column in columns] for row in rows])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class MonteCarlo:
-    """Contraction of each sampled joint, and the factors it was sampled with."""
+    """Contraction (n,) of each sampled joint, and its factors on `PARAMETERS`, a row each."""
 
     contraction: Array
-    """(n,)."""
     factors: Array
-    """(n, number of parameters), in the order of `PARAMETERS`."""
 
     @property
     def fraction_converging(self) -> float:
@@ -70,11 +68,8 @@ def monte_carlo(
     width = np.log1p(spread)
     factors = np.exp(rng.uniform(-width, width, (n, len(PARAMETERS))))
     omega = frequency_grid(800)
-    values = [
-        contraction(_scaled(loop, dict(zip(PARAMETERS, row, strict=True))), law, omega)
-        for row in factors
-    ]
-    return MonteCarlo(contraction=np.array(values), factors=factors)
+    loops = (_scaled(loop, dict(zip(PARAMETERS, row, strict=True))) for row in factors)
+    return MonteCarlo(np.array([contraction(each, law, omega) for each in loops]), factors)
 
 
 def _scaled(loop: TwoMassLoop, factors: dict[str, float]) -> TwoMassLoop:
@@ -83,6 +78,5 @@ def _scaled(loop: TwoMassLoop, factors: dict[str, float]) -> TwoMassLoop:
         if name not in PARAMETERS:
             raise ValueError(f"Unknown parameter {name!r}. Parameters: {', '.join(PARAMETERS)}")
     joint = loop.joint
-    scaled = {name: getattr(joint, name) * factor for name, factor in factors.items()}
-    other = replace(joint, **scaled)
+    other = replace(joint, **{name: getattr(joint, name) * f for name, f in factors.items()})
     return replace(loop, joint=other, reference_model=loop.reference_model or joint)

@@ -12,7 +12,7 @@ import numpy as np
 from armside.arrays import Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Whiteness:
     """Whiteness test of normalised innovations."""
 
@@ -43,11 +43,8 @@ def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
     lag = np.arange(1, lags + 1)
     rho = np.array([(centred[k:] * centred[:-k]).sum(axis=0) / power for k in lag])
     statistic = n * (n + 2.0) * (rho**2 / (n - lag)[:, None]).sum(axis=0)
-    return Whiteness(
-        rms=np.sqrt(np.square(e).mean(axis=0)),
-        correlation=rho,
-        p_value=gammaincc(0.5 * lags, 0.5 * statistic),
-    )
+    p_value = gammaincc(0.5 * lags, 0.5 * statistic)
+    return Whiteness(np.sqrt(np.square(e).mean(axis=0)), rho, p_value)
 
 
 def normalised_squared(error: Array, covariance: Array) -> Array:

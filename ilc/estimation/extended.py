@@ -13,17 +13,18 @@ Measurement = Callable[[int, Array], tuple[Array, Array]]
 """(i, x) to the measurement at i, (p,), and its Jacobian (p, n)."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ExtendedResult:
-    """Filtered and smoothed states (N, n), innovations and covariances."""
+    """Filtered and smoothed states (N, n), innovations (N, p) and covariances (N, n, n), (N, p, p).
+
+    Innovations are NaN where the measurement is missing.
+    """
 
     filtered: Array
     filtered_covariance: Array
     smoothed: Array
     innovation: Array
-    """(N, p); NaN where the measurement is missing."""
     innovation_covariance: Array
-    """(N, p, p)."""
 
 
 def extended(
@@ -40,9 +41,8 @@ def extended(
     y: (N, p), a row of NaN where the measurement is missing, such as between slower samples.
     """
     n_samples, n, p = len(y), len(start), y.shape[1]
-    filtered, covariance = np.empty((n_samples, n)), np.empty((n_samples, n, n))
-    ahead, ahead_covariance = np.empty((n_samples, n)), np.empty((n_samples, n, n))
-    transition = np.empty((n_samples, n, n))
+    filtered, ahead = np.empty((2, n_samples, n))
+    covariance, ahead_covariance, transition = np.empty((3, n_samples, n, n))
     innovation, S_all = np.full((n_samples, p), np.nan), np.zeros((n_samples, p, p))
     x, P = start.copy(), start_covariance.copy()
     for i in range(n_samples):
@@ -63,10 +63,4 @@ def extended(
     for i in range(n_samples - 2, -1, -1):
         back = np.linalg.solve(ahead_covariance[i], transition[i] @ covariance[i]).T
         smoothed[i] += back @ (smoothed[i + 1] - ahead[i])
-    return ExtendedResult(
-        filtered=filtered,
-        filtered_covariance=covariance,
-        smoothed=smoothed,
-        innovation=innovation,
-        innovation_covariance=S_all,
-    )
+    return ExtendedResult(filtered, covariance, smoothed, innovation, S_all)

@@ -16,17 +16,18 @@ from armside.arrays import Array
 from .process import Process, steady_state_covariance
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Filtered:
-    """Innovations of a record of N samples."""
+    """Innovations (N, p), measured minus predicted, NaN where the measurement is missing.
+
+    Their covariance is (N, p, p), or (1, p, p) in steady state.
+    """
 
     innovation: Array
-    """(N, p), measured minus predicted; NaN where the measurement is missing."""
     innovation_covariance: Array
-    """(N, p, p), or (1, p, p) in steady state."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Smoothed(Filtered):
     """Filtered and smoothed states, (N, n)."""
 
@@ -51,7 +52,7 @@ class SteadyStateFilter:
         """Innovations of y (N, p); NaN marks rows that are missing. start: (n,), 0 if None."""
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
         e = _predict(self.process.A, self.process.C, self.gain, y, x)
-        return Filtered(innovation=e, innovation_covariance=self.innovation_covariance[None])
+        return Filtered(e, self.innovation_covariance[None])
 
     @property
     def whitening(self) -> tuple[Array, float]:
@@ -74,9 +75,8 @@ class Smoother:
 
     def __post_init__(self) -> None:
         p = self.process
-        object.__setattr__(
-            self, "_gains", _covariances(p.A, p.Q, p.C, p.R, self.start_covariance, self.seen)
-        )
+        gains = _covariances(p.A, p.Q, p.C, p.R, self.start_covariance, self.seen)
+        object.__setattr__(self, "_gains", gains)
 
     @property
     def filtered_covariance(self) -> Array:
@@ -90,20 +90,13 @@ class Smoother:
 
     def __call__(self, y: Array, start: Array | None = None) -> Smoothed:
         """States of y (N, p). start: (n,), expected state at the first sample, 0 if None."""
-        if y.shape != (len(self.seen), len(self.process.C)):
-            raise ValueError(
-                f"y must have shape {(len(self.seen), len(self.process.C))}, got {y.shape}"
-            )
+        if y.shape != (shape := (len(self.seen), len(self.process.C))):
+            raise ValueError(f"y must have shape {shape}, got {y.shape}")
         gain, back, S, _, _ = self._gains
-        x = np.zeros(len(self.process.A)) if start is None else start.copy()
         A, C = self.process.A, self.process.C
+        x = np.zeros(len(A)) if start is None else start.copy()
         e, filtered, predicted = _forwards(A, C, gain, np.ascontiguousarray(y), self.seen, x)
-        return Smoothed(
-            innovation=e,
-            innovation_covariance=S,
-            filtered=filtered,
-            smoothed=_backwards(filtered, predicted, back),
-        )
+        return Smoothed(e, S, filtered, _backwards(filtered, predicted, back))
 
 
 @njit(cache=True)
@@ -165,8 +158,7 @@ def _covariances(
         P = A @ P @ A.T + Q
         P = 0.5 * (P + P.T)
         if i < n_samples - 1:
-            AP = A @ given[i]
-            back[i] = np.linalg.solve(P, AP).T
+            back[i] = np.linalg.solve(P, A @ given[i]).T
     return gain, back, S_all, given, predicted
 
 

@@ -23,20 +23,19 @@ _KEPT = 3
 
 
 class Whitened(NamedTuple):
-    """Innovations normalised with the covariance of the model."""
+    """Normalised innovations S^-1/2 e (N, p), white with unit variance for a correct model, and
+    log det S of each sample.
+    """
 
     innovation: Array
-    """(N, p), S^-1/2 e: white with unit variance for a correct model."""
     log_det: float
-    """log det S of each sample."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ParameterEstimate:
-    """Parameters at the smallest minimum found, with their uncertainty."""
+    """Parameters (m,) at the smallest minimum found, with their uncertainty."""
 
     theta: Array
-    """(m,)."""
     covariance: Array
     """(m, m), posterior covariance of data and prior."""
     information: Array
@@ -75,14 +74,8 @@ def estimate_parameters(
     residual, J, _ = _linearised(model, prior, prior_sd, theta)
     information = J.T @ J + np.diag(prior_sd**-2.0)
     covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
-    return ParameterEstimate(
-        theta=theta,
-        covariance=covariance,
-        information=1.0 - np.diag(covariance) / prior_sd**2,
-        cost=cost,
-        innovation=residual.innovation,
-        costs=costs,
-    )
+    gained = 1.0 - np.diag(covariance) / prior_sd**2
+    return ParameterEstimate(theta, covariance, gained, cost, residual.innovation, costs)
 
 
 def _cost(residual: Whitened, theta: Array, prior: Array, sd: Array) -> float:

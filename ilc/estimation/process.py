@@ -16,16 +16,15 @@ _SERIES = 12  # terms: 0.5^12 / 12! is far below rounding
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Process:
-    """Sampled process x_{i+1} = A x_i + w_i, y_i = C x_i + v_i."""
+    """Sampled process x_{i+1} = A x_i + w_i, y_i = C x_i + v_i, with the noise covariances Q, R.
+
+    Shapes: A and Q (n, n), C (p, n), R (p, p).
+    """
 
     A: Array
-    """(n, n)."""
     Q: Array
-    """(n, n), process noise covariance."""
     C: Array
-    """(p, n)."""
     R: Array
-    """(p, p), measurement noise covariance."""
 
     def __post_init__(self) -> None:
         n, p = len(self.A), len(self.C)
@@ -44,9 +43,8 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
 
     A series over a short step d, doubled up to h: Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
     """
-    return _sampled_noise(
-        np.ascontiguousarray(A), np.ascontiguousarray(GWG), step, _doublings(A * step)
-    )
+    A, GWG = np.ascontiguousarray(A), np.ascontiguousarray(GWG)
+    return _sampled_noise(A, GWG, step, _doublings(A * step))
 
 
 @njit(cache=True)

@@ -17,16 +17,15 @@ from ..models.system import Complex
 
 @dataclass(frozen=True, eq=False)
 class NonCausal:
-    """Non-causal Wiener filter from y to z of a continuous process."""
+    """Non-causal Wiener filter from y to z = Z x of a continuous process with white noise on x'.
+
+    Shapes: A and intensity of the noise (n, n), C (p, n), Z (q, n).
+    """
 
     A: Array
-    """(n, n)."""
     intensity: Array
-    """(n, n), intensity of the white noise on x'."""
     C: Array
-    """(p, n)."""
     Z: Array
-    """(q, n), z = Z x."""
 
     def response(self, frequency: Array, sample_time: float, R: Array) -> Complex:
         """T, (M, q, p), at frequencies [Hz] below the Nyquist frequency.

@@ -24,7 +24,7 @@ class Information(Enum):
     """log(samples) a coefficient: consistent order selection."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ArxFit:
     """Identified ARX model and its uncertainty."""
 
@@ -33,9 +33,8 @@ class ArxFit:
     nb: int
     nk: int
     coefficients: Array
-    """(a_1 .. a_na, b_0 .. b_(nb-1))."""
+    """(a_1 .. a_na, b_0 .. b_(nb-1)), and their covariance."""
     covariance: Array
-    """Covariance of the coefficients."""
     noise_variance: float
     """Variance of the equation error."""
     n_samples: int
@@ -104,20 +103,11 @@ def fit_arx(
         raise ValueError(f"the data do not excite {na + nb} coefficients, only {rank}")
     residual = target - regressor @ coefficients
     variance = float(residual @ residual) / (len(target) - na - nb)
-    return ArxFit(
-        system=System(
-            np.concatenate((np.zeros(nk), coefficients[na:])),
-            np.concatenate(([1.0], coefficients[:na])),
-            sample_time,
-        ),
-        na=na,
-        nb=nb,
-        nk=nk,
-        coefficients=coefficients,
-        covariance=variance * np.linalg.inv(regressor.T @ regressor).astype(np.float64),
-        noise_variance=max(variance, np.finfo(float).tiny),
-        n_samples=len(target),
-    )
+    b, a = np.concatenate((np.zeros(nk), coefficients[na:])), np.append(1.0, coefficients[:na])
+    covariance = variance * np.linalg.inv(regressor.T @ regressor).astype(np.float64)
+    noise = max(variance, np.finfo(float).tiny)
+    system = System(b, a, sample_time)
+    return ArxFit(system, na, nb, nk, coefficients, covariance, noise, len(target))
 
 
 def select_arx(

@@ -20,7 +20,7 @@ from ..plant import as_record
 _SLOWEST = 0.98  # pole; a slower one resembles an integrator in records of a second
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class FirstOrderModel:
     """Identified T_u(q) = b q^-delay / (1 - pole q^-1)."""
 
@@ -29,7 +29,7 @@ class FirstOrderModel:
     """[samples]."""
     pole: float
     fit: float
-    """1 - ||y - y_sim|| / ||y - mean(y)||, of all experiments together."""
+    """Of all experiments together."""
 
     @property
     def static_gain(self) -> float:
@@ -63,34 +63,28 @@ def fit_first_order(
         gain, x = _best_gain(u, y, delay, pole)
         return float(np.square(y - gain * x).sum())
 
-    found = []
+    found, bounds = [], (0.0, _SLOWEST)
     for delay in delays:
-        search = minimize_scalar(
-            squared_error, args=(delay,), bounds=(0.0, _SLOWEST), method="bounded"
-        )
+        search = minimize_scalar(squared_error, args=(delay,), bounds=bounds, method="bounded")
         pole = float(search.x)  # type: ignore[attr-defined]
         found.append((squared_error(pole, delay), delay, pole))
     if not found:
         raise ValueError("delays must not be empty")
     error, delay, pole = min(found, key=lambda each: each[0])
     gain, _ = _best_gain(u, y, delay, pole)
-    b = np.concatenate((np.zeros(delay), [gain]))
-    return FirstOrderModel(
-        system=System(b, np.array([1.0, -pole]), sample_time),
-        delay=delay,
-        pole=pole,
-        fit=1.0 - np.sqrt(error / np.square(y - y.mean(axis=0)).sum()),
-    )
+    system = System(np.append(np.zeros(delay), gain), np.array([1.0, -pole]), sample_time)
+    fit = 1.0 - np.sqrt(error / np.square(y - y.mean(axis=0)).sum())
+    return FirstOrderModel(system, delay, pole, fit)
 
 
 def fit_of(system: System, u: ArrayLike, y: ArrayLike) -> float:
     """Fit of a model's simulation to (u, y), shape (N, m), all experiments together."""
-    return float(_fit(system, u, y, axis=None))
+    return float(_fit(system, u, y, None))
 
 
 def fit_of_each(system: System, u: ArrayLike, y: ArrayLike) -> Array:
     """Fit of a model's simulation to each of m experiments, shape (m,); u, y: shape (N, m)."""
-    return np.asarray(_fit(system, u, y, axis=0), dtype=np.float64)
+    return np.asarray(_fit(system, u, y, 0), dtype=np.float64)
 
 
 def _fit(system: System, u: ArrayLike, y: ArrayLike, axis: int | None) -> Array:

@@ -17,14 +17,11 @@ from .first_order import FirstOrderModel, fit_first_order
 
 
 class LearningRecord(NamedTuple):
-    """One learning experiment: its last correction, its first and its last error, (N, n) each."""
+    """One learning experiment: its last correction u_K, first error e_0 and last e_K, (N, n)."""
 
     correction: ArrayLike
-    """u_K."""
     first_error: ArrayLike
-    """e_0."""
     last_error: ArrayLike
-    """e_K."""
     motion_end: int
     """Sample at which the reference comes to rest."""
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..filters import ALL_PASS, RecordFilter
+from .law import FilteredLaw
 
 
 @dataclass(frozen=True, kw_only=True)
-class Adaptive:
+class Adaptive(FilteredLaw):
     """u_{k+1} = Q(u_k + kappa_k(t) L e_k), kappa the gain of a Kalman filter over iterations.
 
     The disturbance at each time t is modelled as a random walk over the iterations, observed with
@@ -21,15 +21,11 @@ class Adaptive:
     robot" (2002).
     """
 
-    L: RecordFilter
-    """Inverse of T_u, or an approximation of it."""
     noise_variance: float
-    """r_n, variance of one measured sample."""
     initial_variance: float
-    """P before the first iteration, variance of one sample of the disturbance."""
+    """r_n and P before the first iteration: variance of a measured sample, of the disturbance."""
     window: int = 25
     """Samples over which the error's power is averaged."""
-    Q: RecordFilter = ALL_PASS
 
     def __post_init__(self) -> None:
         for name in ("noise_variance", "initial_variance"):
@@ -41,8 +37,7 @@ class Adaptive:
     def check(self, n_samples: int, n_columns: int) -> None:
         if self.window > n_samples:
             raise ValueError(f"window must be within {n_samples} samples, got {self.window}")
-        self.L.check(n_samples, n_columns)
-        self.Q.check(n_samples, n_columns)
+        super().check(n_samples, n_columns)
 
     def step(
         self, correction: Array, error: Array, memory: Array | None = None, /

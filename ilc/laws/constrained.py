@@ -41,40 +41,28 @@ class Constrained(NormOptimal):
     def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
         from scipy.optimize import minimize
 
-        shape, problem = free.shape, self._problem
-        u_k = correction.ravel()
+        shape, problem, u_k = free.shape, self._problem, correction.ravel()
         free_error = error + self.T_u.simulate(correction)
 
         def cost(u: Array) -> tuple[float, Array]:
             residual = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
             weighted = problem.We * residual
             pulled = problem.Wu * u + problem.Wd * (u - u_k)
-            value = (
-                residual @ weighted + u @ (problem.Wu * u) + (u - u_k) @ (problem.Wd * (u - u_k))
-            )
+            value = residual @ weighted + u @ (problem.Wu * u)
+            value = value + (u - u_k) @ (problem.Wd * (u - u_k))
             back = adjoint(self.T_u, (problem.F.T @ weighted).reshape(shape)).ravel()
             return 0.5 * float(value), pulled - back
 
-        start = np.clip(free, -limit, limit).ravel()
+        start, bound = np.clip(free, -limit, limit).ravel(), limit.ravel()
         # The gradient at u = 0 sets the scale.
         scale = np.abs(cost(np.zeros_like(start))[1]).max()
+        options = {"ftol": 0.0, "gtol": 0.1 * self.tolerance * scale, "maxcor": 30}
+        options |= {"maxiter": 5000, "maxfun": 20000}
+        bounds = np.column_stack((-bound, bound))
         solution = minimize(
-            cost,
-            start,
-            jac=True,
-            method="L-BFGS-B",
-            bounds=np.column_stack((-limit.ravel(), limit.ravel())),
-            options={
-                "ftol": 0.0,
-                "gtol": 0.1 * self.tolerance * scale,
-                "maxiter": 5000,
-                "maxfun": 20000,
-                "maxcor": 30,
-            },
+            cost, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options
         )
-        gradient = cost(solution.x)[1]
-        bounded = limit.ravel()
-        residual = np.clip(solution.x - gradient, -bounded, bounded) - solution.x
+        residual = np.clip(solution.x - cost(solution.x)[1], -bound, bound) - solution.x
         if np.abs(residual).max() > self.tolerance * scale:
             reached = np.abs(residual).max() / scale
             raise RuntimeError(

@@ -6,12 +6,12 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..filters import ALL_PASS, RecordFilter
 from ..models.system_matrix import Model
+from .law import FilteredLaw
 
 
 @dataclass(frozen=True, kw_only=True)
-class DisturbanceObserver:
+class DisturbanceObserver(FilteredLaw):
     """u_{k+1} = Q L d_hat_{k+1}, the disturbance predicted from all iterations so far.
 
     d_k = e_k + T_u u_k is the error without correction. It is modelled as an autoregressive
@@ -21,11 +21,8 @@ class DisturbanceObserver:
     """
 
     T_u: Model
-    L: RecordFilter
-    """Inverse of T_u, such as `ModelInverse`."""
     order: int = 2
     """Order of the autoregressive model [iterations]."""
-    Q: RecordFilter = ALL_PASS
     ridge: float = 1e-6
     """Relative ridge regularisation of the fit: the smallest of equally good coefficients."""
 
@@ -34,10 +31,6 @@ class DisturbanceObserver:
             raise ValueError(f"order must be >= 1, got {self.order}")
         if not self.ridge > 0.0:
             raise ValueError(f"ridge must be > 0, got {self.ridge}")
-
-    def check(self, n_samples: int, n_columns: int) -> None:
-        self.L.check(n_samples, n_columns)
-        self.Q.check(n_samples, n_columns)
 
     def step(
         self, correction: Array, error: Array, memory: tuple[Array, ...] | None = None, /

@@ -30,9 +30,8 @@ class FiniteDifference(FirstOrderLaw):
     def __post_init__(self) -> None:
         basis = np.asarray(self.basis, dtype=np.float64)
         if basis.ndim != 2 or not basis.any(axis=0).all():
-            raise ValueError(
-                f"basis must have shape (N, m) without empty columns, got {basis.shape}"
-            )
+            needed = "shape (N, m) without empty columns"
+            raise ValueError(f"basis must have {needed}, got {basis.shape}")
         for name in ("size", "damping"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")

@@ -20,7 +20,8 @@ class PType:
     end: End = End.HOLD
 
     def __post_init__(self) -> None:
-        _check_finite("gamma", self.gamma)
+        if not np.isfinite(self.gamma):
+            raise ValueError(f"gamma must be finite, got {self.gamma}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_shift(self.delta, n_samples)
@@ -36,19 +37,18 @@ class PType:
 class DType:
     """L = gamma_d q^delta (1 - q^-1) / T: learning from the derivative of the error. Thesis 7.3.
 
-    After Arimoto et al. (1984), in discrete time.
+    After Arimoto et al. (1984), in discrete time; gamma_d and the sample time T are in [s].
     """
 
     gamma_d: float
-    """[s]."""
     sample_time: float
-    """[s]."""
     delta: int = 1
     """Shift of the newer of the two samples."""
     end: End = End.HOLD
 
     def __post_init__(self) -> None:
-        _check_finite("gamma_d", self.gamma_d)
+        if not np.isfinite(self.gamma_d):
+            raise ValueError(f"gamma_d must be finite, got {self.gamma_d}")
         if not self.sample_time > 0.0:
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
 
@@ -94,8 +94,3 @@ class MatrixGain:
         """Shape (M, n, n)."""
         deltas = np.broadcast_to(self.delta, len(self.gamma))
         return self.gamma * unit_circle(np.multiply.outer(omega, deltas))[:, None, :]
-
-
-def _check_finite(name: str, value: float) -> None:
-    if not np.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {value}")

@@ -20,13 +20,12 @@ class Gradient:
 
     def __post_init__(self) -> None:
         require_stable(self.T_u, "T_u")
-        largest_step = 2.0 / largest_gain(self.T_u) ** 2
+        top = 2.0 / largest_gain(self.T_u) ** 2
         if self.step == 0.0:
-            object.__setattr__(self, "step", 0.5 * largest_step)
-        elif not 0.0 < self.step < largest_step:
-            raise ValueError(
-                f"step must be above 0 and below 2/max|T_u|^2 = {largest_step:.6g}, got {self.step}"
-            )
+            object.__setattr__(self, "step", 0.5 * top)
+        elif not 0.0 < self.step < top:
+            needed = f"above 0 and below 2/max|T_u|^2 = {top:.6g}"
+            raise ValueError(f"step must be {needed}, got {self.step}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_inputs(self.T_u, n_columns)

@@ -7,33 +7,27 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..filters import ALL_PASS, RecordFilter
 from ..models.system import Complex
+from .law import FilteredLaw
 
 Pair = tuple[Array, Array]
 """(u, e) of one iteration."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class HighOrder:
+class HighOrder(FilteredLaw):
     """u_{k+1} = Q sum_i (alpha_i u_{k-i} + beta_i L e_{k-i}), i = 0 .. p - 1. Thesis 7.3.
 
-    u and e before iteration 0 are zero.
+    u and e before iteration 0 are zero. The weights alpha and beta are equally many, newest first.
     """
 
     alpha: tuple[float, ...]
-    """Weights of past corrections, newest first."""
     beta: tuple[float, ...]
-    """Weights of past errors, newest first, as many."""
-    L: RecordFilter
-    Q: RecordFilter = ALL_PASS
 
     def __post_init__(self) -> None:
         if not self.alpha or len(self.alpha) != len(self.beta):
-            raise ValueError(
-                f"alpha and beta must be equally many, at least 1, got {len(self.alpha)} "
-                f"and {len(self.beta)}"
-            )
+            given = f"got {len(self.alpha)} and {len(self.beta)}"
+            raise ValueError(f"alpha and beta must be equally many, at least 1, {given}")
         if not np.isfinite(self.alpha + self.beta).all():
             raise ValueError(f"alpha and beta must be finite, got {self.alpha} and {self.beta}")
 
@@ -41,16 +35,11 @@ class HighOrder:
     def order(self) -> int:
         return len(self.alpha)
 
-    def check(self, n_samples: int, n_columns: int) -> None:
-        self.L.check(n_samples, n_columns)
-        self.Q.check(n_samples, n_columns)
-
     def step(
         self, correction: Array, error: Array, memory: tuple[Pair, ...] | None = None, /
     ) -> tuple[Array, tuple[Pair, ...]]:
         pairs = ((correction, error), *(memory or ()))[: self.order]
-        total = np.zeros_like(correction)
-        learned = np.zeros_like(error)
+        total, learned = np.zeros_like(correction), np.zeros_like(error)
         for alpha, beta, (u, e) in zip(self.alpha, self.beta, pairs, strict=False):
             total += alpha * u
             learned += beta * e

@@ -16,10 +16,8 @@ class JointSpace(FirstOrderLaw):
     """(n, p), inverse of the tool's Jacobian."""
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if len(self.inverse) != n_columns:
-            raise ValueError(
-                f"the inverse has {len(self.inverse)} motors, the record {n_columns} columns"
-            )
+        if (n := len(self.inverse)) != n_columns:
+            raise ValueError(f"the inverse has {n} motors, the record {n_columns} columns")
         self.law.check(n_samples, n_columns)
 
     def __call__(self, correction: Array, error: Array, /) -> Array:

@@ -34,15 +34,21 @@ class FirstOrderLaw:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FirstOrder(FirstOrderLaw):
-    """u_{k+1} = Q(u_k + L e_k). Thesis (7.2)."""
+class FilteredLaw:
+    """Filters of a law: L of the error, an inverse of T_u or an approximation, and Q."""
 
     L: RecordFilter
     Q: RecordFilter = ALL_PASS
 
     def check(self, n_samples: int, n_columns: int) -> None:
+        """Raise ValueError if a filter does not fit records of shape (N, n)."""
         self.L.check(n_samples, n_columns)
         self.Q.check(n_samples, n_columns)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstOrder(FilteredLaw, FirstOrderLaw):
+    """u_{k+1} = Q(u_k + L e_k). Thesis (7.2)."""
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         return self.Q(correction + self.L(error))

@@ -62,9 +62,7 @@ class MeasuredGradient(FirstOrderLaw):
         n = error.shape[1]
         gradient = np.zeros_like(error)
         for j in range(n):  # input j: (T^T e)_j = sum_i of the reversed T_ij of reversed e_i
-            for i in range(n):
-                if not error[:, i].any():
-                    continue
+            for i in np.flatnonzero(error.any(axis=0)):
                 test = np.zeros_like(error)
                 test[:, j] = reversed_error[:, i]
                 gradient[:, j] += response(test)[::-1, i]

@@ -70,12 +70,10 @@ class ModelInverse:
         if self.beyond is Beyond.TAPERED_HOLD:
             fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, n_samples + 1) / (n_samples + 1))
             # FFT index -1 is the sample before the first: the fade-in stands at the end.
-            extended = np.concatenate(
-                (signal, np.outer(fade, signal[-1]), np.outer(fade[::-1], signal[0]))
-            )
+            after, before = np.outer(fade, signal[-1]), np.outer(fade[::-1], signal[0])
+            extended = np.concatenate((signal, after, before))
         spectrum = np.fft.rfft(extended, axis=0)
         L = self.response(2.0 * np.pi * np.fft.rfftfreq(len(extended)))
-        corrected = (
-            (L @ spectrum[:, :, None])[:, :, 0] if L.ndim == 3 else L.reshape(len(L), -1) * spectrum
-        )
-        return np.fft.irfft(corrected, len(extended), axis=0)[:n_samples]
+        matrix = L.ndim == 3
+        moved = (L @ spectrum[:, :, None])[:, :, 0] if matrix else L.reshape(len(L), -1) * spectrum
+        return np.fft.irfft(moved, len(extended), axis=0)[:n_samples]

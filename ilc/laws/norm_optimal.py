@@ -1,6 +1,7 @@
 """Algorithm 3: norm-optimal learning, a quadratic criterion over the finite record."""
 
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -54,11 +55,9 @@ class BandedProblem:
     """
 
     A: Any
-    """u = A v, sparse (N n, N n)."""
     M: Any
-    """sqrt(We) FB above sqrt(Wu + Wd) A, sparse (2 N n, N n)."""
+    """sqrt(We) FB above sqrt(Wu + Wd) A, sparse (2 N n, N n); A and F are sparse (N n, N n)."""
     F: Any
-    """Filter of the error, sparse."""
     We: Array
     """Diagonal of the error weight, (N n,); likewise Wu and Wd."""
     Wu: Array
@@ -76,11 +75,10 @@ class BandedProblem:
         F = _block_toeplitz(taps * np.eye(n_columns), n_samples)
         A = _block_toeplitz(a, n_samples)
         FB = F @ _block_toeplitz(b, n_samples)
+        weights = [(getattr(criterion, name), name) for name in ("error", "correction", "change")]
         We, Wu, Wd = (
-            per_sample(
-                getattr(criterion, name), n_samples, n_columns, f"the weight of the {name}"
-            ).ravel()
-            for name in ("error", "correction", "change")
+            per_sample(weight, n_samples, n_columns, f"the weight of the {name}").ravel()
+            for weight, name in weights
         )
         M = vstack((diags_array(np.sqrt(We)) @ FB, diags_array(np.sqrt(Wu + Wd)) @ A))
         return cls(A, csc_array(M), F, We, Wu, Wd)
@@ -117,10 +115,9 @@ class LeastSquares:
         try:
             self._lu = splu(self._augmented, permc_spec="NATURAL")
         except RuntimeError as error:  # exactly singular
-            raise ValueError(
-                "the criterion does not determine the correction: raise the weight of the "
-                "correction or of its change"
-            ) from error
+            remedy = "raise the weight of the correction or of its change"
+            message = f"the criterion does not determine the correction: {remedy}"
+            raise ValueError(message) from error
 
     def solve(self, b: Array) -> Array:
         right = np.concatenate((b, np.zeros(self._size)))[self._order]
@@ -157,11 +154,9 @@ class NormOptimal(FirstOrderLaw):
     _solver: LeastSquares = field(init=False, repr=False)
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if (n_samples, n_columns) != (self.n_samples, self.n_columns):
-            raise ValueError(
-                f"the law was designed for records of shape {(self.n_samples, self.n_columns)}, "
-                f"got {(n_samples, n_columns)}"
-            )
+        designed, given = (self.n_samples, self.n_columns), (n_samples, n_columns)
+        if given != designed:
+            raise ValueError(f"the law was designed for records of shape {designed}, got {given}")
 
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free_error = (error + self.T_u.simulate(correction)).ravel()
@@ -211,10 +206,7 @@ def _common_denominators(T_u: Model, n: int) -> tuple[Array, Array]:
 
 
 def _product(polynomials: list[Array]) -> Array:
-    product = np.ones(1)
-    for polynomial in polynomials:
-        product = np.convolve(product, polynomial)
-    return product
+    return reduce(np.convolve, polynomials, np.ones(1))
 
 
 def _block_toeplitz(lags: Array, n_samples: int) -> Any:
@@ -232,10 +224,9 @@ def _block_toeplitz(lags: Array, n_samples: int) -> Any:
 def per_sample(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
     """Weight of each sample and column, (N, n); `name` is used in messages."""
     values = np.asarray(weight, dtype=np.float64)
+    values = values[:, None] if values.ndim == 1 else values
     try:
-        return np.broadcast_to(
-            values[:, None] if values.ndim == 1 else values, (n_samples, n_columns)
-        )
+        return np.broadcast_to(values, (n_samples, n_columns))
     except ValueError:
         raise ValueError(
             f"{name} must be a number, ({n_samples},) or ({n_samples}, {n_columns}), "

@@ -26,17 +26,14 @@ class RecordOptimal(FirstOrderLaw):
     """Norm-optimal law for errors (N, p) and corrections (N, n)."""
 
     G: Response
-    """Response of the output to the correction."""
     F: RecordFilter
-    """Zero-phase filter that selects the learned part of the error."""
+    """Zero-phase filter that selects the learned part of the error; G: response to corrections."""
     output_weight: tuple[float, ...]
-    """(p,), square roots of W's diagonal."""
     input_size: tuple[float, ...]
-    """(n,), diagonal of S, > 0."""
+    """(n,), diagonal of S, > 0; weights: (p,), square roots of W's diagonal."""
     correction_weight: float = 1e-3
-    """rho relative to the largest static gain of W^1/2 G S, squared."""
     change_weight: float = 1e-2
-    """sigma, likewise."""
+    """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""
 
     def __post_init__(self) -> None:
         for name in ("correction_weight", "change_weight"):
@@ -46,10 +43,8 @@ class RecordOptimal(FirstOrderLaw):
             raise ValueError("correction_weight and change_weight must not both be 0")
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if n_columns != len(self.input_size):
-            raise ValueError(
-                f"the law has {len(self.input_size)} inputs, the record {n_columns} columns"
-            )
+        if (n := len(self.input_size)) != n_columns:
+            raise ValueError(f"the law has {n} inputs, the record {n_columns} columns")
         self.F.check(n_samples, n_columns)
 
     def __call__(self, correction: Array, error: Array, /) -> Array:

@@ -34,27 +34,22 @@ class RegularisedInverse(FirstOrderLaw):
     G: Response
     """Response of the output to the correction."""
     sample_time: float
-    """[s]."""
     cutoff: float
-    """Frequency at which Q = 1/2 [Hz]."""
+    """[Hz] of Q = 1 / (1 + (f / cutoff)^sharpness), which has no phase."""
     sharpness: int = 8
-    """Q = 1 / (1 + (f / cutoff)^sharpness), without phase."""
     gamma: float = 0.8
     """Learning gain, in (0, 2)."""
     output_weight: tuple[float, ...]
-    """(p,), square roots of W's diagonal; 0 for an output that is not to be learned."""
     input_size: tuple[float, ...]
-    """(n,), diagonal of S, > 0."""
+    """(n,), diagonal of S, > 0; weights: (p,), roots of W's diagonal, 0 for no learning."""
     regularisation: float = 0.01
     """rho relative to the largest static gain of W^1/2 G S, squared."""
     limit: float = np.inf
     """Largest correction of each input, relative to its size."""
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.cutoff < 0.5 / self.sample_time:
-            raise ValueError(
-                f"cutoff must be above 0 and below {0.5 / self.sample_time:g} Hz, got {self.cutoff}"
-            )
+        if not 0.0 < self.cutoff < (top := 0.5 / self.sample_time):
+            raise ValueError(f"cutoff must be above 0 and below {top:g} Hz, got {self.cutoff}")
         if not 0.0 < self.gamma < 2.0:
             raise ValueError(f"gamma must be in (0, 2), got {self.gamma}")
         if not (np.isfinite(self.regularisation) and self.regularisation > 0.0):
@@ -68,10 +63,8 @@ class RegularisedInverse(FirstOrderLaw):
             raise ValueError(f"limit must be > 0, got {self.limit}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
-        if n_columns != len(self.input_size):
-            raise ValueError(
-                f"the law has {len(self.input_size)} inputs, the record {n_columns} columns"
-            )
+        if (n := len(self.input_size)) != n_columns:
+            raise ValueError(f"the law has {n} inputs, the record {n_columns} columns")
 
     def Q(self, omega: ArrayLike) -> Array:
         """Real, (M,), at omega [rad/sample]."""
@@ -94,8 +87,7 @@ class RegularisedInverse(FirstOrderLaw):
     def __call__(self, correction: Array, error: Array, /) -> Array:
         n_samples = len(correction)
         omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n_samples)
-        E = np.fft.rfft(tapered(error), axis=0)
-        U = np.fft.rfft(tapered(correction), axis=0)
+        E, U = (np.fft.rfft(tapered(signal), axis=0) for signal in (error, correction))
         learned = U + self.gamma * (self.L(omega) @ E[:, :, None])[:, :, 0]
         u = np.fft.irfft(self.Q(omega)[:, None] * learned, 2 * n_samples, axis=0)[:n_samples]
         largest = self.limit * np.array(self.input_size)

@@ -25,10 +25,9 @@ class Blend:
 
     def __post_init__(self) -> None:
         weights = np.asarray(self.weights, dtype=np.float64)
-        if weights.ndim != 2 or weights.shape[1] != len(self.filters):
-            raise ValueError(
-                f"weights must have shape (N, {len(self.filters)}), got {weights.shape}"
-            )
+        m = len(self.filters)
+        if weights.ndim != 2 or weights.shape[1] != m:
+            raise ValueError(f"weights must have shape (N, {m}), got {weights.shape}")
         if not np.isfinite(weights).all():
             raise ValueError("weights must be finite")
         object.__setattr__(self, "weights", weights)

@@ -36,11 +36,9 @@ def crossings(commanded: Array, tangent: Array, attained: Array) -> Array:
 
 
 def path_accuracy(commanded: Array, attained: Array) -> float:
-    """AT_p [m]: largest distance of a barycentre from its commanded point.
+    """AT_p [m]: largest distance of a barycentre from its commanded point, (M, d) [m].
 
-    Args:
-        commanded: (M, d) [m].
-        attained: (n, M, d) [m], intersections of n runs with the plane of each point.
+    attained: (n, M, d) [m], intersections of n runs with the plane of each point.
     """
     _check(attained)
     return float(np.linalg.norm(attained.mean(axis=0) - commanded, axis=1).max())
@@ -48,10 +46,7 @@ def path_accuracy(commanded: Array, attained: Array) -> float:
 
 def path_repeatability(attained: Array) -> float:
     """RT_p [m]: largest over the points of mean + 3 standard deviations of the distance of the n
-    attained positions from their barycentre.
-
-    Args:
-        attained: (n, M, d) [m], n >= 2.
+    attained positions, (n, M, d) [m], n >= 2, from their barycentre.
     """
     _check(attained)
     if len(attained) < 2:

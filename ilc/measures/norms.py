@@ -42,25 +42,21 @@ def repeatability(first: Array, second: Array, best_error: float) -> Array:
     first, second: outputs of two identical experiments at the same iteration, shape (N, n).
     best_error: min over iterations, motors and experiments of ||e||_inf.
     """
-    if np.shape(first) != np.shape(second):
-        raise ValueError(
-            f"the two outputs must have one shape, got {np.shape(first)} and {np.shape(second)}"
-        )
+    shapes = np.shape(first), np.shape(second)
+    if shapes[0] != shapes[1]:
+        raise ValueError(f"the two outputs must have one shape, got {shapes[0]} and {shapes[1]}")
     if not best_error > 0.0:
         raise ValueError(f"best_error must be > 0, got {best_error}")
     return inf_norm(np.asarray(first) - second) / best_error
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Circle:
-    """Circle in space, and the measured points in its own plane."""
+    """Circle in space, centre and radius in [m], and the measured points in its own plane."""
 
     centre: Array
-    """(3,) [m]."""
     normal: Array
-    """(3,), unit vector."""
     radius: float
-    """Least-squares radius [m]."""
     in_plane: Array
     """(M, 2) [m], the points relative to the centre, along two axes of the plane."""
 
@@ -90,12 +86,8 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
     flat = (points - mean) @ axes[:2].T
     centre = circle_centre(flat)
     in_plane = flat - centre
-    return Circle(
-        centre=mean + centre @ axes[:2],
-        normal=axes[2],
-        radius=float(np.hypot(*in_plane.T).mean()),
-        in_plane=in_plane,
-    )
+    radius = float(np.hypot(*in_plane.T).mean())
+    return Circle(mean + centre @ axes[:2], axes[2], radius, in_plane)
 
 
 def circle_centre(points: Array) -> Array:

@@ -56,10 +56,8 @@ def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
 
 def _controller_form(num: Array, den: Array) -> tuple[Array, Array, Array, float]:
     if len(num) > len(den):
-        raise ValueError(
-            f"the model is not causal: numerator degree {len(num) - 1} in s exceeds "
-            f"denominator degree {len(den) - 1}"
-        )
+        degrees = f"numerator degree {len(num) - 1} in s exceeds denominator degree {len(den) - 1}"
+        raise ValueError(f"the model is not causal: {degrees}")
     num = np.concatenate((np.zeros(len(den) - len(num)), num)) / den[0]
     den = den / den[0]
     n = len(den) - 1

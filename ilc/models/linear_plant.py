@@ -28,9 +28,8 @@ class LinearPlant:
     T_r: Model | None = None
     """None: T_u, the correction is added to the reference."""
     T_w: Model | None = None
-    """Load to output; None: the load adds to the output."""
     T_v: Model | None = None
-    """Noise to output; None: the noise adds to the output."""
+    """Load and noise to output; None: they add to the output."""
     loads: Sequence[Array] = ()
     """w_k, shape (N, n), cyclic over the iterations: one repeats, two alternate."""
     noise: float = 0.0
@@ -51,9 +50,8 @@ class LinearPlant:
             if load.shape != reference.shape:
                 raise ValueError(f"loads must have shape {reference.shape}, got {load.shape}")
         if self.noise < 0.0 or (self.noise > 0.0 and self.rng is None):
-            raise ValueError(
-                f"noise must be >= 0 and needs an rng if it is not 0, got {self.noise}"
-            )
+            needed = ">= 0 and needs an rng if it is not 0"
+            raise ValueError(f"noise must be {needed}, got {self.noise}")
         loop = None
         if self.C is not None:
             if not isinstance(self.T_u, System):

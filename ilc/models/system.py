@@ -24,12 +24,13 @@ def unit_circle(omega: ArrayLike) -> Complex:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """y(t) = b0 u(t) + b1 u(t-1) + ... - a1 y(t-1) - ...; causal by construction."""
+    """y(t) = b0 u(t) + b1 u(t-1) + ... - a1 y(t-1) - ...; causal by construction.
+
+    b, a: powers of q^-1, leading zeros of b are the delay, a[0] = 1 after construction.
+    """
 
     b: Array
-    """Numerator in powers of q^-1; leading zeros are the delay."""
     a: Array
-    """Denominator in powers of q^-1, a[0] = 1 after construction."""
     sample_time: float
     """[s]."""
 
@@ -157,9 +158,8 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
     if not hasattr(model, "num"):
         raise ValueError(f"model must be a System, (num, den) or of control, got {type(model)}")
     if (model.ninputs, model.noutputs) != (1, 1):
-        raise ValueError(
-            f"model must have one input and one output, got {model.ninputs} and {model.noutputs}"
-        )
+        given = f"{model.ninputs} and {model.noutputs}"
+        raise ValueError(f"model must have one input and one output, got {given}")
     if model.dt in (None, 0, True):
         raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
     return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))

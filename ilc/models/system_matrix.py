@@ -20,9 +20,8 @@ class SystemMatrix:
     def __post_init__(self) -> None:
         n = len(self.entries)
         if n == 0 or any(len(row) != n for row in self.entries):
-            raise ValueError(
-                f"entries must be a square matrix, got rows of {[len(r) for r in self.entries]}"
-            )
+            lengths = [len(row) for row in self.entries]
+            raise ValueError(f"entries must be a square matrix, got rows of {lengths}")
         times = {system.sample_time for row in self.entries for system in row}
         if max(times) - min(times) > 1e-12 * max(times):
             raise ValueError(f"entries must have one sample time, got {sorted(times)} s")

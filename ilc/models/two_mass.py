@@ -35,60 +35,42 @@ class ArmReading(Enum):
 class TwoMassJoint:
     """Two inertias with a spring and damper between them, behind a gear. Thesis (8.1), (8.2).
 
-    Defaults: Table 8.1, a laboratory-scale arm identified by Gunnarsson et al. (2007) and tuned
-    there to oscillate visibly.
+    rg: gear ratio, arm angle per motor angle. Jm, Ja: inertia of motor and arm [kg m^2]. k, d:
+    spring [N m/rad] and damper [N m s/rad], arm side. fm: viscous motor friction [N m s/rad]. kt:
+    torque constant [N m/V]. Defaults: Table 8.1, a laboratory-scale arm identified by Gunnarsson
+    et al. (2007) and tuned there to oscillate visibly.
     """
 
     rg: float = 0.2
-    """Gear ratio, arm angle per motor angle."""
     Jm: float = 0.0021
-    """Motor inertia [kg m^2]."""
     Ja: float = 0.0991
-    """Arm inertia [kg m^2]."""
     k: float = 5.0
-    """Spring [N m/rad], arm side."""
     d: float = 0.25
-    """Damper [N m s/rad], arm side."""
     fm: float = 0.0713
-    """Viscous motor friction [N m s/rad]."""
     kt: float = 0.122
-    """Torque constant [N m/V]."""
 
     def __post_init__(self) -> None:
-        for name in ("rg", "Jm", "Ja", "k", "kt"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
-        for name in ("d", "fm"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
-                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value >= 0.0 and (value or name in ("d", "fm"))):
+                bound = ">=" if name in ("d", "fm") else ">"
+                raise ValueError(f"{name} must be {bound} 0, got {value}")
 
     @property
     def state_space(self) -> tuple[Array, Array]:
         """(A, B) for x = (q_a, q_a', q_m, q_m') and the motor voltage. Thesis (8.3)."""
         rg, Jm, Ja, k, d = self.rg, self.Jm, self.Ja, self.k, self.d
-        A = np.array(
-            [
-                [0.0, 1.0, 0.0, 0.0],
-                [-k / Ja, -d / Ja, rg * k / Ja, rg * d / Ja],
-                [0.0, 0.0, 0.0, 1.0],
-                [rg * k / Jm, rg * d / Jm, -(rg**2) * k / Jm, -(self.fm + rg**2 * d) / Jm],
-            ]
-        )
+        arm = [-k / Ja, -d / Ja, rg * k / Ja, rg * d / Ja]
+        motor = [rg * k / Jm, rg * d / Jm, -(rg**2) * k / Jm, -(self.fm + rg**2 * d) / Jm]
+        A = np.array([[0.0, 1.0, 0.0, 0.0], arm, [0.0, 0.0, 0.0, 1.0], motor])
         return A, np.array([[0.0], [0.0], [0.0], [self.kt / Jm]])
 
     @property
     def motor_transfer(self) -> tuple[Array, Array]:
         """(num, den) of G_m(s), voltage to q_m, descending powers of s. Thesis (8.6)."""
         rg2, Jm, Ja, k, d, fm = self.rg**2, self.Jm, self.Ja, self.k, self.d, self.fm
-        num = self.kt * np.array([Ja, d, k])
-        den = [
-            Jm * Ja,
-            d * Jm + fm * Ja + rg2 * d * Ja,
-            fm * d + k * Jm + rg2 * k * Ja,
-            fm * k,
-            0.0,
-        ]
-        return num, np.array(den)
+        third, second = d * Jm + fm * Ja + rg2 * d * Ja, fm * d + k * Jm + rg2 * k * Ja
+        den = [Jm * Ja, third, second, fm * k, 0.0]
+        return self.kt * np.array([Ja, d, k]), np.array(den)
 
     @property
     def arm_transfer(self) -> tuple[Array, Array]:
@@ -184,24 +166,21 @@ def step_reference(
         ValueError: if the move does not end within the record.
     """
     first = round(start / sample_time)
-    if first < 0 or first + 2 * box > n_samples:
-        raise ValueError(
-            f"the move from sample {first} to {first + 2 * box} must lie within the record of "
-            f"{n_samples} samples"
-        )
+    last = first + 2 * box
+    if first < 0 or last > n_samples:
+        needed = f"within the record of {n_samples} samples"
+        raise ValueError(f"the move from sample {first} to {last} must lie {needed}")
     step = (np.arange(n_samples) >= first).astype(np.float64)
     average = np.full(box, 1.0 / box)
     return np.convolve(np.convolve(step, average), average)[:n_samples, None]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class TwoMassRun:
-    """Recorded angles of one run: both sides of the joint, shape (N, 1) each."""
+    """Recorded angles of one run, shape (N, 1) each: q_m as measured, and q_a."""
 
     motor: Array
-    """q_m, measured."""
     arm: Array
-    """q_a."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -210,9 +189,8 @@ class TwoMassPlant:
 
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
     arm_reference: Array = field(default_factory=step_reference)
-    """r_a, shape (N, 1)."""
     motor_reference: Array = field(init=False)
-    """r_m = F_r r_a, shape (N, 1)."""
+    """r_m = F_r r_a, shape (N, 1) as r_a."""
     _T_motor: System = field(init=False, repr=False)
     _to_arm: System = field(init=False, repr=False)
 
@@ -230,6 +208,4 @@ class TwoMassPlant:
         commanded = self.motor_reference + correction
         motor = self._T_motor.simulate(commanded)
         from_motor = self.loop.arm_reading is ArmReading.THESIS
-        return TwoMassRun(
-            motor=motor, arm=self._to_arm.simulate(motor if from_motor else commanded)
-        )
+        return TwoMassRun(motor, self._to_arm.simulate(motor if from_motor else commanded))

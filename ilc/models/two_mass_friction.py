@@ -4,6 +4,7 @@ Future work of thesis chapter 8: tau_C = c sign(q_m').
 """
 
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -28,9 +29,8 @@ class FrictionPlant:
     coulomb: float = 0.0
     """c [N m], motor side."""
     noise: float = 0.0
-    """Standard deviation of the measured motor angle [rad]."""
     rng: np.random.Generator | None = None
-    """Source of the noise; needed if there is any."""
+    """Source of noise, whose standard deviation is that of the measured motor angle [rad]."""
     substeps: int = 20
     motor_reference: Array = field(init=False)
     """r_m = F_r r_a, shape (N, 1)."""
@@ -39,9 +39,8 @@ class FrictionPlant:
         if not (np.isfinite(self.coulomb) and self.coulomb >= 0.0):
             raise ValueError(f"coulomb must be >= 0 N m, got {self.coulomb}")
         if self.noise < 0.0 or (self.noise > 0.0 and self.rng is None):
-            raise ValueError(
-                f"noise must be >= 0 and needs an rng if it is not 0, got {self.noise}"
-            )
+            needed = ">= 0 and needs an rng if it is not 0"
+            raise ValueError(f"noise must be {needed}, got {self.noise}")
         if self.substeps < 1:
             raise ValueError(f"substeps must be >= 1, got {self.substeps}")
         _ = self.loop.T_motor  # refuses an unstable loop
@@ -62,20 +61,15 @@ class FrictionPlant:
         matrices = (np.ascontiguousarray(A_d), BB_d[:, 0].copy(), BB_d[:, 1].copy())
         signals = (commanded, noise)
         motor, arm = _simulator()(*matrices, b, a, *signals, self.coulomb, self.substeps)
-        return TwoMassRun(motor=motor[:, None], arm=arm[:, None])
+        return TwoMassRun(motor[:, None], arm[:, None])
 
 
-_compiled = None
-
-
+@cache
 def _simulator():
     """Loop over samples, compiled at its first use."""
-    global _compiled
-    if _compiled is None:
-        import numba  # imported here: compilation takes seconds
+    import numba  # imported here: compilation takes seconds
 
-        _compiled = numba.njit(cache=True)(_simulate)
-    return _compiled
+    return numba.njit(cache=True)(_simulate)
 
 
 def _simulate(A, B, B_friction, b, a, commanded, noise, coulomb, substeps):  # pragma: no cover

@@ -23,23 +23,15 @@ class Language(Enum):
     LATEX = "latex"
 
 
-_WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] = {
-    Language.C: c.write,
-    Language.MATLAB: matlab.write,
-    Language.FORTRAN: fortran.write,
-    Language.PYTHON: python.write,
-    Language.LATEX: latex.write,
-}
+_WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] = dict(
+    zip(Language, (c.write, matlab.write, fortran.write, python.write, latex.write), strict=True)
+)
 
 
 def write(
     program: StraightLineProgram, language: Language, name: str | None = None
 ) -> dict[str, str]:
-    """Files of a program: name and text of each.
-
-    Args:
-        name: of the function and its files; the program's own by default.
-    """
+    """Name and text of each file of a program; `name`, the program's own by default, is theirs."""
     name = name or program.name
     if not (name.isidentifier() and name.isascii()):
         raise ValueError(f"a function's name has letters, digits and _, got {name!r}")

@@ -81,9 +81,8 @@ def _limit(robot: Robot, index: int, limits: Limits | None) -> str:
         for bound in limits.coupled:
             if np.array_equal(bound.coefficients, robot.coupling[index]):
                 lower, upper = bound.lower, bound.upper
-    return (
-        f'<limit lower="{lower!r}" upper="{upper!r}" velocity="{speed!r}" effort="{_UNLIMITED:g}"/>'
-    )
+    most = f'velocity="{speed!r}" effort="{_UNLIMITED:g}"'
+    return f'<limit lower="{lower!r}" upper="{upper!r}" {most}/>'
 
 
 def _joint(name: str, link: Link, parent: str, child: str, place: Array, limit: str) -> list[str]:

@@ -16,23 +16,20 @@ from .vectors import ZERO, Naming, Vector, added, combined, scaled
 
 @dataclass(frozen=True)
 class Axis:
-    """A joint axis in base coordinates."""
+    """A joint axis in base coordinates; its lever starts on the axis before (at the base first)."""
 
     joint: Joint
     direction: Vector
     lever: Vector
-    """From the point on the previous axis (the base origin first) to the point on this one."""
 
 
 @dataclass(frozen=True)
 class Chain:
-    """All joint axes from the base on, and the tool frame."""
+    """All joint axes, the lever from the last to the tool origin, and columns of R_base_tool."""
 
     axes: tuple[Axis, ...]
     tool_lever: Vector
-    """From the point on the last axis to the tool origin."""
     rotation: tuple[Vector, Vector, Vector]
-    """Columns of R_base_tool."""
 
 
 class _MovingFrame:
@@ -40,9 +37,8 @@ class _MovingFrame:
 
     def __init__(self, name: Naming) -> None:
         self.name = name
-        self.x: Vector = (sp.S.One, sp.S.Zero, sp.S.Zero)
-        self.y: Vector = (sp.S.Zero, sp.S.One, sp.S.Zero)
-        self.z: Vector = (sp.S.Zero, sp.S.Zero, sp.S.One)
+        rows: list[Vector] = [tuple(row) for row in sp.eye(3).tolist()]
+        self.x, self.y, self.z = rows
         self.angle: Expression = sp.S.Zero
         self.lever = ZERO
 

@@ -68,8 +68,7 @@ def joint_mass_matrix(tape: Tape, chain: Sequence[JointTransform]) -> Matrix:
         D[j][j] = moment[2] if chain[j].revolute else force[2]
         for i in reversed(range(j)):
             joint = chain[i + 1]
-            force = joint.out(tape, force)
-            moment = joint.out(tape, moment)
+            force, moment = joint.out(tape, force), joint.out(tape, moment)
             moment = added(tape, moment, crossed(tape, joint.translation, force))
             D[i][j] = D[j][i] = moment[2] if chain[i].revolute else force[2]
     return D

@@ -62,10 +62,8 @@ def _joint_coriolis(
     bodies = []
     for i in range(n):
         S_dot.append(_bracket(tape, V, S[i]))
-        V = (
-            added(tape, V[0], scaled(tape, rates[i], S[i][0])),
-            added(tape, V[1], scaled(tape, rates[i], S[i][1])),
-        )
+        v, w = (added(tape, V[k], scaled(tape, rates[i], S[i][k])) for k in range(2))
+        V = (v, w)
         bodies.append(_body(tape, chain[i], frames[i], V))
     C: Matrix = [[sp.S.Zero] * n for _ in range(n)]
     whole = [sp.S.Zero] * 22

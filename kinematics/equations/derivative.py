@@ -53,13 +53,10 @@ def tangent(program: StraightLineProgram, seeds: Mapping[str, str]) -> StraightL
             rates.update(zip(argument.elements, symbols, strict=True))
             new_inputs.append(Argument(seeds[argument.name], argument.shape, symbols))
     elements = _direction(tape, program, rates)
-    outputs = [
-        Argument(f"{argument.name}_rate", argument.shape, values)
-        for argument, values in zip(program.outputs, elements, strict=True)
-    ]
-    return tape.program(
-        f"{program.name}_rate", [*program.inputs, *new_inputs], outputs, program.notes
-    )
+    pairs = zip(program.outputs, elements, strict=True)
+    outputs = [Argument(f"{b.name}_rate", b.shape, values) for b, values in pairs]
+    inputs = [*program.inputs, *new_inputs]
+    return tape.program(f"{program.name}_rate", inputs, outputs, program.notes)
 
 
 def jacobian_of(
@@ -74,11 +71,8 @@ def jacobian_of(
     if missing := set(with_respect_to) - {b.name for b in program.inputs}:
         names = ", ".join(b.name for b in program.inputs)
         raise ValueError(f"unknown inputs {sorted(missing)}; inputs: {names}")
-    columns = []
-    for variable in variables:
-        arguments = _direction(tape, program, {variable: sp.S.One})
-        columns.append([e for argument in arguments for e in argument])
-    rows = len(columns[0])
-    elements = tuple(column[row] for row in range(rows) for column in columns)
-    out = Argument("H", (rows, len(columns)), elements)
+    derivatives = (_direction(tape, program, {variable: sp.S.One}) for variable in variables)
+    columns = [[e for argument in arguments for e in argument] for arguments in derivatives]
+    elements = tuple(e for row in zip(*columns, strict=True) for e in row)
+    out = Argument("H", (len(columns[0]), len(columns)), elements)
     return tape.program(f"{program.name}_jacobian", program.inputs, [out], program.notes)

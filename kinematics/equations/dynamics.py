@@ -78,8 +78,7 @@ def newton_euler(
         own_force, own_moment = _wrench(tape, inertia, motion)
         force, moment = added(tape, force, own_force), added(tape, moment, own_moment)
         torques.append(moment[2] if joint.revolute else force[2])
-        force = joint.out(tape, force)
-        moment = joint.out(tape, moment)
+        force, moment = joint.out(tape, force), joint.out(tape, moment)
         moment = added(tape, moment, crossed(tape, joint.translation, force))
     return torques[::-1]
 
@@ -113,8 +112,7 @@ def frictionless_torques(
 
 def inverse_dynamics(model: InertialModel) -> StraightLineProgram:
     """tau(phi, phi_dot, phi_ddot), friction included. Thesis (2.15)."""
-    tape = Tape()
-    inputs = inputs_of(model, "phi", "phi_dot", "phi_ddot")
+    tape, inputs = Tape(), inputs_of(model, "phi", "phi_dot", "phi_ddot")
     tau = _with_friction(model, tape, inputs[1].elements, inputs[2].elements)
     return _program(model, tape, "inverse_dynamics", inputs, "tau", tau)
 
@@ -151,8 +149,7 @@ def motor_mass_matrix(model: InertialModel, tape: Tape) -> Matrix:
 
 def mass_matrix(model: InertialModel) -> StraightLineProgram:
     """D(phi), n x n. Thesis (2.15)."""
-    tape = Tape()
-    D = motor_mass_matrix(model, tape)
+    D = motor_mass_matrix(model, tape := Tape())
     elements = [D[max(i, j)][min(i, j)] for i in range(len(D)) for j in range(len(D))]
     return _program(model, tape, "mass_matrix", inputs_of(model, "phi"), "D", elements, len(D))
 
@@ -171,8 +168,7 @@ def parametric_torque(model: InertialModel) -> StraightLineProgram:
     """tau without friction as a function also of Theta, ten parameters for each moving group:
     m, h (3), I about the body frame (Ixx, Ixy, Ixz, Iyy, Iyz, Izz). Linear in Theta: (2.17).
     """
-    tape = Tape()
-    inputs = inputs_of(model, "phi", "phi_dot", "phi_ddot")
+    tape, inputs = Tape(), inputs_of(model, "phi", "phi_dot", "phi_ddot")
     inertias = symbolic_inertias(model.robot.n_joints)
     theta = tuple(e for inertia in inertias for e in inertia.elements)
     torques = frictionless_torques(model, tape, inputs[1].elements, inputs[2].elements, inertias)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import sympy as sp
 
 from ..dh import Joint, Robot
-from ..expressions.exact import Expression, exact
+from ..expressions.exact import exact
 from .chain import Chain, joint_axes
 from .coupling import joint_rates, joint_variables, motor_inputs, motor_symbols, notes
 from .derivative import tangent
@@ -43,24 +43,20 @@ def _columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
     return columns[::-1]
 
 
-def _coupled(
-    robot: Robot, tape: Tape, columns: list[tuple[Expression, ...]]
-) -> list[list[Expression]]:
-    """J_phi = J_theta coupling, as columns. Thesis (4.10) differentiated."""
-    n = len(columns)
-    weights = [[exact(robot.coupling[i, j]) for j in range(n)] for i in range(n)]
-    return [
-        [tape(sp.Add(*(columns[i][row] * weights[i][j] for i in range(n)))) for row in range(6)]
-        for j in range(n)
-    ]
-
-
 def jacobian(robot: Robot) -> StraightLineProgram:
     """J, 6 x n: (v, omega) of the tool origin in base axes from motor rates. Thesis (3.39)."""
     tape = Tape()
     columns = [(*v, *w) for v, w in _columns(_chain(robot, tape), tape)]
-    coupled = _coupled(robot, tape, columns)
-    elements = tuple(column[row] for row in range(6) for column in coupled)
+    # J_phi = J_theta coupling, (4.10) differentiated
+    weights = [[exact(k) for k in column] for column in robot.coupling.T]
+    coupled = [
+        [
+            tape(sp.Add(*(e * k for e, k in zip(row, weight, strict=True))))
+            for row in zip(*columns, strict=True)
+        ]
+        for weight in weights
+    ]
+    elements = tuple(e for row in zip(*coupled, strict=True) for e in row)
     out = Argument("J", (6, robot.n_joints), elements)
     return tape.program("jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
 

@@ -17,15 +17,13 @@ _SLACK = 1e-9  # relative: how far rounding may take an inertia below the triang
 class Body:
     """A rigid body on a link, in the axes of that link's Denavit-Hartenberg frame.
 
-    Parameters are numbers or SymPy symbols; numbers must be physically consistent.
+    Mass [kg], centre of mass from the frame's origin [m], and Ixx, Iyy, Izz, Ixy, Ixz, Iyz about
+    it [kg m^2] are numbers or SymPy symbols; numbers must be physically consistent.
     """
 
     mass: "Scalar"
-    """[kg]"""
     com: tuple["Scalar", "Scalar", "Scalar"] = (0, 0, 0)
-    """Centre of mass from the frame's origin [m]."""
     inertia: tuple["Scalar", "Scalar", "Scalar", "Scalar", "Scalar", "Scalar"] = (0, 0, 0, 0, 0, 0)
-    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", checked("mass", self.mass))
@@ -54,18 +52,18 @@ def _check_inertia(inertia: tuple[Any, ...]) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Motor:
-    """One drive, every quantity on the arm side of its gear (motor side times n or n^2)."""
+    """One drive, every quantity on the arm side of its gear (motor side times n or n^2).
+
+    Friction: viscous [N m s/rad], coulomb [N m]. Gear: spring k [N m/rad], None where the joint is
+    rigid, and damper d [N m s/rad].
+    """
 
     inertia: "Scalar" = 0
     """n^2 J_m [kg m^2]; acts on the motor angle phi_i, so it goes around the coupling."""
     viscous: "Scalar" = 0
-    """[N m s/rad]"""
     coulomb: "Scalar" = 0
-    """[N m]"""
     stiffness: "Scalar | None" = None
-    """Gear spring k [N m/rad]; None where the joint is rigid."""
     damping: "Scalar" = 0
-    """Gear damper d [N m s/rad]."""
 
     def __post_init__(self) -> None:
         for name in ("inertia", "viscous", "coulomb", "stiffness", "damping"):
@@ -106,10 +104,6 @@ class InertialModel:
     @property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols among all parameters, the robot's included."""
-        values: list[Any] = [
-            *self.gravity,
-            *(v for motor in self.motors for v in vars(motor).values()),
-        ]
-        for body in self.bodies:
-            values += [body.mass, *body.com, *body.inertia]
-        return self.robot.free_symbols | symbols_of(values)
+        values = [v for motor in self.motors for v in vars(motor).values()]
+        values += [v for b in self.bodies for v in (b.mass, *b.com, *b.inertia)]
+        return self.robot.free_symbols | symbols_of([*values, *self.gravity])

@@ -63,9 +63,7 @@ class StraightLineProgram:
         flat = [element for argument in outputs for element in argument.elements]
         steps, reduced = sp.cse(flat, symbols=sp.numbered_symbols("x", real=True), order="none")
         rest = iter(reduced)
-        shared = tuple(
-            Argument(b.name, b.shape, tuple(next(rest) for _ in b.elements)) for b in outputs
-        )
+        shared = tuple(b._replace(elements=tuple(next(rest) for _ in b.elements)) for b in outputs)
         return cls(name, tuple(inputs), tuple(steps), shared, notes)
 
 

@@ -29,12 +29,11 @@ def simplified_constant(expression: Any) -> Expression:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Mass, first moment and inertia tensor about the origin of a frame: linear in all of them."""
+    """Mass, first moment and tensor (xx, xy, xz, yy, yz, zz) about the origin of a frame."""
 
     mass: Expression
     moment: Vector
     tensor: tuple[Expression, ...]
-    """xx, xy, xz, yy, yz, zz"""
 
     @property
     def elements(self) -> tuple[Expression, ...]:
@@ -48,9 +47,7 @@ class Segment:
 
     joint: Joint
     rotation: SymbolicMatrix
-    """R_{i-1, joint}."""
     translation: SymbolicMatrix
-    """In body frame i - 1."""
     constant: Expression
     """Added to the joint variable."""
     inertia: Inertia
@@ -104,9 +101,8 @@ def body_chain(robot: Robot, bodies: Sequence[Body] = ()) -> BodyChain:
         if bodies and groups:
             moved = _placed(bodies[number], place)
             groups[-1] = [u + v for u, v in zip(groups[-1], moved, strict=True)]
-    segments = tuple(
-        Segment(*joint, _inertia(group)) for joint, group in zip(joints, groups, strict=True)
-    )
+    pairs = zip(joints, groups, strict=True)
+    segments = tuple(Segment(*joint, _inertia(group)) for joint, group in pairs)
     return BodyChain(segments, place.R, place.p)
 
 
@@ -197,17 +193,11 @@ def forward(
         a = added(tape, a, lever_acceleration(tape, omega, alpha, joint.translation))
         omega, alpha, a = joint.into(tape, omega), joint.into(tape, alpha), joint.into(tape, a)
         if joint.revolute:
-            alpha = (
-                tape(alpha[0] + omega[1] * rate),
-                tape(alpha[1] - omega[0] * rate),
-                tape(alpha[2] + rate_dot),
-            )
+            x, y = tape(alpha[0] + omega[1] * rate), tape(alpha[1] - omega[0] * rate)
+            alpha = (x, y, tape(alpha[2] + rate_dot))
             omega = (omega[0], omega[1], tape(omega[2] + rate))
         else:
-            a = (
-                tape(a[0] + 2 * omega[1] * rate),
-                tape(a[1] - 2 * omega[0] * rate),
-                tape(a[2] + rate_dot),
-            )
+            x, y = tape(a[0] + 2 * omega[1] * rate), tape(a[1] - 2 * omega[0] * rate)
+            a = (x, y, tape(a[2] + rate_dot))
         motions.append(FrameMotion(omega, alpha, a))
     return motions

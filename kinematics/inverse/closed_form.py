@@ -37,13 +37,10 @@ class Singularity(IntFlag):
 
 
 class UnreachableError(ValueError):
-    """A target outside the reach of the wrist centre."""
+    """Target `index` of a batch, `distance` [m] outside the reach of the wrist centre."""
 
     def __init__(self, robot: Robot, index: int, distance: float) -> None:
-        self.index = index
-        """Number of the target in its batch."""
-        self.distance = distance
-        """Distance of the wrist centre from the workspace [m]."""
+        self.index, self.distance = index, distance
         super().__init__(
             f"target {index} is out of reach of {robot.name}: its wrist centre lies "
             f"{distance * 1e3:.3f} mm outside the workspace"
@@ -52,14 +49,14 @@ class UnreachableError(ValueError):
 
 @dataclass(frozen=True)
 class Branches:
-    """All solutions of a batch of targets; a single target has no leading axis."""
+    """All solutions of a batch of targets; a single target has no leading axis.
+
+    Motor angles (..., 8, 6) [rad], NaN where a branch does not exist; flags `Singularity` (..., 8).
+    """
 
     phi: Array
-    """(..., 8, 6) motor angles [rad], NaN where a branch does not exist."""
     exists: NDArray[np.bool_]
-    """(..., 8)"""
     singular: NDArray[np.int8]
-    """(..., 8): `Singularity` flags."""
 
 
 def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = None) -> Branches:
@@ -82,10 +79,8 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
     _raise_unreachable(robot, outside)
     exists = flags >= 0
     phi[~exists] = np.nan
-    singular = np.maximum(flags, 0)
-    if single:
-        return Branches(phi[0], exists[0], singular[0])
-    return Branches(phi, exists, singular)
+    found = phi, exists, np.maximum(flags, 0)
+    return Branches(*(array[0] for array in found)) if single else Branches(*found)
 
 
 def inverse_nearest(
@@ -140,10 +135,9 @@ def inverse_path(
     _raise_unreachable(robot, outside)
     if limits is not None and not (inside := limits.contain(path)).all():
         k = int(np.argmin(inside))
-        raise ValueError(
-            f"target {k} of {len(path)} leaves the joint limits of {robot.name} at "
-            f"phi = {np.degrees(path[k]).round(2).tolist()} deg"
-        )
+        phi = np.degrees(path[k]).round(2).tolist()
+        where = f"target {k} of {len(path)}"
+        raise ValueError(f"{where} leaves the joint limits of {robot.name} at phi = {phi} deg")
     return path
 
 

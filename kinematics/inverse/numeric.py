@@ -32,9 +32,8 @@ def inverse_numeric(robot: Robot, T: ArrayLike, start: ArrayLike, tolerance: flo
     T = np.asarray(T, dtype=np.float64)
     phi = np.array(start, dtype=np.float64)
     if T.shape != (4, 4) or phi.shape != (robot.n_joints,):
-        raise ValueError(
-            f"T must be (4, 4) and start ({robot.n_joints},), got {T.shape} and {phi.shape}"
-        )
+        given = f"got {T.shape} and {phi.shape}"
+        raise ValueError(f"T must be (4, 4) and start ({robot.n_joints},), {given}")
     if not (np.isfinite(T).all() and np.isfinite(phi).all()):
         raise ValueError("T and start must be finite")
     functions = compile(robot)
@@ -52,10 +51,10 @@ def inverse_numeric(robot: Robot, T: ArrayLike, start: ArrayLike, tolerance: flo
         else:
             damping *= 4
     if not np.abs(error).max() <= tolerance:
+        distance, angle = np.linalg.norm(error[:3]) * 1e3, np.degrees(np.linalg.norm(error[3:]))
         raise NotConvergedError(
             f"no configuration of {robot.name} found from this start: "
-            f"{np.linalg.norm(error[:3]) * 1e3:.3f} mm and "
-            f"{np.degrees(np.linalg.norm(error[3:])):.3f} deg remain"
+            f"{distance:.3f} mm and {angle:.3f} deg remain"
         )
     return phi
 

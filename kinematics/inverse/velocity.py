@@ -19,12 +19,10 @@ class InconsistentMotionError(ValueError):
 
 @dataclass(frozen=True)
 class Rates:
-    """Joint rates or accelerations that give the tool its motion."""
+    """Joint rates or accelerations, shape (n,), for a motion of the tool; rank of the Jacobian."""
 
     value: Array
-    """shape (n,)"""
     rank: int
-    """Rank of the Jacobian."""
 
 
 def inverse_velocity(J: ArrayLike, X_dot: ArrayLike, b: ArrayLike | None = None) -> Rates:

@@ -25,18 +25,18 @@ class UnsolvableGeometryError(ValueError):
 
 @dataclass(frozen=True)
 class WristArm:
-    """Constants of the closed form: transforms at both ends, plane geometry, coupling."""
+    """Constants of the closed form.
+
+    Inverse transforms (4, 4) of the links before the first joint and of everything after
+    Rot_z(theta6), the vector g of the compiled kernel, and theta = M phi + constant.
+    """
 
     head_inverse: Array
-    """(4, 4): inverse of the links before the first joint."""
     tail_inverse: Array
-    """(4, 4): inverse of everything after Rot_z(theta6)."""
     geometry: Array
-    """The vector g of the compiled kernel."""
     M: Array
     M_inverse: Array
     constant: Array
-    """theta = M phi + constant, whole D-H angles."""
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -63,19 +63,12 @@ def wrist_arm(robot: Robot) -> WristArm:
         _require(link.joint is Joint.REVOLUTE, robot, f"joint {number} is not revolute")
     _check_wrist(robot, six)
     _check_arm(robot, six)
-    head = chain_transform(links[:first])
-    tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ chain_transform(
-        links[last + 1 :]
-    )
-    M = robot.coupling.copy()
-    return WristArm(
-        rigid.inverse(head),
-        rigid.inverse(tail),
-        _geometry(six),
-        M,
-        np.asarray(np.linalg.inv(M), dtype=np.float64),
-        robot.offset + [float(link.theta) for link in six],
-    )
+    head, rest = chain_transform(links[:first]), chain_transform(links[last + 1 :])
+    tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ rest
+    M, constant = robot.coupling.copy(), robot.offset + [float(link.theta) for link in six]
+    M_inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
+    ends = rigid.inverse(head), rigid.inverse(tail)
+    return WristArm(*ends, _geometry(six), M, M_inverse, constant)
 
 
 def _require(condition: bool, robot: Robot, complaint: str) -> None:
@@ -88,15 +81,11 @@ def _require(condition: bool, robot: Robot, complaint: str) -> None:
 def _check_wrist(robot: Robot, six: tuple[Link, ...]) -> None:
     """Axes 4, 5, 6 meet in one point, at right angles."""
     for name, value in (("a4", six[3].a), ("a5", six[4].a), ("d5", six[4].d)):
-        _require(
-            abs(float(value)) < _TINY, robot, f"the wrist is not spherical: {name} = {value} m"
-        )
+        complaint = f"the wrist is not spherical: {name} = {value} m"
+        _require(abs(float(value)) < _TINY, robot, complaint)
     for name, link in (("alpha4", six[3]), ("alpha5", six[4])):
-        _require(
-            abs(cos(float(link.alpha))) < _TINY,
-            robot,
-            f"the wrist axes are not at right angles: {name} = {link.alpha} rad",
-        )
+        complaint = f"the wrist axes are not at right angles: {name} = {link.alpha} rad"
+        _require(abs(cos(float(link.alpha))) < _TINY, robot, complaint)
 
 
 def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
@@ -109,11 +98,10 @@ def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
 
 
 def _geometry(six: tuple[Link, ...]) -> Array:
-    d1, a1, alpha1 = float(six[0].d), float(six[0].a), float(six[0].alpha)
-    a2, d2 = float(six[1].a), float(six[1].d)
-    a3, d3, alpha3 = float(six[2].a), float(six[2].d), float(six[2].alpha)
-    d4 = float(six[3].d)
-    sigma = 1.0 if cos(float(six[1].alpha)) > 0 else -1.0
+    d1, d2, d3, d4 = (float(link.d) for link in six[:4])
+    a1, a2, a3 = (float(link.a) for link in six[:3])
+    alpha1, alpha2, alpha3 = (float(link.alpha) for link in six[:3])
+    sigma = 1.0 if cos(alpha2) > 0 else -1.0
     forearm = (a3, -sigma * sin(alpha3) * d4)
     offset = d2 + sigma * (d3 + cos(alpha3) * d4)
     return np.array(

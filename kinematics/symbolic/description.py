@@ -21,13 +21,12 @@ from .singularity import SingularConditions, conditions
 
 @dataclass(frozen=True)
 class RobotDescription:
-    """D-H table, zero pose, reach and singularities, exact where the robot's numbers are."""
+    """D-H table, T_base_tool at phi = 0, reach and singularities, exact where the numbers are."""
 
     robot: Robot
     table: tuple[tuple[Expression, ...], ...]
     """theta, d, a, alpha of each link, joint variables as motor angles. Thesis Table 4.2."""
     zero_pose: SymbolicMatrix
-    """T_base_tool at phi = 0."""
     reach: tuple[float, float] | None
     """Least and greatest distance of the wrist centre from axis 2 [m]; None for other arms."""
     singularities: SingularConditions | None

@@ -40,10 +40,8 @@ def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
     D, potential = _energies(model, phi)
     for i, motor in enumerate(model.motors):
         D[i, i] += exact(motor.inertia)
-    f = [
-        exact(motor.viscous) * rate + exact(motor.coulomb) * sp.sign(rate)
-        for motor, rate in zip(model.motors, phi_dot, strict=True)
-    ]
+    pairs = zip(model.motors, phi_dot, strict=True)
+    f = [exact(m.viscous) * rate + exact(m.coulomb) * sp.sign(rate) for m, rate in pairs]
     g = sp.Matrix([potential.diff(angle) for angle in phi])
     C = _christoffel(D, phi, phi_dot)
     return SymbolicDynamics(phi, phi_dot, D, C, g, sp.Matrix(f))
@@ -63,20 +61,15 @@ def _christoffel(D: SymbolicMatrix, phi: Any, phi_dot: Any) -> SymbolicMatrix:
 
 def _collected(expression: Expression) -> Expression:
     """Constant sines and cosines as numbers, and like terms together."""
-    constants = {
-        f: simplified_constant(f)
-        for f in expression.atoms(sp.cos, sp.sin)
-        if f.is_number and f not in (0, 1)
-    }
-    return sp.expand(expression.xreplace(constants))
+    numbers = (f for f in expression.atoms(sp.cos, sp.sin) if f.is_number and f not in (0, 1))
+    return sp.expand(expression.xreplace({f: simplified_constant(f) for f in numbers}))
 
 
 def _energies(model: InertialModel, phi: Any) -> tuple[SymbolicMatrix, Expression]:
     """D of all bodies, and the potential energy."""
     robot, coupling = at(model.robot, phi), exact_coupling(model.robot)
     T = [frame.applyfunc(_collected) for frame in matrix_t(robot)]
-    n = len(phi)
-    D, potential = sp.zeros(n, n), sp.S.Zero
+    D, potential = sp.zeros(len(phi)), sp.S.Zero
     gravity = sp.Matrix([exact(value) for value in model.gravity])
     for number, body in enumerate(model.bodies):
         if body.mass == 0 and not any(body.inertia):

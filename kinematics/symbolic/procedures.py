@@ -8,6 +8,8 @@ at phi = 0. Each function is a procedure of thesis Fig. 4.2; docs/toolbox.md has
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate
+from operator import mul
 from typing import Any
 
 import sympy as sp
@@ -65,10 +67,8 @@ def matrix_t(links: Links, start: int = 0) -> list[SymbolicMatrix]:
     n = len(robot.links)
     if not 0 <= start <= n:
         raise ValueError(f"start must be a frame from 0 to {n}, got {start}")
-    T = [sp.eye(4)]
-    for link in robot.links[start:]:
-        T.append(T[-1] * matrix_a(link, robot.convention))
-    return T
+    A = (matrix_a(link, robot.convention) for link in robot.links[start:])
+    return list(accumulate(A, mul, initial=sp.eye(4)))
 
 
 def position_t(T: SymbolicMatrix) -> SymbolicMatrix:

@@ -18,14 +18,14 @@ from .procedures import jacobian, matrix_t
 
 @dataclass(frozen=True)
 class SingularConditions:
-    """Expressions of the D-H joint variables theta that vanish where the arm is singular."""
+    """Expressions of the D-H joint variables theta that vanish where the arm is singular.
+
+    Elbow: stretched or folded; shoulder: wrist centre on axis 1; wrist: axes 4 and 6 aligned.
+    """
 
     elbow: Expression
-    """Arm stretched or folded."""
     shoulder: Expression
-    """Wrist centre on axis 1."""
     wrist: Expression
-    """Axes 4 and 6 aligned."""
 
 
 def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
@@ -45,10 +45,9 @@ def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
     links[5] = Link()  # the tool moved to the wrist centre
     J = jacobian(links)
     wrist_axes = matrix_t(links)[3][:3, :3].T * J[3:, 3:]
-    return (
-        sp.factor(sp.trigsimp(J[:3, :3].det())),
-        sp.factor(sp.trigsimp(wrist_axes.applyfunc(sp.trigsimp).det())),
-    )
+    determinants = J[:3, :3].det(), wrist_axes.applyfunc(sp.trigsimp).det()
+    arm, wrist = (sp.factor(sp.trigsimp(each)) for each in determinants)
+    return arm, wrist
 
 
 def conditions(robot: Robot) -> SingularConditions:
