@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING, Literal
 
 from armside import kinematics
 from armside.kinematics import Limits, Robot
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.summary import summary
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.options import Common, options
 
 if TYPE_CHECKING:
@@ -47,10 +46,9 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
     report = Report(common)
     files, operations = _files(cfg)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
-    with RunFolder("export", seed=common.seed, out=common.out) as folder:
+    with run_folder(outcome, common) as folder:
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     for name in files:
         report.line(str(folder.path / name))
     if operations is not None:

@@ -85,6 +85,5 @@ def _inertia(spec: mujoco.MjSpec) -> dict[str, float]:
 
 def hold(mj: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Set every slider to the angle of its motor."""
-    data.ctrl[:] = np.clip(
-        data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]], *mj.actuator_ctrlrange.T
-    )
+    angles = data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]]
+    data.ctrl[:] = np.clip(angles, *mj.actuator_ctrlrange.T)
