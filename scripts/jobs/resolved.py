@@ -70,7 +70,10 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     run |= dict.fromkeys(("radius", "size", "width", "corner")) | dimensions(cfg)
     if cfg.contour is not None:
         run["shape"] = None
-    run |= _place(cfg)
+    # The place: position [mm] and orientation of the tool, and the pose that has both.
+    ours = _rounded(tool_pose(cfg))
+    named = (name for name, pose in CELLS[cfg.robot].poses.items() if _rounded(pose) == ours)
+    run |= {"pose": next(named, None), "position": ours[0], "quaternion": ours[1]}
     if cfg.payload is None:
         known = content("model", cfg.model) if cfg.model else ""
         run["payload"] = _tool_mass(cfg.model or CELLS[cfg.robot].xml, known)
@@ -136,14 +139,6 @@ class Resolver:
 def key_of(options: Mapping[str, Any], seed: int) -> str:
     """See `Resolver.key`."""
     return Resolver().key(options, seed)
-
-
-def _place(cfg: LaserCfg) -> dict[str, Any]:
-    """Position [mm] and orientation of the tool, and the pose that has both."""
-    ours = _rounded(tool_pose(cfg))
-    poses = CELLS[cfg.robot].poses
-    name = next((name for name, pose in poses.items() if _rounded(pose) == ours), None)
-    return {"pose": name, "position": ours[0], "quaternion": ours[1]}
 
 
 def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:

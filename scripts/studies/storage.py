@@ -62,9 +62,8 @@ def reaching(storage: str) -> Iterator[None]:
     except ImportError as error:
         raise InputError(_missing(storage, error)) from error
     except _failures() as error:
-        raise InputError(
-            f"storage {redacted(storage)!r} does not answer: {_reason(error)}"
-        ) from error
+        reason = f"does not answer: {_reason(error)}"
+        raise InputError(f"storage {redacted(storage)!r} {reason}") from error
     finally:
         patience.cancel()
 
@@ -152,11 +151,8 @@ def _watched() -> dict[str, Any]:
 
     with _experiments_allowed():
         again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
-    return {
-        "heartbeat_interval": HEARTBEAT,
-        "grace_period": SILENCE,
-        "heartbeat_stale_trial_callback": again,
-    }
+    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
+    return times | {"heartbeat_stale_trial_callback": again}
 
 
 def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
@@ -211,11 +207,10 @@ def _failures() -> tuple[type[Exception], ...]:
 def _missing(storage: str, error: ImportError) -> str:
     """Message that names the driver to install. Optuna wraps the error that names it."""
     cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
-    advice = ""
-    if storage.startswith("postgresql"):
-        advice = f"; {install('postgres')} brings that of postgresql+psycopg://"
     missing = f"the database driver {cause.name}, which is not installed"
-    return f"storage {redacted(storage)!r} needs {missing}{advice}"
+    if storage.startswith("postgresql"):
+        missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
+    return f"storage {redacted(storage)!r} needs {missing}"
 
 
 def _reason(error: BaseException) -> str:
