@@ -1,7 +1,7 @@
 """`armside export`: the equations of a robot as code in another language, or as URDF."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from armside import kinematics
 from armside.kinematics import Limits, Robot
@@ -9,9 +9,6 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.options import Common, options
-
-if TYPE_CHECKING:
-    from armside.kinematics.equations.program import StraightLineProgram
 
 ROBOTS: dict[str, tuple[Robot, Limits]] = {
     "irb1400": (kinematics.IRB1400, kinematics.IRB1400_LIMITS),
@@ -64,15 +61,9 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
         return {f"{cfg.robot}.urdf": urdf(robot, limits)}, None
     from armside.kinematics.codegen import Language, write
-
-    program = equations(robot, cfg.what)
-    name = f"{cfg.robot}_{program.name}".replace("-", "_")
-    return write(program, Language(cfg.to), name), program.operations
-
-
-def equations(robot: Robot, what: Equations) -> "StraightLineProgram":
-    """The straight-line program of one choice of `--what`."""
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    home = imu_equations if what.startswith("measurement") else forward_kinematics
-    return getattr(home, what.replace("-", "_"))(robot)
+    home = imu_equations if cfg.what.startswith("measurement") else forward_kinematics
+    program = getattr(home, cfg.what.replace("-", "_"))(robot)
+    name = f"{cfg.robot}_{program.name}".replace("-", "_")
+    return write(program, Language(cfg.to), name), program.operations

@@ -40,7 +40,7 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
         for line in as_latex(robot).splitlines():
             report.line(line)
     else:
-        _print(report, robot.robot, **values)
+        _print(report, robot.robot, values)
     outcome = summary("model", cfg, common, **values)
     if cfg.plot or common.out is not None:
         with run_folder(outcome, common) as folder:
@@ -52,21 +52,14 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     report.summary(outcome)
 
 
-def _print(
-    report: Report,
-    robot: Robot,
-    table: list[list[str]],
-    zero_pose: list[list[float]],
-    reach: tuple[float, float] | None,
-    singular: dict[str, str],
-) -> None:
+def _print(report: Report, robot: Robot, values: dict[str, Any]) -> None:
     title = f"{robot.name}, {robot.convention.value} Denavit-Hartenberg, phi: motor angles"
     columns = ("link", "theta [rad]", "d [m]", "a [m]", "alpha [rad]", "joint")
-    pairs = enumerate(zip(table, robot.links, strict=True), 1)
+    pairs = enumerate(zip(values["table"], robot.links, strict=True), 1)
     report.table(title, columns, [(str(i), *row, link.joint.value) for i, (row, link) in pairs])
-    report.table("Tool at phi = 0", ("x", "y", "z", "p [m]"), zero_pose)
-    if reach is not None:
-        low, high = reach
+    report.table("Tool at phi = 0", ("x", "y", "z", "p [m]"), values["zero_pose"])
+    if values["reach"] is not None:
+        low, high = values["reach"]
         report.line(f"Wrist centre {low:.3f} to {high:.3f} m from axis 2, in the plane of the arm")
-    for name, expression in singular.items():
+    for name, expression in values["singular"].items():
         report.line(f"Singular, {name}: {expression} = 0")

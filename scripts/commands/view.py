@@ -49,8 +49,7 @@ def posable(cfg: ViewCfg) -> mujoco.MjModel:
     The drives of the asset need the torques of a controller, which the viewer has not. The springs
     between motors and links stay as they are.
 
-    Raises:
-        ValueError: the file is no model, or has no joints motor_1, motor_2 ...
+    Raises ValueError where the file is no model, or has no joints motor_1, motor_2 ...
     """
     source = cfg.model or CELLS[cfg.robot].xml
     if not source.is_file():

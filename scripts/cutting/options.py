@@ -21,8 +21,6 @@ SMALLEST_RADIUS = 0.1
 """[mm]; a smaller one is below what a robot of this size resolves."""
 SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
-
-
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 

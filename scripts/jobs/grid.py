@@ -60,9 +60,8 @@ class Grid:
 def parse(words: Sequence[str], seed: int) -> Grid:
     """A grid from the words of a command line; `seed` where no axis gives any.
 
-    Raises:
-        InputError: an axis that is no option of `armside laser`, is there twice or has a value
-            that the option does not take, alone or beside any of the other axes' values.
+    Raises InputError for an axis that is no option of `armside laser`, is there twice or has a
+    value that the option does not take, alone or beside any of the other axes' values.
     """
     axes: dict[str, Sequence[Any]] = {}
     written: dict[Item, str] = {}

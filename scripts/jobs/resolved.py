@@ -33,9 +33,7 @@ REMEMBERED = 4096
 def content_of(name: str, path: Path) -> str:
     """Hash of the content of an option's file, and of the files that a model includes.
 
-    Raises:
-        InputError: the model cannot be read.
-        OSError: a file is missing or cannot be read.
+    Raises InputError for a model that is none, OSError for a file that cannot be read.
     """
     if name == "identification":
         return _digest(path / "summary.json")
@@ -55,9 +53,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     None where it has no part in the run (the radius of a square), where a file says it (the corners
     of a contour), or for a payload of a model without a tool of its own.
 
-    Raises:
-        ValueError: options that do not go together, or an unknown pose.
-        OSError: a file cannot be read.
+    Raises ValueError for an unknown pose or options that misfit, OSError as `content`.
     """
     run = {field.name: getattr(cfg, field.name) for field in fields(cfg)}
     for name in ("gamma", "delta", "cutoff"):
@@ -83,9 +79,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     """Everything a run depends on but its seed: resolved options, and the content of files.
 
-    Raises:
-        ValueError: options that do not go together, an unknown pose, or a model that is none.
-        OSError: a file cannot be read.
+    Raises as `resolved` and `content`.
     """
     what = resolved(cfg, content)
     if what["identification"]:  # it is known by how its place was written

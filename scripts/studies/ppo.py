@@ -128,8 +128,7 @@ def learn(
         natural log of the tool's RMS before learning over that after) and the fraction of them
         that `diverged`.
 
-    Raises:
-        ValueError: steps is no such multiple.
+    Raises ValueError where steps is no such multiple.
     """
     import torch  # pyright: ignore[reportMissingImports]
 

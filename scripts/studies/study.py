@@ -54,9 +54,8 @@ def open_study(
         storage: see `storage.connect`.
         config: what is tuned; a study of another configuration is refused.
 
-    Raises:
-        InputError: the storage does not answer, is no URL or another program's, its driver is not
-            installed, or the study tunes something else.
+    Raises InputError where the storage does not answer, is no URL or another program's, its driver
+    is not installed, or the study tunes something else.
     """
     import optuna
 
@@ -74,10 +73,8 @@ def open_study(
         known = _config(study, config)
     if known != dict(config):
         changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
-        raise InputError(
-            f"study {name!r} tunes something else: {', '.join(changed)} differ; "
-            "give another --study"
-        )
+        what = f"tunes something else: {', '.join(changed)} differ; give another --study"
+        raise InputError(f"study {name!r} {what}")
     return study
 
 
