@@ -27,28 +27,14 @@ def estimation() -> Sequence[Row]:
     known = estimator(arm, springs, rest, imu)
     full = ExtendedArm(known, kinematics.LARGE_ROBOT)
 
-    def set_up() -> None:
-        estimator(arm, springs, rest, imu).deviations(run)
-
-    timed = interleaved(
-        [
-            lambda: known.deviations(run),
-            lambda: known(log.time, log.motor_angle, samples),
-            set_up,
-            lambda: full(log.time, log.motor_angle, samples),
-            lambda: identify(arm, run, rest, imu),
-            lambda: list(case.from_tool(5)[1]),
-            lambda: list(case.from_tool(5, springs=springs)[1]),
-        ],
-        repeats=5,
-    )
-    names = (
-        "filter and smoother, deviation form, after set-up",
-        "the same with the observer",
-        "set-up of filter and smoother",
-        "full extended filter and smoother",
-        "identification, six starts",
-        "estimate-based experiment, six runs, identification included",
-        "the same with stored springs",
-    )
-    return [Row(name, seconds) for name, seconds in zip(names, timed, strict=True)]
+    with_identification = "estimate-based experiment, six runs, identification included"
+    timed = {
+        "filter and smoother, deviation form, after set-up": lambda: known.deviations(run),
+        "the same with the observer": lambda: known(log.time, log.motor_angle, samples),
+        "set-up of filter and smoother": lambda: estimator(arm, springs, rest, imu).deviations(run),
+        "full extended filter and smoother": lambda: full(log.time, log.motor_angle, samples),
+        "identification, six starts": lambda: identify(arm, run, rest, imu),
+        with_identification: lambda: list(case.from_tool(5)[1]),
+        "the same with stored springs": lambda: list(case.from_tool(5, springs=springs)[1]),
+    }
+    return list(map(Row, timed, interleaved(list(timed.values()), repeats=5)))

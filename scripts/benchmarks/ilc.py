@@ -60,12 +60,9 @@ def _norm_optimal() -> list[Row]:
         return NormOptimal(T_u=T_u, n_samples=2000, n_columns=6, criterion=weights)
 
     law = design()
-    times = interleaved([design, lambda: law(u, e)], REPEATS)
-    names = ("design", "iteration")
-    return [
-        Row(f"norm-optimal, 2,000 samples x 6 motors: {name}", seconds)
-        for name, seconds in zip(names, times, strict=True)
-    ]
+    designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
+    what = "norm-optimal, 2,000 samples x 6 motors"
+    return [Row(f"{what}: design", designed), Row(f"{what}: iteration", iterated)]
 
 
 def _updates() -> list[Row]:
@@ -73,10 +70,8 @@ def _updates() -> list[Row]:
     law = Heuristic(Q=Q, gamma=0.9, delta=3)
     u, e = np.random.default_rng(0).standard_normal((2, 380, 6))
     ((b, a),) = butterworth(10.0, 0.004, 2)
-    ours, theirs, update = interleaved(
-        [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)],
-        REPEATS,
-    )
+    timed = [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)]
+    ours, theirs, update = interleaved(timed, REPEATS)
     return [
         Row("Q on 380 samples x 6 motors", ours, "scipy filtfilt", theirs),
         Row("update of (9.2), 380 samples x 6 motors", update),

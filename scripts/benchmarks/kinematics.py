@@ -32,14 +32,8 @@ PATH = 2000
 
 def kinematics() -> Sequence[Row]:
     """Rows of the benchmark; peers that are not installed are left out."""
-    return [
-        *_single_calls(),
-        *_into_given_arrays(),
-        *_batches(),
-        *_dynamics(),
-        _inverse(),
-        _first_use(),
-    ]
+    singles = [*_single_calls(), *_into_given_arrays()]
+    return [*singles, *_batches(), *_dynamics(), _inverse(), _first_use()]
 
 
 def _random(*shape: int) -> np.ndarray:
@@ -59,18 +53,15 @@ def _single_calls() -> list[Row]:
     ours, peers = compile(IRB1400), _peers()
     phi, rate, acceleration = _random(3, 6)
     rows = []
-    tasks: list[tuple[str, Callable[..., Any], tuple[np.ndarray, ...], str]] = [
-        ("pose", ours.pose, (phi,), "fkine"),
-        ("Jacobian", ours.jacobian, (phi,), "jacob0"),
-        ("acceleration", ours.acceleration, (phi, rate, acceleration), ""),
-    ]
-    for name, function, arguments, toolbox_name in tasks:
-        attribute = name.lower()
-        candidates = {
-            "Pinocchio": getattr(peers.get("Pinocchio"), attribute, None),
-            "Robotics Toolbox": getattr(peers.get("Robotics Toolbox"), toolbox_name or "-", None),
-        }
-        rows += _against(f"IRB1400 {name}", function, candidates, arguments)
+    for name, arguments, of_toolbox in (
+        ("pose", (phi,), "fkine"),
+        ("Jacobian", (phi,), "jacob0"),
+        ("acceleration", (phi, rate, acceleration), "-"),
+    ):
+        function = name.lower()
+        names = {"Pinocchio": function, "Robotics Toolbox": of_toolbox}
+        candidates = {key: getattr(peers.get(key), names[key], None) for key in names}
+        rows += _against(f"IRB1400 {name}", getattr(ours, function), candidates, arguments)
     return rows
 
 
@@ -119,14 +110,9 @@ def _copying(function: Callable[..., Any], out: np.ndarray) -> Callable[..., np.
 def _batches() -> list[Row]:
     ours, phi = compile(IRB1400), _random(BATCH, 6)
     poses, jacobians = np.empty((BATCH, 4, 4)), np.empty((BATCH, 6, 6))
-    times = interleaved(
-        [lambda: ours.pose(phi, out=poses), lambda: ours.jacobian(phi, out=jacobians)]
-    )
-    names = ("pose", "Jacobian")
-    return [
-        Row(f"IRB1400 {name}, each of {BATCH}", seconds / BATCH)
-        for name, seconds in zip(names, times, strict=True)
-    ]
+    calls = [lambda: ours.pose(phi, out=poses), lambda: ours.jacobian(phi, out=jacobians)]
+    times = zip(("pose", "Jacobian"), interleaved(calls), strict=True)
+    return [Row(f"IRB1400 {name}, each of {BATCH}", seconds / BATCH) for name, seconds in times]
 
 
 def _dynamics() -> list[Row]:

@@ -14,8 +14,7 @@ from armside.kinematics.links import link_transform, standard_links
 def pinocchio_model(robot: Robot) -> tuple[Any, int]:
     """A Pinocchio model of a D-H robot, and its tool frame. It moves by joint variables, not phi.
 
-    Raises:
-        ImportError: Pinocchio (`pip install pin`) is not installed.
+    Raises ImportError where Pinocchio (`pip install pin`) is not installed.
     """
     import pinocchio as pin
 
@@ -49,8 +48,7 @@ def pinocchio_dynamics(model: InertialModel) -> SimpleNamespace:
         inertia = pin.Inertia(body.mass, np.array(body.com, dtype=float), tensor)
         pinocchio.appendBodyToJoint(joint, inertia, placement)
     pinocchio.gravity.linear = np.array(model.gravity, dtype=float)
-    data = pinocchio.createData()
-    crba, rnea = pin.crba, pin.rnea
+    data, crba, rnea = pinocchio.createData(), pin.crba, pin.rnea
     return SimpleNamespace(
         mass_matrix=lambda q: crba(pinocchio, data, q),
         inverse_dynamics=lambda q, v, a: rnea(pinocchio, data, q, v, a),
@@ -84,15 +82,12 @@ def pinocchio_functions(robot: Robot) -> SimpleNamespace:
 def toolbox_robot(robot: Robot) -> Any:
     """A D-H robot of the Robotics Toolbox for Python; its configuration is the joint variables.
 
-    Raises:
-        ImportError: it (`pip install roboticstoolbox-python`) is not installed.
+    Raises ImportError where it (`pip install roboticstoolbox-python`) is not installed.
     """
     import roboticstoolbox as rtb
 
-    links = [
-        rtb.RevoluteDH(
-            d=float(link.d), a=float(link.a), alpha=float(link.alpha), offset=float(link.theta)
-        )
-        for link in robot.links
-    ]
+    links = []
+    for link in robot.links:
+        theta, d, a, alpha = map(float, (link.theta, link.d, link.a, link.alpha))
+        links.append(rtb.RevoluteDH(d=d, a=a, alpha=alpha, offset=theta))
     return rtb.DHRobot(links)

@@ -9,13 +9,12 @@ from pathlib import Path
 from statistics import median
 
 from armside.sim.cores import cores
-from armside.sim.laser.results import run
-from armside.sim.laser.specification import Cut
 
 from ..jobs.dataset import dataset
 from ..jobs.grid import Grid, parse
 from ..jobs.point import run_grid
 from ..jobs.workers import Workers
+from .robot import experiment
 from .timing import Row
 
 N = 24
@@ -54,9 +53,5 @@ def _swept(folder: Path, n: int) -> float:
 def _bare(n: int) -> float:
     start = time.perf_counter()
     with ProcessPoolExecutor(cores(), mp_context=get_context("forkserver")) as pool:
-        list(pool.map(_experiment, range(n * N, (n + 1) * N)))
+        list(pool.map(experiment, range(n * N, (n + 1) * N)))
     return time.perf_counter() - start
-
-
-def _experiment(seed: int) -> float:
-    return run(Cut(), seed=seed)["iterations"][-1]["arm_rms"]

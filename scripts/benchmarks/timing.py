@@ -34,10 +34,7 @@ def interleaved(
     One turn of each comes first and does not count.
     """
     calls = [_calls_per_round(function, min_round) for function in functions]
-    rounds = [
-        [_seconds(function, n) for function, n in zip(functions, calls, strict=True)]
-        for _ in range(repeats)
-    ]
+    rounds = [list(map(_seconds, functions, calls)) for _ in range(repeats)]
     return [median(column) for column in zip(*rounds, strict=True)]
 
 

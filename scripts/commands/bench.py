@@ -5,7 +5,7 @@ A benchmark is a function `() -> Sequence[Row]` (`benchmarks.timing`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
@@ -54,25 +54,22 @@ def bench(name: Name = "all", /, *, common: Common = Common()) -> None:
     """Time this machine: medians in seconds, and ratios to other libraries taken in turns."""
     benchmarks = {key: load(key) for key in (BENCHMARKS if name == "all" else [name])}
     report = Report(common)
-    results: dict[str, Sequence[Row]] = {}
+    results, listed = dict[str, Sequence[Row]](), dict[str, Any]()
     with report.progress("measuring", total=len(benchmarks)) as step:
         for key, benchmark in benchmarks.items():
             results[key] = benchmark()
             step()
     for key, rows in results.items():
         report.table(key, COLUMNS, [_cells(row) for row in rows])
-    listed = {
-        key: [asdict(row) | {"ratio": row.ratio} for row in rows] for key, rows in results.items()
-    }
+        listed[key] = [asdict(row) | {"ratio": row.ratio} for row in rows]
     outcome = summary("bench", {"name": name}, common, benchmarks=listed)
     keep(outcome, common)
     report.summary(outcome)
 
 
-def _cells(row: Row) -> tuple[str, str, str, str, str]:
-    theirs = "" if row.theirs is None else engineering(row.theirs)
-    ratio = "" if row.ratio is None else f"{row.ratio:.3g}"
-    return row.name, engineering(row.ours), row.peer or "", theirs, ratio
+def _cells(row: Row) -> tuple[str, ...]:
+    compared = ("", "") if row.theirs is None else (engineering(row.theirs), f"{row.ratio:.3g}")
+    return row.name, engineering(row.ours), row.peer or "", *compared
 
 
 def engineering(seconds: float) -> str:

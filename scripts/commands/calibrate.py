@@ -50,10 +50,10 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
                 best = candidate
                 step()
         found, trim = best.checks, best.trim
-    rows = [
-        (f"{c.id}: {c.statement}", c.ours, _end(c.low), _end(c.high), "yes" if c.holds else "NO")
-        for c in found
-    ]
+    rows: list[tuple[str | float, ...]] = []
+    for c in found:
+        band = ["" if end is None else f"{end:g}" for end in (c.low, c.high)]
+        rows.append((f"{c.id}: {c.statement}", c.ours, *band, "yes" if c.holds else "NO"))
     report.table("Targets", ("number", "value", "from", "to", "holds"), rows)
     if trim is not None:
         values = [(f.name, str(getattr(trim, f.name))) for f in fields(trim)]
@@ -69,7 +69,3 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
         raise RunFailed(f"{len(failed)} of {len(found)} targets are missed: {', '.join(failed)}")
     if differs and not cfg.write:
         raise RunFailed(f"{cfg.file} has other numbers: {', '.join(differs)}")
-
-
-def _end(value: float | None) -> str:
-    return "" if value is None else f"{value:g}"

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.summary import summary
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
@@ -45,10 +44,9 @@ def load(name: str) -> "System":
     from armside.ilc.models.system import System
     from armside.ilc.models.two_mass import TwoMassLoop
 
-    if name == "two-mass":
-        return TwoMassLoop().T_motor
-    if name == "two-mass-arm":
-        return TwoMassLoop().T_arm
+    if name in ("two-mass", "two-mass-arm"):
+        loop = TwoMassLoop()
+        return loop.T_motor if name == "two-mass" else loop.T_arm
     if name == "servo":
         # Thesis (9.12), identified on the large robot; 4 ms: the rate of its log.
         return System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)  # type: ignore[arg-type]
@@ -69,17 +67,11 @@ def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:
     report = Report(common)
     with checking_input():
         proposal = propose(load(cfg.model), cfg.bandwidth, fraction=cfg.share)
-    sentence = proposal.sentence()
-    numbers = {name: getattr(proposal, name) for name in NUMBERS}
-    result = numbers | {
-        "iterations_to_5_percent": proposal.iterations_to_5_percent,
-        "sentence": sentence,
-    }
-    outcome = summary("design", cfg, common, design=result)
-    with RunFolder("design", seed=common.seed, out=common.out) as folder:
+    sentence, numbers = proposal.sentence(), {name: getattr(proposal, name) for name in NUMBERS}
+    result = {"iterations_to_5_percent": proposal.iterations_to_5_percent, "sentence": sentence}
+    outcome = summary("design", cfg, common, design=numbers | result)
+    with run_folder(outcome, common) as folder:
         draw_proposal(folder / "design.png", proposal)
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     report.table(f"Design for {cfg.model}", HEADS, [tuple(numbers.values())])
     report.line(sentence)
-    report.line(f"Results in {folder.path}")
-    report.summary(outcome)
+    report.results(outcome, folder.path)

@@ -1,18 +1,14 @@
 """`armside export`: the equations of a robot as code in another language, or as URDF."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from armside import kinematics
 from armside.kinematics import Limits, Robot
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.summary import summary
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.options import Common, options
-
-if TYPE_CHECKING:
-    from armside.kinematics.equations.program import StraightLineProgram
 
 ROBOTS: dict[str, tuple[Robot, Limits]] = {
     "irb1400": (kinematics.IRB1400, kinematics.IRB1400_LIMITS),
@@ -47,10 +43,9 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
     report = Report(common)
     files, operations = _files(cfg)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
-    with RunFolder("export", seed=common.seed, out=common.out) as folder:
+    with run_folder(outcome, common) as folder:
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     for name in files:
         report.line(str(folder.path / name))
     if operations is not None:
@@ -66,15 +61,9 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
         return {f"{cfg.robot}.urdf": urdf(robot, limits)}, None
     from armside.kinematics.codegen import Language, write
-
-    program = equations(robot, cfg.what)
-    name = f"{cfg.robot}_{program.name}".replace("-", "_")
-    return write(program, Language(cfg.to), name), program.operations
-
-
-def equations(robot: Robot, what: Equations) -> "StraightLineProgram":
-    """The straight-line program of one choice of `--what`."""
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    home = imu_equations if what.startswith("measurement") else forward_kinematics
-    return getattr(home, what.replace("-", "_"))(robot)
+    home = imu_equations if cfg.what.startswith("measurement") else forward_kinematics
+    program = getattr(home, cfg.what.replace("-", "_"))(robot)
+    name = f"{cfg.robot}_{program.name}".replace("-", "_")
+    return write(program, Language(cfg.to), name), program.operations

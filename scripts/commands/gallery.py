@@ -43,11 +43,8 @@ def gallery(
             raise unknown("picture", name, PICTURES)
     chosen = list(names or PICTURES)
     cfg.images.mkdir(parents=True, exist_ok=True)
-    made: dict[str, int] = {}
-    with (
-        tempfile.TemporaryDirectory(prefix="armside-") as folder,
-        report.progress("drawing", total=len(chosen)) as step,
-    ):
+    made, drawing = dict[str, int](), report.progress("drawing", total=len(chosen))
+    with tempfile.TemporaryDirectory(prefix="armside-") as folder, drawing as step:
         run = Path(folder) / "run"
         laser(common=Common(seed=common.seed, out=run, quiet=True))
         for name in chosen:
@@ -55,9 +52,8 @@ def gallery(
             PICTURES[name](run, raw)
             made[name] = shrink(raw, cfg.images / f"{name}.png")
             step()
-    report.table(
-        f"Pictures in {cfg.images}", ["name", "kB"], [(n, size // 1000) for n, size in made.items()]
-    )
+    sizes = [(name, size // 1000) for name, size in made.items()]
+    report.table(f"Pictures in {cfg.images}", ["name", "kB"], sizes)
     outcome = summary("gallery", cfg, common, bytes=made)
     keep(outcome, common)
     report.summary(outcome)

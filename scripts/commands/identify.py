@@ -4,12 +4,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from armside.sim.laser.experiment import prepare
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.summary import summary
 
 from ..cutting.options import LaserCfg
 from ..cutting.specification import cut
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
@@ -40,46 +39,28 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
         found = identified(experiment, arm, coupled=not cfg.uncoupled)
         step()
     outcome = summary("identify", cfg, common, **found)
-    with RunFolder("identify", seed=common.seed, out=common.out) as folder:
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    with run_folder(outcome, common) as folder:
+        pass
     _print(report, outcome)
-    report.line(f"Results in {folder.path}")
-    report.summary(outcome)
+    report.results(outcome, folder.path)
 
 
 def _print(report: Report, outcome: dict[str, Any]) -> None:
-    truth = outcome["truth"]
+    truth, found = outcome["truth"], outcome["parameters"]
     report.table(
         "What one cut tells: logarithms relative to what was believed, clock in s",
         ["parameter", "value", "standard deviation", "told by the data"],
-        [
-            [p["name"], p["value"], p["standard_deviation"], p["told_by_data"]]
-            for p in outcome["parameters"]
-        ],
+        [[p[k] for k in ("name", "value", "standard_deviation", "told_by_data")] for p in found],
     )
+    believed, identified = truth["believed_over_true"], truth["identified_over_true"]
     report.table(
         "Stiffness over that of the true gear (structure in series makes it effective, < 1)",
         ["axis", "believed", "identified"],
-        [
-            [i + 1, believed, identified]
-            for i, (believed, identified) in enumerate(
-                zip(truth["believed_over_true"], truth["identified_over_true"], strict=True)
-            )
-        ],
+        list(zip(range(1, 1 + len(believed)), believed, identified, strict=True)),
     )
-    report.table(
-        "Lowest modes with the motors held [Hz]",
-        ["true", "identified", "believed"],
-        [
-            list(row)
-            for row in zip(
-                truth["locked_modes"],
-                truth["identified_modes"],
-                truth["believed_modes"],
-                strict=True,
-            )
-        ],
-    )
+    modes = zip(*(truth[f"{k}_modes"] for k in ("locked", "identified", "believed")), strict=True)
+    heads = ["true", "identified", "believed"]
+    report.table("Lowest modes with the motors held [Hz]", heads, list(modes))
     offset = outcome["springs"]["clock_offset"]
     report.line(f"Clock offset {1e3 * offset:.2f} ms, true {1e3 * truth['clock_offset']:.2f} ms")
     verdict = "white" if outcome["whiteness"]["is_white"] else "not white"

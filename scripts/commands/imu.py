@@ -19,11 +19,10 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
@@ -71,11 +70,8 @@ class ImuOptions:
 
     def experiment(self) -> ImuExperiment | RestExperiment:
         """Experiment of these options, in SI. Raises ValueError for what is not allowed."""
-        setup: dict[str, Any] = {
-            "robot": self.robot,
-            "flexibility": Flexibility(self.flexibility),
-            "torque_feedforward": self.servo == "feedforward",
-        }
+        setup: dict[str, Any] = {"robot": self.robot, "flexibility": Flexibility(self.flexibility)}
+        setup["torque_feedforward"] = self.servo == "feedforward"
         processing = ProcessingCfg(
             cutoff=self.cutoff,
             order=Order(self.order),
@@ -113,9 +109,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
                 step()
         outcome = summary("imu", cfg, common, **results(done))
         leave, show = partial(shown.write_runs, done), partial(shown.error_tables, done)
-    with RunFolder("imu", seed=common.seed, out=common.out) as folder:
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    with run_folder(outcome, common) as folder:
         leave(folder, outcome["config"])
     show(report)
-    report.line(f"Results in {folder.path}")
-    report.summary(outcome)
+    report.results(outcome, folder.path)

@@ -1,8 +1,6 @@
 """`armside laser`: a robot cuts a contour, ILC improves it, a laser tracker measures it."""
 
-from collections.abc import Callable, Iterable, Iterator
-
-from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import quality, results
@@ -26,27 +24,18 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     with checking_input():
         experiment, set_up = prepared(cfg, common.seed)
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
-        iterations = list(_counted(iterate(experiment, set_up, cfg.iterations), step))
-        repeated = list(_repeated(cfg, experiment, iterations[-1], step))
+        iterations = list[Iteration]()
+        for iteration in iterate(experiment, set_up, cfg.iterations):
+            iterations.append(iteration)
+            step()
+        last, repeated = iterations[-1], list[Pass]()
+        for _ in range(0 if last.diverged else cfg.repetitions):
+            repeated.append(experiment.plant.run(last.correction))
+            step()
     found = results(experiment, iterations) | quality(experiment, iterations, repeated, cfg.beam)
     outcome = summary("laser", cfg, common, **found)
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         write(folder, experiment, iterations, outcome)
     show(report, outcome, folder.path)
     if outcome["status"] == "diverged":
-        raise RunFailed(f"learning diverged at iteration {iterations[-1].k}")
-
-
-def _counted(iterations: Iterable[Iteration], step: Callable[[], None]) -> Iterator[Iteration]:
-    for iteration in iterations:
-        yield iteration
-        step()
-
-
-def _repeated(
-    cfg: LaserCfg, experiment: Experiment, last: Iteration, step: Callable[[], None]
-) -> Iterator[Pass]:
-    """Runs with the last correction; none where learning diverged."""
-    for _ in range(0 if last.diverged else cfg.repetitions):
-        yield experiment.plant.run(last.correction)
-        step()
+        raise RunFailed(f"learning diverged at iteration {last.k}")

@@ -8,12 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
-from armside.sim.evaluation.recorded import (
-    CircleTurn,
-    RecordedMeasures,
-    measure_signals,
-    measure_table,
-)
+from armside.sim.evaluation.recorded import CircleTurn, measure_signals, measure_table
 from armside.sim.records.signals import signals_of
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
@@ -59,14 +54,20 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
     """
     report = Report(common)
     with checking_input():
-        table = read_table(file)
-        if b"armside.config" in (table.schema.metadata or {}):
-            rows = measure_signals(signals_of(table, source=file.name))
+        read = read_table(file)
+        if b"armside.config" in (read.schema.metadata or {}):
+            rows = measure_signals(signals_of(read, source=file.name))
         else:
-            rows = measure_table(table, gears(cfg), turn(cfg))
+            rows = measure_table(read, gears(cfg), turn(cfg))
     outcome = summary("measure", cfg, common, file=file, iterations=rows)
     keep(outcome, common)
-    _print(report, rows)
+    motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
+    table: list[list[Any]] = [
+        [r.k, *(1e3 * float(x) for x in r.motor_inf), 1e6 * r.arm_rms, 1e6 * r.arm_maxdev]
+        for r in rows
+    ]
+    title = "Largest motor error [mrad of the motor shaft], tool deviation [µm]"
+    report.table(title, ["k", *motors, "arm RMS", "arm max"], table)
     report.summary(outcome)
 
 
@@ -79,19 +80,6 @@ def turn(cfg: MeasureCfg) -> CircleTurn | None:
     """Circle of the options in SI units, or None without a radius."""
     if cfg.radius is None:
         return None
-    return CircleTurn(
-        radius=1e-3 * cfg.radius,
-        start=-np.inf if cfg.start is None else cfg.start,
-        end=np.inf if cfg.end is None else cfg.end,
-        normal=cfg.normal,
-    )
-
-
-def _print(report: Report, rows: list[RecordedMeasures]) -> None:
-    motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
-    table: list[list[Any]] = [
-        [r.k, *(1e3 * float(x) for x in r.motor_inf), 1e6 * r.arm_rms, 1e6 * r.arm_maxdev]
-        for r in rows
-    ]
-    title = "Largest motor error [mrad of the motor shaft], tool deviation [µm]"
-    report.table(title, ["k", *motors, "arm RMS", "arm max"], table)
+    start = -np.inf if cfg.start is None else cfg.start
+    end = np.inf if cfg.end is None else cfg.end
+    return CircleTurn(radius=1e-3 * cfg.radius, start=start, end=end, normal=cfg.normal)

@@ -1,12 +1,11 @@
 """`armside replay`: robot, magnified tool path, motor and arm side of a run."""
 
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.records import StoredRun, read_run
@@ -39,15 +38,12 @@ class ReplayCfg:
     """Let the viewer send usage statistics to its makers, as their settings say."""
 
     def __post_init__(self) -> None:
-        if self.magnification is not None and not (
-            np.isfinite(self.magnification) and self.magnification > 0.0
-        ):
+        if self.magnification is not None and not 0.0 < self.magnification < inf:
             raise ValueError(f"magnification must be > 0, got {self.magnification:g}")
         if not 0 <= self.port <= 65535:
             raise ValueError(f"port must be in [0, 65535], got {self.port}")
         for name, suffix in (("save", ".rrd"), ("png", ".png"), ("video", "")):
-            file = getattr(self, name)
-            if file is None:
+            if (file := getattr(self, name)) is None:
                 continue
             if suffix and file.suffix.lower() != suffix:
                 raise ValueError(f"{name} takes a file that ends with {suffix}, got {file.name}")
@@ -56,31 +52,33 @@ class ReplayCfg:
             if file.is_dir():
                 raise ValueError(f"{file} is a folder")
 
-    @property
-    def shows(self) -> bool:
-        """A viewer is wanted, rather than files alone."""
-        return self.web or (self.save is None and self.png is None and self.video is None)
+
+Runs = Annotated[Path, Parameter(help="Folders of runs; several are shown side by side.")]
 
 
-def replay(
-    *runs: Annotated[Path, Parameter(help="Folders of runs; several are shown side by side.")],
-    cfg: ReplayCfg = ReplayCfg(),
-    common: Common = Common(),
-) -> None:
+def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common()) -> None:
     """Watch runs in the Rerun viewer, or write a replay, a picture or a film of them."""
-    report = Report(common)
-    stored = _opened(runs, cfg)
-    if cfg.save is not None or cfg.shows:
+    report, stored = Report(common), _opened(runs, cfg)
+    written = [file for file in (cfg.save, cfg.png, cfg.video) if file is not None]
+    if cfg.web or cfg.save is not None or not written:
         _write_and_show(stored, cfg, report)
     if cfg.png is not None or cfg.video is not None:
-        _draw(stored[0], cfg, report)
-    written = [file for file in (cfg.save, cfg.png, cfg.video) if file is not None]
+        from armside.sim.replay import film
+
+        shots = film.stored_shots(stored[0])
+        if cfg.png is not None:
+            film.picture(cfg.png, shots, cfg.magnification)
+            report.line(f"Picture in {cfg.png}")
+        if cfg.video is not None:
+            with report.progress("drawing", total=film.n_images(shots)) as step:
+                film.film(cfg.video, shots, cfg.magnification, step)
+            report.line(f"Film in {cfg.video}")
     outcome = summary("replay", cfg, common, runs=list(runs), written=written)
     keep(outcome, common)
     report.summary(outcome)
 
 
-def _opened(runs: Sequence[Path], cfg: ReplayCfg) -> list[StoredRun]:
+def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     """Runs of the folders, with all input checked before anything is written or shown."""
     if not runs:
         raise InputError(
@@ -89,22 +87,23 @@ def _opened(runs: Sequence[Path], cfg: ReplayCfg) -> list[StoredRun]:
     if len({run.resolve() for run in runs}) < len(runs):
         raise InputError("a folder was given twice")
     stored = [read_run(run) for run in runs]
-    if len(stored) > 1 and (other := [r for r in stored if r.experiment != "laser"]):
-        raise InputError(f"only laser runs are shown side by side; {other[0].folder} is another")
+    others = [run for run in stored if run.experiment != "laser"]
+    if len(stored) > 1 and others:
+        raise InputError(f"only laser runs are shown side by side; {others[0].folder} is another")
     if cfg.video is not None:
         from armside.sim.replay.film import check_film
 
         check_film(cfg.video)
     if len(stored) > 1 and (cfg.png or cfg.video):
         raise InputError("--png and --video take one run")
-    if stored[0].experiment != "laser" and cfg.magnification is not None:
+    if others and cfg.magnification is not None:
         raise InputError("--magnification is for laser runs: others have no path to deviate from")
-    if cfg.shows and not cfg.web:
+    if not (cfg.web or cfg.save or cfg.png or cfg.video):
         check_display("use --web for a browser, or --save, --png, --video for files")
     return stored
 
 
-def _write_and_show(stored: Sequence[StoredRun], cfg: ReplayCfg, report: Report) -> None:
+def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> None:
     """Write the replay, into a temporary file where it is only shown."""
     from armside.sim.replay.run_scene import write_stored
 
@@ -117,19 +116,5 @@ def _write_and_show(stored: Sequence[StoredRun], cfg: ReplayCfg, report: Report)
             from ..viewers.web_viewer import serve
 
             serve(file, report.line, port=cfg.port, telemetry=cfg.telemetry)
-        elif cfg.shows:
+        elif cfg.save is None:
             show(file, cfg.telemetry)
-
-
-def _draw(run: StoredRun, cfg: ReplayCfg, report: Report) -> None:
-    """Write picture and film."""
-    from armside.sim.replay import film
-
-    shots = film.stored_shots(run)
-    if cfg.png is not None:
-        film.picture(cfg.png, shots, cfg.magnification)
-        report.line(f"Picture in {cfg.png}")
-    if cfg.video is not None:
-        with report.progress("drawing", total=film.n_images(shots)) as step:
-            film.film(cfg.video, shots, cfg.magnification, step)
-        report.line(f"Film in {cfg.video}")

@@ -40,12 +40,8 @@ class ReportOptions(Common):
     runs/report]."""
 
 
-Ids = Annotated[
-    str,
-    Parameter(
-        help="Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]."
-    ),
-]
+_IDS = "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]."
+Ids = Annotated[str, Parameter(help=_IDS)]
 
 
 def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
@@ -64,6 +60,7 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
     jobs = missing(wanted, store)
     n_known = len({store.file(job) for job in wanted}) - len(jobs)
     config = summary("reproduce", {"ids": list(parts)}, common)["config"]
+    versions = {program: str(number) for program, number in config["versions"].items()}
     folder.begin(config)
     total = sum(job.cost for job in jobs) + DRAWING * len(parts)
     try:
@@ -75,7 +72,8 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
                 run_batch(missing(later, store), store, workers=workers)
             for name, part in parts.items():
                 section = part.draw(store.load, folder.figures)
-                folder.keep(replace(section, id=name, made_with=_made_with(name, config)))
+                call = f"`armside reproduce {name} --seed {config['seed']}`"
+                folder.keep(replace(section, id=name, made_with={"Made by": call} | versions))
                 step(DRAWING)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
@@ -86,11 +84,6 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
     _print(report, [section for section in sections if section.id in parts])
     report.line(f"{len(jobs)} experiments run, {n_known} known from before.")
     report.line(f"Report in {folder.path / 'report.html'}")
-
-
-def _made_with(name: str, config: dict[str, Any]) -> dict[str, str]:
-    versions = {program: str(number) for program, number in config["versions"].items()}
-    return {"Made by": f"`armside reproduce {name} --seed {config['seed']}`"} | versions
 
 
 def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str, Any]) -> None:

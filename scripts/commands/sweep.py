@@ -2,7 +2,6 @@
 
 import hashlib
 import sys
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from cyclopts import Parameter
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import summary
 
-from ..jobs.blocks import FAILED, Blocks
+from ..jobs.blocks import FAILED
 from ..jobs.cluster import RayCluster
 from ..jobs.dataset import dataset, first_error
 from ..jobs.grid import parse
@@ -75,33 +74,27 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
         keys = [point.key for point in points]
         name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
         rows = dataset(cfg.into or RUNS / f"sweep-{name}")
+        how = {} if common.quiet else {"waiting": _say_waiting}
         try:
             with report.progress("sweeping", total=len(points)) as step:
-                counts = run_grid(
-                    points,
-                    rows,
-                    engine,
-                    step,
-                    retry_failed=cfg.retry_failed,
-                    waiting=(lambda n: None) if common.quiet else _say_waiting,
-                )
+                counts = run_grid(points, rows, engine, step, retry_failed=cfg.retry_failed, **how)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(keys, rows)) from None
+            kept = len(rows.keys() & set(keys))
+            said = f"interrupted; {kept} of {len(keys)} configurations are kept in {rows.folder}"
+            again = f"{said}, repeat the command to go on"
+            raise KeyboardInterrupt(again if kept else "") from None
     # None too where another sweep has meanwhile run all that failed again.
     n_failed = counts[FAILED] + counts[KNOWN_FAILED]
     error = first_error(rows, keys) if n_failed else None
+    asked = {"axes": list(axes), "into": rows.folder, "engine": cfg.engine}
+    status, outcomes = "done" if error is None else "failed", dict(sorted(counts.items()))
     outcome = summary(
-        "sweep",
-        {"axes": list(axes), "into": rows.folder, "engine": cfg.engine},
-        common,
-        status="done" if error is None else "failed",
-        configurations=len(points),
-        outcomes=dict(sorted(counts.items())),
+        "sweep", asked, common, status=status, configurations=len(points), outcomes=outcomes
     )
     keep(outcome, common)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
-    counted = ", ".join(f"{n} {status}" for status, n in sorted(counts.items()))
+    counted = ", ".join(f"{n} {status}" for status, n in outcomes.items())
     report.line(f"{len(points)} configurations: {counted}")
     report.line(f"Results in {rows.folder}/part-*.parquet")
     report.summary(outcome)
@@ -113,12 +106,5 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
 
 
 def _say_waiting(n: int) -> None:
-    said = f"armside: waiting for {n} configurations that another sweep has claimed"
-    print(said, file=sys.stderr, flush=True)
-
-
-def _interrupted(keys: Sequence[str], rows: Blocks) -> str:
-    """The message at the end of a sweep that was stopped; empty if nothing is kept."""
-    kept = len(rows.keys() & set(keys))
-    said = f"interrupted; {kept} of {len(keys)} configurations are kept in {rows.folder}"
-    return f"{said}, repeat the command to go on" if kept else ""
+    waiting = f"armside: waiting for {n} configurations that another sweep has claimed"
+    print(waiting, file=sys.stderr, flush=True)

@@ -4,19 +4,18 @@ Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a s
 `armside.sim.tuning.policy` runs with NumPy alone.
 """
 
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.run_folder import RUNS, check_writable
+from armside.sim.records.summary import summary
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
@@ -73,45 +72,27 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         check_writable(common.out or RUNS / "train")
         with needs("learn", "armside train", "Stable-Baselines3"):
             from ..studies import ppo
-        env = IlcTuningVectorEnv(
-            cfg.robots,
-            robot=cfg.robot,
-            motors=cfg.motors,
-            reward=cfg.reward,
-            autoreset_mode="SameStep",
-        )
+        task: dict[str, Any] = {"robot": cfg.robot, "motors": cfg.motors, "reward": cfg.reward}
+        env = IlcTuningVectorEnv(cfg.robots, **task, autoreset_mode="SameStep")
     steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
-    with (
-        noticing(lambda: "") as stop,
-        closing(env),
-        report.progress("learning", total=steps) as step,
-    ):
+    start = first_action(cfg.start, Motors(cfg.motors))
+    learning = report.progress("learning", total=steps)
+    with noticing(lambda: "") as stop, closing(env), learning as step:
 
         def done() -> None:
             step()
             stop.check()
 
         network, curve = ppo.learn(
-            env,
-            steps,
-            start=first_action(cfg.start, Motors(cfg.motors)),
-            seed=common.seed,
-            discount=DISCOUNT,
-            done=done,
+            env, steps, start=start, seed=common.seed, discount=DISCOUNT, done=done
         )
     outcome = summary("train", cfg, common, steps=steps, curve=curve)
-    with RunFolder("train", seed=common.seed, out=common.out) as folder:
+    with run_folder(outcome, common) as folder:
         network.save(folder / "policy.npz")
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-    _print(report, curve, folder.path)
-    report.summary(outcome)
-
-
-def _print(report: Report, curve: Sequence[dict[str, Any]], path: Path) -> None:
     shown = curve[:: max(1, len(curve) // 12)]
     report.table(
         "Return of an episode: log of the tool's RMS before learning over that after",
         ["steps", "mean", "diverged [%]"],
         [[row["steps"], row["mean_return"], 100.0 * row["diverged"]] for row in shown],
     )
-    report.line(f"Results in {path}")
+    report.results(outcome, folder.path)

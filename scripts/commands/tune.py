@@ -1,18 +1,17 @@
 """`armside tune`: search the design of the learning law, alone or with other machines."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from armside.sim.laser.design import THESIS
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.run_folder import RUNS, check_writable
+from armside.sim.records.summary import summary
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import Objective, prepare
 from armside.sim.tuning.sensor import RewardSensor
 
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
@@ -44,14 +43,8 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         check_writable(common.out or RUNS / "tune")
         seeds = range(common.seed, common.seed + cfg.episodes)
         episodes = prepare(cfg.rules, seeds, cfg.fixed)
-        study = studies.open_study(
-            cfg.storage,
-            str(cfg.study),
-            cfg.identity(common.seed),
-            sampler=cfg.sampler,
-            pruner=cfg.pruner,
-            seed=common.seed,
-        )
+        how: Any = {"sampler": cfg.sampler, "pruner": cfg.pruner, "seed": common.seed}
+        study = studies.open_study(cfg.storage, str(cfg.study), cfg.identity(common.seed), **how)
     with (
         noticing(lambda: _kept(study, cfg)) as stop,
         using(cfg.storage),
@@ -70,11 +63,12 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         outcomes, found = studies.outcomes(study), studies.results(study)
     outcome = summary("tune", replace(cfg, storage=redacted(cfg.storage)), common, **found)
     if not outcome["bests"]:
-        raise RunFailed(_without_result(outcomes))
-    with RunFolder("tune", seed=common.seed, out=common.out) as folder:
+        n = sum(outcome.complete for outcome in outcomes)
+        all_diverged = f"all {n} designs that were tried to the end diverged"
+        raise RunFailed(all_diverged if n else "no design was tried to the end")
+    with run_folder(outcome, common) as folder:
         from ..figures import tuning as figures
 
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         figures.history(folder / "history.png", outcomes, sensor=sensor.label)
         if outcome["importance"]:
             figures.importance(folder / "importance.png", outcome["importance"])
@@ -89,10 +83,3 @@ def _kept(study: "optuna.Study", cfg: TuneCfg) -> str:
         return ""
     where = f"study {cfg.study!r} of {redacted(cfg.storage)!r}"
     return f"interrupted; finished trials kept in {where}: {kept}. Repeat the command to go on"
-
-
-def _without_result(outcomes: Sequence[studies.Outcome]) -> str:
-    complete = sum(outcome.complete for outcome in outcomes)
-    if not complete:
-        return "no design was tried to the end"
-    return f"all {complete} designs that were tried to the end diverged"

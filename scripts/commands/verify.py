@@ -3,7 +3,7 @@
 The test suite calls the function of a claim with one or two seeds; this command with all of them.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -44,24 +44,17 @@ def verify(name: Name, /, *, cfg: VerifyCfg = VerifyCfg(), common: Common = Comm
     if name not in CLAIMS:
         raise unknown("claim", name, CLAIMS)
     n_seeds = cfg.seeds or CLAIMS[name].n_seeds
-    seeds = range(common.seed, common.seed + n_seeds)
     report = Report(common)
     with report.progress(f"verifying {name}", total=n_seeds) as step:
-        table = CLAIMS[name].load()(_Counted(seeds, step))
+        counted = _Counted(range(common.seed, common.seed + n_seeds))
+        counted.step = step
+        table = CLAIMS[name].load()(counted)
     verdicts = [(verdict.statement, verdict.holds) for verdict in table.verdicts]
     failed = [statement for statement, holds in verdicts if not holds]
-    outcome = summary(
-        "verify",
-        {"name": name, "seeds": n_seeds, "docs": cfg.docs},
-        common,
-        status="failed" if failed else "done",
-        table={
-            "title": table.title,
-            "columns": table.columns,
-            "rows": table.rows,
-            "verdicts": verdicts,
-        },
-    )
+    config = {"name": name, "seeds": n_seeds, "docs": cfg.docs}
+    shown = {name: getattr(table, name) for name in ("title", "columns", "rows")}
+    shown["verdicts"], status = verdicts, "failed" if failed else "done"
+    outcome = summary("verify", config, common, status=status, table=shown)
     cfg.docs.mkdir(parents=True, exist_ok=True)
     command = f"armside verify {name} --seeds {n_seeds} --seed {common.seed}"
     page = claim_page(table, command, outcome["config"]["versions"])
@@ -77,16 +70,11 @@ def verify(name: Name, /, *, cfg: VerifyCfg = VerifyCfg(), common: Common = Comm
 
 
 class _Counted(tuple[int, ...]):
-    """Seeds that count themselves done as they are iterated."""
+    """Seeds that count themselves done, by `step`, as they are iterated."""
 
-    _step: Callable[[], None]
-
-    def __new__(cls, seeds: Sequence[int], step: Callable[[], None]) -> "_Counted":
-        self = super().__new__(cls, seeds)
-        self._step = step
-        return self
+    step: Callable[[], None]
 
     def __iter__(self) -> Iterator[int]:
         for seed in super().__iter__():
             yield seed
-            self._step()
+            self.step()

@@ -49,8 +49,7 @@ def posable(cfg: ViewCfg) -> mujoco.MjModel:
     The drives of the asset need the torques of a controller, which the viewer has not. The springs
     between motors and links stay as they are.
 
-    Raises:
-        ValueError: the file is no model, or has no joints motor_1, motor_2 ...
+    Raises ValueError where the file is no model, or has no joints motor_1, motor_2 ...
     """
     source = cfg.model or CELLS[cfg.robot].xml
     if not source.is_file():
@@ -85,6 +84,5 @@ def _inertia(spec: mujoco.MjSpec) -> dict[str, float]:
 
 def hold(mj: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Set every slider to the angle of its motor."""
-    data.ctrl[:] = np.clip(
-        data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]], *mj.actuator_ctrlrange.T
-    )
+    angles = data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]]
+    data.ctrl[:] = np.clip(angles, *mj.actuator_ctrlrange.T)

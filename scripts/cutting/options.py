@@ -21,8 +21,6 @@ SMALLEST_RADIUS = 0.1
 """[mm]; a smaller one is below what a robot of this size resolves."""
 SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
-
-
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 
@@ -106,13 +104,9 @@ class LaserCfg:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
-        for name, smallest in (
-            ("radius", SMALLEST_RADIUS),
-            ("size", 2.0 * SMALLEST_RADIUS),
-            ("width", 2.0 * SMALLEST_RADIUS),
-            ("corner", SMALLEST_RADIUS),
-            ("beam", SMALLEST_BEAM),
-        ):
+        smallest_of = dict.fromkeys(("radius", "size", "width", "corner"), SMALLEST_RADIUS)
+        smallest_of |= dict.fromkeys(("size", "width"), 2.0 * SMALLEST_RADIUS)
+        for name, smallest in (smallest_of | {"beam": SMALLEST_BEAM}).items():
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= smallest):
                 raise ValueError(f"{name} must be >= {smallest:g} mm, got {value:g}")
@@ -129,9 +123,9 @@ class LaserCfg:
         if not self.path_acceleration > 0.0:
             raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
         for name in ("gamma", "delta", "cutoff"):
-            if len(getattr(self, name)) not in (1, 6):
-                raise ValueError(f"{name} takes one value or six, got {len(getattr(self, name))}")
-            if not motor and len(getattr(self, name)) > 1:
+            if (n := len(getattr(self, name))) not in (1, 6):
+                raise ValueError(f"{name} takes one value or six, got {n}")
+            if not motor and n > 1:
                 raise ValueError(f"{name} takes one value with --measure {self.measure}")
         if motor and self.law not in ("auto", "heuristic"):
             raise ValueError(f"law {self.law} needs --measure estimate or tracker")

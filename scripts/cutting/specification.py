@@ -1,7 +1,6 @@
 """Specification of a cut and of its measure, in SI, from the options of `armside laser`."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,12 +24,8 @@ SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}
 """[mm], where none is given."""
 CORNER = 0.15
 """Corner radius over size: 40 mm/s around a corner of 3 mm is below what the planner allows."""
-_OWN = {
-    "circle": ("radius",),
-    "square": ("size", "corner"),
-    "slot": ("size", "width"),
-    "hexagon": ("size", "corner"),
-}
+_POLYGON = ("size", "corner")
+_OWN = {"circle": ("radius",), "square": _POLYGON, "slot": ("size", "width"), "hexagon": _POLYGON}
 _NOT_GIVEN = {"radius": RADIUS, "size": None, "width": None, "corner": None}
 
 
@@ -47,17 +42,11 @@ def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
 
 
 def cut(cfg: LaserCfg) -> Cut:
-    """The cut of the options.
-
-    Raises:
-        ValueError: an unknown pose, or options that do not go together.
-    """
+    """The cut of the options. Raises ValueError for an unknown pose or options that misfit."""
     curve = contour(cfg)
     if 0.5 * cfg.beam * MM >= curve.smallest_radius:
-        raise ValueError(
-            f"a beam of {cfg.beam:g} mm is too wide for bends with a radius of "
-            f"{curve.smallest_radius / MM:g} mm"
-        )
+        bends = f"bends with a radius of {curve.smallest_radius / MM:g} mm"
+        raise ValueError(f"a beam of {cfg.beam:g} mm is too wide for {bends}")
     return Cut(
         robot=cfg.robot,
         model=cfg.model,
@@ -77,8 +66,7 @@ def cut(cfg: LaserCfg) -> Cut:
 def measure(cfg: LaserCfg) -> Measure:
     """The measured output of the options, with its law.
 
-    Raises:
-        InputError: the folder of an identification holds none, or one of another place.
+    Raises InputError where the folder of an identification holds none, or one of another place.
     """
     if cfg.measure == "motor":
         return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
@@ -88,14 +76,11 @@ def measure(cfg: LaserCfg) -> Measure:
     from armside.sim.laser.tool_path import Source, ToolPath
 
     place = {name: getattr(cfg, name) for name in ("pose", "position", "quaternion")}
+    kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
+    (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
     return ToolPath(
         source=Source(cfg.measure),
-        law=ToolLaw(
-            kind=ToolLawKind("inverse" if cfg.law == "auto" else cfg.law),
-            gamma=cfg.gamma[0],
-            delta=cfg.delta[0],
-            cutoff=cfg.cutoff[0],
-        ),
+        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff),
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
         stiffness_error=cfg.stiffness_error * 1e-2,
         springs=read_springs(cfg.identification, place) if cfg.identification else None,
@@ -106,7 +91,12 @@ def contour(cfg: LaserCfg) -> ClosedCurve:
     """Contour of the options. Raises ValueError for sizes that the shape lacks, or that misfit."""
     mm = dimensions(cfg)
     if cfg.contour is not None:
-        return _from_file(cfg.contour, mm.get("corner"))
+        from armside.sim.cut.contour_file import read_contour
+
+        try:
+            return read_contour(cfg.contour, mm["corner"] * MM if "corner" in mm else None)
+        except ImportError as error:
+            raise ValueError(str(error)) from error
     if cfg.shape == "circle":
         return Circle(mm["radius"] * MM)
     size = mm["size"]
@@ -117,9 +107,8 @@ def contour(cfg: LaserCfg) -> ClosedCurve:
         return slot(size * MM, width * MM)
     corner = mm["corner"]
     if corner > size / 2.0:
-        raise ValueError(
-            f"corner must be at most half of the {cfg.shape}'s {size:g} mm, got {corner:g} mm"
-        )
+        half = f"half of the {cfg.shape}'s {size:g} mm"
+        raise ValueError(f"corner must be at most {half}, got {corner:g} mm")
     return {"square": square, "hexagon": hexagon}[cfg.shape](size * MM, corner * MM)
 
 
@@ -139,15 +128,6 @@ def dimensions(cfg: LaserCfg) -> dict[str, float]:
     size = given.get("size", SIZES[cfg.shape])
     derived = {"width": size / 3.0} if cfg.shape == "slot" else {"corner": CORNER * size}
     return {"size": size} | derived | given
-
-
-def _from_file(file: Path, corner: float | None) -> ClosedCurve:
-    from armside.sim.cut.contour_file import read_contour
-
-    try:
-        return read_contour(file, None if corner is None else corner * MM)
-    except ImportError as error:
-        raise ValueError(str(error)) from error
 
 
 def tool_pose(cfg: LaserCfg) -> ToolPose:

@@ -1,4 +1,4 @@
-"""Figures of learning on the arm side, from arrays alone."""
+"""Figures, table and replay of `armside compare`."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -6,30 +6,47 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.sim.cell import LARGE_CELL
+from armside.sim.laser.comparison import Case, rms
+from armside.sim.laser.experiment import Iteration
 
 from .laser import COLORS, MARKERS, new_figure, save
 
 NAMES = ("motor", "estimate", "tracker", "oracle")
+Learned = Mapping[str, list[Iteration]]
+"""Iterations by measured output."""
+TITLE = "Arm RMS (9.6) [µm] before learning, after five updates and at the end"
+COLUMNS = ("pose", "speed [mm/s]", "learned from", "k = 0", "k = 5", "last", "last / k = 0")
 
 
-def learned(
-    file: Path, titles: Sequence[str], curves: Sequence[Mapping[str, Array]], n_columns: int
-) -> None:
+def table(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
+    """Rows of the table with these columns, from the comparisons of summary.json."""
+    found: list[list[Any]] = []
+    for row in rows:
+        rms, end = row["arm_rms"], " (diverged)" if row["diverged"] else ""
+        microns = [1e6 * rms[k] for k in (0, min(5, len(rms) - 1), -1)]
+        place = [row["pose"], 1e3 * row["reached_speed"], row["measure"] + end]
+        found.append([*place, *microns, rms[-1] / rms[0]])
+    return found
+
+
+def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None:
     """Arm RMS [m] over iterations, a panel per cut, a curve per measure; logarithmic."""
-    n_rows = -(-len(curves) // n_columns)
+    n_columns = len({case.cut.pose for case in cases})
+    n_rows = -(-len(cases) // n_columns)
     width, height = 3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6
     figure = new_figure(width, height)
     panels = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(left=0.75 / width, right=0.985, wspace=0.08)
     figure.subplots_adjust(bottom=0.55 / height, top=1.0 - 0.55 / height, hspace=0.22)
-    for axes, title, of in zip(panels.flat, titles, curves, strict=False):
-        for name, values in of.items():
+    for axes, case, of in zip(panels.flat, cases, found, strict=False):
+        for name, iterations in of.items():
             i = NAMES.index(name)
             style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
-            axes.plot(np.arange(len(values)), values * 1e6, ms=4, lw=1.2, **style)
+            axes.plot(np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
         axes.set_yscale("log")
-        axes.set_title(title, loc="left", fontsize=9)
+        speed = 1e3 * case.experiment().motion.reached_speed
+        axes.set_title(f"{case.cut.pose}, {speed:.0f} mm/s", loc="left", fontsize=9)
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
     for axes in panels[-1]:
         axes.set_xlabel("iteration k")
@@ -58,3 +75,18 @@ def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
     axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
     axes.legend(frameon=False, fontsize=8)
     save(figure, file)
+
+
+def write_replay(file: Path, case: Case, found: Learned) -> None:
+    """The first run, then the last of each measured output, as k = 0 .. 4."""
+    from armside.sim.records.signals import RecordedRun
+    from armside.sim.replay.scene import Scene, write_scenes
+
+    experiment = case.experiment()
+    shown = [found["motor"][0], *(iterations[-1] for iterations in found.values())]
+    runs = [
+        RecordedRun(k=k, recording=it.run.recording, tracker=it.run.tracker)
+        for k, it in enumerate(shown)
+    ]
+    mj, motion = experiment.loaded.model.mj, experiment.motion
+    write_scenes(file, [Scene(mj=mj, runs=runs, motion=motion, robot=LARGE_CELL.robot)])

@@ -43,12 +43,11 @@ def run_batch(
     ).complete(by_key)
     if not failed:
         return
-    finished = f"{len(jobs) - len(failed)} of {len(jobs)} experiments finished"
-    where = f"{finished} and are kept in {store.folder.parent}"
-    key, error = next(iter(failed.items()))
+    n, n_failed, (key, error) = len(jobs), len(failed), next(iter(failed.items()))
+    where = f"{n - n_failed} of {n} experiments finished and are kept in {store.folder.parent}"
     if isinstance(error, WorkerDied):
         raise RunFailed(f"{error}; {where}") from error
     raise RunFailed(
-        f"{len(failed)} of {len(jobs)} experiments failed, the first with "
+        f"{n_failed} of {n} experiments failed, the first with "
         f"{type(error).__name__}: {one_line(error)} ({by_key[key]}); {where}"
     ) from error

@@ -15,6 +15,7 @@ import fcntl
 import json
 import os
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,16 +45,12 @@ class Blocks:
     """A damaged part counts as empty: its rows are computed again."""
 
     def name(self, key: str) -> str:
-        """The block that a key belongs to."""
+        """Name of a key's block."""
         return key[: self.digits]
 
     def part(self, name: str) -> Path:
         """The file of a finished block."""
         return self.folder / f"part-{name}.parquet"
-
-    def journal(self, name: str) -> Path:
-        """The file of a block's rows that are not in its part yet."""
-        return self.folder / ".journal" / f"{name}.jsonl"
 
     def read(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Rows of all parts, sorted by key; all columns if None.
@@ -64,7 +61,7 @@ class Blocks:
         parts = sorted(self.folder.glob("part-*.parquet"))
         if not parts:
             return self.schema.empty_table().select(wanted)
-        tables = [pq.read_table(part, columns=wanted) for part in parts]
+        tables = (pq.read_table(part, columns=wanted) for part in parts)
         return pa.concat_tables(tables, promote_options="default")
 
     def keys(self) -> set[str]:
@@ -86,31 +83,21 @@ class Blocks:
         """
         locks = self.folder / ".locks"
         locks.mkdir(parents=True, exist_ok=True)
-        lock = os.open(locks / name, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            if self._locked(lock):
-                return Block(self, name, lock, retry_failed=retry_failed)
-        except BaseException:
-            os.close(lock)
-            raise
-        os.close(lock)
-        return None
-
-    def _locked(self, lock: int) -> bool:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        except OSError as error:
-            raise RunFailed(
-                f"{self.folder} is on a file system without locks (flock: {error.strerror}); "
-                "give a folder on another one"
-            ) from error
-        return True
-
-    def line(self, row: Row) -> bytes:
-        """A row as a line of a journal."""
-        return json.dumps(row, default=lambda value: base64.b64encode(value).decode()).encode()
+        with ExitStack() as closing:
+            lock = os.open(locks / name, os.O_RDWR | os.O_CREAT, 0o644)
+            closing.callback(os.close, lock)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return None
+            except OSError as error:
+                raise RunFailed(
+                    f"{self.folder} is on a file system without locks (flock: {error.strerror}); "
+                    "give a folder on another one"
+                ) from error
+            block = Block(self, name, lock, retry_failed=retry_failed)
+            closing.pop_all()
+            return block
 
     def lines(self, content: bytes) -> Iterator[Row]:
         """Rows of a journal but for one that is still being written."""
@@ -127,7 +114,8 @@ class Block:
         """lock: descriptor of the lock that this process holds. Raises as `Blocks.claim`."""
         self.name = name
         self._blocks, self._lock = blocks, lock
-        self._part, self._journal = blocks.part(name), blocks.journal(name)
+        self._part = blocks.part(name)
+        self._journal = blocks.folder / ".journal" / f"{name}.jsonl"
         for leftover in blocks.folder.glob(f".{self._part.name}.*.partial"):
             leftover.unlink()
         self._rows = {row["key"]: row for row in self._stored()}
@@ -149,7 +137,8 @@ class Block:
         if self._open is None:
             self._journal.parent.mkdir(exist_ok=True)
             self._open = open(self._journal, "ab")  # noqa: SIM115 - closed by close
-        self._open.write(self._blocks.line(row) + b"\n")
+        line = json.dumps(row, default=lambda value: base64.b64encode(value).decode())
+        self._open.write(line.encode() + b"\n")
         self._open.flush()
 
     def close(self) -> None:
@@ -183,8 +172,7 @@ class Block:
         """Rows of the journal that a dead process left. What follows the last whole line was being
         written when it died, and is cut off: only the block's owner may do that."""
         left = content(self._journal)
-        whole = left.rfind(b"\n") + 1
-        if whole < len(left):
+        if (whole := left.rfind(b"\n") + 1) < len(left):
             os.truncate(self._journal, whole)
         return list(self._blocks.lines(left))
 

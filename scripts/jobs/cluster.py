@@ -43,13 +43,14 @@ class RayCluster:
 
     def collect(self) -> list[tuple[Any, Any]]:
         done, _ = self._ray.wait(list(self._running), num_returns=1)
-        return [(self._running.pop(reference), self._outcome(reference)) for reference in done]
-
-    def _outcome(self, reference: Any) -> Any:
-        try:
-            return self._ray.get(reference)
-        except self._ray.exceptions.RayError as error:
-            return error
+        outcomes: list[tuple[Any, Any]] = []
+        for reference in done:
+            try:
+                outcome = self._ray.get(reference)
+            except self._ray.exceptions.RayError as error:
+                outcome = error
+            outcomes.append((self._running.pop(reference), outcome))
+        return outcomes
 
     def close(self) -> None:
         self._ray.shutdown()

@@ -24,21 +24,18 @@ def schema() -> pa.Schema:
     """Key, outcome, the options of `armside laser`, and a list over the runs for each measure."""
     hints = get_type_hints(LaserCfg, include_extras=False)
     options = [(f.name, _arrow(hints[f.name])) for f in fields(LaserCfg)]
-    return pa.schema(
-        [
-            ("key", pa.string()),
-            ("status", pa.string()),
-            ("error", pa.string()),
-            ("seed", pa.int64()),
-            *options,
-            ("reached_speed", pa.float64()),
-            ("limits_hit", pa.int64()),
-            *((name, pa.list_(pa.float64())) for name in _PER_RUN),
-            *((name, pa.list_(pa.list_(pa.float64()))) for name in _PER_MOTOR),
-            ("version", pa.string()),
-            ("code", pa.string()),
-        ]
-    )
+    numbers = pa.list_(pa.float64())
+    columns = [
+        *((name, pa.string()) for name in ("key", "status", "error")),
+        ("seed", pa.int64()),
+        *options,
+        ("reached_speed", pa.float64()),
+        ("limits_hit", pa.int64()),
+        *((name, numbers) for name in _PER_RUN),
+        *((name, pa.list_(numbers)) for name in _PER_MOTOR),
+        *((name, pa.string()) for name in ("version", "code")),
+    ]
+    return pa.schema(columns)
 
 
 def measures(results: Mapping[str, Any]) -> Row:

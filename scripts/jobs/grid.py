@@ -60,9 +60,8 @@ class Grid:
 def parse(words: Sequence[str], seed: int) -> Grid:
     """A grid from the words of a command line; `seed` where no axis gives any.
 
-    Raises:
-        InputError: an axis that is no option of `armside laser`, is there twice or has a value
-            that the option does not take, alone or beside any of the other axes' values.
+    Raises InputError for an axis that is no option of `armside laser`, is there twice or has a
+    value that the option does not take, alone or beside any of the other axes' values.
     """
     axes: dict[str, Sequence[Any]] = {}
     written: dict[Item, str] = {}
@@ -89,10 +88,9 @@ def _values(name: str, text: str) -> dict[Any, str]:
     """The values of an axis, each with how it was written."""
     hint = _when_given(TYPES[name])
     numbers = {int, float} & {hint, *get_args(hint)}
-    spanned = _RANGE.fullmatch(text) if numbers else None
-    words = (
-        [str(i) for i in range(int(spanned[1]), int(spanned[2]))] if spanned else text.split(",")
-    )
+    words = text.split(",")
+    if numbers and (spanned := _RANGE.fullmatch(text)):
+        words = [str(i) for i in range(int(spanned[1]), int(spanned[2]))]
     values: dict[Any, str] = {}
     for word in map(str.strip, words):
         value = _value(name, word)
@@ -111,16 +109,14 @@ def _value(name: str, word: str) -> Any:
         if several:
             return ()
         raise InputError(f"{name} has an empty value")
-    option = f"--{name.replace('_', '-')}"
-    parts = word.split("/") if several else [word]
+    option, parts = f"--{name.replace('_', '-')}", word.split("/") if several else [word]
     try:
         value = read_value(TYPES[name], [Token(keyword=option, value=part) for part in parts])
         if name == SEED:
             Common(seed=value)
-    except CycloptsError as error:
-        error.verbose = False
-        raise InputError(f"{name}={word}: {one_line(error)}") from error
-    except ValueError as error:
+    except (CycloptsError, ValueError) as error:
+        if isinstance(error, CycloptsError):
+            error.verbose = False
         raise InputError(f"{name}={word}: {one_line(error)}") from error
     # Workers may have another working folder.
     return value.absolute() if isinstance(value, Path) else value

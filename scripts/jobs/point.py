@@ -31,7 +31,7 @@ class Point:
 
     @property
     def cost(self) -> float:
-        """The same for all: a grid is run in its order."""
+        """Equal: a grid is run in its order."""
         return 1.0
 
     def run(self) -> Row:
@@ -77,12 +77,6 @@ def run_grid(
     def row(key: str, outcome: Row | Exception) -> Row:
         return jobs[key].failed(outcome) if isinstance(outcome, Exception) else outcome
 
-    queue = Queue(
-        blocks=rows,
-        engine=engine,
-        row=row,
-        done=lambda _: step(),
-        retry_failed=retry_failed,
-        waiting=waiting,
-    )
+    how: dict[str, Any] = {"retry_failed": retry_failed, "waiting": waiting}
+    queue = Queue(blocks=rows, engine=engine, row=row, done=lambda _: step(), **how)
     return queue.complete(jobs)

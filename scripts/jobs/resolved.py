@@ -33,9 +33,7 @@ REMEMBERED = 4096
 def content_of(name: str, path: Path) -> str:
     """Hash of the content of an option's file, and of the files that a model includes.
 
-    Raises:
-        InputError: the model cannot be read.
-        OSError: a file is missing or cannot be read.
+    Raises InputError for a model that is none, OSError for a file that cannot be read.
     """
     if name == "identification":
         return _digest(path / "summary.json")
@@ -55,9 +53,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     None where it has no part in the run (the radius of a square), where a file says it (the corners
     of a contour), or for a payload of a model without a tool of its own.
 
-    Raises:
-        ValueError: options that do not go together, or an unknown pose.
-        OSError: a file cannot be read.
+    Raises ValueError for an unknown pose or options that misfit, OSError as `content`.
     """
     run = {field.name: getattr(cfg, field.name) for field in fields(cfg)}
     for name in ("gamma", "delta", "cutoff"):
@@ -70,7 +66,10 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     run |= dict.fromkeys(("radius", "size", "width", "corner")) | dimensions(cfg)
     if cfg.contour is not None:
         run["shape"] = None
-    run |= _place(cfg)
+    # The place: position [mm] and orientation of the tool, and the pose that has both.
+    ours = _rounded(tool_pose(cfg))
+    named = (name for name, pose in CELLS[cfg.robot].poses.items() if _rounded(pose) == ours)
+    run |= {"pose": next(named, None), "position": ours[0], "quaternion": ours[1]}
     if cfg.payload is None:
         known = content("model", cfg.model) if cfg.model else ""
         run["payload"] = _tool_mass(cfg.model or CELLS[cfg.robot].xml, known)
@@ -80,9 +79,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     """Everything a run depends on but its seed: resolved options, and the content of files.
 
-    Raises:
-        ValueError: options that do not go together, an unknown pose, or a model that is none.
-        OSError: a file cannot be read.
+    Raises as `resolved` and `content`.
     """
     what = resolved(cfg, content)
     if what["identification"]:  # it is known by how its place was written
@@ -136,14 +133,6 @@ class Resolver:
 def key_of(options: Mapping[str, Any], seed: int) -> str:
     """See `Resolver.key`."""
     return Resolver().key(options, seed)
-
-
-def _place(cfg: LaserCfg) -> dict[str, Any]:
-    """Position [mm] and orientation of the tool, and the pose that has both."""
-    ours = _rounded(tool_pose(cfg))
-    poses = CELLS[cfg.robot].poses
-    name = next((name for name, pose in poses.items() if _rounded(pose) == ours), None)
-    return {"pose": name, "position": ours[0], "quaternion": ours[1]}
 
 
 def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:

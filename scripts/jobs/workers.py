@@ -62,14 +62,25 @@ class Workers:
         return bool(self._running or self._suspects)
 
     def submit(self, tag: Hashable, function: Callable[[Any], Any], item: Any) -> None:
-        self._start(_Task(tag, function, item))
+        if self._pool is None:
+            # Forked threads are unsafe: workers are started afresh.
+            context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
+            self._pool = ProcessPoolExecutor(
+                self.count, mp_context=context, initializer=_begin_worker
+            )
+        task = _Task(tag, function, item)
+        try:
+            self._running[self._pool.submit(function, item)] = task
+        except BrokenProcessPool:
+            self._suspects.append(task)
+            self._stop()
 
     def collect(self) -> list[tuple[Any, Any]]:
         """A process that died breaks the pool, and the task that killed it is not known: all that
         were under way are run again, one at a time, until each has a result or is guilty."""
         alone = not self._running
         if alone:
-            self._start(self._suspects.popleft())
+            self.submit(*self._suspects.popleft())
         done, _ = wait(self._running, return_when=FIRST_COMPLETED)
         outcomes: list[tuple[Any, Any]] = []
         broken = False
@@ -115,19 +126,6 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
             self._pool = None
-
-    def _start(self, task: _Task) -> None:
-        if self._pool is None:
-            # Forked threads are unsafe: workers are started afresh.
-            context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-            self._pool = ProcessPoolExecutor(
-                self.count, mp_context=context, initializer=_begin_worker
-            )
-        try:
-            self._running[self._pool.submit(task.function, task.item)] = task
-        except BrokenProcessPool:
-            self._suspects.append(task)
-            self._stop()
 
 
 def _begin_worker() -> None:

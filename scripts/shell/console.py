@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from rich import progress as bars
@@ -62,6 +63,11 @@ class Report:
             table.add_row(*(Text(cell(value)) for value in row))
         self._print(table)
 
+    def results(self, summary: Any, path: Path) -> None:
+        """The end of a command: folder of its results, and the summary for `--json`."""
+        self.line(f"Results in {path}")
+        self.summary(summary)
+
     def line(self, text: str) -> None:
         """One line on stdout."""
         self._print(Text(text))
@@ -78,9 +84,17 @@ class Report:
         Console(width=width, soft_wrap=isinstance(renderable, Text)).print(renderable)
 
 
+@contextmanager
+def run_folder(summary: dict[str, Any], common: Common) -> Iterator[RunFolder]:
+    """The folder of a run, for its other files; it has summary.json from the start."""
+    name = summary["config"]["experiment"]
+    with RunFolder(name, seed=common.seed, out=common.out) as folder:
+        (folder / "summary.json").write_text(dumps(summary), encoding="utf-8")
+        yield folder
+
+
 def keep(summary: dict[str, Any], common: Common) -> None:
     """Write a summary into the folder `--out`, for commands that write no other files."""
     if common.out is not None:
-        name = summary["config"]["experiment"]
-        with RunFolder(name, seed=common.seed, out=common.out) as folder:
-            (folder / "summary.json").write_text(dumps(summary), encoding="utf-8")
+        with run_folder(summary, common):
+            pass

@@ -50,11 +50,9 @@ class TuneCfg:
         for name in ("episodes", "trials"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        slowest, fastest = 1e3 * SLOWEST, 1e3 * FASTEST
-        if self.speed is not None and not slowest <= self.speed <= fastest:
-            raise ValueError(
-                f"speed must be from {slowest:g} to {fastest:g} mm/s, got {self.speed:g}"
-            )
+        low, high = 1e3 * SLOWEST, 1e3 * FASTEST
+        if self.speed is not None and not low <= self.speed <= high:
+            raise ValueError(f"speed must be from {low:g} to {high:g} mm/s, got {self.speed:g}")
         if self.payload is not None and not 0.0 <= self.payload < float("inf"):
             raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
         if self.study is not None and not self.study.strip():
@@ -81,8 +79,7 @@ class TuneCfg:
         return {key: v for key, v in plain(self).items() if key not in search} | {"seed": seed}
 
     def named(self, seed: int) -> "TuneCfg":
-        """The same with the name of its study: equal for studies that can be compared, and for no
-        others."""
+        """The same with the name of its study, which only comparable studies share."""
         if self.study:
             return self
         key = digest_of(self.identity(seed))[:8]

@@ -5,9 +5,7 @@ from typing import Any
 
 import numpy as np
 from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports]
-from stable_baselines3.common.callbacks import (  # pyright: ignore[reportMissingImports]
-    BaseCallback,
-)
+from stable_baselines3.common import callbacks  # pyright: ignore[reportMissingImports]
 from stable_baselines3.common.vec_env import VecEnv  # pyright: ignore[reportMissingImports]
 
 from armside.sim.tuning.policy import Network
@@ -51,10 +49,8 @@ class Cells(VecEnv):
         for i in np.flatnonzero(done):
             # The budget is part of the task, and k is observed: the end of an episode is its end,
             # without `TimeLimit.truncated`, which would add a value beyond it.
-            each[i] = {
-                "terminal_observation": infos["final_obs"][i],
-                "diverged": bool(terminated[i]),
-            }
+            last, diverged = infos["final_obs"][i], bool(terminated[i])
+            each[i] = {"terminal_observation": last, "diverged": diverged}
         return observed, reward.astype(np.float32), done, each
 
     def close(self) -> None:
@@ -76,15 +72,14 @@ class Cells(VecEnv):
         return range(self.num_envs) if indices is None else np.atleast_1d(indices).tolist()
 
 
-class _Curve(BaseCallback):
+class _Curve(callbacks.BaseCallback):
     """Mean return of the episodes that ended in each batch."""
 
     def __init__(self, done: Callable[[], None]) -> None:
         super().__init__()
         self._done = done
         self.rows: list[dict[str, Any]] = []
-        self._returns: list[float] = []
-        self._diverged: list[bool] = []
+        self._ended: list[tuple[float, bool]] = []
 
     def _on_training_start(self) -> None:
         self._sum = np.zeros(self.training_env.num_envs)
@@ -92,23 +87,18 @@ class _Curve(BaseCallback):
     def _on_step(self) -> bool:
         self._sum += self.locals["rewards"]
         for i in np.flatnonzero(self.locals["dones"]):
-            self._returns.append(float(self._sum[i]))
-            self._diverged.append(self.locals["infos"][i]["diverged"])
+            self._ended.append((float(self._sum[i]), self.locals["infos"][i]["diverged"]))
             self._sum[i] = 0.0
         for _ in range(len(self._sum)):
             self._done()
         return True
 
     def _on_rollout_end(self) -> None:
-        if self._returns:
-            self.rows.append(
-                {
-                    "steps": self.num_timesteps,
-                    "mean_return": float(np.mean(self._returns)),
-                    "diverged": float(np.mean(self._diverged)),
-                }
-            )
-            self._returns, self._diverged = [], []
+        if self._ended:
+            means = [float(np.mean(column)) for column in zip(*self._ended, strict=True)]
+            row = {"steps": self.num_timesteps, "mean_return": means[0], "diverged": means[1]}
+            self.rows.append(row)
+            self._ended = []
 
 
 def learn(
@@ -138,8 +128,7 @@ def learn(
         natural log of the tool's RMS before learning over that after) and the fraction of them
         that `diverged`.
 
-    Raises:
-        ValueError: steps is no such multiple.
+    Raises ValueError where steps is no such multiple.
     """
     import torch  # pyright: ignore[reportMissingImports]
 

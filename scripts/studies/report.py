@@ -30,13 +30,12 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     shared = all(v.name in outcome["best"] for v in VARIABLES)
     # The unit on a line of its own: so the widest table fits in 60 columns.
     heads = [f"{v.name}\n[{v.unit}]" if v.unit else v.name for v in VARIABLES]
+    title = "RMS of the tool after learning over that before"
+    names = [v.name for v in VARIABLES] if shared else []
     report.table(
-        f"RMS of the tool after learning over that before, {RewardSensor(config['reward']).label}",
-        ["trial", "measured", "true", *(heads if shared else [])],
-        [
-            [b["trial"], b["ratio"], b[TRUE], *([b[v.name] for v in VARIABLES] if shared else [])]
-            for b in bests
-        ],
+        f"{title}, {RewardSensor(config['reward']).label}",
+        ["trial", "measured", "true", *heads[: len(names)]],
+        [[best[name] for name in ("trial", "ratio", TRUE, *names)] for best in bests],
     )
     if not shared:
         columns = [[outcome["best"][n] for n in parameter_names(v.name)] for v in VARIABLES]
@@ -45,12 +44,10 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
             ["motor", *heads],
             list(zip(range(1, N_AXES + 1), *columns, strict=True)),
         )
-    if outcome["importance"]:
-        report.table(
-            "Importance of each parameter (PED-ANOVA)",
-            ["parameter", "fraction", "most by chance"],
-            [[name, i["share"], i["by_chance"]] for name, i in outcome["importance"].items()],
-        )
+    if found := outcome["importance"]:
+        rows = [[name, i["share"], i["by_chance"]] for name, i in found.items()]
+        columns = ["parameter", "fraction", "most by chance"]
+        report.table("Importance of each parameter (PED-ANOVA)", columns, rows)
     counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)
     where = f"study {config['study']!r} of {redacted(config['storage'])!r}"
     report.line(f"Trials: {counts}, in {where}. Results in {path}")

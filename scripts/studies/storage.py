@@ -52,7 +52,8 @@ def reaching(storage: str) -> Iterator[None]:
 
     A long wait, as for a file that is locked, is announced on stderr.
     """
-    patience = Timer(SLOW, _say_waiting, [storage])
+    waiting = f"armside: waiting for storage {redacted(storage)!r}"
+    patience = Timer(SLOW, lambda: print(waiting, file=sys.stderr))
     patience.daemon = True
     patience.start()
     try:
@@ -62,9 +63,8 @@ def reaching(storage: str) -> Iterator[None]:
     except ImportError as error:
         raise InputError(_missing(storage, error)) from error
     except _failures() as error:
-        raise InputError(
-            f"storage {redacted(storage)!r} does not answer: {_reason(error)}"
-        ) from error
+        reason = f"does not answer: {_reason(error)}"
+        raise InputError(f"storage {redacted(storage)!r} {reason}") from error
     finally:
         patience.cancel()
 
@@ -89,13 +89,17 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
     storage: URL as SQLAlchemy writes them; the folder of an SQLite file is made. Raises InputError
     for anything else, and for a database of another program; use it in a block of `reaching`.
     """
+    import optuna
     from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 
     options = _options(storage)
     _refuse_foreign(storage, options)
     for attempt in range(1, ATTEMPTS + 1):
         try:
-            return _open(storage, options)
+            # Optuna fills a template in: braces in a path or a password are none.
+            literal = storage.replace("{", "{{").replace("}", "}}")
+            with _experiments_allowed():
+                return optuna.storages.RDBStorage(literal, **options)
         except (IntegrityError, OperationalError, ProgrammingError) as error:
             others = not isinstance(error, OperationalError) or "already exists" in str(error)
             if attempt == ATTEMPTS or not others:
@@ -152,11 +156,8 @@ def _watched() -> dict[str, Any]:
 
     with _experiments_allowed():
         again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
-    return {
-        "heartbeat_interval": HEARTBEAT,
-        "grace_period": SILENCE,
-        "heartbeat_stale_trial_callback": again,
-    }
+    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
+    return times | {"heartbeat_stale_trial_callback": again}
 
 
 def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
@@ -176,15 +177,6 @@ def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
         engine.dispose()
 
 
-def _open(storage: str, options: dict[str, Any]) -> "optuna.storages.RDBStorage":
-    import optuna
-
-    # Optuna fills a template in: braces in a path or a password are none.
-    literal = storage.replace("{", "{{").replace("}", "}}")
-    with _experiments_allowed():
-        return optuna.storages.RDBStorage(literal, **options)
-
-
 @contextmanager
 def _experiments_allowed() -> Iterator[None]:
     """Optuna calls its heartbeats experimental, in a warning at each use."""
@@ -193,10 +185,6 @@ def _experiments_allowed() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperimentalWarning)
         yield
-
-
-def _say_waiting(storage: str) -> None:
-    print(f"armside: waiting for storage {redacted(storage)!r}", file=sys.stderr)
 
 
 def _failures() -> tuple[type[Exception], ...]:
@@ -211,11 +199,10 @@ def _failures() -> tuple[type[Exception], ...]:
 def _missing(storage: str, error: ImportError) -> str:
     """Message that names the driver to install. Optuna wraps the error that names it."""
     cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
-    advice = ""
-    if storage.startswith("postgresql"):
-        advice = f"; {install('postgres')} brings that of postgresql+psycopg://"
     missing = f"the database driver {cause.name}, which is not installed"
-    return f"storage {redacted(storage)!r} needs {missing}{advice}"
+    if storage.startswith("postgresql"):
+        missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
+    return f"storage {redacted(storage)!r} needs {missing}"
 
 
 def _reason(error: BaseException) -> str:

@@ -6,6 +6,7 @@ Optuna is imported here only where it is used: it takes half a second.
 import logging
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.laser.design import Design
@@ -53,9 +54,8 @@ def open_study(
         storage: see `storage.connect`.
         config: what is tuned; a study of another configuration is refused.
 
-    Raises:
-        InputError: the storage does not answer, is no URL or another program's, its driver is not
-            installed, or the study tunes something else.
+    Raises InputError where the storage does not answer, is no URL or another program's, its driver
+    is not installed, or the study tunes something else.
     """
     import optuna
 
@@ -73,10 +73,8 @@ def open_study(
         known = _config(study, config)
     if known != dict(config):
         changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
-        raise InputError(
-            f"study {name!r} tunes something else: {', '.join(changed)} differ; "
-            "give another --study"
-        )
+        what = f"tunes something else: {', '.join(changed)} differ; give another --study"
+        raise InputError(f"study {name!r} {what}")
     return study
 
 
@@ -95,16 +93,14 @@ def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
 def suggest(trial: "optuna.Trial", motors: Motors) -> Design:
     """Ask the study for a design."""
     values: dict[str, tuple[Any, ...]] = {}
-    for variable in VARIABLES:
-        names = [variable.name] if motors is Motors.SHARED else parameter_names(variable.name)
-        if variable.scale is Scale.WHOLE:
-            low, high = int(variable.low), int(variable.high)
-            values[variable.name] = tuple(trial.suggest_int(name, low, high) for name in names)
+    for v in VARIABLES:
+        if v.scale is Scale.WHOLE:
+            ask = partial(trial.suggest_int, low=int(v.low), high=int(v.high))
         else:
-            log = variable.scale is Scale.LOGARITHMIC
-            values[variable.name] = tuple(
-                trial.suggest_float(name, variable.low, variable.high, log=log) for name in names
-            )
+            log = v.scale is Scale.LOGARITHMIC
+            ask = partial(trial.suggest_float, low=v.low, high=v.high, log=log)
+        names = [v.name] if motors is Motors.SHARED else parameter_names(v.name)
+        values[v.name] = tuple(map(ask, names))
     return Design(**values)
 
 
@@ -177,10 +173,8 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     from optuna.trial import TrialState
 
     found: list[optuna.trial.FrozenTrial] = []
-    best = WORST
     for trial in study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,)):
-        if value(trial) < best:
-            best = value(trial)
+        if value(trial) < (value(found[-1]) if found else WORST):
             found.append(trial)
     return found
 

@@ -19,17 +19,13 @@ def load_design(file: Path) -> Design:
     """
     try:
         best = json.loads(file.read_text(encoding="utf-8"))["best"]
-        gamma, delta, cutoff = (
-            (best[v.name],)
-            if v.name in best
-            else tuple(best[name] for name in parameter_names(v.name))
-            for v in VARIABLES
-        )
+        names = {v.name: [v.name] if v.name in best else parameter_names(v.name) for v in VARIABLES}
+        values = {name: tuple(best[i] for i in of) for name, of in names.items()}
     except FileNotFoundError:
         raise ValueError(f"{file} does not exist") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{file} is no summary.json of armside tune") from error
-    return Design(gamma=gamma, delta=delta, cutoff=cutoff)
+    return Design(**values)
 
 
 def first_action(file: Path | None, motors: Motors) -> np.ndarray:
