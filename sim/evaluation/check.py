@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ class Check:
     ours: float
     low: float | None = None
     high: float | None = None
-    _: KW_ONLY
     reason: str = ""
     """Cause of a failure, where it is known; shown only if the check fails."""
 
