@@ -21,10 +21,12 @@ class Engine(Protocol):
     @property
     def room(self) -> int:
         """Tasks that can start now. No more are taken on: they may be left to another process."""
+        ...
 
     @property
     def busy(self) -> bool:
         """Tasks are under way."""
+        ...
 
     def submit(self, tag: Hashable, function: Callable[[Any], Any], item: Any) -> None:
         """Start function(item)."""
@@ -32,6 +34,7 @@ class Engine(Protocol):
     def collect(self) -> list[tuple[Any, Any]]:
         """Wait for tasks under way; the tag of each with its result or the exception that it
         raised. At least one, or none while the engine recovers."""
+        ...
 
     def close(self) -> None:
         """Stop; the outcomes of what is under way are dropped."""

@@ -40,6 +40,7 @@ class Job(Protocol):
     @property
     def cost(self) -> float:
         """Relative; for the order of jobs and the time left."""
+        ...
 
     def run(self) -> Any:
         """Its result: arrays for a `Store`, a row for a sweep."""

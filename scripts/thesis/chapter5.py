@@ -120,9 +120,10 @@ def mounting(folder: Path) -> Drawn:
 def synchronisation(folder: Path, result: Result) -> Drawn:
     early = result["time"] < result["since"]
     names = ("best_angular_velocity_measured", "best_angular_velocity_predicted")
-    rates = (result[name][early][:, 2] for name in names)
+    measured, predicted = (result[name][early][:, 2] for name in names)
     offset, errors, file = result["clock_offset"], result["clock_errors"], "synchronisation.png"
-    figures.clocks(folder / file, result["time"][early], *rates, float(offset), errors)
+    time = result["time"][early]
+    figures.clocks(folder / file, time, measured, predicted, float(offset), errors)
     return (
         "Motor 1 swings before the experiment. The thesis reads from the noisy signal "
         "by hand when that began; here the offset is that with which gyro and motor angles "

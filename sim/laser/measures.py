@@ -24,16 +24,20 @@ class Output(Protocol):
     @property
     def reference(self) -> Array:
         """(N, m), desired output."""
+        ...
 
     @property
     def law(self) -> Law:
         """Default law for its errors."""
+        ...
 
     def __call__(self, run: Pass) -> Array:
         """Output (N, m) of a run."""
+        ...
 
     def size(self, error: Array) -> Array:
         """Sizes of an error (N, m) by which divergence is judged."""
+        ...
 
 
 SetUp = Callable[[Pass], Output]

@@ -205,9 +205,11 @@ def truth(
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     at = slice(1, 1 + model.mj.nq)
     qpos = np.vstack((initial_state[at], states[:-1, at]))
-    angle, spring, torque = out = tuple(np.empty((3, len(states), N_AXES)))
+    angle, spring, torque = np.empty((3, len(states), N_AXES))
     start, rows, inputs = map(np.ascontiguousarray, (initial_state, states, controls))
-    first = _motors(start, rows, inputs, _columns(model), _servo(model), _limits(model), out)
+    first = _motors(
+        start, rows, inputs, _columns(model), _servo(model), _limits(model), (angle, spring, torque)
+    )
     record = Truth(
         time=time,
         gear_angle=angle,

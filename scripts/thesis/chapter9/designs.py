@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def per_motor(seed: int) -> Part:
         gamma, delta, cutoff = zip(
             *((round(d.gamma, 3), d.delta, d.cutoff) for d in designs), strict=True
         )
-        tuned = {"gamma": gamma, "delta": delta, "cutoff": cutoff}
+        tuned: dict[str, Any] = {"gamma": gamma, "delta": delta, "cutoff": cutoff}
         return models, designs, {p: learning_job(seed, pose=p, **tuned) for p in POSES}
 
     def draw(read: Read, folder: Path) -> Section:

@@ -26,7 +26,7 @@ class Study:
         jobs = {}
         for *values, repetition in product(*self.over.values(), range(self.repetitions)):
             options = {**self.fixed, **dict(zip(self.over, values, strict=True))}
-            key = (*values, repetition) if self.repetitions > 1 else tuple(values)
+            key: tuple[Any, ...] = (*values, repetition) if self.repetitions > 1 else (*values,)
             job = learning_job(seed, repetition=repetition, **options)
             jobs[key if len(key) > 1 else key[0]] = job
         return jobs
