@@ -26,9 +26,9 @@ class Study:
         jobs = {}
         for *values, repetition in product(*self.over.values(), range(self.repetitions)):
             options = {**self.fixed, **dict(zip(self.over, values, strict=True))}
-            key: tuple[Any, ...] = (*values, repetition) if self.repetitions > 1 else (*values,)
+            varied = [*values, repetition] if self.repetitions > 1 else values
             job = learning_job(seed, repetition=repetition, **options)
-            jobs[key if len(key) > 1 else key[0]] = job
+            jobs[tuple(varied) if len(varied) > 1 else varied[0]] = job
         return jobs
 
 
