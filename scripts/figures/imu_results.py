@@ -8,9 +8,9 @@ import numpy as np
 from armside.sim.imu import ImuResult
 from armside.sim.imu.evaluation import WINDOW
 from armside.sim.imu.vibration import RestResult
-from armside.sim.records.robot_file import write_robot
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.signals import RecordedRun, write_signals
+from armside.sim.robot.mjcf import write_robot
 
 from ..shell.console import Report
 from . import imu as figures

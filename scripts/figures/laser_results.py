@@ -19,10 +19,10 @@ def write(
     folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
 ) -> None:
     """Write the files of a run, which together are all that replay and measure need."""
-    from armside.sim.records.robot_file import write_robot
     from armside.sim.records.signals import RecordedRun, write_signals
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
+    from armside.sim.robot.mjcf import write_robot
 
     from . import kerf as kerf_figure
     from . import laser as figures

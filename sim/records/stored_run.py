@@ -62,9 +62,13 @@ class StoredRun:
     @cached_property
     def robot(self) -> "mujoco.MjModel":
         """Robot as its replay draws it. Raises InputError where the run has none."""
-        from .robot_file import read_robot
+        import mujoco
 
-        return read_robot(self.file("robot.xml"))
+        file = self.file("robot.xml")
+        try:
+            return mujoco.MjModel.from_xml_path(str(file))
+        except ValueError as error:
+            raise InputError(f"{file} is not a usable MJCF model: {error}") from error
 
 
 def read_run(folder: str | PathLike[str]) -> StoredRun:

@@ -3,6 +3,8 @@
 The names are those listed in the `armside.assets` docstring.
 """
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 
@@ -62,3 +64,15 @@ def scalar(mj: mujoco.MjModel, name: str, default: float | None = None) -> float
     if default is not None and not has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
         return default
     return float(numeric(mj, name, 1)[0])
+
+
+def write_robot(file: Path, spec: mujoco.MjSpec) -> None:
+    """Write a robot's MJCF, includes inserted. Meshes stay where they are, by absolute path."""
+    own = spec.copy()
+    folder = Path(spec.modelfiledir).resolve()
+    if any(mesh.file for mesh in own.meshes):
+        own.meshdir = str(folder / spec.meshdir)
+    if any(texture.file for texture in own.textures):
+        own.texturedir = str(folder / spec.texturedir)
+    own.compile()
+    file.write_text(own.to_xml(), encoding="utf-8")
