@@ -48,8 +48,8 @@ def learning_data(
     def part(signal: ArrayLike) -> Array:
         return np.asarray(signal)[:n, columns]
 
-    u = np.sum([part(r.correction).astype(np.float64) for r in records], axis=0)
-    y = np.sum([part(r.first_error) - part(r.last_error) for r in records], axis=0)
+    u = np.asarray(sum(part(r.correction).astype(np.float64) for r in records))
+    y = np.asarray(sum(part(r.first_error) - part(r.last_error) for r in records))
     return u, y.astype(np.float64)
 
 

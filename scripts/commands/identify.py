@@ -29,7 +29,7 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
     """
     from armside.sim.instruments.imu import ImuCfg
     from armside.sim.laser.identification import identified
-    from armside.sim.laser.tool_path import ToolPath
+    from armside.sim.laser.tool_measure import ToolPath
 
     report = Report(common)
     with checking_input():

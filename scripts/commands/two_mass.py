@@ -50,7 +50,11 @@ def two_mass(*, cfg: TwoMassCfg = TwoMassCfg(), common: Common = Common()) -> No
             for name in cfg.names:
                 tables[name] = FIGURES[name](folder / f"figure-{name}.png", common.seed)
                 step()
-        outcome = summary("two-mass", cfg, common, figures=tables)
+        rows = {
+            name: {"title": table.title, "columns": table.columns, "rows": table.rows}
+            for name, table in tables.items()
+        }
+        outcome = summary("two-mass", cfg, common, figures=rows)
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     for table in tables.values():
         report.table(table.title, table.columns, table.rows)

@@ -73,7 +73,7 @@ def measure(cfg: LaserCfg) -> Measure:
     from armside.sim.estimation.commissioning import Commissioning, OnFault
     from armside.sim.estimation.springs_file import read_springs
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
-    from armside.sim.laser.tool_path import Source, ToolPath
+    from armside.sim.laser.tool_measure import Source, ToolPath
 
     place = {name: getattr(cfg, name) for name in ("pose", "position", "quaternion")}
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)

@@ -98,7 +98,8 @@ def _section(file: Path) -> Section:
         for entry in raw["checks"]:
             entry["ours"] = np.nan if entry["ours"] is None else entry["ours"]
         checks = [Check(**entry) for entry in raw.pop("checks")]
-        return Section(**raw, checks=checks, tables=[Table(**entry) for entry in raw.pop("tables")])
+        tables = [Table(**entry) for entry in raw.pop("tables")]
+        return Section(**raw, checks=checks, tables=tables)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{file} is not a section of a report: {error}") from error
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import MOST_MOVED, POSES, SPEEDS
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import MOST_MOVED, POSES, SPEEDS
 from armside.sim.evaluation.check import Check, Table, over_seeds
 from armside.sim.laser.job import LearningJob
 
@@ -24,7 +24,7 @@ def checks(results: dict[str, dict]) -> list[Check]:
     """Every band of chapter 9 from the results of `EXPERIMENTS`."""
     base, cutoff = results["operating point"], results["cutoff"]
     data = results["identification"]
-    model = targets.identify({v: data["p1", v] for v in SPEEDS})
+    model = bands.identify({v: data["p1", v] for v in SPEEDS})
     at_40 = {pose: data[pose, 40.0] for pose in ("p1", "p2")}
     shifted = results["shift, arm"]
     delta_3, delta_6 = ({pose: shifted[pose, d] for pose in ("p1", "p2")} for d in (3, 6))
@@ -34,19 +34,19 @@ def checks(results: dict[str, dict]) -> list[Check]:
     first, second = (results["repeatability"]["p1", repetition] for repetition in (0, 1))
     slow, fast = (cutoff["p1", frequency] for frequency in (10.0, 15.0))
     return [
-        *targets.motor_side(base),
-        *targets.stability(results["stability"]),
-        *targets.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
-        *targets.arm_side(base),
-        *targets.cutoff_arm(slow, fast),
-        *targets.cutoff_motor(slow, fast),
-        *targets.shift_arm(delta_3, delta_6),
-        *targets.fitted_model(model),
-        *targets.criterion_of(),
-        *targets.nominal_by_position(results["position"]),
-        *targets.growth(at_10, at_80),
-        *targets.saturation(at_80, at_100),
-        *targets.repeatability(first, second),
+        *bands.motor_side(base),
+        *bands.stability(results["stability"]),
+        *bands.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
+        *bands.arm_side(base),
+        *bands.cutoff_arm(slow, fast),
+        *bands.cutoff_motor(slow, fast),
+        *bands.shift_arm(delta_3, delta_6),
+        *bands.fitted_model(model),
+        *bands.criterion_of(),
+        *bands.nominal_by_position(results["position"]),
+        *bands.growth(at_10, at_80),
+        *bands.saturation(at_80, at_100),
+        *bands.repeatability(first, second),
     ]
 
 

@@ -22,7 +22,7 @@ from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.tool_path import ToolOutput, ToolPath
+from armside.sim.laser.tool_measure import ToolOutput, ToolPath
 from armside.sim.robot.effects import Effect
 
 from ..jobs.workers import Workers

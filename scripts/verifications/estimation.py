@@ -16,7 +16,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.tool_path import Source
+from armside.sim.laser.tool_measure import Source
 from armside.sim.robot.effects import Effect
 
 from ..jobs.workers import Workers

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable
 
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import POSES
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import POSES
 from armside.sim.evaluation.check import Check, Table, held
 from armside.sim.laser.specification import Cut
 
@@ -22,10 +22,10 @@ def laser(seeds: Iterable[int]) -> Table:
     rows = []
     for seed in seeds:
         base = {pose: learned(Cut(pose=pose), seed) for pose in POSES}
-        found = [*targets.motor_side(base), *targets.arm_side(base)]
+        found = [*bands.motor_side(base), *bands.arm_side(base)]
         by_seed[seed] = [check for check in found if check.id in SHOWN]
         worst, count, own_worst = (check.ours for check in by_seed[seed][:3])
-        ratio = [float(targets.over_first(base[pose])) for pose in POSES]
+        ratio = [float(bands.over_first(base[pose])) for pose in POSES]
         rows.append((seed, worst, int(count), own_worst, *ratio))
     title = "Motor-side learning at 40 mm/s: motors and tool after five updates"
     motors = ("worst motor (9.5)", "motors at 0.10 of own k = 0", "worst motor of own k = 0")

@@ -137,7 +137,7 @@ def identified() -> Design:
     Values beyond the ranges of the env are brought to their ends.
     """
     from armside.ilc.analysis.proposal import design_for
-    from armside.sim.calibration.targets import SPEEDS, identify
+    from armside.sim.calibration.bands import SPEEDS, identify
 
     from ..thesis.chapter9.designs import CUTOFFS
     from ..thesis.chapter9.table import STUDIES

@@ -19,8 +19,8 @@ from ..laser.plant import Pass
 from ..laser.specification import Cut
 from ..robot.effects import Effect
 from ..robot.model import RobotModel
-from . import targets
-from .targets import POSES, Result
+from . import bands
+from .bands import POSES, Result
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def learned(
     delta: int = 3,
     iterations: int = 5,
 ) -> Result:
-    """Run one experiment of the nominal robot; a result as `targets` reads it, of the true tool.
+    """Run one experiment of the nominal robot; a result as `bands` reads it, of the true tool.
 
     speed: [m/s]. cutoff: [Hz].
     """
@@ -68,12 +68,12 @@ def learning_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[C
     """Motor side and arm side at 40 mm/s over poses, cutoff and shift: (a) to (d)."""
     run = partial(learned, model, effects)
     base = {pose: run(pose) for pose in POSES}
-    yield from targets.motor_side(base)
-    yield from targets.arm_side(base)
+    yield from bands.motor_side(base)
+    yield from bands.arm_side(base)
     fast = run("p1", cutoff=15.0)
-    yield from targets.cutoff_arm(base["p1"], fast)
-    yield from targets.cutoff_motor(base["p1"], fast)
-    yield from targets.shift_arm(base, {pose: run(pose, delta=6) for pose in ("p1", "p2")})
+    yield from bands.cutoff_arm(base["p1"], fast)
+    yield from bands.cutoff_motor(base["p1"], fast)
+    yield from bands.shift_arm(base, {pose: run(pose, delta=6) for pose in ("p1", "p2")})
 
 
 def nominal_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
@@ -82,14 +82,14 @@ def nominal_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Ch
         {pose: learned(model, effects, pose, speed=speed, iterations=0) for pose in POSES}
         for speed in (0.010, 0.050, 0.080)
     )
-    yield from targets.nominal_by_position(at_50)
-    yield from targets.growth(at_10, at_80)
+    yield from bands.nominal_by_position(at_50)
+    yield from bands.growth(at_10, at_80)
 
 
 def model_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
     """The response to corrections of the motors that move most, at p1: (e)."""
-    runs = {v: learned(model, effects, "p1", speed=1e-3 * v) for v in targets.SPEEDS}
-    yield from targets.fitted_model(targets.identify(runs))
+    runs = {v: learned(model, effects, "p1", speed=1e-3 * v) for v in bands.SPEEDS}
+    yield from bands.fitted_model(bands.identify(runs))
 
 
 Checks = Callable[[RobotModel, frozenset[Effect]], Iterator[Check]]

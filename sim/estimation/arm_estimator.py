@@ -23,7 +23,7 @@ from .arm_springs import Springs
 from .linearised_arm import linearised
 from .nominal import NominalArm
 from .observer import ArmMotion, observe
-from .tool_path import REST_SAMPLES, relative_to_start
+from .relative_path import REST_SAMPLES, relative_to_start
 
 UNIDENTIFIED = 0.3
 """`ProcessNoise.fraction` of an arm whose springs were not identified."""

@@ -23,5 +23,5 @@ from .measures import Output as Output
 from .plant import Pass as Pass
 from .specification import Cut as Cut
 from .specification import LeadIn as LeadIn
-from .tool_path import Source as Source
-from .tool_path import ToolPath as ToolPath
+from .tool_measure import Source as Source
+from .tool_measure import ToolPath as ToolPath

@@ -10,7 +10,7 @@ from .experiment import Experiment, Iteration, prepare
 from .learning import first_run, iterate, learned
 from .measures import MotorAngles
 from .specification import Cut
-from .tool_path import Source, ToolOutput, ToolPath
+from .tool_measure import Source, ToolOutput, ToolPath
 
 COMPARED = ToolPath(law=ToolLaw(gamma=0.8))
 """Learning gain of the comparison and of the claims about estimation."""

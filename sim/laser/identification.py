@@ -12,8 +12,8 @@ from ..estimation.arm_springs import SpringPrior
 from ..estimation.imu_health import repaired
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
+from ..estimation.relative_path import relative_to_start
 from ..estimation.springs_file import springs_entry
-from ..estimation.tool_path import relative_to_start
 from .experiment import Experiment
 from .learning import first_run
 from .plant import Pass

@@ -14,7 +14,7 @@ from .experiment import Experiment, Iteration, evaluated, prepare
 from .measures import Measure, MotorAngles, Output, SetUp
 from .plant import Pass
 from .specification import Cut
-from .tool_path import Source, ToolPath
+from .tool_measure import Source, ToolPath
 
 MEASURES: Mapping[str, Measure] = {
     "motor": MotorAngles(),

@@ -5,7 +5,7 @@ import numpy as np
 from armside import kinematics
 from armside.arrays import Array
 
-from ..estimation.tool_path import relative_to_start
+from ..estimation.relative_path import relative_to_start
 from .plant import Pass
 
 

@@ -17,7 +17,7 @@ from ..laser.experiment import Experiment
 from ..laser.plant import Pass
 
 if TYPE_CHECKING:
-    from ..laser.tool_path import ToolOutput
+    from ..laser.tool_measure import ToolOutput
 
 Reading = Callable[[Pass], ToolError]
 Sensor = Callable[[Experiment, Pass], Reading]
@@ -82,7 +82,7 @@ def _by_estimate(experiment: Experiment, first: Pass) -> Reading:
     """The assumed payload is right; the springs are those of the nominal robot."""
     # Imported here: the other sensors do without the estimator.
     from ..estimation.commissioning import Commissioning, OnFault
-    from ..laser.tool_path import ToolPath
+    from ..laser.tool_measure import ToolPath
 
     measure = ToolPath(stiffness_error=0.0, commissioning=Commissioning(on_fault=OnFault.GO_ON))
     output = measure.commissioned(experiment, measure.assumed(experiment), first)

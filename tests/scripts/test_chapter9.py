@@ -14,8 +14,8 @@ from armside.scripts.thesis.chapter9.designs import CUTOFFS
 from armside.scripts.thesis.chapter9.table import STUDIES, learning_job
 from armside.scripts.thesis.entries import ENTRIES
 from armside.scripts.verifications.chapter9 import found
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import POSES
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import POSES
 from armside.sim.laser.job import LearningJob
 
 CHAPTER = [entry for entry in ENTRIES if ".chapter9." in entry.load().__module__]
@@ -33,7 +33,7 @@ def result(pose="p1", iterations=5, speed=40.0, **changed):
     rms = 3e-4 * np.array(arm.get(pose, [1, 1.05, 1.1, 1.1, 1.1, 1.1]))[np.minimum(k, 5)]
     t = 0.004 * np.arange(N)[:, None]
     u = np.sin(np.pi * t / t[-1]) ** 2 * np.sin(2 * np.pi * 2.0 * t + np.arange(6)) * 1e-3
-    response = targets.THESIS_MODEL.simulate(u)
+    response = bands.THESIS_MODEL.simulate(u)
     fraction = 1.0 - np.minimum(1.0, 0.4**k)
     error = response * (1.0 - fraction[:, None, None])
     angle = 2 * np.pi * np.arange(197) / 197
@@ -76,9 +76,9 @@ def holding(checks):
 
 def test_the_findings_of_the_thesis_are_inside_the_bands():
     base = {pose: result(pose) for pose in POSES}
-    assert all(holding(targets.motor_side(base)).values())
-    assert all(holding(targets.arm_side(base)).values())
-    assert all(holding(targets.criterion_of()).values())
+    assert all(holding(bands.motor_side(base)).values())
+    assert all(holding(bands.arm_side(base)).values())
+    assert all(holding(bands.criterion_of()).values())
 
 
 @pytest.mark.parametrize(
@@ -95,13 +95,13 @@ def test_the_findings_of_the_thesis_are_inside_the_bands():
 def test_other_behaviour_of_the_arm_fails_where_it_differs(pose, rms, fails):
     base = {p: result(p) for p in POSES}
     base[pose]["arm_rms"] = 3e-4 * np.array(rms)
-    assert {name for name, holds in holding(targets.arm_side(base)).items() if not holds} == fails
+    assert {name for name, holds in holding(bands.arm_side(base)).items() if not holds} == fails
 
 
 def test_motors_that_do_not_learn_fail():
     base = {pose: result(pose) for pose in POSES}
     base["p2"]["motor_inf"] = np.tile(base["p2"]["motor_inf"][:1], (K, 1))
-    assert not any(holding(targets.motor_side(base))[name] for name in ("a1", "a3", "a4"))
+    assert not any(holding(bands.motor_side(base))[name] for name in ("a1", "a3", "a4"))
 
 
 def test_repeatability_is_the_difference_over_the_best_error():
@@ -110,7 +110,7 @@ def test_repeatability_is_the_difference_over_the_best_error():
     first["motor_inf"] = np.full((K, 6), 0.02)
     second["motor_inf"] = np.full((K, 6), 0.03)
     second["error"] = first["error"] + 2e-5
-    values = targets.repeatability_per_iteration(first, second)
+    values = bands.repeatability_per_iteration(first, second)
     assert values == pytest.approx(np.full(K, 2e-5 * 200.0 / 0.02))
 
 

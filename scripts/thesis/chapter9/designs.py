@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.proposal import Proposal, design_for
 from armside.ilc.identification.first_order import FirstOrderModel
-from armside.sim.calibration.targets import AT, POSES, SPEEDS, Result, identify, over
+from armside.sim.calibration.bands import AT, POSES, SPEEDS, Result, identify, over
 from armside.sim.evaluation.check import Check, Table
 
 from ...jobs.store import Job

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
-from armside.sim.calibration.targets import Band
+from armside.sim.calibration.bands import Band
 
 from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
 

@@ -13,8 +13,8 @@ from armside.ilc.identification.arx import fit_arx
 from armside.ilc.identification.first_order import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import MOST_MOVED, SAMPLE_TIME, SPEEDS, Result, identify
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import MOST_MOVED, SAMPLE_TIME, SPEEDS, Result, identify
 from armside.sim.evaluation.check import Table
 
 from ..report import Part, Read, Section
@@ -48,12 +48,12 @@ def identified_model(seed: int) -> Part:
             "iteration at 30, 40 and 60 mm/s at p1, while the tool moves, and validated at p2. "
             "Left: the criterion for the thesis's model (9.12); right: for the model of our robot, "
             f"q^-{model.delay} {model.static_gain * (1 - model.pole):.4f} / (1 - {model.pole:.4f} "
-            f"q^-1), whose best shift below 10 Hz is {targets.best_shift(model.system)}.",
+            f"q^-1), whose best shift below 10 Hz is {bands.best_shift(model.system)}.",
             ["9.8.png", "9.8-model.png"],
             [
-                *targets.fitted_model(model),
-                *targets.criterion_of(),
-                *targets.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
+                *bands.fitted_model(model),
+                *bands.criterion_of(),
+                *bands.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
             ],
             [_delay_table(data), _motors_table(data), _arx_table(data)],
         )
@@ -74,7 +74,7 @@ def _criterion_figure(file: Path, model: FirstOrderModel) -> None:
     filters = {f: ZeroPhaseButterworth(f, SAMPLE_TIME).response(omega) for f in (5.0, 10.0, 22.5)}
     bounds = {f"1/|Q|, {f:g} Hz": 1.0 / np.maximum(Q, 1e-9) for f, Q in filters.items()}
     models = {
-        "model of the thesis, (9.12)": learning(targets.THESIS_MODEL),
+        "model of the thesis, (9.12)": learning(bands.THESIS_MODEL),
         "model of our robot, motors 4 and 6 at p1": learning(model.system),
     }
     figures.criterion(file, hertz(omega, SAMPLE_TIME), models, bounds)
@@ -84,7 +84,7 @@ def _response_figure(file: Path, data: Data, model: System) -> None:
     cases = {}
     for pose, word in zip(POSES, ("estimation", "validation"), strict=True):
         for motor in MOST_MOVED:
-            u, y = targets.learning_signals(data[pose], (motor,))
+            u, y = bands.learning_signals(data[pose], (motor,))
             name = f"motor {motor + 1}, {pose}, {word}: fit {fit_of(model, u, y):.3f}"
             cases[name] = (1e3 * y[:, 0], 1e3 * model.simulate(u)[:, 0])
     figures.simulated(file, SAMPLE_TIME, cases)
@@ -92,14 +92,14 @@ def _response_figure(file: Path, data: Data, model: System) -> None:
 
 def _row(model: FirstOrderModel, data: Data, motors: tuple[int, ...]) -> list[float]:
     """A model as in `_MODEL`, validated at p2."""
-    validation = fit_of(model.system, *targets.learning_signals(data["p2"], motors))
+    validation = fit_of(model.system, *bands.learning_signals(data["p2"], motors))
     dynamics = (model.delay, model.pole, model.static_gain, model.total_delay)
     return [*dynamics, model.fit, validation]
 
 
 def _delay_table(data: Data) -> Table:
     """Output error by delay: the pole makes up for a wrong delay, so the choice is flat."""
-    u, y = targets.learning_signals(data["p1"], MOST_MOVED)
+    u, y = bands.learning_signals(data["p1"], MOST_MOVED)
     fits = [first_order.fit_first_order(u, y, SAMPLE_TIME, delays=[delay]) for delay in DELAYS]
     title = "Output error by delay, motors 4 and 6: estimated at p1, validated at p2"
     return Table(title, _MODEL, [_row(fit, data, MOST_MOVED) for fit in fits])
@@ -114,7 +114,7 @@ def _motors_table(data: Data) -> Table:
 
 def _arx_table(data: Data) -> Table:
     """The structure of (9.12) by least squares, for each delay: prediction is not simulation."""
-    p1, p2 = (targets.learning_signals(data[pose], MOST_MOVED) for pose in POSES)
+    p1, p2 = (bands.learning_signals(data[pose], MOST_MOVED) for pose in POSES)
     rows = []
     for nk in DELAYS:
         fit = fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk)

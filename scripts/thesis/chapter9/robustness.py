@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import BANDS, POSES, Result, over_first
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import BANDS, POSES, Result, over_first
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.job import LearningJob
 from armside.sim.robot.effects import Effect
@@ -45,10 +45,10 @@ def phenomena(results: Mapping[str, Result]) -> list[Check]:
     """The checks of `PHENOMENA` for the experiments of `CUTS`."""
     delta_6 = {pose: results[f"{pose}, delta 6"] for pose in ("p1", "p2")}
     checks = [
-        *targets.motor_side(results),
-        *targets.arm_side(results),
-        *targets.cutoff_arm(results["p1"], results["p1, 15 Hz"]),
-        *targets.shift_arm(results, delta_6),
+        *bands.motor_side(results),
+        *bands.arm_side(results),
+        *bands.cutoff_arm(results["p1"], results["p1, 15 Hz"]),
+        *bands.shift_arm(results, delta_6),
     ]
     return [check for check in checks if check.id in PHENOMENA]
 

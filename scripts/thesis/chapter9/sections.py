@@ -9,8 +9,8 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
-from armside.sim.calibration import targets
-from armside.sim.calibration.targets import AT, POSES, Result
+from armside.sim.calibration import bands
+from armside.sim.calibration.bands import AT, POSES, Result
 from armside.sim.evaluation.check import Check, Table
 
 from ...figures.laser import circles as circle_figure
@@ -67,7 +67,7 @@ def by_position(results: Results, file: Path) -> Drawn:
         "Largest difference between reference and measured angle of each motor while the circle is "
         "cut without learning, in parts of the largest of all eighteen, which is that of motor "
         f"{motor + 1} at {POSES[place]}.",
-        targets.nominal_by_position(results),
+        bands.nominal_by_position(results),
     )
 
 
@@ -85,14 +85,14 @@ def by_velocity(results: Results, file: Path) -> Drawn:
         "The same measure from 10 to 100 mm/s at p1 and p2. The motion planner lowers a programmed "
         f"100 mm/s to {reached:.0f} mm/s on this circle, where the acceleration it allows ends: "
         "the curves become flat. The comparisons include p3.",
-        [*targets.growth(at[10.0], at[80.0]), *targets.saturation(at[80.0], at[100.0])],
+        [*bands.growth(at[10.0], at[80.0]), *bands.saturation(at[80.0], at[100.0])],
     )
 
 
 @_section("repeatability", "repeatability", "(9.10): repeatability, with statistics")
 def repeatability(results: Results, file: Path) -> Drawn:
     runs = [results[key] for key in sorted(results)]
-    pairs = [targets.repeatability_per_iteration(*pair) for pair in combinations(runs, 2)]
+    pairs = [bands.repeatability_per_iteration(*pair) for pair in combinations(runs, 2)]
     low, middle, high = np.percentile(pairs, [5, 50, 95], axis=0)
     curves = {"95 % of pairs below": high, "median pair": middle, "5 % of pairs below": low}
     title = "Difference of two identical experiments, (9.10)"
@@ -105,7 +105,7 @@ def repeatability(results: Results, file: Path) -> Drawn:
         "noise differs, compared two by two. The thesis had two experiments and asked for more. A "
         "motor cannot be learned better than it repeats: with values well below 1 the best error "
         "is not yet noise.",
-        targets.repeatability(runs[0], runs[1]),
+        bands.repeatability(runs[0], runs[1]),
         [Table("All pairs and iterations, largest motor", columns, [spread.tolist()])],
     )
 
@@ -120,7 +120,7 @@ def ten_iterations(results: Results, file: Path) -> Drawn:
         "2-norm of the motor errors when learning goes on for ten iterations. The motors reach "
         "their steady state in five; then the curves vary within their repeatability. The thesis "
         "shows p1 and states the same for the others.",
-        targets.stability(results),
+        bands.stability(results),
     )
 
 
@@ -128,13 +128,13 @@ def ten_iterations(results: Results, file: Path) -> Drawn:
 def positions_motor(results: Results, file: Path) -> Drawn:
     title = "Motor errors by iteration at three positions"
     figures.by_motor(file, title, _normalised(results, "motor_inf"))
-    own = [[pose, *targets.over_first(results[pose], "motor_inf").tolist()] for pose in POSES]
+    own = [[pose, *bands.over_first(results[pose], "motor_inf").tolist()] for pose in POSES]
     title = "Error at k = 5 over the motor's own at k = 0"
     return Drawn(
         "On the motor side learning works at every position: the thesis finds a decreasing error, "
         "with one slight exception. Which motor ends best or worst depends on the individual and "
         "is not compared.",
-        targets.motor_side(results),
+        bands.motor_side(results),
         [Table(title, ["", *figures.MOTORS], own)],
     )
 
@@ -146,7 +146,7 @@ def circles(results: Results, file: Path) -> Drawn:
         "The path measured by the laser tracker at p1 in every iteration, moved to its centre, "
         "with the deviation from the programmed circle magnified. The panel of k = 0 is also the "
         "counterpart of Fig. 9.1.",
-        [check for check in targets.arm_side(results) if check.id in ("b1", "b2")],
+        [check for check in bands.arm_side(results) if check.id in ("b1", "b2")],
     )
 
 
@@ -161,7 +161,7 @@ def positions_arm(results: Results, file: Path) -> Drawn:
         "arm is near, and not where it reaches out. The cause in our robot: learning "
         "holds the motors still, so the servo no longer damps the structure behind them, whose "
         "resonances lie inside the learned band.",
-        targets.arm_side(results),
+        bands.arm_side(results),
         [Table("Deviation of the tool [µm]", columns, rows)],
     )
 
@@ -189,7 +189,7 @@ def shifts_arm(results: Results, file: Path) -> Drawn:
     return Drawn(
         "A shift of 6 samples instead of 3 leaves the correction less energy near the resonances, "
         "and the tool a smaller error.",
-        targets.shift_arm(delta_3, delta_6),
+        bands.shift_arm(delta_3, delta_6),
     )
 
 
@@ -201,7 +201,7 @@ def cutoffs_motor(results: Results, file: Path) -> Drawn:
     return Drawn(
         "With a cutoff of 15 Hz instead of 10 Hz more of the error is learned from. Some motors "
         "end far lower, others hardly; the comparison is in the 2-norm, that of the criterion.",
-        targets.cutoff_motor(*slow_fast.values()),
+        bands.cutoff_motor(*slow_fast.values()),
     )
 
 
@@ -216,7 +216,7 @@ def cutoffs_spread(results: Results, file: Path) -> Drawn:
     return Drawn(
         "The higher the cutoff, the lower the error of motor 4 after a few iterations; at the "
         "highest ones it no longer falls in every iteration.",
-        targets.compare(c6=curves["22.5 Hz"][AT] / curves["5 Hz"][AT]),
+        bands.compare(c6=curves["22.5 Hz"][AT] / curves["5 Hz"][AT]),
     )
 
 
@@ -227,7 +227,7 @@ def cutoffs_arm(results: Results, file: Path) -> Drawn:
     return Drawn(
         "The same experiments judged by the tool: the part of the correction that a cutoff of "
         "15 Hz adds lies at the resonances of the arm.",
-        targets.cutoff_arm(*slow_fast.values()),
+        bands.cutoff_arm(*slow_fast.values()),
     )
 
 
@@ -238,7 +238,7 @@ def cutoffs_circles(results: Results, file: Path) -> Drawn:
     return Drawn(
         "Before learning and after five iterations at 15 Hz: the slow deviation is gone and an "
         "oscillation has come.",
-        [check for check in targets.cutoff_arm(slow, fast) if check.id == "c3"],
+        [check for check in bands.cutoff_arm(slow, fast) if check.id == "c3"],
     )
 
 

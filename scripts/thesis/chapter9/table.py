@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
-from armside.sim.calibration.targets import POSES, SPEEDS
+from armside.sim.calibration.bands import POSES, SPEEDS
 from armside.sim.laser.design import Design
 from armside.sim.laser.job import LearningJob
 from armside.sim.laser.specification import Cut

@@ -20,7 +20,7 @@ from armside.sim.estimation.imu_health import Fault, ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.observer import dragged, observe
-from armside.sim.estimation.tool_path import relative_to_start
+from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run

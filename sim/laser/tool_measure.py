@@ -15,8 +15,8 @@ from ..estimation.assumed_arm import assumed_arm
 from ..estimation.commissioning import Commissioned, Commissioning, OnFault, commission
 from ..estimation.imu_health import ImuError, repaired
 from ..estimation.nominal import NominalArm
+from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
-from ..estimation.tool_path import relative_to_start
 from ..instruments.imu import ImuCfg
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Experiment
