@@ -66,10 +66,10 @@ def test_a_figure_that_says_something_else_fails_there(
     name, row, column, factor, fails, sections, monkeypatch, folder
 ):
     """The verdict is that of the table that was drawn."""
-    (grid,) = sections[name].grids
-    rows = [list(cells) for cells in grid.rows]
-    rows[row][grid.columns.index(column)] *= factor
-    table = Table(title=grid.title, columns=tuple(grid.columns), rows=rows)
+    (drawn,) = sections[name].tables
+    rows = [list(cells) for cells in drawn.rows]
+    rows[row][drawn.columns.index(column)] *= factor
+    table = replace(drawn, rows=rows)
     monkeypatch.setitem(two_mass_figures.FIGURES, name, lambda file, seed: table)
     section = CHAPTER[name](0).draw(nothing_is_run, folder)
     assert {check.id for check in section.checks if not check.holds} - KNOWN_TO_DIFFER == fails
