@@ -113,6 +113,14 @@ def to_quaternion(R: ArrayLike) -> Array:
     return _rotation(R).as_quat(canonical=True, scalar_first=True)
 
 
+def quaternion_product(p: ArrayLike, q: ArrayLike) -> Array:
+    """p q: first the rotation q, then p."""
+    p, q = np.asarray(p, dtype=np.float64), np.asarray(q, dtype=np.float64)
+    w = p[..., 0] * q[..., 0] - (p[..., 1:] * q[..., 1:]).sum(-1)
+    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    return np.concatenate([w[..., None], v], axis=-1)
+
+
 def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:
     """Unit quaternions (N, 4), w >= 0, of the shortest rotation at constant angular velocity.
 

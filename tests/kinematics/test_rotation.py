@@ -143,6 +143,13 @@ def test_no_rotation_has_axis_z_and_half_turns_a_positive_axis():
         assert angle == pytest.approx(np.pi)
 
 
+@given(p=quaternion, q=quaternion)
+def test_quaternion_product_is_matrix_product(p, q):
+    R = rotation.from_quaternion(rotation.quaternion_product(p, q))
+    expected = rotation.from_quaternion(p) @ rotation.from_quaternion(q)
+    np.testing.assert_allclose(R, expected, rtol=0, atol=1e-12)
+
+
 def test_slerp_turns_about_one_axis_at_constant_speed_the_shorter_way():
     start = rotation.to_quaternion(rotation.from_axis_angle([1, 2, 3], 0.2))
     end = rotation.to_quaternion(rotation.from_axis_angle([1, 2, 3], 1.4))
