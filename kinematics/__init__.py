@@ -6,6 +6,8 @@ T_a_b takes coordinates in frame b to frame a: p_a = T_a_b @ p_b. SymPy and numb
 only when a function needs them.
 """
 
+from .catalogue import CATALOGUE as CATALOGUE
+from .catalogue import find_arm as find_arm
 from .compiled import CompiledRobot as CompiledRobot
 from .compiled import compile as compile
 from .compiled import compile_dynamics as compile_dynamics
@@ -28,6 +30,15 @@ from .inverse.numeric import inverse_numeric as inverse_numeric
 from .inverse.wrist_arm import UnsolvableGeometryError as UnsolvableGeometryError
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits
+from .measured_arms import AUBO_I5 as AUBO_I5
+from .measured_arms import AUBO_I5_LIMITS as AUBO_I5_LIMITS
+from .measured_arms import IRB120 as IRB120
+from .measured_arms import IRB120_LIMITS as IRB120_LIMITS
+from .measured_arms import UR10 as UR10
+from .measured_arms import UR10_LIMITS as UR10_LIMITS
+from .robot_file import Arm as Arm
+from .robot_file import read_robot as read_robot
+from .robot_file import robot_toml as robot_toml
 from .robots import IMU_LINKS as IMU_LINKS
 from .robots import IRB1400 as IRB1400
 from .robots import IRB1400_IMU as IRB1400_IMU

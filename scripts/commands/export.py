@@ -1,21 +1,17 @@
 """`armside export`: the equations of a robot as code in another language, or as URDF."""
 
+import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
-from armside import kinematics
-from armside.kinematics import Limits, Robot
+from armside.kinematics import Arm, find_arm
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
+from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
-ROBOTS: dict[str, tuple[Robot, Limits]] = {
-    "irb1400": (kinematics.IRB1400, kinematics.IRB1400_LIMITS),
-    "irb1400-imu": (kinematics.IRB1400_IMU, kinematics.IRB1400_LIMITS),
-    "large": (kinematics.LARGE_ROBOT, kinematics.LARGE_ROBOT_LIMITS),
-}
-RobotName = Literal["irb1400", "irb1400-imu", "large"]
 Equations = Literal[
     "pose", "jacobian", "jacobian-rate", "acceleration", "measurement", "measurement-jacobian"
 ]
@@ -26,8 +22,9 @@ Equations = Literal[
 class ExportCfg:
     """The equations of a robot to write, and the language."""
 
-    robot: RobotName = "irb1400"
-    """Robot; irb1400-imu has the two constant links to its IMU."""
+    robot: str = "irb1400"
+    """Robot by name (irb1400, irb1400-imu with the links to its IMU, large, ur10, irb120, aubo_i5)
+    or a robot file (TOML)."""
     what: Equations = "jacobian"
     """Function of the motor angles; not used for urdf."""
     to: Literal["c", "matlab", "fortran", "python", "latex", "urdf"] = "c"
@@ -41,7 +38,9 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
     convention, units and the order of arguments.
     """
     report = Report(common)
-    files, operations = _files(cfg)
+    with checking_input():
+        arm = find_arm(cfg.robot)
+    files, operations = _files(cfg, arm)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
     with run_folder(outcome, common) as folder:
         for name, text in files.items():
@@ -53,17 +52,17 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
     report.summary(outcome)
 
 
-def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
+def _files(cfg: ExportCfg, arm: Arm) -> tuple[dict[str, str], int | None]:
     """Name and text of each file, and the number of operations of the code."""
-    robot, limits = ROBOTS[cfg.robot]
+    word = Path(cfg.robot).stem
     if cfg.to == "urdf":
         from armside.kinematics.codegen.urdf import urdf
 
-        return {f"{cfg.robot}.urdf": urdf(robot, limits)}, None
+        return {f"{word}.urdf": urdf(*arm)}, None
     from armside.kinematics.codegen import Language, write
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
     home = imu_equations if cfg.what.startswith("measurement") else forward_kinematics
-    program = getattr(home, cfg.what.replace("-", "_"))(robot)
-    name = f"{cfg.robot}_{program.name}".replace("-", "_")
+    program = getattr(home, cfg.what.replace("-", "_"))(arm.robot)
+    name = re.sub(r"\W|^(?=\d)", "_", f"{word}_{program.name}", flags=re.ASCII)
     return write(program, Language(cfg.to), name), program.operations

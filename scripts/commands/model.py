@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
-from armside.kinematics import Robot
+from armside.kinematics import Robot, find_arm
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
+from ..shell.errors import checking_input
 from ..shell.options import Common, options
-from .export import ROBOTS, RobotName
 
 
 @options
@@ -16,8 +16,9 @@ from .export import ROBOTS, RobotName
 class ModelCfg:
     """The robot, and the form of its description."""
 
-    robot: RobotName = "irb1400"
-    """Robot; irb1400-imu has the two constant links to its IMU."""
+    robot: str = "irb1400"
+    """Robot by name (irb1400, irb1400-imu with the links to its IMU, large, ur10, irb120, aubo_i5)
+    or a robot file (TOML)."""
     latex: bool = False
     """Print the table and the zero pose as LaTeX."""
     plot: bool = False
@@ -28,7 +29,9 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
     """Describe a robot: D-H table, T in the zero pose, reach, singular configurations."""
     from armside.kinematics.symbolic.description import as_latex, as_text, describe
 
-    report, robot = Report(common), describe(ROBOTS[cfg.robot][0])
+    report = Report(common)
+    with checking_input():
+        robot = describe(find_arm(cfg.robot).robot)
     found = robot.singularities
     values: dict[str, Any] = {
         "table": [[as_text(value) for value in row] for row in robot.table],

@@ -1,0 +1,153 @@
+"""Robot files: the Denavit-Hartenberg table of a serial arm in TOML, read and written.
+
+    name = "my arm"
+    convention = "standard"              # or "modified" [default: standard]
+    offset = [0, "-pi/2", 0]             # joint variables at phi = 0 [rad or m; default 0]
+    coupling = [[1, 0, 0], [0, 1, 0], [0, -1, 1]]       # thesis (4.10) [default: identity]
+
+    [[link]]                             # one table for each row, from the base
+    theta = 0                            # [rad; default 0]
+    d = 0.475                            # [m; default 0]
+    a = 0.15                             # [m; default 0]
+    alpha = "-pi/2"                      # [rad; default 0]
+    joint = "revolute"                   # or "prismatic" or "fixed" [default: revolute]
+
+    [limits]                             # one number for each motor
+    lower = [-2.9, -1.2, -1.1]           # [rad or m]
+    upper = [2.9, 1.2, 1.2]              # [rad or m]
+    speed = [2.1, 2.1, 2.1]              # [rad/s or m/s]
+
+Numbers may be text with pi, such as "-pi/2".
+"""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from math import pi
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .dh import Convention, Joint, Link, Robot
+from .limits import Limits
+
+LARGEST = 1_000_000
+"""Bytes of a robot file; a table of joints needs a few thousand."""
+_ROBOT = ("name", "convention", "offset", "coupling", "link", "limits")
+_LINK = ("theta", "d", "a", "alpha", "joint")
+_LIMITS = ("lower", "upper", "speed")
+
+
+class Arm(NamedTuple):
+    """A robot and the ranges of its motors."""
+
+    robot: Robot
+    limits: Limits
+
+
+def read_robot(file: Path) -> Arm:
+    """Robot of a file; without limits, revolute joints turn by 180 degrees to either side.
+
+    Raises:
+        ValueError: the file is not as described above; the message names file and field.
+        OSError: the file cannot be read.
+    """
+    with file.open("rb") as content:
+        text = content.read(LARGEST + 1)
+    if len(text) > LARGEST:
+        raise ValueError(f"{file.name}: a robot file has at most {LARGEST} bytes")
+    try:
+        data = tomllib.loads(text.decode())
+        return _arm(data)
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
+
+
+def _arm(data: Mapping[str, Any]) -> Arm:
+    _refuse_unknown("the file", data, _ROBOT)
+    rows = data.get("link")
+    if not isinstance(rows, list) or not rows:
+        raise ValueError("needs at least one [[link]]")
+    links = [_link(f"link {number}", row) for number, row in enumerate(rows, 1)]
+    name, convention = data.get("name", "robot"), data.get("convention", "standard")
+    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= 80):
+        raise ValueError(f"name must be printable text of 1 to 80 characters, got {name!r}")
+    robot = Robot(
+        links,
+        [_numbers("coupling", row) for row in data["coupling"]] if "coupling" in data else None,
+        _numbers("offset", data["offset"]) if "offset" in data else None,
+        _choice("convention", convention, Convention),
+        name,
+    )
+    if not robot.n_joints:
+        raise ValueError("needs at least one link that is not fixed")
+    return Arm(robot, _limits(robot, data.get("limits", {})))
+
+
+def _link(where: str, row: Any) -> Link:
+    if not isinstance(row, dict):
+        raise ValueError(f"{where} must be a table [[link]]")
+    _refuse_unknown(where, row, _LINK)
+    numbers = {name: _number(f"{where}: {name}", row[name]) for name in _LINK[:4] if name in row}
+    return Link(**numbers, joint=_choice(f"{where}: joint", row.get("joint", "revolute"), Joint))
+
+
+def _limits(robot: Robot, data: Any) -> Limits:
+    if not isinstance(data, dict):
+        raise ValueError("limits must be a table [limits]")
+    _refuse_unknown("limits", data, _LIMITS)
+    n, values = robot.n_joints, {}
+    for name, default in zip(_LIMITS, (-pi, pi, pi), strict=True):
+        values[name] = tuple(_numbers(f"limits: {name}", data.get(name, [default] * n)))
+        if len(values[name]) != n:
+            raise ValueError(f"limits: {name} must have {n} numbers, got {len(values[name])}")
+    return Limits(**values)
+
+
+def _numbers(name: str, values: Any) -> list[float]:
+    if not isinstance(values, list):
+        raise ValueError(f"{name} must be a list of numbers, got {values!r}")
+    return [_number(name, value) for value in values]
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"{name} must be a number, got {value!r}")
+    if isinstance(value, str):
+        value = _evaluated(name, value)
+    if not abs(value) < 1e6:
+        raise ValueError(f"{name} must be a number below 1e6, got {value}")
+    return float(value)
+
+
+def _evaluated(name: str, text: str) -> float:
+    from .expressions.grammar import parse
+
+    try:
+        return float(parse(text))
+    except (ValueError, TypeError):
+        raise ValueError(f"{name} must be a number or text such as '-pi/2', got {text!r}") from None
+
+
+def _choice(name: str, value: Any, kind: Any) -> Any:
+    try:
+        return kind(value)
+    except ValueError:
+        allowed = ", ".join(member.value for member in kind)
+        raise ValueError(f"{name} must be one of {allowed}, got {value!r}") from None
+
+
+def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str]) -> None:
+    if unknown := sorted(set(given) - set(allowed)):
+        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
+
+
+def robot_toml(robot: Robot, limits: Limits) -> str:
+    """Text of the file of a robot of numbers; `read_robot` reads the same robot back."""
+    lines = [f'name = "{robot.name}"', f'convention = "{robot.convention.value}"']
+    lines += [f"offset = {robot.offset.tolist()}", f"coupling = {robot.coupling.tolist()}"]
+    for link in robot.links:
+        lines += ["", "[[link]]"]
+        lines += [f"{name} = {float(getattr(link, name))!r}" for name in _LINK[:4]]
+        lines.append(f'joint = "{link.joint.value}"')
+    lines += ["", "[limits]"]
+    lines += [f"{name} = {list(getattr(limits, name))}" for name in _LIMITS]
+    return "\n".join([*lines, ""])

@@ -1,0 +1,102 @@
+"""Robot files: what is written is read back, and what cannot be a robot is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.kinematics import CATALOGUE, Convention, Joint, compile, find_arm, robot_toml
+from armside.kinematics.robot_file import LARGEST, read_robot
+
+SCARA = """
+name = "scara"
+convention = "modified"
+offset = [0, 0, "-pi/2", 0]
+coupling = [[1, 0, 0, 0], [-1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+[[link]]
+d = 0.3
+[[link]]
+a = 0.4
+[[link]]
+a = 0.25
+alpha = "pi"
+[[link]]
+joint = "prismatic"
+[[link]]
+theta = "pi/2"
+joint = "fixed"
+[limits]
+lower = [-2, -2.5, -6, 0]
+upper = [2, 2.5, 6, 0.2]
+speed = [6, 6, 20, 1]
+"""
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_a_written_robot_is_read_back_equal(name, tmp_path):
+    robot, limits = CATALOGUE[name]
+    (file := tmp_path / "arm.toml").write_text(robot_toml(robot, limits))
+    again = find_arm(str(file))
+    assert again.limits == replace(limits, coupled=())  # a file has no combined ranges
+    np.testing.assert_array_equal(again.robot.coupling, robot.coupling)
+    np.testing.assert_array_equal(again.robot.offset, robot.offset)
+    for ours, theirs in zip(again.robot.links, robot.links, strict=True):
+        assert (ours.theta, ours.d, ours.a, ours.alpha) == pytest.approx(
+            (theirs.theta, theirs.d, theirs.a, theirs.alpha), abs=0
+        )
+        assert ours.joint is theirs.joint
+
+
+def test_a_file_holds_any_serial_arm(tmp_path):
+    (file := tmp_path / "scara.toml").write_text(SCARA)
+    robot, limits = read_robot(file)
+    assert robot.convention is Convention.MODIFIED
+    assert [link.joint for link in robot.links[-2:]] == [Joint.PRISMATIC, Joint.FIXED]
+    assert robot.offset[2] == -np.pi / 2
+    assert limits.upper[3] == 0.2
+    assert compile(robot).pose(np.zeros(4)).shape == (4, 4)
+
+
+WRONG = {
+    "": "needs at least one [[link]]",
+    "[[link]]\nlength = 1": "link 1 has the unknown key 'length'; keys: theta, d, a, alpha, joint",
+    "colour = 'red'\n[[link]]": "the file has the unknown key 'colour'",
+    "[[link]]\nd = true": "link 1: d must be a number, got True",
+    "[[link]]\nd = inf": "link 1: d must be a number below 1e6, got inf",
+    "[[link]]\nalpha = 'pi/x'": "text such as '-pi/2', got 'pi/x'",
+    "[[link]]\njoint = 'ball'": "link 1: joint must be one of revolute, prismatic, fixed",
+    "offset = [0, 0]\n[[link]]": "offset must have shape (1,) for 1 moving links, got (2,)",
+    "coupling = [[0]]\n[[link]]": "coupling must be invertible",
+    "[[link]]\n[limits]\nlower = [1]\nupper = [-1]": "lower must be below upper",
+    "[[link]]\n[limits]\nspeed = [1, 1]": "limits: speed must have 1 numbers, got 2",
+    "[[link]]\njoint = 'fixed'": "needs at least one link that is not fixed",
+    "name = 7\n[[link]]": "name must be printable text",
+    "[[link]": "Expected",
+    "x = " + "[" * 5000: "",
+    "#" * (LARGEST + 1): f"at most {LARGEST} bytes",
+}
+
+
+@pytest.mark.parametrize("text", WRONG, ids=range(len(WRONG)))
+def test_what_is_no_robot_is_named_in_one_line(text, tmp_path):
+    (file := tmp_path / "arm.toml").write_text(text)
+    with pytest.raises(ValueError, match=r"^arm\.toml: ") as error:
+        read_robot(file)
+    assert WRONG[text] in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_unknown_name_says_which_exist():
+    with pytest.raises(ValueError, match=r"Unknown robot 'ur11'.*ur10.*robot file"):
+        find_arm("ur11")
+
+
+# Zero poses by hand from the data sheets: the UR10 lies stretched along -x, the IRB120 stands with
+# its forearm forward.
+ZERO_POSITIONS = {"ur10": (-1.1843, -0.256141, 0.0116), "irb120": (0.374, 0.0, 0.630)}
+
+
+@pytest.mark.parametrize("name", ZERO_POSITIONS)
+def test_the_flange_stands_in_the_zero_pose_of_the_data_sheet(name):
+    T = compile(CATALOGUE[name].robot).pose(np.zeros(6))
+    np.testing.assert_allclose(T[:3, 3], ZERO_POSITIONS[name], rtol=0, atol=1e-12)
