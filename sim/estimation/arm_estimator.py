@@ -23,6 +23,7 @@ from .arm_springs import Springs
 from .linearised_arm import linearised
 from .nominal import NominalArm
 from .observer import ArmMotion, observe
+from .plausibility import check_plausible
 from .relative_path import REST_SAMPLES, relative_to_start
 
 UNIDENTIFIED = 0.3
@@ -107,7 +108,18 @@ class ArmEstimator:
         samples: ImuSamples | None,
         kind: Estimate = Estimate.SMOOTHER,
     ) -> ToolEstimate:
-        """The tool in one run: log (N,), (N, 6) and IMU samples, None without an IMU."""
+        """The tool in one run: log (N,), (N, 6) and IMU samples, None without an IMU.
+
+        Raises EstimateError for a path that the motor angles contradict.
+        """
+        found = self._estimate(time, motor_angle, samples, kind)
+        tool, period = found.displacement[:, :3], float(time[1] - time[0])
+        check_plausible(tool, self.arm, self.model.arm, motor_angle, period)
+        return found
+
+    def _estimate(
+        self, time: Array, motor_angle: Array, samples: ImuSamples | None, kind: Estimate
+    ) -> ToolEstimate:
         from scipy.interpolate import CubicSpline
 
         period = float(time[1] - time[0])

@@ -156,8 +156,9 @@ def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
         tool = spec.body("tool")
         if tool is None:
             raise ModelError("the robot model lacks the body tool, which carries the payload")
-        if tool.mass + cfg.payload <= 0.0:
-            raise ValueError(f"payload must be > {-tool.mass:g} kg, got {cfg.payload:g}")
+        if tool.mass + cfg.payload < 0.0:
+            change = f"{cfg.payload:+g} kg leaves less than nothing of its {tool.mass:g} kg"
+            raise ValueError(f"the payload of the assumed arm must be >= 0 kg: {change}")
         # A payload of other mass and the same shape.
         tool.inertia = np.asarray(tool.inertia) * (1.0 + cfg.payload / tool.mass)
         tool.mass += cfg.payload

@@ -4,7 +4,8 @@ Exact where the nominal arm is: motor dynamics, friction and servo drop out, as 
 measured.
 """
 
-from dataclasses import dataclass
+import copy
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -19,6 +20,9 @@ from .nominal import NominalArm
 ENCODER_FILTER = 60.0
 """[Hz], zero-phase low-pass of the motor angles; far above the arm's modes, below the noise of
 differences of encoder counts."""
+LARGEST_STEP = 0.25
+"""Period of the fastest mode in which the rollout takes a step at least. Semi-implicit Euler, which
+integrates springs, grows without bound from 1 / pi on."""
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _NEWTON_STEPS = 200
 _REST_TORQUE = 1e-7  # [N m]
@@ -51,8 +55,7 @@ def at_rest(arm: NominalArm, phi: Array) -> Array:
     data = mujoco.MjData(mj)
     data.qpos[arm.axes] = phi
     data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
-    spring = np.diag(mj.jnt_stiffness[mj.dof_jntid])
-    spring[arm.axes[:, None], arm.axes] += arm.stiffness
+    spring = _spring_matrix(arm)
     for _ in range(_NEWTON_STEPS):
         data.qvel[:] = data.qacc[:] = 0.0
         mujoco.mj_inverse(mj, data)
@@ -64,12 +67,44 @@ def at_rest(arm: NominalArm, phi: Array) -> Array:
     raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
 
 
+def _spring_matrix(arm: NominalArm) -> Array:
+    """(nv, nv) [N m/rad], of gears and structure."""
+    spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid])
+    spring[arm.axes[:, None], arm.axes] += arm.stiffness
+    return spring
+
+
+def fastest_mode(arm: NominalArm, q: Array) -> float:
+    """Highest natural frequency [Hz] of the arm at its angles q (nv,), motors held."""
+    data, mass = mujoco.MjData(arm.mj), np.empty((arm.mj.nv, arm.mj.nv))
+    data.qpos[:] = q
+    mujoco.mj_forward(arm.mj, data)
+    mujoco.mj_fullM(arm.mj, data, mass)
+    square = np.linalg.eigvals(np.linalg.solve(mass, _spring_matrix(arm))).real
+    return float(np.sqrt(max(square.max(), 0.0))) / (2.0 * np.pi)
+
+
+def integrable(arm: NominalArm, q: Array) -> NominalArm:
+    """The arm with a step that carries its fastest mode: its own, or a whole fraction of it.
+
+    Springs that are identified with a light tool can have a mode above what the robot's step does.
+    """
+    step = float(arm.mj.opt.timestep)
+    fraction = int(np.ceil(step * fastest_mode(arm, q) / LARGEST_STEP))
+    if fraction <= 1:
+        return arm
+    mj = copy.copy(arm.mj)
+    mj.opt.timestep = step / fraction
+    return replace(arm, mj=mj)
+
+
 def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
     """The arm's motion from logged motor angles (N, 6) [rad], every `period` [s].
 
     The log is low-passed without phase and splined to the physics rate; it starts at rest.
     """
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    arm = integrable(arm, at_rest(arm, smooth[0]))
     phi, phi_dot, _ = interpolate(smooth, period, substeps(float(arm.mj.opt.timestep), period))
     return dragged(arm, phi, phi_dot)
 

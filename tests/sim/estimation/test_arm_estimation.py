@@ -20,6 +20,7 @@ from armside.sim.estimation.imu_health import Fault, ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.observer import dragged, observe
+from armside.sim.estimation.plausibility import EstimateError
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, prepare
@@ -194,6 +195,14 @@ def test_no_estimator_reads_the_truth(first, known):
     samples = repaired(first.imu, IMU)
     paths = [known.estimator(r.time, r.motor_angle, samples).displacement for r in (log, other)]
     assert np.array_equal(*paths)
+
+
+def test_readings_that_no_spring_explains_give_no_estimate(first, known):
+    log, samples = first.recording, repaired(first.imu, IMU)
+    shaken = samples.acceleration.copy()
+    shaken[:, 0] += 500.0 * np.sin(2.0 * np.pi * 10.0 * samples.time) * (samples.time > 0.3)
+    with pytest.raises(EstimateError, match="off what the motors show"):
+        known.estimator(log.time, log.motor_angle, replace(samples, acceleration=shaken))
 
 
 def test_single_lost_and_clipped_samples_are_bridged(first, known):
