@@ -17,7 +17,7 @@ from armside.arrays import Array
 
 from .laws.law import Law
 from .measures.norms import inf_norm, two_norm
-from .plant import as_record
+from .records import as_record
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

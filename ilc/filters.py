@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
+from .records import records
+
 PerColumn = float | tuple[float, ...]
 """One value for all columns (motors), or one value for each."""
 
@@ -55,6 +57,7 @@ class RecordFilter(Protocol):
 class AllPass:
     """Q = 1."""
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         return signal.copy()
 
@@ -102,6 +105,7 @@ class ZeroPhaseButterworth:
             needed = f"longer than the pad of {pad} samples"
             raise ValueError(f"the record must be {needed}, got {n_samples}")
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         self.check(*signal.shape)
         cutoffs = as_tuple(self.cutoff)
@@ -141,6 +145,7 @@ class ZeroPhaseButterworth:
         return _one_pass(sections, forwards[::-1], True)[::-1][pad:-pad]
 
 
+@records("signal")
 def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> Array:
     """q^delta: (q^delta e)(t) = e(t + delta), shape (N, n). Thesis (8.12), (9.2).
 
@@ -213,6 +218,7 @@ def _one_pass(sections: list[Section], signal: Array, from_steady_state: bool) -
     return filtered + offset
 
 
+@records("signal")
 def recursion(b: Array, a: Array, signal: Array) -> Array:
     """Filter b/a along the first axis of a signal (N, n); powers of q^-1, a[0] = 1.
 

@@ -11,7 +11,8 @@ from armside.arrays import Array
 from .divergence import DIVERGENCE_RATIO, has_diverged
 from .laws.law import Law
 from .measures.norms import two_norm
-from .plant import Plant, as_record
+from .plant import Plant
+from .records import as_record, as_samples
 
 Result = TypeVar("Result")
 
@@ -102,7 +103,7 @@ def learn(
 
 
 def _checked(output: Any, reference: Array) -> Array:
-    output = np.asarray(output, dtype=np.float64)
+    output = as_samples(output, "the output")
     if output.shape != reference.shape:
         needed = f"the shape {reference.shape} of the reference"
         raise ValueError(f"the output must have {needed}, got {output.shape}")

@@ -6,8 +6,10 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import System
+from ..records import records
 
 
+@records("first_error")
 def asymptotic_error(
     first_error: Array, T_u: System, L: RecordFilter, Q: RecordFilter, n_padding: int = 0
 ) -> Array:

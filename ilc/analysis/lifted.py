@@ -13,6 +13,7 @@ from armside.arrays import Array
 
 from ..laws.law import FirstOrderLaw
 from ..models.system_matrix import Model
+from ..records import records
 
 
 def lifted_system(T_u: Model, n_samples: int, n_columns: int = 1) -> Array:
@@ -69,6 +70,7 @@ class LiftedIteration:
         """Largest singular value. Below 1: ||u_k - u_inf|| shrinks in every iteration."""
         return float(np.linalg.norm(self.iteration, ord=2))
 
+    @records("first_error")
     def fixed_point(self, first_error: Array) -> tuple[Array, Array]:
         """(u_inf, e_inf), (N, n) each, from e_0 with u = 0. ValueError if none exists."""
         matrix = np.eye(len(self.T)) - self.iteration

@@ -11,6 +11,8 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import as_measured, records
+
 
 @dataclass(frozen=True)
 class Whiteness:
@@ -30,6 +32,7 @@ class Whiteness:
         return bool(enough and self.rms.max() <= 1.5)
 
 
+@records("innovation", gate=as_measured)
 def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
     """Whiteness test of normalised innovations (N, p); missing rows are omitted."""
     from scipy.special import gammaincc
@@ -47,6 +50,7 @@ def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
     return Whiteness(np.sqrt(np.square(e).mean(axis=0)), rho, p_value)
 
 
+@records("error")
 def normalised_squared(error: Array, covariance: Array) -> Array:
     """NEES or NIS of each sample, (N,), from errors (N, p), covariances (N, p, p) or (1, p, p)."""
     return np.einsum("ij,ij->i", error, np.linalg.solve(covariance, error[:, :, None])[:, :, 0])

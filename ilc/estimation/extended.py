@@ -7,6 +7,8 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import as_measured, records
+
 Step = Callable[[int, Array], tuple[Array, Array]]
 """(i, x) to the state at i + 1 and its Jacobian (n, n)."""
 Measurement = Callable[[int, Array], tuple[Array, Array]]
@@ -27,6 +29,7 @@ class ExtendedResult:
     innovation_covariance: Array
 
 
+@records("y", gate=as_measured)
 def extended(
     step: Step,
     measurement: Measurement,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
+from ..records import as_measured, records
 from .process import Process, steady_state_covariance
 
 
@@ -48,6 +49,7 @@ class SteadyStateFilter:
             np.linalg.solve(self.innovation_covariance, process.C @ P).T, dtype=np.float64
         )
 
+    @records("y", gate=as_measured)
     def __call__(self, y: Array, start: Array | None = None) -> Filtered:
         """Innovations of y (N, p); NaN marks rows that are missing. start: (n,), 0 if None."""
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
@@ -88,6 +90,7 @@ class Smoother:
         """(N, n, n), given the whole record."""
         return _smoothed_covariances(self._gains[3], self._gains[4], self._gains[1])
 
+    @records("y", gate=as_measured)
     def __call__(self, y: Array, start: Array | None = None) -> Smoothed:
         """States of y (N, p). start: (n,), expected state at the first sample, 0 if None."""
         if y.shape != (shape := (len(self.seen), len(self.process.C))):

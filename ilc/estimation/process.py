@@ -11,6 +11,8 @@ from numba import njit
 
 from armside.arrays import Array
 
+from ..records import records
+
 _SERIES = 12  # terms: 0.5^12 / 12! is far below rounding
 
 
@@ -99,6 +101,7 @@ def _doublings(A: Array) -> int:
     return max(0, int(np.ceil(np.log2(max(2.0 * np.abs(A).sum(axis=1).max(), 1.0)))))
 
 
+@records("u")
 def simulate(A: Array, B0: Array, B1: Array, u: Array) -> Array:
     """State x (N, n) of x_{i+1} = A x_i + B0 u_i + B1 u_{i+1} from x_0 = 0."""
     forcing = np.zeros((len(u), len(A)))

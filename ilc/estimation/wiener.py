@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system import Complex
+from ..records import as_measured, records
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class NonCausal:
         S_zy = self.Z @ spectrum @ self.C.T
         return S_zy @ np.linalg.inv(S_yy)
 
+    @records("y", gate=as_measured)
     def __call__(self, y: Array, sample_time: float, R: Array) -> Array:
         """z (N, q) from y (N, p), both zero and at rest at the ends."""
         padded = 2 * len(y)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import System
-from ..plant import as_record
+from ..records import records
 
 
 class Information(Enum):
@@ -64,9 +64,10 @@ class ArxFit:
         return self.n_samples * np.log(self.noise_variance) + penalty * (self.na + self.nb)
 
 
+@records("u", "y")
 def fit_arx(
-    u: ArrayLike,
-    y: ArrayLike,
+    u: Array,
+    y: Array,
     sample_time: float,
     *,
     na: int,
@@ -81,9 +82,6 @@ def fit_arx(
     Raises:
         ValueError: for orders that are negative or too large, or data that do not excite.
     """
-    u, y = as_record(u, "u"), as_record(y, "y")
-    if u.shape != y.shape:
-        raise ValueError(f"u and y must have one shape, got {u.shape} and {y.shape}")
     if na < 0 or nb < 1 or nk < 0:
         raise ValueError(f"orders must be na >= 0, nb >= 1, nk >= 0, got {na}, {nb}, {nk}")
     first = max(na, nk + nb - 1) if skip is None else skip
@@ -110,9 +108,10 @@ def fit_arx(
     return ArxFit(system, na, nb, nk, coefficients, covariance, noise, len(target))
 
 
+@records("u", "y")
 def select_arx(
-    u: ArrayLike,
-    y: ArrayLike,
+    u: Array,
+    y: Array,
     sample_time: float,
     *,
     na: Iterable[int] = range(4),

@@ -9,13 +9,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
 from ..filters import recursion
 from ..models.system import System
-from ..plant import as_record
+from ..records import records
 
 _SLOWEST = 0.98  # pole; a slower one resembles an integrator in records of a second
 
@@ -41,8 +40,9 @@ class FirstOrderModel:
         return self.delay + self.pole / (1.0 - self.pole)
 
 
+@records("u", "y")
 def fit_first_order(
-    u: ArrayLike, y: ArrayLike, sample_time: float, *, delays: Iterable[int] = range(11)
+    u: Array, y: Array, sample_time: float, *, delays: Iterable[int] = range(11)
 ) -> FirstOrderModel:
     """Least squares of the simulation error; u, y: shape (N, m), m experiments from rest.
 
@@ -53,9 +53,6 @@ def fit_first_order(
     """
     from scipy.optimize import minimize_scalar
 
-    u, y = as_record(u, "u"), as_record(y, "y")
-    if u.shape != y.shape:
-        raise ValueError(f"u and y must have one shape, got {u.shape} and {y.shape}")
     if not u.any() or not y.any():
         raise ValueError("u and y must not be zero throughout")
 
@@ -77,18 +74,19 @@ def fit_first_order(
     return FirstOrderModel(system, delay, pole, fit)
 
 
-def fit_of(system: System, u: ArrayLike, y: ArrayLike) -> float:
+@records("u", "y")
+def fit_of(system: System, u: Array, y: Array) -> float:
     """Fit of a model's simulation to (u, y), shape (N, m), all experiments together."""
     return float(_fit(system, u, y, None))
 
 
-def fit_of_each(system: System, u: ArrayLike, y: ArrayLike) -> Array:
+@records("u", "y")
+def fit_of_each(system: System, u: Array, y: Array) -> Array:
     """Fit of a model's simulation to each of m experiments, shape (m,); u, y: shape (N, m)."""
     return np.asarray(_fit(system, u, y, 0), dtype=np.float64)
 
 
-def _fit(system: System, u: ArrayLike, y: ArrayLike, axis: int | None) -> Array:
-    u, y = as_record(u, "u"), as_record(y, "y")
+def _fit(system: System, u: Array, y: Array, axis: int | None) -> Array:
     error = np.linalg.norm(y - system.simulate(u), axis=axis)
     return 1.0 - error / np.linalg.norm(y - y.mean(axis=0), axis=axis)
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..records import as_record
 from .first_order import FirstOrderModel, fit_first_order
 
 
@@ -46,6 +47,7 @@ def learning_data(
     columns = slice(None) if motors is None else list(motors)
 
     def part(signal: ArrayLike) -> Array:
+        as_record(signal, "a learning record")
         return np.asarray(signal)[:n, columns]
 
     u = np.asarray(sum(part(r.correction).astype(np.float64) for r in records))

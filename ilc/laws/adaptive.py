@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import FilteredLaw
 
 
@@ -39,6 +40,7 @@ class Adaptive(FilteredLaw):
             raise ValueError(f"window must be within {n_samples} samples, got {self.window}")
         super().check(n_samples, n_columns)
 
+    @records("correction", "error")
     def step(
         self, correction: Array, error: Array, memory: Array | None = None, /
     ) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system_matrix import adjoint
+from ..records import records
 from .norm_optimal import NormOptimal, Weight, per_sample
 
 
@@ -31,6 +32,7 @@ class Constrained(NormOptimal):
             raise ValueError("limit must be > 0")
         per_sample(self.limit, self.n_samples, self.n_columns, "limit")
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free = super().__call__(correction, error)
         limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")

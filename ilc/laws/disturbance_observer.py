@@ -7,6 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system_matrix import Model
+from ..records import records
 from .law import FilteredLaw
 
 
@@ -32,6 +33,7 @@ class DisturbanceObserver(FilteredLaw):
         if not self.ridge > 0.0:
             raise ValueError(f"ridge must be > 0, got {self.ridge}")
 
+    @records("correction", "error")
     def step(
         self, correction: Array, error: Array, memory: tuple[Array, ...] | None = None, /
     ) -> tuple[Array, tuple[Array, ...]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import FirstOrderLaw
 from .model_free import PlantRun
 
@@ -40,6 +41,7 @@ class FiniteDifference(FirstOrderLaw):
         if len(self.basis) != n_samples:
             raise ValueError(f"basis has {len(self.basis)} samples, the record {n_samples}")
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         base = self.experiment(correction)
         n_columns, n_basis = error.shape[1], self.basis.shape[1]

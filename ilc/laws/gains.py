@@ -9,6 +9,7 @@ from armside.arrays import Array
 
 from ..filters import End, check_shift, shift
 from ..models.system import Complex, unit_circle
+from ..records import records
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +27,7 @@ class PType:
     def check(self, n_samples: int, n_columns: int) -> None:
         check_shift(self.delta, n_samples)
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         return self.gamma * shift(signal, self.delta, self.end)
 
@@ -56,6 +58,7 @@ class DType:
         check_shift(self.delta, n_samples)
         check_shift(self.delta - 1, n_samples)
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         newer = shift(signal, self.delta, self.end)
         older = shift(signal, self.delta - 1, self.end)
@@ -87,6 +90,7 @@ class MatrixGain:
         if len(self.gamma) != n_columns:
             raise ValueError(f"gamma must be {n_columns} x {n_columns}, got {self.gamma.shape}")
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         return shift(signal, self.delta, self.end) @ self.gamma.T
 

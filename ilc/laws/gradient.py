@@ -8,6 +8,7 @@ from armside.arrays import Array
 
 from ..models.system import Complex, require_stable
 from ..models.system_matrix import Model, adjoint, check_inputs, largest_gain
+from ..records import records
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,6 +31,7 @@ class Gradient:
     def check(self, n_samples: int, n_columns: int) -> None:
         check_inputs(self.T_u, n_columns)
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         return self.step * adjoint(self.T_u, signal)
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import FirstOrderLaw
 
 
@@ -47,10 +48,12 @@ class Guarded:
     def check(self, n_samples: int, n_columns: int) -> None:
         self.law.check(n_samples, n_columns)
 
+    @records("error")
     def size(self, error: Array) -> float:
         """Weighted RMS of an error."""
         return float(np.sqrt(np.square(error * np.array(self.weight)).sum(axis=1).mean()))
 
+    @records("correction", "error", alike=False)
     def step(
         self, correction: Array, error: Array, memory: Best | None = None, /
     ) -> tuple[Array, Best]:

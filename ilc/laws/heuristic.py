@@ -7,6 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import End, PerColumn, RecordFilter, as_tuple, check_columns, check_shift, shift
+from ..records import records
 from .law import FirstOrderLaw
 
 
@@ -44,5 +45,6 @@ class Heuristic(FirstOrderLaw):
         check_shift(self.delta, n_samples)
         self.Q.check(n_samples, n_columns)
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         return self.Q(correction + np.asarray(self.gamma) * shift(error, self.delta, self.end))

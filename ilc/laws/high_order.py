@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex
+from ..records import records
 from .law import FilteredLaw
 
 Pair = tuple[Array, Array]
@@ -35,6 +36,7 @@ class HighOrder(FilteredLaw):
     def order(self) -> int:
         return len(self.alpha)
 
+    @records("correction", "error")
     def step(
         self, correction: Array, error: Array, memory: tuple[Pair, ...] | None = None, /
     ) -> tuple[Array, tuple[Pair, ...]]:

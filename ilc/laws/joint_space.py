@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import FirstOrderLaw
 
 
@@ -20,5 +21,6 @@ class JointSpace(FirstOrderLaw):
             raise ValueError(f"the inverse has {n} motors, the record {n_columns} columns")
         self.law.check(n_samples, n_columns)
 
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
         return self.law(correction, error @ self.inverse.T)

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
+from ..records import records
 
 
 class Law(Protocol):
@@ -26,6 +27,7 @@ class FirstOrderLaw:
     def __call__(self, correction: Array, error: Array, /) -> Array:
         raise NotImplementedError
 
+    @records("correction", "error", alike=False)
     def step(self, correction: Array, error: Array, memory: None = None, /) -> tuple[Array, None]:
         return self(correction, error), None
 
@@ -50,5 +52,6 @@ class FilteredLaw:
 class FirstOrder(FilteredLaw, FirstOrderLaw):
     """u_{k+1} = Q(u_k + L e_k). Thesis (7.2)."""
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         return self.Q(correction + self.L(error))

@@ -8,6 +8,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
+from ..records import records
 from .law import FirstOrderLaw
 
 PlantRun = Callable[[Array], Array]
@@ -38,6 +39,7 @@ class MeasuredGradient(FirstOrderLaw):
     def check(self, n_samples: int, n_columns: int) -> None:
         self.Q.check(n_samples, n_columns)
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         if not error.any():
             return self.Q(correction)

@@ -11,6 +11,7 @@ from armside.arrays import Array
 from ..filters import RecordFilter
 from ..models.system import Complex, require_stable
 from ..models.system_matrix import Model, check_inputs, largest_gain
+from ..records import records
 
 
 class Beyond(Enum):
@@ -64,6 +65,7 @@ class ModelInverse:
         learned = learned if learned.ndim == 2 else learned[:, None]
         return inverse * learned[:, None, :]
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         n_samples = len(signal)
         extended = signal

@@ -11,6 +11,7 @@ from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable
 from ..models.system_matrix import Model, SystemMatrix, check_inputs
+from ..records import records
 from .law import FirstOrderLaw
 
 Weight = float | Array
@@ -158,6 +159,7 @@ class NormOptimal(FirstOrderLaw):
         if given != designed:
             raise ValueError(f"the law was designed for records of shape {designed}, got {given}")
 
+    @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free_error = (error + self.T_u.simulate(correction)).ravel()
         v = self._solver.solve(self._problem.right_side(free_error, correction.ravel()))

@@ -15,6 +15,7 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex
+from ..records import records
 from .law import FirstOrderLaw
 from .regularised_inverse import Response
 
@@ -47,6 +48,7 @@ class RecordOptimal(FirstOrderLaw):
             raise ValueError(f"the law has {n} inputs, the record {n_columns} columns")
         self.F.check(n_samples, n_columns)
 
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
         n = len(correction)
         weight, size = np.array(self.output_weight), np.array(self.input_size)

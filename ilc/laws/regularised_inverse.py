@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex
+from ..records import records
 from .law import FirstOrderLaw
 
 
@@ -84,6 +85,7 @@ class RegularisedInverse(FirstOrderLaw):
         inverse = np.linalg.solve(T_H @ T + rho * np.eye(len(size)), T_H)
         return np.asarray(size[:, None] * inverse * weight, dtype=np.complex128)
 
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
         n_samples = len(correction)
         omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n_samples)
@@ -104,6 +106,7 @@ class RegularisedInverse(FirstOrderLaw):
         return self.Q(omega) * np.linalg.norm(moved, ord=2, axis=(1, 2))
 
 
+@records("signal")
 def tapered(signal: Array) -> Array:
     """Record (N, n) followed by a taper from its last value to its first: (2 N, n), periodic."""
     n = len(signal)

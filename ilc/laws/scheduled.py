@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import FirstOrderLaw
 
 
@@ -22,6 +23,7 @@ class Scheduled:
         for law in self.laws:
             law.check(n_samples, n_columns)
 
+    @records("correction", "error", alike=False)
     def step(
         self, correction: Array, error: Array, memory: int | None = None, /
     ) -> tuple[Array, int]:

@@ -9,6 +9,7 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex
+from ..records import records
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,6 +39,7 @@ class Blend:
         for one in self.filters:
             one.check(n_samples, n_columns)
 
+    @records("signal")
     def __call__(self, signal: Array, /) -> Array:
         parts = zip(self.weights.T, self.filters, strict=True)
         return sum((w[:, None] * one(signal) for w, one in parts), np.zeros_like(signal))

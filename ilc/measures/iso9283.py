@@ -6,10 +6,15 @@ on the commanded one before, so the position of the whole contour is not judged.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..records import as_real, records
 
+
+@records("commanded", "tangent")
+@records("attained")
 def crossings(commanded: Array, tangent: Array, attained: Array) -> Array:
     """Intersections of one attained path with the normal planes of the commanded one, (M, d) [m].
 
@@ -40,7 +45,7 @@ def path_accuracy(commanded: Array, attained: Array) -> float:
 
     attained: (n, M, d) [m], intersections of n runs with the plane of each point.
     """
-    _check(attained)
+    attained = _as_runs(attained)
     return float(np.linalg.norm(attained.mean(axis=0) - commanded, axis=1).max())
 
 
@@ -48,13 +53,15 @@ def path_repeatability(attained: Array) -> float:
     """RT_p [m]: largest over the points of mean + 3 standard deviations of the distance of the n
     attained positions, (n, M, d) [m], n >= 2, from their barycentre.
     """
-    _check(attained)
+    attained = _as_runs(attained)
     if len(attained) < 2:
         raise ValueError(f"path repeatability needs two runs or more, got {len(attained)}")
     distance = np.linalg.norm(attained - attained.mean(axis=0), axis=2)
     return float((distance.mean(axis=0) + 3.0 * distance.std(axis=0, ddof=1)).max())
 
 
-def _check(attained: Array) -> None:
-    if attained.ndim != 3:
-        raise ValueError(f"attained must have shape (n, M, d), got {attained.shape}")
+def _as_runs(attained: ArrayLike) -> Array:
+    runs = as_real(attained, "attained")
+    if runs.ndim != 3 or 0 in runs.shape:
+        raise ValueError(f"attained must have shape (n, M, d), got {runs.shape}")
+    return runs

@@ -10,7 +10,10 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..records import as_real, as_samples, records
 
+
+@records("error", gate=as_samples)
 def two_norm(error: Array) -> Array:
     """sqrt(sum e^2) over the record of each column: shape (N, n) to (n,)."""
     # Scaled by the peak, so that a diverging record neither overflows nor warns.
@@ -19,6 +22,7 @@ def two_norm(error: Array) -> Array:
     return scale * np.sqrt(np.square(error / scale).sum(axis=0))
 
 
+@records("error", gate=as_samples)
 def inf_norm(error: Array) -> Array:
     """max |e| over the record of each column: shape (N, n) to (n,)."""
     return np.max(np.abs(error), axis=0)
@@ -30,24 +34,23 @@ def normalise(measure: ArrayLike, without_learning: ArrayLike) -> Array:
     measure: any shape. without_learning: the same measure at k = 0 for all motors (9.5) and
     experiments (9.5), (9.8), (9.9) that are compared, any shape. Raises ValueError if it is zero.
     """
-    largest = np.max(without_learning)
+    measure = as_real(measure, "measure")
+    largest = np.max(as_real(without_learning, "without_learning"))
     if not (np.isfinite(largest) and largest > 0.0):
         raise ValueError(f"the largest error without learning must be > 0, got {largest}")
-    return np.asarray(measure, dtype=np.float64) / largest
+    return measure / largest
 
 
+@records("first", "second")
 def repeatability(first: Array, second: Array, best_error: float) -> Array:
     """||y_1 - y_2||_inf of each column over the smallest error reached with ILC. Thesis (9.10).
 
     first, second: outputs of two identical experiments at the same iteration, shape (N, n).
     best_error: min over iterations, motors and experiments of ||e||_inf.
     """
-    shapes = np.shape(first), np.shape(second)
-    if shapes[0] != shapes[1]:
-        raise ValueError(f"the two outputs must have one shape, got {shapes[0]} and {shapes[1]}")
     if not best_error > 0.0:
         raise ValueError(f"best_error must be > 0, got {best_error}")
-    return inf_norm(np.asarray(first) - second) / best_error
+    return inf_norm(first - second) / best_error
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
     Raises:
         ValueError: fewer than three points, points that are not finite or lie on one line.
     """
-    points = np.asarray(points, dtype=np.float64)
+    points = as_real(points, "points")
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:
         raise ValueError(f"points must have shape (M, 3) with M >= 3, got {points.shape}")
     if not np.isfinite(points).all():
@@ -90,6 +93,7 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
     return Circle(mean + centre @ axes[:2], axes[2], radius, in_plane)
 
 
+@records("points")
 def circle_centre(points: Array) -> Array:
     """Centre (2,) of the circle in a plane with the least sum of squared radial distances.
 
@@ -106,12 +110,12 @@ def circle_centre(points: Array) -> Array:
 
 def circle_rms(radii: Array, r_ref: float) -> float:
     """Root mean square of r_ref - r_meas. Thesis (9.6); r_ref is the programmed radius [m]."""
-    return float(np.sqrt(np.mean((r_ref - np.asarray(radii)) ** 2)))
+    return float(np.sqrt(np.mean((r_ref - _as_radii(radii)) ** 2)))
 
 
 def circle_maxdev(radii: Array, r_ref: float) -> float:
     """Largest |r_ref - r_meas|. Thesis (9.7); r_ref is the programmed radius [m]."""
-    return float(np.max(np.abs(r_ref - np.asarray(radii))))
+    return float(np.max(np.abs(r_ref - _as_radii(radii))))
 
 
 def circle_ripple(radii: Array, turn_time: float, low: float, high: float) -> float:
@@ -119,11 +123,18 @@ def circle_ripple(radii: Array, turn_time: float, low: float, high: float) -> fl
 
     turn_time: duration of the revolution [s]; its harmonics in [low, high] count.
     """
-    radii = np.asarray(radii, dtype=np.float64)
+    radii = _as_radii(radii)
     amplitude = np.fft.rfft(radii - radii.mean()) / len(radii)
     frequency = np.arange(len(amplitude)) / turn_time
     chosen = amplitude[(frequency >= low) & (frequency <= high)]
     return float(np.sqrt(2.0 * np.square(np.abs(chosen)).sum()))
+
+
+def _as_radii(radii: ArrayLike) -> Array:
+    values = as_real(radii, "radii")
+    if values.size == 0 or not np.isfinite(values).all():
+        raise ValueError("radii must be finite, and one at least")
+    return values
 
 
 def _plane_axes(centred: Array, normal: ArrayLike | None) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..plant import Plant, as_record
+from ..plant import Plant
+from ..records import as_record, records
 from .system import System, require_stable
 from .system_matrix import Model
 
@@ -59,6 +60,7 @@ class LinearPlant:
             loop = (self.T_u * self.C).feedback("the loop of T_u and the direct term C")
         object.__setattr__(self, "_loop", loop)
 
+    @records("correction")
     def run(self, correction: Array, /) -> Array:
         k = next(self._iteration)
         output = (self.T_r or self.T_u).simulate(self.reference) + self.T_u.simulate(correction)
@@ -95,5 +97,6 @@ class Alternating(Generic[Result]):
             raise ValueError("plants must hold at least one plant")
         self._plants = cycle(plants)
 
+    @records("correction")
     def run(self, correction: Array, /) -> Result:
         return next(self._plants).run(correction)

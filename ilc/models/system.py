@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from armside.arrays import Array
 
 from ..filters import recursion
+from ..records import records
 
 Complex = NDArray[np.complex128]
 
@@ -87,9 +88,10 @@ class System:
         ratio = np.polyval(self.b[::-1], q_inverse) / np.polyval(self.a[::-1], q_inverse)
         return ratio.astype(np.complex128)
 
+    @records("signal")
     def simulate(self, signal: Array) -> Array:
         """Output for the input (N, n), each column on its own, from zero state."""
-        return recursion(self.b, self.a, np.asarray(signal, dtype=np.float64))
+        return recursion(self.b, self.a, signal)
 
     def impulse(self, n_samples: int) -> Array:
         """Impulse response, shape (n_samples,): the first column of the lifted matrix."""

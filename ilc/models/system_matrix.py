@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..records import records
 from .system import Complex, System
 
 
@@ -50,6 +51,7 @@ class SystemMatrix:
         rows = [np.stack([s.response(omega) for s in row], axis=-1) for row in self.entries]
         return np.stack(rows, axis=-2)
 
+    @records("signal")
     def simulate(self, signal: Array) -> Array:
         """Outputs (N, n) for inputs (N, n), from zero state."""
         output = np.zeros_like(signal)
@@ -74,10 +76,11 @@ def check_inputs(T_u: Model, n_columns: int) -> None:
         raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n_columns}")
 
 
+@records("signal")
 def adjoint(model: Model, signal: Array) -> Array:
     """T^T e on the finite record: filter the time-reversed record, then reverse."""
     back = model.transposed if isinstance(model, SystemMatrix) else model
-    return back.simulate(np.asarray(signal)[::-1])[::-1]
+    return back.simulate(signal[::-1])[::-1]
 
 
 def largest_gain(model: Model) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import as_record, records
 from .discretise import state_space_to_system, tustin, zero_order_hold, zoh
 from .system import System, require_stable
 
@@ -195,6 +196,7 @@ class TwoMassPlant:
     _to_arm: System = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "arm_reference", as_record(self.arm_reference, "arm_reference"))
         loop = self.loop
         from_motor = loop.arm_reading is ArmReading.THESIS
         object.__setattr__(self, "motor_reference", loop.F_r.simulate(self.arm_reference))
@@ -203,6 +205,7 @@ class TwoMassPlant:
         to_arm = loop.joint.arm(loop.sample_time) if from_motor else loop.T_arm
         object.__setattr__(self, "_to_arm", to_arm)
 
+    @records("correction")
     def run(self, correction: Array, /) -> TwoMassRun:
         """q_m = T_{u,m} (r_m + u), q_a = T_{u,a} (r_m + u), from rest."""
         commanded = self.motor_reference + correction

@@ -10,6 +10,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import as_record, records
 from .discretise import zero_order_hold
 from .two_mass import TwoMassLoop, TwoMassRun, step_reference
 
@@ -43,9 +44,11 @@ class FrictionPlant:
             raise ValueError(f"noise must be {needed}, got {self.noise}")
         if self.substeps < 1:
             raise ValueError(f"substeps must be >= 1, got {self.substeps}")
+        object.__setattr__(self, "arm_reference", as_record(self.arm_reference, "arm_reference"))
         _ = self.loop.T_motor  # refuses an unstable loop
         object.__setattr__(self, "motor_reference", self.loop.F_r.simulate(self.arm_reference))
 
+    @records("correction")
     def run(self, correction: Array, /) -> TwoMassRun:
         joint, T_s = self.loop.joint, self.loop.sample_time
         A, B = joint.state_space
