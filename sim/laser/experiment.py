@@ -12,10 +12,12 @@ from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..robot.effects import available, with_effects
-from ..robot.individual import draw, structure_hinges, with_friction, with_individual, with_payload
+from ..robot.effects import available
+from ..robot.individual import Individual, embodied, structure_hinges, with_payload
+from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel, load_model
 from ..robot.run import LoadedReference
+from ..robot.spread import Drawn, Spread
 from ..robot.statics import Statics
 from ..robot.virtual_robot import VirtualRobot
 from .plant import CuttingPlant, MountedImu, Pass, plan
@@ -89,16 +91,15 @@ def prepare(
     motion, reference = plan(
         cut.cell, statics, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
     )
-    real = with_effects(carrying, available(carrying) - frozenset(cut.without), phi=reference[0])
-    if cut.individual is None:
-        spread = cut.friction_spread
-        factor = np.random.default_rng(drawing).uniform(-spread, spread, 6)
-        real = with_friction(real, 1.0 + factor)
-    elif isinstance(cut.individual, int):
-        drawn = draw(np.random.default_rng(cut.individual), len(structure_hinges(design)))
-        real = with_individual(real, drawn)
-    else:
-        real = with_individual(real, cut.individual)
+    individual = _individual(cut, np.random.default_rng(drawing), len(structure_hinges(design)))
+    real = embodied(
+        design,
+        individual,
+        available(design) - frozenset(cut.without),
+        phi=reference[0],
+        payload=cut.payload,
+        temperature=cut.temperature,
+    )
     loaded = VirtualRobot(real, nominal=statics).load(reference)
     tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
     unit = None
@@ -110,6 +111,20 @@ def prepare(
     if cut.payload is not None and cut.payload_known:
         added = cut.payload - float(design.mj.body("tool").mass[0])
     return Experiment(cut, seed, known, added, motion, loaded, plant)
+
+
+def _individual(cut: Cut, rng: np.random.Generator, n_structure: int) -> Individual:
+    individual = cut.individual
+    if individual is None:
+        spread = cut.friction_spread
+        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, N_AXES))
+    elif isinstance(individual, int):
+        individual = Drawn(individual, Spread()).of(n_structure)
+    elif isinstance(individual, Drawn):
+        individual = individual.of(n_structure)
+    if cut.friction_drift:
+        individual = replace(individual, friction=individual.friction * (1.0 + cut.friction_drift))
+    return individual
 
 
 def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration:

@@ -13,6 +13,7 @@ from ..cut.timing import PathLimits
 from ..instruments.imu import ImuCfg
 from ..robot.effects import Effect
 from ..robot.individual import Individual
+from ..robot.spread import Drawn
 
 SPIRAL_START = 0.6  # Fraction of its size at which a contour's spiral starts
 SPIRAL_LEAD = 0.25  # Length of a spiral in turns: its bends have 0.4 of a circle's radius
@@ -54,8 +55,13 @@ class Cut:
     """The controller knows the payload."""
     friction_spread: float = 0.02
     """Friction of each axis is uniform within +- this fraction of the nominal."""
-    individual: Individual | int | None = None
-    """Parameters of the individual, or the seed they are drawn with; None: friction only."""
+    individual: Individual | Drawn | int | None = None
+    """Parameters of the individual, or the seed they are drawn with; None: friction only. A bare
+    seed stands for the individuals of thesis chapter 9: `Spread()`."""
+    friction_drift: float = 0.0
+    """Change of Coulomb and static friction since the robot was commissioned, relative."""
+    temperature: float | None = None
+    """Of the gears [deg C]; that of the model if None."""
     friction_feedforward: float | None = None
     """Fraction of friction that the controller feeds forward; that of the model if None."""
     without: tuple[Effect, ...] = ()

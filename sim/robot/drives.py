@@ -13,6 +13,8 @@ from armside.arrays import Array
 
 from .mjcf import N_AXES, axis_actuators, numeric, scalar
 
+N_HARMONICS = 4
+"""Orders of a gear's transmission error: once and twice the output, once and twice the motor."""
 FRICTION_SPEED = 0.02
 """[rad/s], arm side: below it, friction feedforward fades to zero. ESTIMATE."""
 

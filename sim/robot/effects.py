@@ -6,7 +6,7 @@ of the controller, with linear springs and one friction curve.
 
 import copy
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import mujoco
@@ -14,7 +14,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .drives import GearError
+from .drives import N_HARMONICS, GearError
 from .mjcf import axis_actuators, has, numeric, scalar
 from .model import RobotModel
 from .statics import Statics
@@ -49,10 +49,31 @@ def available(model: RobotModel) -> frozenset[Effect]:
     return frozenset(effect for effect, name in _DATA.items() if has(model.mj, kind, name))
 
 
-def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) -> RobotModel:
+@dataclass(frozen=True)
+class FrictionFactors:
+    """Factors on the parts of load friction, (6,) or one for all axes."""
+
+    constant: Array | float = 1.0
+    load: Array | float = 1.0
+    """On the two parts of Coulomb friction."""
+    static_excess: Array | float = 1.0
+    """On the excess of static over Coulomb friction."""
+
+
+def with_effects(
+    model: RobotModel,
+    effects: Collection[Effect],
+    *,
+    phi: Array,
+    friction: FrictionFactors = FrictionFactors(),
+    temperature: float | None = None,
+) -> RobotModel:
     """The robot with these effects added.
 
-    phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
+    Args:
+        phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
+        friction: of this robot individual.
+        temperature: of the gears [deg C]; that of the robot's file if None.
     """
     model = replace(model, mj=copy.copy(model.mj))
     if Effect.LOST_MOTION in effects:
@@ -62,7 +83,7 @@ def with_effects(model: RobotModel, effects: Collection[Effect], *, phi: Array) 
     if Effect.GEAR_ERROR in effects:
         model = replace(model, gear_error=_gear_error(model))
     if Effect.LOAD_FRICTION in effects:
-        _set_load_friction(model, phi)
+        _set_load_friction(model, phi, friction, temperature)
     return model
 
 
@@ -86,9 +107,9 @@ def _set_ripple(model: RobotModel) -> None:
 def _gear_error(model: RobotModel) -> GearError:
     gear = model.drives.gear
     return GearError(
-        amplitude=np.tile(numeric(model.mj, "gear_error", 4), (6, 1)),
+        amplitude=np.tile(numeric(model.mj, "gear_error", N_HARMONICS), (6, 1)),
         order=np.column_stack([np.ones(6), 2.0 * np.ones(6), gear, 2.0 * gear]),
-        phase=numeric(model.mj, "gear_error_phase", 24).reshape(6, 4),
+        phase=numeric(model.mj, "gear_error_phase", 6 * N_HARMONICS).reshape(6, N_HARMONICS),
     )
 
 
@@ -112,12 +133,24 @@ def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float,
     return coulomb, static, viscous, -24.81 + 0.98 * temperature
 
 
-def _set_load_friction(model: RobotModel, phi: Array) -> None:
+def relative_load(model: RobotModel, phi: Array) -> Array:
+    """(6,), holding torque at motor angles phi (6,) [rad] over the peak torque of each drive."""
+    drives = model.drives
+    return Statics(model).equilibrium(phi).holding_torque / drives.gear / drives.torque_limit
+
+
+def _set_load_friction(
+    model: RobotModel, phi: Array, factors: FrictionFactors, temperature: float | None
+) -> None:
     mj, limit = model.mj, model.drives.torque_limit
-    load = Statics(model).equilibrium(phi).holding_torque / model.drives.gear / limit
-    coulomb, static, viscous, stribeck = load_friction(load, scalar(mj, "gear_temperature"))
+    warm = scalar(mj, "gear_temperature") if temperature is None else temperature
+    load = relative_load(model, phi)
+    coulomb, static, viscous, stribeck = load_friction(load, warm)
     scale = numeric(mj, "load_friction_scale", 6)
-    static = coulomb + scalar(mj, "load_friction_static") * (static - coulomb)
+    excess = scalar(mj, "load_friction_static") * (static - coulomb) * factors.static_excess
+    coulomb = coulomb + (_FC0 * (factors.constant - 1.0))
+    coulomb = coulomb + _FCL * np.abs(load) * (factors.load - 1.0)
+    static = coulomb + excess
     for i, axis in enumerate(axis_actuators(mj)):
         mj.actuator_biasprm[axis, _COULOMB] = scale[i] * coulomb[i] * limit[i]
         mj.actuator_biasprm[axis, _STATIC] = scale[i] * static[i] * limit[i]

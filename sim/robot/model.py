@@ -69,7 +69,17 @@ def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
 
     Raises ModelError when the file does not compile or lacks a name.
     """
-    spec, mj = (None, source) if isinstance(source, mujoco.MjModel) else _parsed(Path(source))
+    if isinstance(source, mujoco.MjModel):
+        return _named(None, source)
+    return _named(*_parsed(Path(source)))
+
+
+def robot_model(spec: mujoco.MjSpec) -> RobotModel:
+    """Robot model of a parsed file, altered or not. Raises ModelError as `load_model`."""
+    return _named(spec, spec.compile())
+
+
+def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
     require_names(mj)
     motor = _dofs(mj, "motor")
     sensors = map(mj.sensor, range(mj.nsensor))

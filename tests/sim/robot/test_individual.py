@@ -10,13 +10,12 @@ from armside.sim.laser import Cut, prepare
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
-    Spread,
-    draw,
     structure_hinges,
     with_individual,
     with_payload,
 )
 from armside.sim.robot.model import load_model
+from armside.sim.robot.spread import Spread, draw
 from armside.sim.robot.statics import Statics
 from armside.sim.robot.virtual_robot import VirtualRobot
 

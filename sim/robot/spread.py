@@ -1,0 +1,139 @@
+"""Distributions of robot individuals, and draws from them. All widths are ESTIMATES."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .drives import N_HARMONICS
+from .individual import HiddenHinge, Individual
+from .mjcf import N_AXES
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """Standard deviations between robots of one design.
+
+    The defaults are the individuals of the verdicts on thesis chapter 9; `PRODUCTION` varies
+    everything.
+    """
+
+    friction: float = 0.10
+    """log(factor) on each axis: run-in, grease and temperature."""
+    gear_stiffness: float = 0.10
+    structure_stiffness: float = 0.10
+    """log(factor) on each axis, and on each hinge of the structure."""
+    position: float = 0.5e-3
+    """[m], position of each joint on the link before it, each direction."""
+    orientation: float = 0.5e-3
+    """[rad], rotation of each joint's axis and zero, about each direction."""
+    friction_law: float = 0.0
+    """log(factor) on each constant of the friction law: load, static, Stribeck, viscous."""
+    bristle_stiffness: float = 0.0
+    ripple: float = 0.0
+    lost_motion: float = 0.0
+    gear_error: float = 0.0
+    """log(factor) on each axis and order; where it is not 0, each order has a phase of its own."""
+    mass: float = 0.0
+    damping: float = 0.0
+    """log(factor) on each link, and on each gear and hinge."""
+    hidden: float = 0.0
+    """Fraction of robots with one to three hinges that the design lacks."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise ValueError(f"spread of {item.name} must be >= 0, got {value}")
+        if self.hidden > 1.0:
+            raise ValueError(f"the fraction of hidden hinges must be at most 1, got {self.hidden}")
+
+
+PRODUCTION = Spread(
+    friction_law=0.10,
+    bristle_stiffness=0.15,
+    ripple=0.2,
+    lost_motion=0.2,
+    gear_error=0.2,
+    mass=0.015,
+    damping=0.2,
+    hidden=0.5,
+)
+"""Robots of one production line: what `--individual N` is drawn from."""
+
+_PLACES = (
+    ("frame", (0.0, 0.0, 1.0), 8e6),
+    ("lower_arm", (0.0, 1.0, 0.0), 8e6),
+    ("elbow", (0.0, 1.0, 0.0), 5e6),
+    ("tube", (0.0, 1.0, 0.0), 2e6),
+    ("tube", (0.0, 0.0, 1.0), 2e6),
+    ("tilt", (0.0, 0.0, 1.0), 1e6),
+)
+"""Hidden hinges: body, axis and median stiffness [N m/rad], twice to five times that of the springs
+beside them."""
+_STIFFNESS_SPREAD, _DAMPING_TIME = 0.4, 2e-4
+"""log(factor); damping over stiffness [s], as for the hinges of the file."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """An individual by its number."""
+
+    number: int
+    spread: Spread = PRODUCTION
+
+    def __post_init__(self) -> None:
+        if self.number < 0:
+            raise ValueError(f"individual must be >= 0, got {self.number}")
+
+    def of(self, n_structure: int) -> Individual:
+        """Parameters, for a design with n hinges of the structure."""
+        return draw(np.random.default_rng(self.number), n_structure, self.spread)
+
+
+def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) -> Individual:
+    """Individual of a model with n `structure_hinges`: factors log-normal, phases uniform."""
+
+    def factor(std: float, *shape: int) -> Array:
+        return np.exp(std * rng.standard_normal(shape))
+
+    friction = factor(spread.friction, N_AXES)
+    gear_stiffness = factor(spread.gear_stiffness, N_AXES)
+    structure_stiffness = factor(spread.structure_stiffness, n_structure)
+    ripple_phase = rng.uniform(0.0, 2.0 * np.pi, N_AXES)
+    position = spread.position * rng.standard_normal((N_AXES, 3))
+    orientation = spread.orientation * rng.standard_normal((N_AXES, 3))
+    # Whatever came later is drawn later: earlier individuals stay who they were.
+    phases = rng.uniform(0.0, 2.0 * np.pi, (N_AXES, N_HARMONICS))
+    return Individual(
+        friction=friction,
+        gear_stiffness=gear_stiffness,
+        structure_stiffness=structure_stiffness,
+        ripple_phase=ripple_phase,
+        position=position,
+        orientation=orientation,
+        gear_error_phase=phases if spread.gear_error > 0.0 else np.zeros_like(phases),
+        gear_error=factor(spread.gear_error, N_AXES, N_HARMONICS),
+        friction_load=factor(spread.friction_law, N_AXES),
+        static_excess=factor(spread.friction_law, N_AXES),
+        stribeck_speed=factor(spread.friction_law, N_AXES),
+        viscous=factor(spread.friction_law, N_AXES),
+        bristle_stiffness=factor(spread.bristle_stiffness, N_AXES),
+        ripple=factor(spread.ripple, N_AXES),
+        lost_motion=factor(spread.lost_motion, N_AXES),
+        mass=factor(spread.mass, N_AXES),
+        gear_damping=factor(spread.damping, N_AXES),
+        structure_damping=factor(spread.damping, n_structure),
+        hidden=_hinges(rng) if rng.uniform() < spread.hidden else (),
+    )
+
+
+def _hinges(rng: np.random.Generator) -> tuple[HiddenHinge, ...]:
+    chosen = rng.choice(len(_PLACES), size=rng.integers(1, 4), replace=False)
+    hinges = []
+    for body, axis, median in (_PLACES[i] for i in sorted(chosen)):
+        stiffness = float(median * np.exp(_STIFFNESS_SPREAD * rng.standard_normal()))
+        damping = _DAMPING_TIME * stiffness
+        hinges.append(HiddenHinge(body=body, axis=axis, stiffness=stiffness, damping=damping))
+    return tuple(hinges)
