@@ -29,7 +29,9 @@ class HiddenHinge:
     body: str
     """Body of the MJCF that rests on it, behind its own joints."""
     axis: tuple[float, float, float]
-    """In the axes of that body, through its origin."""
+    """In the axes of that body."""
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Of a point on the axis [m], in the axes of that body."""
     stiffness: float
     """[N m/rad]."""
     damping: float
@@ -156,7 +158,7 @@ def with_hinges(design: RobotModel, hinges: Collection[HiddenHinge]) -> RobotMod
         if body is None:
             raise ModelError(f"the robot model lacks the body {hinge.body} of a hidden hinge")
         joint = body.add_joint(name=f"hidden_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
-        joint.axis = np.array(hinge.axis)
+        joint.axis, joint.pos = np.array(hinge.axis), np.array(hinge.position)
         joint.stiffness = _linear(hinge.stiffness, joint.stiffness)
         joint.damping = _linear(hinge.damping, joint.damping)
     return robot_model(spec)

@@ -1,6 +1,6 @@
 """Distributions of robot individuals, and draws from them. All widths are ESTIMATES."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -63,15 +63,14 @@ PRODUCTION = Spread(
 """Robots of one production line: what `--individual N` is drawn from."""
 
 _PLACES = (
-    ("frame", (0.0, 0.0, 1.0), 8e6),
-    ("lower_arm", (0.0, 1.0, 0.0), 8e6),
-    ("elbow", (0.0, 1.0, 0.0), 5e6),
-    ("tube", (0.0, 1.0, 0.0), 2e6),
-    ("tube", (0.0, 0.0, 1.0), 2e6),
-    ("tilt", (0.0, 0.0, 1.0), 1e6),
+    HiddenHinge(body="lower_arm", axis=(0, 1, 0), position=(0, 0, 0.54), stiffness=8e6, damping=0),
+    HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=2e6, damping=0),
+    HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=2e6, damping=0),
+    HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=1e6, damping=0),
+    HiddenHinge(body="tilt", axis=(1, 0, 0), stiffness=8e5, damping=0),
 )
-"""Hidden hinges: body, axis and median stiffness [N m/rad], twice to five times that of the springs
-beside them."""
+"""Hidden hinges of the large robot with their median stiffness, twice that of the springs beside
+them; none is on the axis of a motor, where no mass would lie between the two."""
 _STIFFNESS_SPREAD, _DAMPING_TIME = 0.4, 2e-4
 """log(factor); damping over stiffness [s], as for the hinges of the file."""
 
@@ -131,9 +130,9 @@ def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) 
 
 def _hinges(rng: np.random.Generator) -> tuple[HiddenHinge, ...]:
     chosen = rng.choice(len(_PLACES), size=rng.integers(1, 4), replace=False)
-    hinges = []
-    for body, axis, median in (_PLACES[i] for i in sorted(chosen)):
-        stiffness = float(median * np.exp(_STIFFNESS_SPREAD * rng.standard_normal()))
-        damping = _DAMPING_TIME * stiffness
-        hinges.append(HiddenHinge(body=body, axis=axis, stiffness=stiffness, damping=damping))
-    return tuple(hinges)
+    return tuple(_scaled(_PLACES[i], rng) for i in sorted(chosen))
+
+
+def _scaled(hinge: HiddenHinge, rng: np.random.Generator) -> HiddenHinge:
+    stiffness = float(hinge.stiffness * np.exp(_STIFFNESS_SPREAD * rng.standard_normal()))
+    return replace(hinge, stiffness=stiffness, damping=_DAMPING_TIME * stiffness)
