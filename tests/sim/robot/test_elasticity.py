@@ -1,0 +1,154 @@
+"""Springs and dampers of the robots: static deflection, pose of rest, logarithmic decrement."""
+
+import copy
+
+import mujoco
+import numpy as np
+import pytest
+
+from armside import assets
+from armside.sim.robot.effects import Effect, with_effects
+from armside.sim.robot.individual import Individual, with_individual, with_payload
+from armside.sim.robot.linkage import Linkage
+from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics, anticipated_shift
+
+POSE = np.array([0.2, 0.3, 0.1, 0.4, -0.6, 0.5])
+XML = {"large": assets.LARGE_ROBOT_XML, "irb1400": assets.IRB1400_XML}
+G = 9.82
+
+
+@pytest.fixture(scope="module", params=XML)
+def model(request):
+    return load_model(XML[request.param])
+
+
+def tool_of(model, qpos):
+    data = mujoco.MjData(model.mj)
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(model.mj, data)
+    mujoco.mj_comPos(model.mj, data)
+    jacobian = np.empty((3, model.mj.nv))
+    mujoco.mj_jacSite(model.mj, data, jacobian, None, model.mj.site("tool0").id)
+    return data.site("tool0").xpos.copy(), jacobian @ Linkage(model.mj).tangent(data)
+
+
+def test_a_weight_at_the_flange_deflects_the_tool_by_the_sum_of_its_springs(model):
+    """F = m g at the tool: displacement J K^-1 J' F of all springs, to first order in F."""
+    mass = 1e-3
+    heavy = load_model(XML["large" if len(model.brakes) == 0 else "irb1400"])
+    body = heavy.mj.body("disc").id
+    site = heavy.mj.site("tool0").pos
+    rest = Statics(model).equilibrium(POSE).qpos
+    before, J = tool_of(model, rest)
+    # a point mass at the flange beside what the disc weighs
+    old, new = heavy.mj.body_mass[body], heavy.mj.body_mass[body] + mass
+    heavy.mj.body_ipos[body] = (old * heavy.mj.body_ipos[body] + mass * site) / new
+    heavy.mj.body_mass[body] = new
+    mujoco.mj_setConst(heavy.mj, mujoco.MjData(heavy.mj))
+    after, _ = tool_of(heavy, Statics(heavy).equilibrium(POSE).qpos)
+    springs = model.springs
+    stiffness = model.mj.jnt_stiffness[model.mj.dof_jntid[springs]]
+    force = np.array([0.0, 0.0, -mass * G])
+    expected = J[:, springs] @ ((J.T @ force)[springs] / stiffness)
+    # gravity and balancing springs change the stiffness by a few per cent
+    assert after - before == pytest.approx(expected, rel=0.1, abs=0.1 * np.abs(expected).max())
+    assert expected[2] < 0.0
+
+
+def test_the_robot_rests_where_every_spring_carries_its_load(model):
+    """At equilibrium the unbalanced force of each spring is zero, and motors carry the rest."""
+    equilibrium = Statics(model).equilibrium(POSE)
+    data = mujoco.MjData(model.mj)
+    data.qpos[:] = equilibrium.qpos
+    mujoco.mj_forward(model.mj, data)
+    Z = Linkage(model.mj).tangent(data)
+    static = Z.T @ (data.qfrc_bias - data.qfrc_passive)
+    assert np.abs(static[model.springs]).max() < 1e-6
+    assert static[model.motor] == pytest.approx(equilibrium.holding_torque, abs=1e-6)
+    assert equilibrium.qpos[model.motor] == pytest.approx(POSE, abs=1e-15)
+
+
+def test_the_anticipated_shift_is_its_share_of_the_sag():
+    """At rest: tool of the flexible equilibrium minus rigid tool, to first order, times 0.576."""
+    model = load_model(assets.LARGE_ROBOT_XML)
+    still = np.tile(POSE, (12, 1))
+    shift = anticipated_shift(Statics(model), still, 0.004)
+    sag = (
+        tool_of(model, Statics(model).equilibrium(POSE).qpos)[0]
+        - tool_of(model, model.posture @ POSE)[0]
+    )
+    assert np.linalg.norm(sag) > 1e-3
+    # the linear sag leaves out that gravity acts on the deflected arm: 2 to 4 %
+    share = model.drives.elastic_compensation
+    assert shift[0] == pytest.approx(share * sag, abs=0.06 * share * np.linalg.norm(sag))
+
+
+@pytest.fixture(scope="module")
+def weightless():
+    """The large robot without gravity and balancing cylinder: springs alone."""
+    mj = mujoco.MjModel.from_xml_path(str(XML["large"]))
+    mj.opt.gravity[:] = 0.0
+    mj.tendon_stiffness[mj.tendon("balancing_cylinder").id] = 0.0
+    return mj
+
+
+STRUCTURE = ("tilt_x", "tilt_y", "lower_bend_x", "lower_twist_z", "elbow_torsion_x")
+SPRINGS = [
+    *(f"flex_{i}" for i in range(1, 7)),
+    *(f"struct_{name}" for name in (*STRUCTURE, "elbow_lateral_z")),
+]
+
+
+@pytest.mark.parametrize("name", SPRINGS)
+def test_a_plucked_spring_rings_at_its_frequency_and_decays_by_its_damping(weightless, name):
+    """Every other joint is held by a huge rotor: one oscillator, in the file's own time step.
+
+    Decrement and period of k and d on the inertia beyond the hinge; integration adds no damping.
+    """
+    mj, data = weightless, mujoco.MjData(weightless)
+    dof = mj.joint(name).dofadr[0]
+    mass = np.empty((mj.nv, mj.nv))
+    mujoco.mj_forward(mj, data)
+    mujoco.mj_fullM(mj, data, mass)
+    inertia, k, d = mass[dof, dof], mj.joint(name).stiffness[0], mj.joint(name).damping[0]
+    w, zeta = np.sqrt(k / inertia), d / (2.0 * np.sqrt(k * inertia))
+    own = mj.dof_armature.copy()
+    mj.dof_armature[:] = np.where(np.arange(mj.nv) == dof, own, 1e12)
+    try:
+        data.qpos[dof] = 1e-4
+        swing = np.empty((round(8 * 2 * np.pi / w / mj.opt.timestep), 2))
+        for i in range(len(swing)):
+            swing[i] = data.qpos[dof], data.qvel[dof]
+            mujoco.mj_step(mj, data)
+    finally:
+        mj.dof_armature[:] = own
+    # the analytic signal x - i x'/w of a lightly damped oscillator turns and shrinks evenly
+    signal = swing[:, 0] - 1j * swing[:, 1] / w
+    t = np.arange(len(swing)) * mj.opt.timestep
+    rate = np.polyfit(t, np.log(np.abs(signal)), 1)[0]
+    turn = np.polyfit(t, np.unwrap(np.angle(signal)), 1)[0]
+    assert turn == pytest.approx(w * np.sqrt(1 - zeta**2), rel=0.01)
+    assert -rate == pytest.approx(zeta * w, rel=0.05)
+
+
+def test_an_individual_is_the_robot_that_a_new_file_would_make():
+    """Constants that MuJoCo derives from masses, places and angles are those of the individual."""
+    design = load_model(assets.LARGE_ROBOT_XML)
+    rng = np.random.default_rng(0)
+    individual = Individual(
+        friction=np.linspace(0.8, 1.2, 6),
+        gear_stiffness=np.linspace(1.3, 0.7, 6),
+        structure_stiffness=np.linspace(0.9, 1.1, 6),
+        position=1e-3 * rng.standard_normal((6, 3)),
+        orientation=1e-3 * rng.standard_normal((6, 3)),
+    )
+    for robot in (
+        with_individual(with_effects(design, {Effect.LOST_MOTION}, phi=POSE), individual),
+        with_payload(design, 100.0),
+    ):
+        fresh = copy.copy(robot.mj)
+        mujoco.mj_setConst(fresh, mujoco.MjData(fresh))
+        for name in ("body_subtreemass", "dof_M0", "dof_invweight0", "tendon_length0"):
+            assert np.array_equal(getattr(robot.mj, name), getattr(fresh, name)), name
+        assert not np.array_equal(robot.mj.dof_M0, design.mj.dof_M0)
