@@ -1,0 +1,76 @@
+"""Measure how many deliberate faults the tests notice.
+
+    python -m tests.mutation run [--only TEXT] [--sample N] [--generic N] [--nearest] [--again]
+    python -m tests.mutation page
+
+`run` tries what has no result yet and ends with status 1 when a mutant survives without a reason;
+`page` writes docs/mutation.md from the results.
+"""
+
+import argparse
+import os
+import random
+
+from .mutant import ROOT, Mutant, curated
+from .page import page, score
+from .session import Session, Trial
+
+GENERIC_SEED = 15
+
+
+def arguments() -> argparse.Namespace:
+    """Options of the command line."""
+    parser = argparse.ArgumentParser(prog="python -m tests.mutation", description=__doc__)
+    parser.add_argument("action", choices=("run", "page"))
+    parser.add_argument("--only", default="", help="mutants with this text in file or name")
+    parser.add_argument("--sample", type=int, help="number of mutants, drawn by --seed")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--generic", type=int, default=0, help="number of generic mutants")
+    parser.add_argument("--nearest", action="store_true", help="leave out the wider tests")
+    parser.add_argument("--again", choices=("none", "survivors", "all"), default="none")
+    parser.add_argument("--workers", type=int, default=os.cpu_count())
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Run or write; 0 where every survivor has a reason."""
+    options = arguments()
+    os.chdir(ROOT)
+    session, mutants, generic = Session(), curated(), _generic(options.generic)
+    if options.action == "page":
+        text = page(mutants, generic, session.results())
+        (ROOT / "docs/mutation.md").write_text(text, encoding="utf-8")
+        return 0
+    chosen = [m for m in (*mutants, *generic) if options.only in f"{m.file} {m.name}"]
+    if options.sample is not None:
+        random.Random(options.seed).shuffle(chosen)
+        chosen = chosen[: options.sample]
+    known = session.results()
+    todo = [m for m in chosen if not m.equivalent and _pending(known.get(m.key), options.again)]
+    session.run(todo, workers=options.workers, wider=not options.nearest, report=_report)
+    results = session.results()
+    killed, tried = score(chosen, results)
+    print(f"{killed} of {tried} noticed")
+    lost = [m for m in chosen if m.key in results and not results[m.key].killed]
+    return int(any(not (m.survives or m.equivalent) for m in lost))
+
+
+def _generic(size: int) -> list[Mutant]:
+    if not size:
+        return []
+    from .generic import sample
+
+    return sample(size, GENERIC_SEED)
+
+
+def _pending(known: Trial | None, again: str) -> bool:
+    return known is None or again == "all" or (again == "survivors" and not known.killed)
+
+
+def _report(mutant: Mutant, outcome: Trial) -> None:
+    word = "noticed " if outcome.killed else "SURVIVES"
+    print(f"{word} {mutant.file}: {mutant.name} [{outcome.by}]", flush=True)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,70 @@
+"""The page docs/mutation.md: score by package, and the fate of every mutant."""
+
+from collections.abc import Mapping, Sequence
+
+from .mutant import PACKAGES, Mutant, counted
+from .session import Trial
+
+_INTRODUCTION = """\
+# Faults that the tests notice
+
+Written by `python -m tests.mutation page`. Each line is a deliberate fault in one file, chosen for
+what a user would care about; `make mutants` puts them in one at a time, in a copy of the tree, and
+runs the nearest tests, then those of the package. A fault is noticed when a test fails. Generic
+mutants are drawn from the operators of [Cosmic Ray](https://cosmic-ray.readthedocs.io). Faults
+marked † were once measured to go unnoticed by the tests closest to them.
+"""
+
+
+def page(mutants: Sequence[Mutant], generic: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
+    """Markdown of the page. Mutants without a result count as not tried."""
+    parts = [_INTRODUCTION, _scores("Curated faults", mutants, results)]
+    if generic:
+        parts.append(_scores("Generic mutants, a sample", generic, results))
+    parts.append(_equivalent(mutants))
+    for package in PACKAGES:
+        own = [mutant for mutant in counted(mutants) if mutant.package == package]
+        parts.append(f"## {package}\n\n" + _table(own, results))
+    return "\n".join(parts)
+
+
+def score(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> tuple[int, int]:
+    """Numbers of killed mutants and of tried ones, equivalent ones left out."""
+    tried = [results[mutant.key] for mutant in counted(mutants) if mutant.key in results]
+    return sum(outcome.killed for outcome in tried), len(tried)
+
+
+def _scores(title: str, mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
+    lines = [f"## {title}\n", "| package | noticed | of | |", "| --- | --- | --- | --- |"]
+    for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
+        killed, tried = score([m for m in mutants if m.package in packages], results)
+        if tried:
+            lines.append(f"| {name} | {killed} | {tried} | {100 * killed / tried:.0f} % |")
+    return "\n".join(lines) + "\n"
+
+
+def _equivalent(mutants: Sequence[Mutant]) -> str:
+    lines = [f"- {m.file}: {m.name}. {m.equivalent}" for m in mutants if m.equivalent]
+    return "## Equivalent, not counted\n\n" + ("\n".join(lines) or "None.") + "\n"
+
+
+def _table(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
+    lines = ["| file | fault | noticed by |", "| --- | --- | --- |"]
+    for mutant in mutants:
+        fate = _fate(mutant, results.get(mutant.key))
+        name = f"{mutant.name} (†)" if mutant.found else mutant.name
+        lines.append(f"| {_file(mutant)} | {name} | {fate} |")
+    return "\n".join(lines) + "\n"
+
+
+def _file(mutant: Mutant) -> str:
+    return mutant.file.removeprefix(f"{mutant.package}/")
+
+
+def _fate(mutant: Mutant, outcome: Trial | None) -> str:
+    if outcome is None:
+        return "not tried"
+    if outcome.killed:
+        # a parameter of a test may contain what ends a cell
+        return outcome.by.removeprefix("tests/").partition("[")[0]
+    return f"**survives**{': ' if mutant.survives else ''}{mutant.survives}"

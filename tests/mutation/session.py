@@ -1,0 +1,138 @@
+"""Trials of mutants in copies of the tree, in parallel; results are kept and resumed."""
+
+import multiprocessing
+import os
+import re
+import shlex
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosmic_ray.testing import run_tests
+from cosmic_ray.work_db import use_db
+from cosmic_ray.work_item import MutationSpec, TestOutcome, WorkerOutcome, WorkItem, WorkResult
+
+from .mutant import Mutant
+from .workspace import copied, mutated
+
+FOLDER = Path("build/mutation")
+DATABASE = "session.sqlite"
+NEAREST_LIMIT, WIDER_LIMIT = 300.0, 1800.0
+"""[s] for the nearest tests of a mutant, and for those of its package. A mutant that runs into a
+limit counts as killed: the suite would have a limit of its own."""
+_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Outcome of one mutant."""
+
+    killed: bool
+    by: str
+    """The test that failed first, `time limit`, or the widest tests that passed."""
+
+
+def pytest_command(tests: Iterable[str]) -> str:
+    """Command line of a test run that stops at the first failure."""
+    options = "-x -q -rfE -p no:cacheprovider --no-header --color=no"
+    return f"{shlex.quote(sys.executable)} -m pytest {options} {shlex.join(tests)}"
+
+
+def trial(mutant: Mutant, root: Path, *, wider: bool) -> Trial:
+    """Run the nearest tests of a mutant, then those of its package; stop at the first failure."""
+    stages = [(mutant.tests, NEAREST_LIMIT)]
+    if wider:
+        stages.append(((f"tests/{mutant.package}",), WIDER_LIMIT))
+    with mutated(mutant, root):
+        for tests, limit in stages:
+            outcome, output = run_tests(pytest_command(tests), limit)
+            if outcome is not TestOutcome.SURVIVED:
+                return Trial(True, _failed(output))
+    return Trial(False, " ".join(stages[-1][0]))
+
+
+def _failed(output: str) -> str:
+    if output == "timeout":
+        return "time limit"
+    failed = _FAILED.search(output)
+    if failed is None:
+        raise RuntimeError(f"pytest ended without a verdict:\n{output[-2000:]}")
+    return failed[1]
+
+
+def green(tests: Sequence[str], root: Path) -> None:
+    """Raise RuntimeError unless the tests pass without any mutant."""
+    os.chdir(root)
+    outcome, output = run_tests(pytest_command(tests), WIDER_LIMIT)
+    if outcome is not TestOutcome.SURVIVED:
+        raise RuntimeError(f"the tests fail without a mutant: {output[-2000:]}")
+
+
+class Session:
+    """Results of a list of mutants, kept in a database of Cosmic Ray."""
+
+    def __init__(self, folder: Path = FOLDER) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder.resolve()
+
+    def results(self) -> dict[str, Trial]:
+        """Outcomes by key of mutant."""
+        with use_db(self.folder / DATABASE) as database:
+            return {
+                key: Trial(found.test_outcome is TestOutcome.KILLED, found.output)
+                for key, found in database.results
+            }
+
+    def run(
+        self,
+        mutants: Sequence[Mutant],
+        *,
+        workers: int,
+        wider: bool,
+        report: Callable[[Mutant, Trial], None],
+    ) -> None:
+        """Try each mutant, and keep and report its outcome."""
+        if not mutants:
+            return
+        copies = [copied(self.folder / f"tree-{i}") for i in range(min(workers, len(mutants)))]
+        # a spawned worker has nothing of the tests imported, and its own folder
+        context = multiprocessing.get_context("spawn")
+        queue = context.Queue()
+        for copy in copies:
+            queue.put(copy)
+        with context.Pool(len(copies), _enter, (queue,)) as pool:
+            pool.starmap(green, [(sorted({t for m in mutants for t in m.tests}), copies[0])])
+            cases = [(mutant, wider) for mutant in mutants]
+            for mutant, outcome in pool.imap_unordered(_tried, cases):
+                self._keep(mutant, outcome)
+                report(mutant, outcome)
+
+    def _keep(self, mutant: Mutant, outcome: Trial) -> None:
+        spec = MutationSpec(
+            module_path=mutant.file,
+            operator_name=mutant.operator or "curated",
+            occurrence=0,
+            start_pos=(0, 0),
+            end_pos=(0, 1),
+        )
+        found = WorkResult(
+            worker_outcome=WorkerOutcome.NORMAL,
+            output=outcome.by,
+            test_outcome=TestOutcome.KILLED if outcome.killed else TestOutcome.SURVIVED,
+        )
+        with use_db(self.folder / DATABASE) as database:
+            if mutant.key not in {item.job_id for item in database.work_items}:
+                database.add_work_item(WorkItem.single(mutant.key, spec))
+            database.set_result(mutant.key, found)
+
+
+def _enter(queue: "multiprocessing.Queue[Path]") -> None:
+    root = queue.get()
+    os.chdir(root)
+    os.environ["PYTHONPATH"] = str(root / "src")
+
+
+def _tried(case: tuple[Mutant, bool]) -> tuple[Mutant, Trial]:
+    mutant, wider = case
+    return mutant, trial(mutant, Path.cwd(), wider=wider)
