@@ -1,14 +1,10 @@
 """Springs and dampers of the robots: static deflection, pose of rest, logarithmic decrement."""
 
-import copy
-
 import mujoco
 import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.robot.effects import Effect, with_effects
-from armside.sim.robot.individual import Individual, with_individual, with_payload
 from armside.sim.robot.linkage import Linkage
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics, anticipated_shift
@@ -130,25 +126,3 @@ def test_a_plucked_spring_rings_at_its_frequency_and_decays_by_its_damping(weigh
     turn = np.polyfit(t, np.unwrap(np.angle(signal)), 1)[0]
     assert turn == pytest.approx(w * np.sqrt(1 - zeta**2), rel=0.01)
     assert -rate == pytest.approx(zeta * w, rel=0.05)
-
-
-def test_an_individual_is_the_robot_that_a_new_file_would_make():
-    """Constants that MuJoCo derives from masses, places and angles are those of the individual."""
-    design = load_model(assets.LARGE_ROBOT_XML)
-    rng = np.random.default_rng(0)
-    individual = Individual(
-        friction=np.linspace(0.8, 1.2, 6),
-        gear_stiffness=np.linspace(1.3, 0.7, 6),
-        structure_stiffness=np.linspace(0.9, 1.1, 6),
-        position=1e-3 * rng.standard_normal((6, 3)),
-        orientation=1e-3 * rng.standard_normal((6, 3)),
-    )
-    for robot in (
-        with_individual(with_effects(design, {Effect.LOST_MOTION}, phi=POSE), individual),
-        with_payload(design, 100.0),
-    ):
-        fresh = copy.copy(robot.mj)
-        mujoco.mj_setConst(fresh, mujoco.MjData(fresh))
-        for name in ("body_subtreemass", "dof_M0", "dof_invweight0", "tendon_length0"):
-            assert np.array_equal(getattr(robot.mj, name), getattr(fresh, name)), name
-        assert not np.array_equal(robot.mj.dof_M0, design.mj.dof_M0)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.robot.effects import Effect, load_friction, with_effects
-from armside.sim.robot.individual import draw, structure_hinges, with_friction, with_individual
+from armside.sim.robot.effects import Effect, FrictionFactors, load_friction, with_effects
+from armside.sim.robot.individual import with_friction
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics
 
@@ -31,23 +31,30 @@ def test_friction_depends_on_load_and_temperature_as_published(load, temperature
     assert (coulomb[0], static[0], viscous, speed) == pytest.approx((fc, fc + fs, fv, vs))
 
 
-def test_a_drive_under_load_has_the_friction_of_its_robot():
+@pytest.mark.parametrize("temperature", [None, 50.0])
+def test_a_drive_under_load_has_the_friction_of_its_robot(temperature):
     """Every axis: holding torque over peak torque, then the robot's own scale and static part."""
     design = load_model(assets.LARGE_ROBOT_XML)
-    model = with_effects(design, {Effect.LOAD_FRICTION}, phi=POSE)
-    drives, numeric = design.drives, design.mj.numeric
+    own = FrictionFactors(*np.exp(np.random.default_rng(0).normal(0.0, 0.1, (3, 6))))
     hold = Statics(design).equilibrium(POSE).holding_torque
-    load = hold / (drives.gear * drives.torque_limit)
-    assert np.ptp(np.abs(load)) > 0.05  # axes are loaded differently
-    coulomb, stribeck, viscous, speed = published(load, numeric("gear_temperature").data[0])
-    scale = numeric("load_friction_scale").data * drives.torque_limit
-    static = coulomb + numeric("load_friction_static").data[0] * stribeck
-    for i in range(6):
-        axis = model.mj.actuator(f"axis_{i + 1}").id
-        assert model.mj.actuator_biasprm[axis, 3:6] == pytest.approx(
-            [scale[i] * coulomb[i], scale[i] * static[i], speed]
+    drives, numeric = design.drives, design.mj.numeric
+    load = np.abs(hold / (drives.gear * drives.torque_limit))
+    assert np.ptp(load) > 0.05  # axes are loaded differently
+    warm = 33.0 if temperature is None else temperature
+    for factors in (FrictionFactors(), own):
+        model = with_effects(
+            design, {Effect.LOAD_FRICTION}, phi=POSE, friction=factors, temperature=temperature
         )
-        assert model.mj.actuator_damping[axis] == pytest.approx(viscous * drives.torque_limit[i])
+        _, stribeck, viscous, speed = published(load, warm)
+        coulomb = 0.0311 * factors.constant + 0.0234 * load * factors.load
+        excess = numeric("load_friction_static").data[0] * stribeck * factors.static_excess
+        scale = numeric("load_friction_scale").data * drives.torque_limit
+        for i in range(6):
+            axis = model.mj.actuator(f"axis_{i + 1}").id
+            expected = [scale[i] * coulomb[i], scale[i] * (coulomb[i] + excess[i]), speed]
+            assert model.mj.actuator_biasprm[axis, 3:6] == pytest.approx(expected)
+            torque = drives.torque_limit[i]
+            assert model.mj.actuator_damping[axis] == pytest.approx(viscous * torque)
 
 
 @pytest.mark.parametrize(
@@ -87,43 +94,3 @@ def test_factors_of_friction_scale_what_load_friction_set():
     before, after = (m.mj.actuator_biasprm for m in (model, with_friction(model, factor)))
     assert after[:, 3:5] == pytest.approx(before[:, 3:5] * factor[:, None])
     assert after[:, 5] == pytest.approx(before[:, 5])
-
-
-def test_an_individual_has_its_own_friction_and_stiffness_on_every_axis():
-    model = load_model(assets.LARGE_ROBOT_XML)
-    individual = draw(np.random.default_rng(4), len(structure_hinges(model)))
-    robot = with_individual(model, individual)
-    for i in range(6):
-        axis, flex = model.mj.actuator(f"axis_{i + 1}").id, model.mj.joint(f"flex_{i + 1}").id
-        ratio = robot.mj.actuator_biasprm[axis, 3:5] / model.mj.actuator_biasprm[axis, 3:5]
-        assert ratio == pytest.approx([individual.friction[i]] * 2)
-        stiffer = robot.mj.jnt_stiffness[flex] / model.mj.jnt_stiffness[flex]
-        assert stiffer == pytest.approx(individual.gear_stiffness[i])
-    hinges = structure_hinges(model)
-    ratio = robot.mj.jnt_stiffness[hinges] / model.mj.jnt_stiffness[hinges]
-    assert ratio == pytest.approx(individual.structure_stiffness)
-    moved = robot.mj.body_pos - model.mj.body_pos
-    bodies = [model.mj.jnt_bodyid[model.mj.joint(f"motor_{i}").id] for i in range(1, 7)]
-    assert moved[bodies] == pytest.approx(individual.position)
-    assert np.count_nonzero(np.abs(moved).sum(axis=1)) == 6
-
-
-def test_the_documented_spreads_are_the_defaults_and_every_draw_has_its_own():
-    """10 % on friction and springs, 0.5 mm and 0.5 mrad on geometry, phases uniform."""
-    robots = [draw(np.random.default_rng(seed), 6) for seed in range(1000)]
-    n = 6 * len(robots)
-    for name, expected in (("friction", 0.10), ("gear_stiffness", 0.10)):
-        values = np.log([getattr(robot, name) for robot in robots])
-        assert values.std() == pytest.approx(expected, rel=5 / np.sqrt(2 * n)), name
-        assert abs(values.mean()) < 5 * expected / np.sqrt(n)
-    structure = np.log([robot.structure_stiffness for robot in robots])
-    assert structure.std() == pytest.approx(0.10, rel=5 / np.sqrt(2 * n))
-    for name in ("position", "orientation"):
-        values = np.array([getattr(robot, name) for robot in robots])
-        assert values.std() == pytest.approx(0.5e-3, rel=5 / np.sqrt(6 * n)), name
-    phase = np.array([robot.ripple_phase for robot in robots]).ravel()
-    assert ((phase >= 0.0) & (phase < 2 * np.pi)).all()
-    assert np.abs(np.exp(1j * phase).mean()) < 5 / np.sqrt(n)
-    together = np.array([[r.friction[0], r.gear_stiffness[0], r.position[0, 0]] for r in robots])
-    correlation = np.corrcoef(together.T)[np.triu_indices(3, 1)]
-    assert np.abs(correlation).max() < 5 / np.sqrt(len(robots))
