@@ -83,7 +83,7 @@ def test_a_factor_multiplies_what_it_names_and_nothing_else(design, parameter, c
     after = parameters(with_individual(design, replace(Individual(), **{parameter: factor})))
     for name, value in before.items():
         ratio = after[name] / value
-        expected = factor ** changed.get(name, 0.0)
+        expected = factor ** changed[name] if name in changed else np.ones(6)
         if ratio.ndim > expected.ndim:
             expected = expected[:, None]
         assert ratio == pytest.approx(np.broadcast_to(expected, ratio.shape)), name
