@@ -24,7 +24,8 @@ def checks(results: dict[str, dict]) -> list[Check]:
     """Every band of chapter 9 from the results of `EXPERIMENTS`."""
     base, cutoff = results["operating point"], results["cutoff"]
     data = results["identification"]
-    model = bands.identify({v: data["p1", v] for v in SPEEDS})
+    at_p1 = {v: data["p1", v] for v in SPEEDS}
+    model = bands.identify(at_p1)
     at_40 = {pose: data[pose, 40.0] for pose in ("p1", "p2")}
     shifted = results["shift, arm"]
     delta_3, delta_6 = ({pose: shifted[pose, d] for pose in ("p1", "p2")} for d in (3, 6))
@@ -41,7 +42,7 @@ def checks(results: dict[str, dict]) -> list[Check]:
         *bands.cutoff_arm(slow, fast),
         *bands.cutoff_motor(slow, fast),
         *bands.shift_arm(delta_3, delta_6),
-        *bands.fitted_model(model),
+        *bands.fitted_model(at_p1),
         *bands.criterion_of(),
         *bands.nominal_by_position(results["position"]),
         *bands.growth(at_10, at_80),

@@ -89,7 +89,7 @@ def nominal_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Ch
 def model_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
     """The response to corrections of the motors that move most, at p1: (e)."""
     runs = {v: learned(model, effects, "p1", speed=1e-3 * v) for v in bands.SPEEDS}
-    yield from bands.fitted_model(bands.identify(runs))
+    yield from bands.fitted_model(runs)
 
 
 Checks = Callable[[RobotModel, frozenset[Effect]], Iterator[Check]]

@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .drives import friction_torque
+from .mjcf import N_AXES
 from .model import RobotModel
 from .recording import Recording
 from .run import LoadedReference, checked_signal
@@ -62,7 +63,7 @@ class VirtualRobot:
             position = position + model.gear_error(position)
         start = self._statics.equilibrium(position[0])
         _check_holds(model, start.holding_torque)
-        torque += start.holding_torque - torque[0]
+        torque += start.holding_torque - _ripple(model, start.qpos) - torque[0]
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
             model = _braked_at(model, position[0])
@@ -119,6 +120,16 @@ def _check_holds(model: RobotModel, torque: Array) -> None:
             f"the robot cannot carry its load: at rest axis {axis + 1} would have to hold "
             f"{abs(torque[axis]):.0f} N m, and its drive holds {limit[axis]:.0f} N m"
         )
+
+
+def _ripple(model: RobotModel, qpos: Array) -> Array:
+    """(6,) [N m], arm side, that drives at rest deliver without current: their torque ripple."""
+    data = mujoco.MjData(model.mj)
+    data.qpos[:] = qpos
+    still = np.zeros((1, N_AXES))
+    data.ctrl[:] = motor_controls(model, qpos[None, model.motor], still, still)[0]
+    mujoco.mj_forward(model.mj, data)
+    return data.qfrc_actuator[model.motor]
 
 
 def _initial_state(mj: mujoco.MjModel, qpos: Array) -> Array:

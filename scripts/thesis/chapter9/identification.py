@@ -51,7 +51,7 @@ def identified_model(seed: int) -> Part:
             f"q^-1), whose best shift below 10 Hz is {bands.best_shift(model.system)}.",
             ["9.8.png", "9.8-model.png"],
             [
-                *bands.fitted_model(model),
+                *bands.fitted_model(data["p1"]),
                 *bands.criterion_of(),
                 *bands.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
             ],

@@ -89,6 +89,15 @@ def test_ripple_is_a_torque_of_the_motor_angle(model):
         assert bias[:2] == pytest.approx([peak[i], order])
 
 
+def test_ripple_does_not_move_a_robot_that_has_come_to_rest(model):
+    """The servo holds the ripple at the angles where it stands: a run starts without a jump."""
+    robot = VirtualRobot(with_effects(model, Effect, phi=POSE))
+    truth = robot.run(_still()).truth
+    count = 2 * np.pi / model.drives.encoder_counts / model.drives.gear
+    assert (np.ptp(truth.gear_angle, axis=0) < 0.05 * count).all()
+    assert np.ptp(truth.tool_position, axis=0).max() < 1e-6
+
+
 def test_friction_follows_from_load_and_temperature_as_measured():
     """Values at no load of the source: robot-data 3.3, 26 Nm."""
     coulomb, static, viscous, stribeck = load_friction(np.zeros(1), 33.0)
