@@ -12,7 +12,9 @@ from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.notes import notes
 from armside.sim.laser.specification import Cut
+from armside.sim.notes import Cause, Note, together
 from armside.sim.records.summary import summary
 from armside.sim.robot.effects import Effect
 
@@ -94,7 +96,8 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
             found.append(case.compared(cfg.iterations, measure))
             step()
     rows = [row for case, of in zip(todo, found, strict=True) for row in _rows(case, of)]
-    outcome = summary("compare", cfg, common, comparisons=rows)
+    said = together(_notes(todo, found))
+    outcome = summary("compare", cfg, common, comparisons=rows, notes=said)
     with run_folder(outcome, common) as folder:
         figures.learned(folder / "compare.png", todo, found)
         figures.write_replay(folder / "replay.rrd", todo[0], found[0])
@@ -102,8 +105,21 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
             from ..verifications.controls import controls
 
             figures.imu_quality(folder / "imu.png", controls([common.seed]).rows)
+    report.notes(said)
     report.table(figures.TITLE, figures.COLUMNS, figures.table(rows))
     report.results(outcome, folder.path)
+
+
+def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
+    """Notes of every cut, with its place and what it was learned from."""
+    for case, of in zip(todo, found, strict=True):
+        experiment, limit = case.experiment(), f"{case.cut.limits.acceleration:g} m/s^2"
+        place = f"{case.cut.pose}, {1e3 * case.cut.speed:g} mm/s, {limit}"
+        for measure, iterations in of.items():
+            for note in notes(experiment, iterations):
+                of_motion = note.cause in (Cause.SPEED, Cause.ACCELERATION)
+                where = place if of_motion else f"{place}, {measure}"
+                yield replace(note, text=f"{where}: {note.text}")
 
 
 def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, Any]]:

@@ -41,6 +41,7 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
     outcome = summary("identify", cfg, common, **found)
     with run_folder(outcome, common) as folder:
         pass
+    report.notes(found["notes"])
     _print(report, outcome)
     report.results(outcome, folder.path)
 

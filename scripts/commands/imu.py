@@ -14,11 +14,13 @@ from armside.sim.imu import (
     ProcessingCfg,
     RestExperiment,
     Scheme,
+    notes,
     prepare,
     results,
     run_one,
     run_rest,
 )
+from armside.sim.notes import Note
 from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
 
@@ -93,7 +95,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
     """
     from ..figures import imu_results as shown
 
-    report = Report(common)
+    report, said = Report(common), list[Note]()
     with checking_input():
         experiment = cfg.experiment()
         planned = prepare(experiment) if isinstance(experiment, ImuExperiment) else []
@@ -107,9 +109,11 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
             for one in planned:
                 done.append(run_one(experiment, one, common.seed))
                 step()
-        outcome = summary("imu", cfg, common, **results(done))
+        said = notes(done)
+        outcome = summary("imu", cfg, common, notes=said, **results(done))
         leave, show = partial(shown.write_runs, done), partial(shown.error_tables, done)
     with run_folder(outcome, common) as folder:
         leave(folder, outcome["config"])
+    report.notes(said)
     show(report)
     report.results(outcome, folder.path)

@@ -36,6 +36,7 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     outcome = summary("laser", cfg, common, **found)
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         write(folder, experiment, iterations, outcome)
+    report.notes(found["notes"])
     show(report, outcome, folder.path)
     if outcome["status"] == "diverged":
         raise RunFailed(f"learning diverged at iteration {last.k}")

@@ -1,7 +1,7 @@
 """Output of a command: progress on stderr, tables or JSON on stdout, as the options ask."""
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from armside.sim.notes import Note
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps
 
@@ -62,6 +63,11 @@ class Report:
         for row in rows:
             table.add_row(*(Text(cell(value)) for value in row))
         self._print(table)
+
+    def notes(self, notes: Iterable[Note]) -> None:
+        """Limits and faults that changed what was asked, a line each."""
+        for note in notes:
+            self.line(f"Note: {note.line}")
 
     def results(self, summary: Any, path: Path) -> None:
         """The end of a command: folder of its results, and the summary for `--json`."""

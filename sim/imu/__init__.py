@@ -20,6 +20,7 @@ from .experiment import reprocessed as reprocessed
 from .experiment import results as results
 from .experiment import run as run
 from .experiment import run_one as run_one
+from .notes import notes as notes
 from .prediction import Order as Order
 from .prediction import predict as predict
 from .processing import Compensation as Compensation

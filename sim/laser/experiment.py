@@ -12,6 +12,7 @@ from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
+from ..notes import Note
 from ..robot.effects import available
 from ..robot.individual import Individual, embodied, structure_hinges, with_payload
 from ..robot.mjcf import N_AXES
@@ -62,6 +63,8 @@ class Iteration:
     """From tracker samples; `tool_true` from the ground truth."""
     tool_true: ToolError
     diverged: bool
+    notes: tuple[Note, ...] = ()
+    """Notes of the learning loop."""
 
 
 def prepare(
@@ -127,7 +130,9 @@ def _individual(cut: Cut, rng: np.random.Generator, n_structure: int) -> Individ
     return individual
 
 
-def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration:
+def evaluated(
+    experiment: Experiment, trial: Trial[Any], run: Pass, notes: tuple[Note, ...] = ()
+) -> Iteration:
     """A trial and its run, with errors of motors and tool."""
     motion = experiment.motion
     return Iteration(
@@ -139,6 +144,7 @@ def evaluated(experiment: Experiment, trial: Trial[Any], run: Pass) -> Iteration
         tool=tool_error(motion, run.tracker.time, run.tracker.position),
         tool_true=true_tool_error(motion, run),
         diverged=trial.diverged,
+        notes=notes,
     )
 
 

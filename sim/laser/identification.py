@@ -16,6 +16,7 @@ from ..estimation.relative_path import relative_to_start
 from ..estimation.springs_file import springs_entry
 from .experiment import Experiment
 from .learning import first_run
+from .notes import motion_notes, pass_notes
 from .plant import Pass
 
 
@@ -30,7 +31,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
         ImuError: the IMU cannot be used.
     """
     made, unit, imu = first_run(experiment), experiment.plant.imu, experiment.cut.imu
-    log = made.recording
+    log, made_notes = made.recording, pass_notes(experiment, made)
     assert made.imu is not None
     assert unit is not None
     assert imu is not None
@@ -48,6 +49,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
         "springs": springs_entry(found.springs),
         "parameters": [dict(zip(keys, row, strict=True)) for row in parameters],
         "costs": fit.costs,
+        "notes": [*motion_notes(experiment.motion, experiment.cut.limits), *made_notes],
         "whiteness": {
             name: getattr(found.whiteness, name) for name in ("rms", "p_value", "is_white")
         },

@@ -8,10 +8,12 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc import learning
 from armside.ilc.laws import Law
+from armside.ilc.laws.guarded import Guarded
 from armside.ilc.plant import Plant
 
+from ..notes import Cause, Note
 from .experiment import Experiment, Iteration, evaluated, prepare
-from .measures import Measure, MotorAngles, Output, SetUp
+from .measures import Measure, MotorAngles, Noted, Output, SetUp
 from .plant import Pass
 from .specification import Cut
 from .tool_measure import Source, ToolPath
@@ -86,17 +88,30 @@ def learned(
     repeats: runs that are averaged in each iteration.
     """
     more = [first_run(experiment, plant) for _ in range(repeats - 1)]
+    law = output.law if law is None else law
     trials = learning.learn(
         _Repeated(experiment.plant if plant is None else plant, repeats),
-        output.law if law is None else law,
+        law,
         output.reference,
         iterations,
         output_of=lambda runs: np.mean([output(run) for run in runs], axis=0),
         first_result=[first, *more],
         size_of=output.size,
     )
+    smallest = np.inf
     for trial in trials:
-        yield evaluated(experiment, trial, trial.result[0])
+        found = output.notes if isinstance(output, Noted) else ()
+        if isinstance(law, Guarded):
+            size = law.size(trial.error)
+            if size > law.tolerance * smallest:
+                found = (*found, _BACK)
+            smallest = min(size, smallest)
+        yield evaluated(experiment, trial, trial.result[0], found)
+
+
+_BACK = Note(
+    cause=Cause.GUARD, text="the error had grown: learning went back to its best iteration"
+)
 
 
 @dataclass(frozen=True)

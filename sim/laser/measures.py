@@ -6,13 +6,14 @@ these methods will do: `learn(cut, measure=...)`.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from armside.arrays import Array
 from armside.ilc.laws import Law
 from armside.ilc.measures.norms import two_norm
 
 from ..instruments.imu import ImuCfg
+from ..notes import Note
 from .design import DEFAULT_DESIGN, THESIS, Design
 from .experiment import Experiment
 from .plant import Pass
@@ -38,6 +39,14 @@ class Output(Protocol):
     def size(self, error: Array) -> Array:
         """Sizes of an error (N, m) by which divergence is judged."""
         ...
+
+
+@runtime_checkable
+class Noted(Protocol):
+    """An output that has something to say about all of its runs."""
+
+    @property
+    def notes(self) -> tuple[Note, ...]: ...
 
 
 SetUp = Callable[[Pass], Output]

@@ -12,6 +12,7 @@ from ..robot.linkage import checked_loop_error
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate
 from .measures import Measure, MotorAngles
+from .notes import notes
 from .plant import Pass
 from .specification import Cut
 
@@ -47,6 +48,7 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
         ],
         "loop_error": _loop_error(experiment, iterations),
         "reached_speed": motion.reached_speed,
+        "notes": notes(experiment, iterations),
         "beam_lost": [not bool(it.run.tracker.valid.all()) for it in iterations],
         "iterations": rows,
     }

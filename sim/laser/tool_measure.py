@@ -1,6 +1,6 @@
 """The tool's path as measured output: by estimate, laser tracker, or ground truth."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
@@ -18,6 +18,7 @@ from ..estimation.nominal import NominalArm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
+from ..notes import Cause, Note
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Experiment
 from .measures import SetUp
@@ -74,10 +75,14 @@ class ToolPath:
     def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
         """The measure set up by a run.
 
+        A tracker needs no IMU: without one its law is built on the assumed springs.
+
         Raises:
-            ImuError: the IMU cannot be used, and the options refuse to go on.
+            ImuError: the estimate's IMU cannot be used, and the options refuse to go on.
         """
         robot, log, cfg = experiment.nominal, first.recording, self.commissioning
+        if self.source is not Source.ESTIMATE:
+            cfg = replace(cfg, on_fault=OnFault.GO_ON)
         known = commission(robot, arm, self.imu, log, first.imu, cfg, self.springs)
         return ToolOutput(self, known, experiment)
 
@@ -102,6 +107,14 @@ class ToolOutput:
         turn_rate = motion.programmed_speed / motion.path.curve.length
         rotations = self.measure.source is not Source.TRACKER
         return self.measure.law.law(self.known.plant, turn_rate, rotations=rotations)
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Why the IMU is not used, where it is not."""
+        if self.known.fault is None:
+            return ()
+        used = "the assumed springs are used instead"
+        return (Note(cause=Cause.IMU, text=f"{self.known.fault}; {used}"),)
 
     def __call__(self, run: Pass) -> Array:
         """Path of a run.

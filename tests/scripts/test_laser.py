@@ -108,11 +108,15 @@ def test_a_run_that_diverges_stops_with_what_it_has(tmp_path, capsys):
     assert 1 < len(summary["iterations"]) < 21
 
 
-def test_limits_that_were_hit_are_listed(tmp_path):
-    args = ["laser", "--speed", "100", "--iterations", "0", "--quiet", "--out", str(tmp_path)]
+def test_limits_that_were_hit_are_listed_and_said(tmp_path, capsys):
+    args = ["laser", "--speed", "100", "--iterations", "0", "--out", str(tmp_path)]
     assert main(args) == 0
+    (line,) = [x for x in capsys.readouterr().out.splitlines() if x.startswith("Note: ")]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [hit["limit"] for hit in summary["limits_hit"]] == ["centripetal_acceleration"]
+    (note,) = summary["notes"]
+    assert (note["cause"], note["runs"]) == ("speed", [])
+    assert line == f"Note: {note['text']}"
     assert summary["reached_speed"] == pytest.approx(np.sqrt(1.3 * 0.005))
 
 

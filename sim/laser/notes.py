@@ -1,0 +1,67 @@
+"""Notes of a cut: what limits and faults made of it."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..cut.timing import PathLimits
+from ..cut.tool_motion import ToolMotion
+from ..estimation.imu_health import ImuError, repaired
+from ..notes import Cause, Note, together
+from ..robot.limits import saturation
+from .experiment import Experiment, Iteration
+from .plant import Pass
+
+GROWTH = 1.05
+"""Error of the tool over that at k = 0 from which on it is noted: above the tracker's noise."""
+
+
+def notes(experiment: Experiment, iterations: Sequence[Iteration]) -> list[Note]:
+    """Notes of an experiment and of its iterations, each once."""
+    found = [*motion_notes(experiment.motion, experiment.cut.limits)]
+    for iteration in iterations:
+        of_run = (*pass_notes(experiment, iteration.run), *iteration.notes)
+        found += [note.at(iteration.k) for note in of_run]
+    return together([*found, *_growth(iterations)])
+
+
+def motion_notes(motion: ToolMotion, limits: PathLimits) -> Iterator[Note]:
+    """Notes of a planned motion."""
+    why = {
+        "centripetal_acceleration": f"{limits.acceleration:g} m/s^2 across the path at a radius of "
+        f"{1e3 * motion.path.smallest_radius:.3g} mm",
+        "joint_speed": "speed limit of axis {axis}",
+    }
+    causes = [why[name].format(axis=axis) for name, axis, _ in motion.limits_hit if name in why]
+    if causes:
+        asked, reached = 1e3 * motion.programmed_speed, 1e3 * motion.reached_speed
+        lowered = f"the speed is lowered from {asked:.4g} to {reached:.4g} mm/s"
+        yield Note(cause=Cause.SPEED, text=f"{lowered}: {'; '.join(causes)}")
+    if any(name == "path_acceleration" for name, _, _ in motion.limits_hit):
+        ramps = f"the ramps take longer: {limits.acceleration:g} m/s^2 along the path"
+        yield Note(cause=Cause.ACCELERATION, text=ramps)
+
+
+def pass_notes(experiment: Experiment, run: Pass) -> Iterator[Note]:
+    """Notes of one run."""
+    yield from saturation(run.recording)
+    if not run.tracker.valid.all():
+        lost = "the laser tracker lost its beam: no error of the tool is known"
+        yield Note(cause=Cause.BEAM, text=lost)
+    if run.imu is None or experiment.cut.imu is None:
+        return
+    try:
+        samples = repaired(run.imu, experiment.cut.imu)
+    except ImuError as error:
+        yield Note(cause=Cause.IMU, text=f"{error}; they are not used")
+        return
+    if np.isnan(samples.acceleration).any():
+        yield Note(cause=Cause.IMU, text="lost or clipped samples of the IMU are bridged")
+
+
+def _growth(iterations: Sequence[Iteration]) -> Iterator[Note]:
+    """The tool against its first run: what is learned from may be blind to it."""
+    first, last = iterations[0], iterations[-1]
+    if not last.diverged and last.tool.rms > GROWTH * first.tool.rms:
+        rms = f"{1e6 * first.tool.rms:.4g} to {1e6 * last.tool.rms:.4g} um"
+        yield Note(cause=Cause.TOOL, text=f"learning made the tool worse: RMS {rms}")

@@ -1,0 +1,64 @@
+"""Notes of a run: limits and faults that changed what was asked."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+
+class Cause(Enum):
+    """Cause of a note."""
+
+    SPEED = "speed"
+    """The programmed speed was lowered."""
+    ACCELERATION = "acceleration"
+    """An acceleration limit made a motion longer."""
+    SATURATION = "saturation"
+    """A drive or a joint reached its limit."""
+    BEAM = "beam"
+    """The laser tracker lost the reflector."""
+    GUARD = "guard"
+    """Learning went back to its best iteration."""
+    IMU = "imu"
+    """Samples of the IMU were bridged, or not used at all."""
+    TOOL = "tool"
+    """The tool got worse although the learned output did not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """A limit or fault that changed what was asked, in one line."""
+
+    cause: Cause
+    text: str
+    runs: tuple[int, ...] = ()
+    """Runs that it concerns, such as iterations; empty for all of them."""
+
+    def at(self, run: int) -> "Note":
+        """The note of one run."""
+        return replace(self, runs=(run,))
+
+    @property
+    def line(self) -> str:
+        """The text with its runs."""
+        if not self.runs:
+            return self.text
+        return f"{self.text} (k = {_ranges(self.runs)})"
+
+
+def together(notes: Iterable[Note]) -> list[Note]:
+    """One note for each cause and text, with the runs of all."""
+    runs: dict[Note, list[int]] = {}
+    for note in notes:
+        runs.setdefault(replace(note, runs=()), []).extend(note.runs)
+    return [replace(note, runs=tuple(sorted(set(of)))) for note, of in runs.items()]
+
+
+def _ranges(runs: tuple[int, ...]) -> str:
+    """Such as "0 to 3, 5"."""
+    parts: list[list[int]] = []
+    for k in runs:
+        if parts and k == parts[-1][-1] + 1:
+            parts[-1].append(k)
+        else:
+            parts.append([k])
+    return ", ".join(f"{p[0]} to {p[-1]}" if len(p) > 1 else f"{p[0]}" for p in parts)
