@@ -11,7 +11,8 @@ from .filters import ALL_PASS, End, RecordFilter, ZeroPhaseButterworth
 from .laws.heuristic import Heuristic
 from .laws.law import FirstOrder, Law
 from .laws.model_inverse import ModelInverse
-from .laws.norm_optimal import NormOptimal, QuadraticCriterion
+from .laws.norm_optimal import NormOptimal
+from .laws.quadratic import QuadraticCriterion
 from .learning import Trial, learn
 from .measures.norms import two_norm
 from .models.discretise import zoh

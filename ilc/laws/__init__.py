@@ -22,6 +22,6 @@ from .law import Law as Law
 from .model_free import MeasuredGradient as MeasuredGradient
 from .model_inverse import ModelInverse as ModelInverse
 from .norm_optimal import NormOptimal as NormOptimal
-from .norm_optimal import QuadraticCriterion as QuadraticCriterion
+from .quadratic import QuadraticCriterion as QuadraticCriterion
 from .scheduled import Scheduled as Scheduled
 from .time_varying import Blend as Blend

@@ -6,9 +6,9 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..models.system_matrix import adjoint
 from ..records import records
-from .norm_optimal import NormOptimal, Weight, per_sample
+from .norm_optimal import NormOptimal
+from .quadratic import Weight, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,17 +43,17 @@ class Constrained(NormOptimal):
     def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
         from scipy.optimize import minimize
 
-        shape, problem, u_k = free.shape, self._problem, correction.ravel()
+        problem, shape = self._problem, free.shape
         free_error = error + self.T_u.simulate(correction)
 
-        def cost(u: Array) -> tuple[float, Array]:
-            residual = problem.F @ (free_error - self.T_u.simulate(u.reshape(shape))).ravel()
-            weighted = problem.We * residual
-            pulled = problem.Wu * u + problem.Wd * (u - u_k)
-            value = residual @ weighted + u @ (problem.Wu * u)
-            value = value + (u - u_k) @ (problem.Wd * (u - u_k))
-            back = adjoint(self.T_u, (problem.F.T @ weighted).reshape(shape)).ravel()
-            return 0.5 * float(value), pulled - back
+        def cost(flat: Array) -> tuple[float, Array]:
+            u = flat.reshape(shape)
+            residual = problem.filtered(free_error - self.T_u.simulate(u))
+            change = u - correction
+            pulled = problem.Wu * u + problem.Wd * change
+            value = np.vdot(residual, problem.We * residual) + np.vdot(u, problem.Wu * u)
+            value += np.vdot(change, problem.Wd * change)
+            return 0.5 * float(value), (pulled - problem.weighted_back(residual)).ravel()
 
         start, bound = np.clip(free, -limit, limit).ravel(), limit.ravel()
         # The gradient at u = 0 sets the scale.

@@ -14,6 +14,7 @@ from armside.arrays import Array
 
 from ..filters import recursion
 from ..records import records
+from .stability import is_stable
 
 Complex = NDArray[np.complex128]
 
@@ -70,8 +71,8 @@ class System:
 
     @property
     def is_stable(self) -> bool:
-        """All poles inside the unit circle."""
-        return bool((np.abs(self.poles) < 1.0).all())
+        """All poles inside the unit circle, decided exactly for the coefficients as stored."""
+        return is_stable(self.a)
 
     @property
     def static_gain(self) -> float:

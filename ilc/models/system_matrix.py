@@ -61,6 +61,16 @@ class SystemMatrix:
                     output[:, [i]] += system.simulate(signal[:, [j]])
         return output
 
+    def coupled_columns(self) -> list[list[int]]:
+        """Columns that are coupled to each other, directly or through others."""
+        n = len(self.entries)
+        linked = np.eye(n, dtype=bool) | [[s.b.any() for s in row] for row in self.entries]
+        reach = np.linalg.matrix_power((linked | linked.T).astype(float), n) > 0.0
+        return [np.flatnonzero(row).tolist() for row in np.unique(reach, axis=0)[::-1]]
+
+    def submatrix(self, columns: list[int]) -> "SystemMatrix":
+        return SystemMatrix(tuple(tuple(self.entries[i][j] for j in columns) for i in columns))
+
     @property
     def transposed(self) -> "SystemMatrix":
         return SystemMatrix(tuple(zip(*self.entries, strict=True)))

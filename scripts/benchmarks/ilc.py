@@ -10,7 +10,8 @@ from scipy import signal
 from armside.ilc import Heuristic, ZeroPhaseButterworth, two_mass_study
 from armside.ilc.analysis import largest_gamma
 from armside.ilc.filters import butterworth
-from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop

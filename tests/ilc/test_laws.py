@@ -23,7 +23,8 @@ from armside.ilc.laws.internal_model import internal_model, periodic_pattern
 from armside.ilc.laws.law import FirstOrder
 from armside.ilc.laws.model_free import MeasuredGradient
 from armside.ilc.laws.model_inverse import Beyond, ModelInverse
-from armside.ilc.laws.norm_optimal import NormOptimal, QuadraticCriterion
+from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.laws.scheduled import Scheduled
 from armside.ilc.laws.time_varying import Blend
 from armside.ilc.measures.norms import two_norm

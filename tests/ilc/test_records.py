@@ -17,7 +17,8 @@ NOT_RECORDS = {
     # responses and frequencies
     "omega", "frequency", "deltas", "cutoffs", "T_u", "L", "Q",
     # matrices, covariances and coefficients
-    "A", "B", "C", "R", "B0", "B1", "G", "GWG", "W", "Z", "P", "num", "den", "a", "b", "covariance",
+    "A", "B", "C", "R", "D", "B0", "B1", "G", "GWG", "W", "Z", "P", "num", "den", "a", "b",
+    "covariance", "poles", "taps",
     "start", "start_covariance", "prior", "prior_sd", "pattern", "normal",
     # sizes of errors over iterations, other values of any shape
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
@@ -31,10 +32,11 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured"} | {
     "path_repeatability",
     "per_sample",
     "FirstOrderLaw.__call__",  # abstract
-    "BandedProblem.right_side",
     "learn",
 }
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""
+INTERNAL = {"QuadraticProblem", "Factored"}
+"""Classes behind a law, whose records have passed its gate."""
 
 
 def public_functions() -> Iterator[tuple[str, object]]:
@@ -73,6 +75,7 @@ def test_no_public_function_takes_a_record_past_the_gate():
         name: missing
         for name, function in FUNCTIONS.items()
         if name not in CHECKED_INSIDE
+        and name.split(".")[0] not in INTERNAL
         and (
             missing := sorted(
                 set(array_parameters(function))

@@ -129,3 +129,17 @@ def test_a_plant_of_misfitting_parts_is_refused():
         LinearPlant(
             T_u=SystemMatrix.diagonal([SYSTEM, SYSTEM]), reference=np.zeros((5, 2)), C=SYSTEM
         )
+
+
+def test_stability_is_decided_exactly_where_rounding_hides_it():
+    """Roots of close, slow poles are known to a few per cent; fractions know the sign."""
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        poles = rng.uniform(0.3, 1.1, rng.integers(1, 8))
+        assert System([0, 1], np.poly(poles), T_S).is_stable == (poles.max() < 1.0)
+    twelve = System([0, 1], np.poly(np.linspace(0.8, 0.96, 12)), T_S)
+    assert np.abs(twelve.poles).max() < 1.01  # computed
+    assert twelve.is_stable
+    for edge, stable in ((1.0, False), (np.nextafter(1.0, 0.0), True)):
+        assert System([0, 1], [1, -edge], T_S).is_stable is stable
+        assert System([0, 1], [1, 0, edge, 0], T_S).is_stable is stable
