@@ -22,6 +22,7 @@ def write(
     from armside.sim.records.signals import RecordedRun, write_signals
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
+    from armside.sim.robot.individual import as_built
     from armside.sim.robot.mjcf import write_robot
 
     from . import kerf as kerf_figure
@@ -35,7 +36,8 @@ def write(
     motion, model = experiment.motion, experiment.loaded.model
     about: dict[str, Any] = {"config": config, "seed": config["seed"], "gear": model.drives.gear}
     write_signals(folder / "signals.parquet", runs, motion=motion, **about)
-    write_robot(folder / "robot.xml", experiment.nominal.parsed())
+    built = as_built(experiment.nominal, experiment.individual)
+    write_robot(folder / "robot.xml", built.parsed())
     write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
     motor, rms, maxdev = (
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")

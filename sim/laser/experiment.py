@@ -13,8 +13,9 @@ from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..notes import Note
+from ..robot.applicable import check_applies
 from ..robot.effects import available
-from ..robot.individual import Individual, embodied, structure_hinges, with_payload
+from ..robot.individual import Individual, embodied, with_payload
 from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel, load_model
 from ..robot.run import LoadedReference
@@ -31,6 +32,8 @@ class Experiment:
 
     cut: Cut
     seed: int
+    individual: Individual = field(repr=False)
+    """Parameters of the robot, without drift."""
     nominal: RobotModel = field(repr=False)
     """Nominal robot of the controller."""
     added_payload: float
@@ -94,10 +97,11 @@ def prepare(
     motion, reference = plan(
         cut.cell, statics, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
     )
-    individual = _individual(cut, np.random.default_rng(drawing), len(structure_hinges(design)))
+    individual = _individual(cut, np.random.default_rng(drawing), design)
+    friction = individual.friction * (1.0 + cut.friction_drift)
     real = embodied(
         design,
-        individual,
+        replace(individual, friction=friction),
         available(design) - frozenset(cut.without),
         phi=reference[0],
         payload=cut.payload,
@@ -113,20 +117,20 @@ def prepare(
     added = 0.0
     if cut.payload is not None and cut.payload_known:
         added = cut.payload - float(design.mj.body("tool").mass[0])
-    return Experiment(cut, seed, known, added, motion, loaded, plant)
+    return Experiment(cut, seed, individual, known, added, motion, loaded, plant)
 
 
-def _individual(cut: Cut, rng: np.random.Generator, n_structure: int) -> Individual:
+def _individual(cut: Cut, rng: np.random.Generator, design: RobotModel) -> Individual:
     individual = cut.individual
     if individual is None:
         spread = cut.friction_spread
         individual = Individual(friction=1.0 + rng.uniform(-spread, spread, N_AXES))
     elif isinstance(individual, int):
-        individual = Drawn(individual, Spread()).of(n_structure)
+        individual = Drawn(individual, Spread()).of(design)
     elif isinstance(individual, Drawn):
-        individual = individual.of(n_structure)
-    if cut.friction_drift:
-        individual = replace(individual, friction=individual.friction * (1.0 + cut.friction_drift))
+        individual = individual.of(design)
+    else:
+        check_applies(design, individual)
     return individual
 
 

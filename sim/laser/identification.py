@@ -14,6 +14,7 @@ from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.springs_file import springs_entry
+from ..robot.individual import as_built
 from .experiment import Experiment
 from .learning import first_run
 from .notes import motion_notes, pass_notes
@@ -41,7 +42,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     found = identify(arm, measured, rest, imu, prior=prior)
 
     truth = NominalCfg(structure=True, payload=experiment.added_payload)
-    true_arm = nominal_arm(experiment.nominal, truth)
+    true_arm = nominal_arm(as_built(experiment.nominal, experiment.individual), truth)
     gear = np.diag(true_arm.stiffness)
     fit, keys = found.fit, ("name", "value", "standard_deviation", "told_by_data")
     parameters = zip(found.names, fit.theta, fit.standard_deviation, fit.information, strict=True)

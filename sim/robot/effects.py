@@ -74,7 +74,11 @@ def with_effects(
         phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
         friction: of this robot individual.
         temperature: of the gears [deg C]; that of the robot's file if None.
+
+    Raises ValueError for a temperature out of range, or without friction that depends on it.
     """
+    if temperature is not None:
+        _check_temperature(temperature, effects)
     model = replace(model, mj=copy.copy(model.mj))
     if Effect.LOST_MOTION in effects:
         _set_lost_motion(model)
@@ -85,6 +89,15 @@ def with_effects(
     if Effect.LOAD_FRICTION in effects:
         _set_load_friction(model, phi, friction, temperature)
     return model
+
+
+def _check_temperature(temperature: float, effects: Collection[Effect]) -> None:
+    if Effect.LOAD_FRICTION not in effects:
+        raise ValueError("temperature needs friction that depends on load and temperature")
+    coldest, warmest = TEMPERATURES
+    if not coldest <= temperature <= warmest:
+        allowed = f"from {coldest:g} to {warmest:g} deg C"
+        raise ValueError(f"temperature must be {allowed}, got {temperature:g}")
 
 
 def _set_lost_motion(model: RobotModel) -> None:
@@ -116,6 +129,10 @@ def _gear_error(model: RobotModel) -> GearError:
 # Bittencourt's model of an ABB axis, identified on axis 2 of an IRB6620 (26 N m), relative to the
 # peak torque: robot-data 3.3 after Yan, Li, Meng 2020.
 _FC0, _FCL, _FSL, _FS0, _FST, _FV0, _FVT = 0.0311, 0.0234, 0.126, -0.025, 0.0016, 1.3e-4, 1.32e-3
+
+
+TEMPERATURES = (26.0, 80.0)
+"""[deg C], range of the law: its Stribeck speed vanishes at 25.3; 80 is an ESTIMATE."""
 
 
 def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float, float]:

@@ -1,8 +1,8 @@
 """Robot individuals: parameters of one robot that differ from the design, and its payload."""
 
 import copy
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 
 import mujoco
 import numpy as np
@@ -21,6 +21,8 @@ from .model import RobotModel, robot_model
 _COGGING, _COGGING_PHASE, _COULOMB, _STATIC, _STRIBECK = 0, 2, 3, 4, 5
 _BRISTLE, _BRISTLE_DAMPING = 5, 6
 
+_SAME_AXIS = 1e-3  # [rad] and [m], between two hinges of a body that count as one
+
 
 @dataclass(frozen=True, kw_only=True)
 class HiddenHinge:
@@ -36,6 +38,30 @@ class HiddenHinge:
     """[N m/rad]."""
     damping: float
     """[N m s/rad]."""
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.body, str) and self.body):
+            raise ValueError(f"body must be the name of a body, got {self.body!r}")
+        for name in ("axis", "position"):
+            value = _checked(name, getattr(self, name), (3,))
+            object.__setattr__(self, name, tuple(value.tolist()))
+        if not np.linalg.norm(self.axis) > 0.0:
+            raise ValueError(f"axis must not be zero, got {list(self.axis)}")
+        if not (np.isfinite(self.stiffness) and self.stiffness > 0.0):
+            raise ValueError(f"stiffness must be > 0 N m/rad, got {self.stiffness:g}")
+        if not (np.isfinite(self.damping) and self.damping >= 0.0):
+            raise ValueError(f"damping must be >= 0 N m s/rad, got {self.damping:g}")
+
+
+def _checked(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """A read-only copy. Raises ValueError for another shape or values that are not finite."""
+    array = np.array(value, dtype=np.float64)
+    if array.shape != shape or not np.isfinite(array).all():
+        numbers = " x ".join(map(str, shape)) + " finite numbers" if shape else "a finite number"
+        found = f"shape {array.shape}" if array.shape != shape else f"{array.tolist()}"
+        raise ValueError(f"{name} must be {numbers}, got {found}")
+    array.setflags(write=False)
+    return array
 
 
 def _ones() -> Array:
@@ -76,12 +102,32 @@ class Individual:
     gear_error_phase: Array = field(default_factory=lambda: np.zeros((N_AXES, N_HARMONICS)))
     """(6, 4) factor on the amplitude, and [rad] added to the phase, of each order."""
     mass: Array = field(default_factory=_ones)
-    """Factor on mass and inertia of the link behind each motor, without the tool."""
+    """Factor on mass and inertia of all that each motor carries up to the next, but the tool."""
     position: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
     """(6, 3) [m], added to the position of each joint's body in its parent."""
     orientation: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
     """(6, 3) [rad], rotation vector added to the orientation of each joint's body."""
     hidden: tuple[HiddenHinge, ...] = ()
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if item.name == "hidden":
+                continue
+            value = getattr(self, item.name)
+            shape = SHAPES.get(item.name, (N_AXES,))
+            if item.name in OF_STRUCTURE:
+                shape = np.shape(value) if np.ndim(value) < 2 else (N_AXES,)
+            object.__setattr__(self, item.name, _checked(item.name, value, shape))
+
+
+OF_STRUCTURE = ("structure_stiffness", "structure_damping")
+"""Fields with a value for each hinge of the structure, or one for all."""
+_BY_ORDER, _BY_DIRECTION = (N_AXES, N_HARMONICS), (N_AXES, 3)
+SHAPES: Mapping[str, tuple[int, ...]] = {
+    **dict.fromkeys(("gear_error", "gear_error_phase"), _BY_ORDER),
+    **dict.fromkeys(("position", "orientation"), _BY_DIRECTION),
+}
+"""Of the fields that have more than one value for each axis."""
 
 
 def embodied(
@@ -134,9 +180,10 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
         if tendon >= 0:  # the stiff part of a gear with lost motion, over its joint
             mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
             mj.tendon_lengthspring[tendon] *= individual.lost_motion[i - 1]
+        carried = _carried(mj, i)
+        mj.body_mass[carried] *= individual.mass[i - 1]
+        mj.body_inertia[carried] *= individual.mass[i - 1]
         body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
-        mj.body_mass[body] *= individual.mass[i - 1]
-        mj.body_inertia[body] *= individual.mass[i - 1]
         mj.body_pos[body] += individual.position[i - 1]
         mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
     mujoco.mj_setConst(mj, mujoco.MjData(mj))
@@ -147,21 +194,58 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     return model
 
 
+def _carried(mj: mujoco.MjModel, axis: int) -> list[int]:
+    """Bodies that a motor carries up to the next motor, without the tool."""
+    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES}
+    own = int(mj.jnt_bodyid[mj.joint(f"motor_{axis}").id])
+    found = [own]
+    for body in range(own + 1, mj.nbody):  # a parent comes before its children
+        if body not in motors and int(mj.body_parentid[body]) in found:
+            found.append(body)
+    return [body for body in found if mj.body(body).name != "tool"]
+
+
+def as_built(design: RobotModel, individual: Individual) -> RobotModel:
+    """Individual of a design without effects, whose parsed file has the individual's numbers too.
+
+    The tool is that of the design's file. Raises ModelError as `with_hinges`.
+    """
+    model = with_individual(with_hinges(design, individual.hidden), individual)
+    spec = model.parsed()
+    spec.copy_back(model.mj)
+    return replace(model, spec=spec)
+
+
 def with_hinges(design: RobotModel, hinges: Collection[HiddenHinge]) -> RobotModel:
     """Design with further elastic hinges in its structure.
 
-    Raises ModelError for a body that the design lacks, or a model without its parsed file.
+    Raises ModelError for a body that the design lacks, a hinge on the axis of another joint of its
+    body, or a model without its parsed file.
     """
     spec = design.parsed()
+    bodies = [body.name for body in spec.bodies if body.name not in ("", "world")]
     for i, hinge in enumerate(hinges):
+        if hinge.body not in bodies:
+            known = f"Bodies: {', '.join(bodies)}"
+            raise ModelError(f"a hidden hinge needs a body, got {hinge.body!r}. {known}")
         body = spec.body(hinge.body)
-        if body is None:
-            raise ModelError(f"the robot model lacks the body {hinge.body} of a hidden hinge")
+        _check_apart(body, hinge)
         joint = body.add_joint(name=f"hidden_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
         joint.axis, joint.pos = np.array(hinge.axis), np.array(hinge.position)
         joint.stiffness = _linear(hinge.stiffness, joint.stiffness)
         joint.damping = _linear(hinge.damping, joint.damping)
     return robot_model(spec)
+
+
+def _check_apart(body: mujoco.MjsBody, hinge: HiddenHinge) -> None:
+    """Raise ModelError for a hinge on the axis of another: no mass would lie between the two."""
+    axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
+    for joint in body.joints:
+        parallel = np.linalg.norm(np.cross(axis, joint.axis)) < _SAME_AXIS
+        apart = np.linalg.norm(np.cross(axis, np.array(hinge.position) - joint.pos))
+        if parallel and apart < _SAME_AXIS:
+            where = f"{joint.name} of the body {hinge.body}"
+            raise ModelError(f"a hidden hinge lies on the axis of {where}: move or turn it")
 
 
 def _linear(coefficient: float, like: Array) -> Array:

@@ -46,6 +46,11 @@ def has(mj: mujoco.MjModel, kind: mujoco.mjtObj, name: str) -> bool:
     return mujoco.mj_name2id(mj, kind, name) >= 0
 
 
+def model_name(mj: mujoco.MjModel) -> str:
+    """Name of the model in its file."""
+    return bytes(mj.names).partition(b"\0")[0].decode()
+
+
 def axis_actuators(mj: mujoco.MjModel) -> list[int]:
     """Actuator of each axis, axis_1..6."""
     return [mj.actuator(f"axis_{i}").id for i in AXES]

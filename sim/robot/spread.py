@@ -1,14 +1,18 @@
 """Distributions of robot individuals, and draws from them. All widths are ESTIMATES."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from armside.arrays import Array
 
+from .applicable import restricted
 from .drives import N_HARMONICS
-from .individual import HiddenHinge, Individual
-from .mjcf import N_AXES
+from .individual import HiddenHinge, Individual, structure_hinges
+from .linkage import Linkage
+from .mjcf import N_AXES, model_name
+from .model import RobotModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,15 +66,26 @@ PRODUCTION = Spread(
 )
 """Robots of one production line: what `--individual N` is drawn from."""
 
-_PLACES = (
-    HiddenHinge(body="lower_arm", axis=(0, 1, 0), position=(0, 0, 0.54), stiffness=8e6, damping=0),
-    HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=2e6, damping=0),
-    HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=2e6, damping=0),
-    HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=1e6, damping=0),
-    HiddenHinge(body="tilt", axis=(1, 0, 0), stiffness=8e5, damping=0),
-)
-"""Hidden hinges of the large robot with their median stiffness, twice that of the springs beside
-them; none is on the axis of a motor, where no mass would lie between the two."""
+_PLACES: Mapping[str, tuple[HiddenHinge, ...]] = {
+    "large_robot": (
+        HiddenHinge(
+            body="lower_arm", axis=(0, 1, 0), position=(0, 0, 0.54), stiffness=8e6, damping=0
+        ),
+        HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=2e6, damping=0),
+        HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=2e6, damping=0),
+        HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=1e6, damping=0),
+        HiddenHinge(body="tilt", axis=(1, 0, 0), stiffness=8e5, damping=0),
+    ),
+    "irb1400": (
+        HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=3e5, damping=0),
+        HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=3e5, damping=0),
+        HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=2e4, damping=0),
+    ),
+}
+"""Hidden hinges by the name of the model, with their median stiffness, one to two times that of the
+springs beside them; none is on the axis of a motor, where no mass would lie between the two. A
+model of another name gets none."""
+_MOST_HINGES = 3
 _STIFFNESS_SPREAD, _DAMPING_TIME = 0.4, 2e-4
 """log(factor); damping over stiffness [s], as for the hinges of the file."""
 
@@ -86,13 +101,17 @@ class Drawn:
         if self.number < 0:
             raise ValueError(f"individual must be >= 0, got {self.number}")
 
-    def of(self, n_structure: int) -> Individual:
-        """Parameters, for a design with n hinges of the structure."""
-        return draw(np.random.default_rng(self.number), n_structure, self.spread)
+    def of(self, design: RobotModel) -> Individual:
+        """Parameters, for a design."""
+        return draw(np.random.default_rng(self.number), design, self.spread)
 
 
-def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) -> Individual:
-    """Individual of a model with n `structure_hinges`: factors log-normal, phases uniform."""
+def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()) -> Individual:
+    """Individual of a design: factors log-normal, phases uniform, the rest normal.
+
+    Parameters that the design lacks keep their default; the draws do not depend on which those are.
+    """
+    n_structure = len(structure_hinges(design))
 
     def factor(std: float, *shape: int) -> Array:
         return np.exp(std * rng.standard_normal(shape))
@@ -105,7 +124,7 @@ def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) 
     orientation = spread.orientation * rng.standard_normal((N_AXES, 3))
     # Whatever came later is drawn later: earlier individuals stay who they were.
     phases = rng.uniform(0.0, 2.0 * np.pi, (N_AXES, N_HARMONICS))
-    return Individual(
+    drawn = Individual(
         friction=friction,
         gear_stiffness=gear_stiffness,
         structure_stiffness=structure_stiffness,
@@ -124,13 +143,20 @@ def draw(rng: np.random.Generator, n_structure: int, spread: Spread = Spread()) 
         mass=factor(spread.mass, N_AXES),
         gear_damping=factor(spread.damping, N_AXES),
         structure_damping=factor(spread.damping, n_structure),
-        hidden=_hinges(rng) if rng.uniform() < spread.hidden else (),
     )
+    if not Linkage(design.mj).is_open:
+        # Its constraints know nothing of dampers: more damping makes a run in fifty unstable.
+        drawn = replace(drawn, structure_damping=1.0)
+    hidden = rng.uniform() < spread.hidden
+    places = _PLACES.get(model_name(design.mj), ())
+    return restricted(replace(drawn, hidden=_hinges(rng, places) if hidden else ()), design)
 
 
-def _hinges(rng: np.random.Generator) -> tuple[HiddenHinge, ...]:
-    chosen = rng.choice(len(_PLACES), size=rng.integers(1, 4), replace=False)
-    return tuple(_scaled(_PLACES[i], rng) for i in sorted(chosen))
+def _hinges(rng: np.random.Generator, places: Sequence[HiddenHinge]) -> tuple[HiddenHinge, ...]:
+    if not places:
+        return ()
+    chosen = rng.choice(len(places), size=rng.integers(1, _MOST_HINGES + 1), replace=False)
+    return tuple(_scaled(places[i], rng) for i in sorted(chosen))
 
 
 def _scaled(hinge: HiddenHinge, rng: np.random.Generator) -> HiddenHinge:

@@ -22,7 +22,6 @@ from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
 from ..robot import spread
-from ..robot.individual import structure_hinges
 from ..robot.model import RobotModel
 from .checks import whole
 
@@ -118,7 +117,7 @@ def experiment(
     """
     # A stream apart from those that `prepare` spawns.
     rng = np.random.default_rng([task.individual, 1])
-    drawn = spread.draw(rng, len(structure_hinges(nominal)))
+    drawn = spread.draw(rng, nominal)
     base = Cut(robot=robot, radius=RADIUS, individual=drawn, imu=imu)
     cut = replace(base, pose=task.pose, speed=task.speed, payload=task.payload)
     return prepare(cut, seed=task.individual, nominal=nominal)

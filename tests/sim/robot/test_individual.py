@@ -10,7 +10,6 @@ from armside.sim.laser import Cut, prepare
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
-    structure_hinges,
     with_individual,
     with_payload,
 )
@@ -34,7 +33,7 @@ def reference(design):
 
 def _individual(design, seed=0, **spread):
     rng = np.random.default_rng(seed)
-    return draw(rng, len(structure_hinges(design)), Spread(**spread))
+    return draw(rng, design, Spread(**spread))
 
 
 def test_the_default_individual_is_the_design_to_the_last_bit(design, reference):

@@ -116,7 +116,7 @@ def test_geometry_and_phases_are_added_to_those_of_the_design(design):
 
 def test_an_individual_is_the_robot_that_a_new_file_would_make(design):
     """Constants that MuJoCo derives from masses, places and angles are those of the individual."""
-    individual = draw(np.random.default_rng(0), 6, replace(PRODUCTION, hidden=0.0))
+    individual = draw(np.random.default_rng(0), design, replace(PRODUCTION, hidden=0.0))
     for robot in (with_individual(design, individual), with_payload(design, 100.0)):
         fresh = copy.copy(robot.mj)
         mujoco.mj_setConst(fresh, mujoco.MjData(fresh))
@@ -147,9 +147,9 @@ LOG_NORMAL = {
 
 
 @pytest.fixture(scope="module")
-def line():
+def line(design):
     """A thousand robots of the production line."""
-    return [draw(np.random.default_rng(seed), 6, PRODUCTION) for seed in range(1000)]
+    return [draw(np.random.default_rng(seed), design, PRODUCTION) for seed in range(1000)]
 
 
 @pytest.mark.parametrize("name", LOG_NORMAL)
@@ -191,8 +191,10 @@ def test_parameters_of_an_individual_are_drawn_independently(line):
     assert np.abs(correlation).max() < 5 / np.sqrt(len(line))
 
 
-def test_individuals_of_the_verdicts_on_chapter_9_differ_in_springs_friction_and_geometry_alone():
-    robot, spread = draw(np.random.default_rng(3), 6), Spread()
+def test_individuals_of_the_verdicts_on_chapter_9_differ_in_springs_friction_and_geometry_alone(
+    design,
+):
+    robot, spread = draw(np.random.default_rng(3), design), Spread()
     assert (spread.friction, spread.gear_stiffness, spread.structure_stiffness) == (0.1, 0.1, 0.1)
     same = {
         *("friction_load", "static_excess", "stribeck_speed", "viscous", "bristle_stiffness"),
