@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from .arguments import check_out, finite_array, real_array
 from .dh import Robot
 from .equations.inertial_model import InertialModel
 from .native_function import native_function, native_module
@@ -45,8 +46,9 @@ class CompiledRobot:
     """Numeric kinematics of one robot; see `compile`. Each function is built on first use.
 
     Functions accept anything array-like; C-contiguous float64 arrays take the fast path. They
-    return `out` when it is given, else a new array. A process that receives the pickled object
-    loads the functions from the cache folder.
+    return `out` when it is given, else a new array; `out` may overlap the arguments. NaN in an
+    argument gives NaN in every element that depends on it, no error. A process that receives the
+    pickled object loads the functions from the cache folder.
     """
 
     def __init__(self, robot: Robot, cache: Path | str | None = None) -> None:
@@ -186,7 +188,9 @@ class CompiledDynamics:
         along = native_function(module, (size, n, size), (size,))
 
         def function(x: ArrayLike, tau: ArrayLike, /, out: Array | None = None) -> Array:
-            x, tau = np.asarray(x, dtype=np.float64), np.asarray(tau, dtype=np.float64)
+            x, tau = real_array("x", x), real_array("tau", tau)
+            if out is not None:
+                check_out(out, (size, size))
             if x.shape != (size,) or tau.shape != (n,):
                 given = f"got {x.shape} and {tau.shape}"
                 raise ValueError(f"x must be ({size},) and tau ({n},), {given}")
@@ -251,7 +255,10 @@ def compile_measurement(
         gravity: [m/s^2] in base axes.
         frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
     """
-    return CompiledMeasurement(robot, tuple(float(value) for value in gravity), frame, cache)
+    g = finite_array("gravity", gravity)
+    if g.shape != (3,):
+        raise ValueError(f"gravity must have shape (3,), got {g.shape}")
+    return CompiledMeasurement(robot, tuple(g.tolist()), frame, cache)
 
 
 def _refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:

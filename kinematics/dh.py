@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from .arguments import real_array
+
 if TYPE_CHECKING:
     import sympy
 
@@ -156,11 +158,11 @@ class Robot:
 
     def joint_variables(self, phi: ArrayLike) -> Array:
         """Joint variables of motor angles phi, shape (..., n_joints). Thesis (4.10)."""
-        return np.asarray(phi, dtype=np.float64) @ self.coupling.T + self.offset
+        return real_array("phi", phi, self.n_joints) @ self.coupling.T + self.offset
 
     def motor_angles(self, q: ArrayLike) -> Array:
         """Motor angles phi of joint variables q, shape (..., n_joints). Inverse of (4.10)."""
-        right = np.asarray(q, dtype=np.float64) - self.offset
+        right = real_array("q", q, self.n_joints) - self.offset
         return np.asarray(np.linalg.solve(self.coupling, right[..., None])[..., 0], np.float64)
 
 

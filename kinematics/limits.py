@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arguments import real_array
+
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledRange:
@@ -28,12 +30,16 @@ class Limits:
     def __post_init__(self) -> None:
         if not len(self.lower) == len(self.upper) == len(self.speed):
             raise ValueError("lower, upper and speed must have one entry for each motor")
-        if any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+        if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
             raise ValueError(f"lower must be below upper, got {self.lower} and {self.upper}")
+        for bound in self.coupled:
+            if len(bound.coefficients) != len(self.lower) or not bound.lower < bound.upper:
+                needed = f"{len(self.lower)} coefficients and lower below upper"
+                raise ValueError(f"a coupled range needs {needed}, got {bound}")
 
     def contain(self, phi: ArrayLike) -> NDArray[np.bool_]:
         """True for each configuration phi, shape (..., n), that is in every range; shape (...)."""
-        phi = np.asarray(phi, dtype=np.float64)
+        phi = real_array("phi", phi, len(self.lower))
         inside = ((phi >= self.lower) & (phi <= self.upper)).all(axis=-1)
         for bound in self.coupled:
             value = phi @ np.asarray(bound.coefficients)

@@ -16,7 +16,7 @@ class FortranPrinter(Printer):
         return f"{int(expr)}.0_dp"
 
     def _sign_of(self, x: str) -> str:
-        return f"(merge(1.0_dp, 0.0_dp, {x} > 0) - merge(1.0_dp, 0.0_dp, {x} < 0))"
+        return f"merge(1.0_dp, merge(-1.0_dp, {x}, {x} < 0), {x} > 0)"
 
 
 def write(program: StraightLineProgram, name: str) -> dict[str, str]:

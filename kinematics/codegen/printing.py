@@ -17,7 +17,8 @@ class Printer(C99CodePrinter):
         return repr(value)
 
     def _sign_of(self, x: str) -> str:
-        return f"(({x} > 0) - ({x} < 0))"
+        """The sign of x: what is neither above nor below 0 is 0 or NaN, and stays."""
+        return f"({x} > 0 ? 1.0 : {x} < 0 ? -1.0 : {x})"
 
     def parenthesize(self, item: Expression, level: int, strict: bool = False) -> str:
         if item.is_Rational and item >= 0:  # printed as one number, not as a fraction

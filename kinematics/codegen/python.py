@@ -9,7 +9,7 @@ from .printing import Printer, header, input_elements, step_lines, subscripts
 
 class PythonPrinter(Printer):
     def _sign_of(self, x: str) -> str:
-        return f"(1.0 if {x} > 0 else -1.0 if {x} < 0 else 0.0)"
+        return f"(1.0 if {x} > 0 else -1.0 if {x} < 0 else {x})"
 
 
 def write(program: StraightLineProgram, name: str) -> dict[str, str]:

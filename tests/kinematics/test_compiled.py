@@ -12,12 +12,26 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot, compile
+from armside.kinematics import (
+    IRB1400,
+    LARGE_ROBOT,
+    Body,
+    Convention,
+    InertialModel,
+    Joint,
+    Link,
+    Motor,
+    Robot,
+    compile,
+    compile_dynamics,
+    compile_measurement,
+)
 from armside.kinematics.equations import forward_kinematics
 
 ROOT = Path(__file__).parents[2]
 RNG = np.random.default_rng(0)
 PHI, PHI_DOT, PHI_DDOT = RNG.uniform(-1, 1, (3, 7, 6))
+ONE_BODY = InertialModel(LARGE_ROBOT, [Body(mass=0)] * 3 + [Body(mass=10)] + [Body(mass=0)] * 2)
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +88,63 @@ def test_arguments_of_different_lengths_are_refused(irb1400):
         irb1400.acceleration(PHI[0], PHI_DOT[0, :5], PHI_DDOT[0])
 
 
+def test_gravity_of_an_imu_has_three_components():
+    with pytest.raises(ValueError, match=r"gravity must have shape \(3,\), got \(2,\)"):
+        compile_measurement(IRB1400, gravity=(0.0, -9.82))
+
+
 def test_out_of_the_wrong_shape_or_type_is_refused(irb1400):
     with pytest.raises(ValueError, match=r"out must be float64 of shape \(4, 4\)"):
         irb1400.pose(PHI[0], out=np.empty((3, 4)))
     with pytest.raises(ValueError, match="got float32"):
         irb1400.pose(PHI[0], out=np.empty((4, 4), np.float32))
+
+
+@pytest.mark.parametrize("first", [0, 3, 90])
+def test_out_may_overlap_the_arguments_of_a_batch(first):
+    """Rows of the result are written over rows of phi that are still to be read."""
+    functions, n = compile_dynamics(ONE_BODY), 7
+    memory = np.zeros(6 * n + 100)
+    phi = memory[: 6 * n].reshape(n, 6)
+    phi[:] = PHI
+    expected = functions.gravity_torque(PHI)
+    out = memory[first : first + 6 * n].reshape(n, 6)
+    assert np.array_equal(functions.gravity_torque(phi, out=out), expected)
+
+
+def test_out_may_be_the_argument_of_a_single_call():
+    functions = compile_dynamics(ONE_BODY)
+    phi, rate, torque = PHI[0].copy(), PHI_DOT[0].copy(), PHI_DDOT[0].copy()
+    expected = functions.inverse_dynamics(phi, rate, torque)
+    assert functions.inverse_dynamics(phi, rate, torque, out=torque) is torque
+    assert np.array_equal(torque, expected)
+
+
+@pytest.mark.parametrize("out", [np.empty((12, 12), int), np.empty((12, 11)), [[0.0] * 12] * 12])
+def test_out_of_a_rate_jacobian_is_checked_like_any_other(out):
+    with pytest.raises(ValueError, match=r"out must be float64 of shape \(12, 12\)"):
+        compile_dynamics(ONE_BODY).rigid_rate_jacobian(np.zeros(12), np.zeros(6), out=out)
+
+
+@pytest.mark.parametrize(
+    "phi", [np.ones(6) * 1j, np.ma.masked_array(np.zeros(6), [1] * 6), ["0"] * 6], ids=type
+)
+def test_what_is_no_array_of_real_numbers_is_refused(irb1400, phi):
+    with pytest.raises(ValueError, match="arguments must be real numbers"):
+        irb1400.pose(phi)
+
+
+def test_nan_stays_nan_and_leaves_what_does_not_depend_on_it(irb1400):
+    phi = PHI[0].copy()
+    phi[5] = np.nan  # turns the tool about its own axis
+    T = irb1400.pose(phi)
+    assert np.isnan(T[:3, :2]).all()
+    assert np.array_equal(T[:, 2:], irb1400.pose(PHI[0])[:, 2:])
+
+
+def test_friction_of_a_rate_that_is_nan_is_nan():
+    model = InertialModel(Robot([Link(a=1)]), [Body(mass=1)], [Motor(coulomb=1.0)], (0, 0, 0))
+    assert np.isnan(compile_dynamics(model).bias_torque([0.0], [np.nan])).all()
 
 
 def test_a_robot_with_symbols_cannot_be_compiled():

@@ -76,3 +76,10 @@ def test_robots_are_equal_when_their_data_are():
 def test_the_coupling_of_a_robot_cannot_be_changed():
     with pytest.raises(ValueError, match="read-only"):
         IRB1400.coupling[0, 0] = 2.0
+
+
+@pytest.mark.parametrize("function", [IRB1400.joint_variables, IRB1400.motor_angles])
+@pytest.mark.parametrize("given", [[1.0], 1.0, np.zeros((6, 1)), np.zeros(7)])
+def test_joint_variables_and_motor_angles_have_one_entry_for_each_joint(function, given):
+    with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 6\)"):
+        function(given)

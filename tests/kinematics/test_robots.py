@@ -111,3 +111,12 @@ def test_coupled_range_applies_to_batches():
         coupled=(CoupledRange(coefficients=(1, 1), lower=-1.0, upper=1.0),),
     )
     assert limits.contain([[0.5, 0.4], [0.5, 0.6]]).tolist() == [True, False]
+
+
+def test_ranges_that_hold_nothing_or_do_not_fit_are_refused():
+    with pytest.raises(ValueError, match="lower must be below upper"):
+        Limits(lower=(float("nan"),), upper=(1.0,), speed=(1.0,))
+    for coefficients, upper in (((1.0,), 1.0), ((1.0, 1.0), -1.0)):
+        bound = CoupledRange(coefficients=coefficients, lower=0.0, upper=upper)
+        with pytest.raises(ValueError, match="a coupled range needs 2 coefficients"):
+            Limits(lower=(0, 0), upper=(1, 1), speed=(1, 1), coupled=(bound,))
