@@ -51,13 +51,24 @@ def checked(name: str, value: Any) -> "Scalar":
         from .expressions.grammar import parse
 
         return parse(value)
-    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
-        if not math.isfinite(value):
-            raise ValueError(f"{name} must be finite, got {value}")
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
+    if isinstance(value, Real):
+        if not _is_finite(value):
+            raise ValueError(f"{name} must be finite, got {str(value)[:40]}")
         return int(value) if isinstance(value, int) else float(value)
     if hasattr(value, "free_symbols") and getattr(value, "is_commutative", False):
+        if value.is_number and not (value.is_real and _is_finite(value)):
+            raise ValueError(f"{name} must be a finite real number, got {str(value)[:40]}")
         return value  # pyright: ignore[reportReturnType] - SymPy is not imported to ask
     raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond the range of floats
+        return False
 
 
 def symbols_of(values: Iterable[Any]) -> frozenset[Any]:

@@ -33,6 +33,4 @@ def write(
 ) -> dict[str, str]:
     """Name and text of each file of a program; `name`, the program's own by default, is theirs."""
     name = name or program.name
-    if not (name.isidentifier() and name.isascii()):
-        raise ValueError(f"a function's name has letters, digits and _, got {name!r}")
-    return _WRITERS[language](distinct(program), name)
+    return _WRITERS[language](distinct(program, name), name)

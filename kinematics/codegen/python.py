@@ -33,7 +33,8 @@ def _check(arrays: Sequence[Argument], batched: bool) -> str:
 
 def numba_module(program: StraightLineProgram, name: str | None = None) -> str:
     """Module with `one(inputs..., outputs...)` and `many`, whose arrays have a leading axis."""
-    program, printer, name = distinct(program), PythonPrinter(), name or program.name
+    name = name or program.name
+    program, printer = distinct(program, name), PythonPrinter()
     arrays = program.arguments
     arguments = ", ".join(array.name for array in arrays)
     lines = [f"    {symbol} = {array}[{i}]" for symbol, array, i in input_elements(program)]

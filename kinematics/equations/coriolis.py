@@ -23,6 +23,7 @@ from .dynamics import inputs_of, joint_chain, notes
 from .inertial_model import InertialModel
 from .program import Argument, StraightLineProgram, Tape
 from .recursion import JointTransform
+from .separate import separated
 from .vectors import (
     UPPER,
     ZERO,
@@ -40,6 +41,7 @@ Six = tuple[Vector, Vector]
 Rows = tuple[Vector, Vector, Vector]
 
 
+@separated
 def coriolis_matrix(model: InertialModel) -> StraightLineProgram:
     """C(phi, phi_dot), n x n, in motor angles: coupling^T C_theta coupling."""
     tape = Tape()

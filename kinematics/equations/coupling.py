@@ -30,7 +30,7 @@ def motor_inputs(robot: Robot, *names: str, symbols: Iterable[Any] = ()) -> list
     symbols: parameters besides the Denavit-Hartenberg parameters of the robot.
     """
     inputs = [Argument(name, (robot.n_joints,), motor_symbols(robot, name)) for name in names]
-    parameters = tuple(sorted({*robot.free_symbols, *symbols}, key=str))
+    parameters = tuple(sorted({*robot.free_symbols, *symbols}, key=lambda s: s.name))
     if parameters:
         inputs.append(Argument("parameters", (len(parameters),), parameters))
     return inputs

@@ -26,6 +26,7 @@ from .recursion import (
     joint_transforms,
     symbolic_inertias,
 )
+from .separate import separated
 from .vectors import ZERO, Matrix, Vector, added, crossed, tensor_times
 
 
@@ -110,6 +111,7 @@ def frictionless_torques(
     ]
 
 
+@separated
 def inverse_dynamics(model: InertialModel) -> StraightLineProgram:
     """tau(phi, phi_dot, phi_ddot), friction included. Thesis (2.15)."""
     tape, inputs = Tape(), inputs_of(model, "phi", "phi_dot", "phi_ddot")
@@ -124,6 +126,7 @@ def _with_friction(
     return [tape(u + v) for u, v in zip(torques, friction(model, tape, rates), strict=True)]
 
 
+@separated
 def gravity_torque(model: InertialModel) -> StraightLineProgram:
     """g(phi). Thesis (2.15)."""
     tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
@@ -131,6 +134,7 @@ def gravity_torque(model: InertialModel) -> StraightLineProgram:
     return _program(model, tape, "gravity_torque", inputs_of(model, "phi"), "g", torques)
 
 
+@separated
 def bias_torque(model: InertialModel) -> StraightLineProgram:
     """C(phi, phi_dot) phi_dot + g(phi) + f(phi_dot): (2.15) without its first term."""
     tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
@@ -147,6 +151,7 @@ def motor_mass_matrix(model: InertialModel, tape: Tape) -> Matrix:
     return D
 
 
+@separated
 def mass_matrix(model: InertialModel) -> StraightLineProgram:
     """D(phi), n x n. Thesis (2.15)."""
     D = motor_mass_matrix(model, tape := Tape())
@@ -154,6 +159,7 @@ def mass_matrix(model: InertialModel) -> StraightLineProgram:
     return _program(model, tape, "mass_matrix", inputs_of(model, "phi"), "D", elements, len(D))
 
 
+@separated
 def forward_dynamics(model: InertialModel) -> StraightLineProgram:
     """phi_ddot(phi, phi_dot, tau): (2.15) solved for the acceleration."""
     tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
@@ -164,6 +170,7 @@ def forward_dynamics(model: InertialModel) -> StraightLineProgram:
     return _program(model, tape, "forward_dynamics", inputs, "phi_ddot", x)
 
 
+@separated
 def parametric_torque(model: InertialModel) -> StraightLineProgram:
     """tau without friction as a function also of Theta, ten parameters for each moving group:
     m, h (3), I about the body frame (Ixx, Ixy, Ixz, Iyy, Iyz, Izz). Linear in Theta: (2.17).

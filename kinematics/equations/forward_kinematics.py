@@ -10,6 +10,7 @@ from .chain import Chain, joint_axes
 from .coupling import joint_rates, joint_variables, motor_inputs, motor_symbols, notes
 from .derivative import tangent
 from .program import Argument, StraightLineProgram, Tape
+from .separate import separated
 from .vectors import ZERO, Vector, added, crossed, lever_acceleration, scaled
 
 
@@ -17,6 +18,7 @@ def _chain(robot: Robot, tape: Tape) -> Chain:
     return joint_axes(robot, joint_variables(robot, motor_symbols(robot)), tape)
 
 
+@separated
 def pose(robot: Robot) -> StraightLineProgram:
     """T_base_tool, 4 x 4. Thesis (3.26)."""
     tape = Tape()
@@ -43,6 +45,7 @@ def _columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
     return columns[::-1]
 
 
+@separated
 def jacobian(robot: Robot) -> StraightLineProgram:
     """J, 6 x n: (v, omega) of the tool origin in base axes from motor rates. Thesis (3.39)."""
     tape = Tape()
@@ -68,6 +71,7 @@ def jacobian_rate(robot: Robot) -> StraightLineProgram:
     return replace(program, name="jacobian_rate", outputs=(out,))
 
 
+@separated
 def acceleration(robot: Robot) -> StraightLineProgram:
     """Classical (v_dot, omega_dot) of the tool origin in base axes. Thesis (3.57)."""
     tape = Tape()

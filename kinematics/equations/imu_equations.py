@@ -14,9 +14,11 @@ from .coupling import joint_rates, joint_variables, motor_inputs, notes
 from .derivative import jacobian_of
 from .program import Argument, StraightLineProgram, Tape
 from .recursion import FrameMotion, body_chain, forward, joint_transforms
+from .separate import separated
 from .vectors import ZERO, Vector, added, lever_acceleration, times
 
 
+@separated
 def measurement(
     robot: Robot, gravity: Sequence[Any] = (0, 0, -9.82), frame: int | None = None
 ) -> StraightLineProgram:

@@ -13,6 +13,7 @@ import sympy as sp
 from ..dh import Convention, Joint, Robot
 from ..expressions.exact import Expression, SymbolicMatrix, exact
 from ..expressions.rotation_symbolic import about_x, about_z
+from ..expressions.symbols import internal
 from .chain import exact_parameters
 from .inertial_model import Body
 from .program import Tape
@@ -122,9 +123,7 @@ def _placed(body: Body, place: _Placement) -> tuple[Expression, ...]:
 def symbolic_inertias(n: int) -> list[Inertia]:
     """Inertias of n groups as symbols m1, hx1 ... Izz1, m2 ...: the parameters Theta of (2.17)."""
     names = ("m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
-    return [
-        _inertia([sp.Symbol(f"{name}{i}", real=True) for name in names]) for i in range(1, n + 1)
-    ]
+    return [_inertia([internal(f"{name}{i}") for name in names]) for i in range(1, n + 1)]
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from .dynamics import (
 )
 from .inertial_model import InertialModel, Motor
 from .program import Argument, StraightLineProgram, Tape
+from .separate import separated
 
 
 def rigid_rate(model: InertialModel) -> StraightLineProgram:
@@ -42,6 +43,7 @@ def rigid_rate(model: InertialModel) -> StraightLineProgram:
     return replace(program, name="rigid_rate", inputs=inputs, outputs=(rate,), notes=lines)
 
 
+@separated
 def flexible_rate(model: InertialModel) -> StraightLineProgram:
     """x'(x, tau) with x = (phi_arm, phi_motor, their rates), shape (4 n,).
 

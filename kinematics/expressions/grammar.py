@@ -22,6 +22,8 @@ _TOKEN = re.compile(
 )
 _PI = {"pi", "Pi", "π"}
 _LONGEST = 200
+_SMALLEST, _GREATEST = 1e-300, 1e300
+"""Magnitudes of numbers and sums that are read; exact fractions of others would be very long."""
 
 
 class GrammarError(ValueError):
@@ -47,6 +49,8 @@ def parse(text: str) -> Expression:
             raise _error(text, rest[0].start())
         term, rest = _term(text, rest)
         total += sign * term
+    if total.is_number and abs(total) > _GREATEST:
+        raise _out_of_range(text)
     return total
 
 
@@ -82,13 +86,27 @@ def _term(text: str, tokens: list[re.Match[str]]) -> tuple[Expression, list[re.M
 def _factor(token: re.Match[str]) -> Expression | None:
     """A number, pi, a symbol or a function of time; None if the token is none of these."""
     if token["number"]:
-        return sp.Rational(token["number"])
+        return _number(token["number"])
     if not token["name"]:
         return None
     index = int(token["index"]) if token["index"] else None
     if token["name"] in _PI and index is None and not token["time"]:
         return sp.pi
     return (moving if token["time"] else symbol)(token["name"], index)
+
+
+def _number(text: str) -> Expression:
+    digits = re.split("[eE]", text)[0]
+    if not digits.strip("0."):
+        return sp.S.Zero
+    if not _SMALLEST <= float(text) <= _GREATEST:
+        raise _out_of_range(text)
+    return sp.Rational(text)
+
+
+def _out_of_range(text: str) -> GrammarError:
+    allowed = f"0 and magnitudes from {_SMALLEST:g} to {_GREATEST:g}"
+    return GrammarError(f"{text!r} is out of range: allowed are {allowed}")
 
 
 def _error(text: str, position: int) -> GrammarError:

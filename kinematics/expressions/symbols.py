@@ -5,6 +5,8 @@ are phi(t) and phi_1(t): nothing here works by the text of a name.
 """
 
 from collections.abc import Iterable
+from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -28,6 +30,12 @@ def moving(name: str, index: int | None = None) -> Any:
 
 def _label(name: str, index: int | None) -> str:
     return name if index is None else f"{name}_{index}"
+
+
+@cache
+def internal(name: str) -> sp.Symbol:
+    """A symbol with this name that is equal to no symbol of a user's; one for each name."""
+    return sp.Dummy(name, real=True)
 
 
 def functions_of_time(expressions: Iterable[Expression]) -> tuple[Any, ...]:
@@ -59,6 +67,9 @@ def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
     """Names for generated code: q_1(t) -> q_1, its derivatives q_1d, q_1dd. Thesis 4.2.2.
 
     Apply with `expression.xreplace(...)`; derivatives come first so that none is left half named.
+
+    Raises:
+        ValueError: two variables get the same name, such as phi_1(t) and the constant phi_1.
     """
     names: dict[Any, sp.Symbol] = {}
     expressions = list(expressions)
@@ -69,4 +80,8 @@ def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
             names[derivative] = sp.Symbol(function + "d" * int(order), real=True)
     for function in functions_of_time(expressions):
         names[function] = sp.Symbol(function.func.__name__, real=True)
+    constants = set().union(*(e.free_symbols for e in expressions)) - {t}
+    used = sorted([*(str(s) for s in names.values()), *map(str, constants)])
+    if twice := {a for a, b in pairwise(used) if a == b}:
+        raise ValueError(f"two variables are called {', '.join(sorted(twice))} in code: rename one")
     return names

@@ -35,8 +35,15 @@ class SymbolicDynamics:
 
 
 def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
-    """All terms of (2.15) as expressions of phi, phi_dot and the model's own symbols."""
+    """All terms of (2.15) as expressions of phi1.., phid1.. and the model's own symbols.
+
+    Raises:
+        ValueError: a symbol of the model is that of a motor angle or of its rate.
+    """
     phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "phi_dot")
+    if taken := model.free_symbols.intersection(phi + phi_dot):
+        names = ", ".join(sorted(map(str, taken)))
+        raise ValueError(f"{names} of {model.robot.name}: phi1.. and phid1.. are motor variables")
     D, potential = _energies(model, phi)
     for i, motor in enumerate(model.motors):
         D[i, i] += exact(motor.inertia)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
 
@@ -83,3 +84,9 @@ def test_the_coupling_of_a_robot_cannot_be_changed():
 def test_joint_variables_and_motor_angles_have_one_entry_for_each_joint(function, given):
     with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 6\)"):
         function(given)
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400), sp.oo, sp.nan, sp.I, sp.Integer(10) ** 400])
+def test_numbers_that_no_float_holds_are_refused(value):
+    with pytest.raises(ValueError, match="d must be"):
+        Link(d=value)

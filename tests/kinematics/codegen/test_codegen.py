@@ -19,6 +19,11 @@ from armside.kinematics.expressions.symbols import moving
 from armside.kinematics.symbolic import procedures as symbolic
 
 RNG = np.random.default_rng(0)
+# Names that generated code has for itself, and a name that would end a comment of each language.
+CONFUSING = Robot(
+    [Link(a="x0", d="phi1"), Link(a="x1", alpha="x2"), Link(a="phid2", theta="T"), Link(a="NaN")],
+    name='x"""; open("pwned", "w").close(); """ */ int f(void); /* \nend\r\u2028\\N{x} %} #}',
+)
 Evaluate = Callable[[StraightLineProgram, list[np.ndarray]], np.ndarray]
 
 
@@ -98,6 +103,7 @@ def handful(random_model, random_robot) -> list[StraightLineProgram]:
     programs.append(
         forward_kinematics.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")]))
     )
+    programs.append(forward_kinematics.acceleration(CONFUSING))
     return programs
 
 

@@ -1,5 +1,7 @@
 """The exported robot, read by another program."""
 
+from xml.etree import ElementTree
+
 import mujoco
 import numpy as np
 import pytest
@@ -69,3 +71,8 @@ def test_coupled_joint_is_stated_and_has_the_range_of_its_combination():
 def test_symbols_are_refused():
     with pytest.raises(ValueError, match="symbols: a"):
         urdf(Robot([Link(a="a")]))
+
+
+def test_a_robots_name_is_no_xml():
+    root = ElementTree.fromstring(urdf(Robot([Link(a=1)], name='A b"/><x>\x00&')))
+    assert root.get("name") == "a_b____x___"

@@ -109,3 +109,14 @@ def test_derivative_leaves_variables_of_similar_names_alone():
     assert differentiate(expression, q) == 2 * q
     assert differentiate(expression, q_t) == 3
     assert differentiate(expression, q1_t) == sp.cos(q1_t) + q_t.diff(t)
+
+
+@pytest.mark.parametrize("text", ["1e99999999", "1e-99999999", "1e301", "1e300*1e300", "-1e308"])
+def test_numbers_beyond_floats_are_refused_at_once(text):
+    with pytest.raises(GrammarError, match="is out of range: allowed are 0 and magnitudes"):
+        parse(text)
+
+
+@pytest.mark.parametrize("text", ["0", ".0", "0e99999999", "0.000e5"])
+def test_zero_has_any_exponent(text):
+    assert parse(text) == 0
