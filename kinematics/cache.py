@@ -2,10 +2,12 @@
 
 The folder is the platform's cache folder for `armside` unless an argument names another. Where it
 cannot be written the module is compiled in memory, which costs time in each process and no more.
+The same holds for a folder or module that somebody else may have written: it is not executed. A
+module carries the digest of its text; a damaged one is generated again. Both are logged.
 """
 
 import hashlib
-import importlib.util
+import logging
 import os
 import sys
 import tempfile
@@ -16,6 +18,8 @@ from threading import RLock
 from types import ModuleType
 
 _PACKAGE = Path(__file__).parent
+_LOG = logging.getLogger(__name__)
+_DIGEST = "# sha256 of the text above: "
 
 
 def cache_folder() -> Path:
@@ -35,6 +39,7 @@ def _generator() -> bytes:
 
 
 _LOADING = RLock()
+_LOADED: dict[Path, ModuleType] = {}
 
 
 def cached_module(
@@ -44,43 +49,99 @@ def cached_module(
     digest = hashlib.sha256(_generator() + name.encode() + key.encode()).hexdigest()[:16]
     module_name = f"{name}_{digest}"
     path = Path(folder or cache_folder()) / f"{module_name}.py"
-    with _LOADING:  # a second thread must not see a module that is half imported
-        loaded = sys.modules.get(module_name)
-        if loaded is not None and getattr(loaded, "__file__", None) == str(path):
-            return loaded
-        return _from_disk(module_name, path, source)
+    with _LOADING:  # a second thread must not see a module that is half executed
+        if path not in _LOADED:
+            _LOADED[path] = _load(module_name, path, source)
+        return _LOADED[path]
 
 
-def _from_disk(module_name: str, path: Path, source: Callable[[], str]) -> ModuleType:
+def _load(name: str, path: Path, source: Callable[[], str]) -> ModuleType:
+    text = None
     try:
-        if not path.exists():
-            _write(path, source())
-        return _import(module_name, path)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if (foreign := _foreign(path)) is not None:
+            _report_foreign(foreign)
+            return _in_memory(name, source())
+        text = _read(path)
+        if text is None:
+            text = source()
+            _write(path, text)
+        return _execute_or_repair(name, path, text)
     except (OSError, RuntimeError):  # numba: RuntimeError when it finds no place for its cache
-        return _in_memory(module_name, path.read_text() if path.exists() else source())
+        return _in_memory(name, text or source())
+
+
+def _foreign(path: Path) -> Path | None:
+    """The first of a module's folders and files that somebody other than us and root may write."""
+    for place in (path.parent, path, path.parent / "__pycache__", *_compiled(path)):
+        try:
+            status = place.stat()
+        except FileNotFoundError:
+            continue
+        if status.st_uid not in (os.geteuid(), 0) or status.st_mode & 0o022:
+            return place
+    return None
+
+
+@cache
+def _report_foreign(place: Path) -> None:
+    remedy = "others may write it; remove it, or make it yours alone with chown and chmod go-w"
+    _LOG.warning("code in the cache is not used and compiled in memory: %s: %s", place, remedy)
+
+
+def _compiled(path: Path) -> list[Path]:
+    """Files of numba beside a module: index and machine code of each function."""
+    return list((path.parent / "__pycache__").glob(f"{path.stem}.*.nb[ci]"))
+
+
+def _read(path: Path) -> str | None:
+    """Text of a module; None if it is not there or damaged."""
+    try:
+        text, found, digest = path.read_text(encoding="utf-8").rpartition(_DIGEST)
+    except FileNotFoundError:
+        return None
+    except UnicodeDecodeError:
+        text, found, digest = "", "", ""
+    if found and digest.strip() == hashlib.sha256(text.encode()).hexdigest():
+        return text
+    _LOG.warning("%s was damaged and is generated again", path)
+    return None
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Write a module whole or not at all."""
+    (path.parent / "__pycache__").mkdir(mode=0o700, exist_ok=True)  # numba would leave it to umask
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     try:
-        with os.fdopen(handle, "w") as file:
-            file.write(text)
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(f"{text}{_DIGEST}{hashlib.sha256(text.encode()).hexdigest()}\n")
         os.replace(temporary, path)
     except BaseException:
         os.unlink(temporary)
         raise
 
 
-def _import(name: str, path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
+def _execute_or_repair(name: str, path: Path, text: str) -> ModuleType:
+    """The module; damaged machine code beside it is removed, and compiled again."""
+    try:
+        return _execute(name, path, text)
+    except Exception as error:
+        compiled = _compiled(path)
+        if not compiled or "cannot cache" in str(error):  # numba: the folder can only be read
+            raise
+        for file in compiled:
+            file.unlink(missing_ok=True)
+        _LOG.warning("machine code of %s was damaged and is compiled again: %r", path, error)
+        return _execute(name, path, text)
+
+
+def _execute(name: str, path: Path, text: str) -> ModuleType:
+    """The text as a module of that file: exactly what was read, no bytecode from elsewhere."""
+    module = ModuleType(name)
+    module.__file__ = str(path)
     sys.modules[name] = module  # numba finds a cached function's globals by module name
     try:
-        spec.loader.exec_module(module)
+        exec(compile(text, str(path), "exec"), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise
