@@ -8,7 +8,8 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 
-from armside.sim.cut.contour_file import read_contour, rounded
+from armside.sim.cut.contour_file import read_contour
+from armside.sim.cut.polyline import rounded
 
 house = read_contour(Path(__file__).parent / "house.toml")
 

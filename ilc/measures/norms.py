@@ -97,12 +97,13 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
 def circle_centre(points: Array) -> Array:
     """Centre (2,) of the circle in a plane with the least sum of squared radial distances.
 
-    points: (M, 2) [m], finite. Raises ValueError for points on one line.
+    points: (M, 2) [m], finite. Raises ValueError for points that lie on one line, or nearer to one
+    than to any circle.
     """
-    from .circle import newton  # imported here: compiled, and most measures do without
+    from .circle import least_squares  # imported here: compiled, and most measures do without
 
     origin = points.mean(axis=0)
-    centre, found = newton(points - origin)
+    centre, found = least_squares(points - origin)
     if not found:
         raise ValueError("points must not lie on one line")
     return origin + centre

@@ -1,7 +1,7 @@
 """Tool error: distance of the tool's path from the programmed contour, after a best fit.
 
-A circle is moved to its least-squares centre, as thesis 9.3 does; any other contour is moved and
-rotated onto the programmed one.
+A circle is moved to its least-squares centre, as thesis 9.3 does, or to its mean where it is too
+flat for one; any other contour is moved and rotated onto the programmed one.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,9 @@ from ..cut.tool_motion import ToolMotion
 
 CONVERGED = 1e-12
 """[m] and [rad]: largest last step of a fit."""
+INSIDE = 0.5
+"""Radii by which the least-squares centre may lie off the path's mean. A turn that is flattened
+more is better explained by a short arc of a huge circle than by a whole circle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,13 +48,26 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
         return ToolError(rms=np.nan, maxdev=np.nan, path=seen - seen.mean(axis=0))
     curve = motion.path.curve
     if isinstance(curve, Circle):
-        path = points - measures.circle_centre(points)
+        path = points - _centre(points, curve.radius)
         deviation = curve.radius - np.hypot(path[:, 0], path[:, 1])
     else:
         fitted = fit(curve, points)
         path, deviation = fitted.points, fitted.deviation
     rms, maxdev = float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
     return ToolError(rms=rms, maxdev=maxdev, path=path)
+
+
+def _centre(points: Array, radius: float) -> Array:
+    """Least-squares centre (2,) of one turn, or the mean where that runs away from the path.
+
+    points: (M, 2) [m], evenly around the turn. radius: programmed [m].
+    """
+    mean = points.mean(axis=0)
+    try:
+        centre = measures.circle_centre(points)
+    except ValueError:
+        return mean
+    return centre if np.hypot(*(centre - mean)) <= INSIDE * radius else mean
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,8 +15,9 @@ from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..notes import Note
 from ..robot.applicable import check_applies
 from ..robot.effects import available
+from ..robot.forward_kinematics import check_kinematics
 from ..robot.individual import Individual, embodied, with_payload
-from ..robot.mjcf import N_AXES
+from ..robot.mjcf import N_AXES, ModelError
 from ..robot.model import RobotModel, load_model
 from ..robot.run import LoadedReference
 from ..robot.spread import Drawn, Spread
@@ -81,13 +82,13 @@ def prepare(
         nominal: the cut's model, where it is loaded already; with the tool of its file.
 
     Raises:
-        ValueError: the cut leaves the joint limits (where) or the reach (by how much), or the robot
-            cannot carry its payload.
+        ValueError: the cut leaves the joint limits (where) or the reach (by how much), the robot
+            cannot carry its payload, or the cut's model is that of another robot.
     """
     drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
-    design = load_model(cut.model or cut.cell.xml) if nominal is None else nominal
+    design = _design(cut) if nominal is None else nominal
     carrying = design if cut.payload is None else with_payload(design, cut.payload)
     known = carrying if cut.payload_known else design
     if cut.friction_feedforward is not None:
@@ -132,6 +133,18 @@ def _individual(cut: Cut, rng: np.random.Generator, design: RobotModel) -> Indiv
     else:
         check_applies(design, individual)
     return individual
+
+
+def _design(cut: Cut) -> RobotModel:
+    """The robot's model; a file in place of the cell's own must have its kinematics."""
+    if cut.model is None:
+        return load_model(cut.cell.xml)
+    model = load_model(cut.model)
+    try:
+        check_kinematics(model, cut.cell.robot, cut.cell.limits)
+    except ModelError as error:
+        raise ModelError(f"{cut.model}: {error}") from error
+    return model
 
 
 def evaluated(

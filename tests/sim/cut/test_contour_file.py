@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from armside.sim.cut.contour import Circle
-from armside.sim.cut.contour_file import read_contour, rounded
+from armside.sim.cut.contour_file import read_contour
+from armside.sim.cut.polyline import rounded
 
 HOUSE = np.array([[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]) * 1e-3
 CORNER = 1.5e-3
@@ -143,5 +144,65 @@ def test_a_drawing_has_exactly_one_contour(tmp_path):
     file = drawn(tmp_path, lambda space: space.add_line((0, 0), (1, 1)))
     with pytest.raises(ValueError, match="0 closed polylines and circles"):
         read_contour(file)
+    file = drawn(tmp_path, lambda space: [space.add_circle((x, 0), 5) for x in (0, 20)])
+    with pytest.raises(
+        ValueError, match=r"2 closed polylines and circles; a contour is exactly one$"
+    ):
+        read_contour(file)
     with pytest.raises(OSError, match="is not a DXF file"):
         read_contour(write(tmp_path / "d.dxf", "nothing"))
+
+
+def beside(draw):
+    """A drawing of a hole and of something else."""
+
+    def both(space):
+        space.add_circle((0, 0), 5)
+        draw(space)
+
+    return both
+
+
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [
+        (lambda s: [s.add_line((0, 0), (x, 9)) for x in (1, 2)], "2 LINE"),
+        (lambda s: s.add_lwpolyline([(0, 0), (9, 0), (9, 9)]), "1 open LWPOLYLINE"),
+        (lambda s: s.add_arc((0, 0), 3, 0, 90), "1 ARC"),
+        (lambda s: s.add_spline([(0, 0, 0), (1, 2, 0), (3, 1, 0)]), "1 SPLINE"),
+        (lambda s: s.add_text("cut me"), "1 TEXT"),
+        (lambda s: s.add_polyline2d([(0, 0), (9, 0), (9, 9)], close=True), "1 POLYLINE"),
+        (lambda s: (s.add_ellipse((0, 0), (3, 0)), s.add_point((1, 1))), "1 ELLIPSE, 1 POINT"),
+    ],
+    ids=["lines", "open", "arc", "spline", "text", "old polyline", "two kinds"],
+)
+def test_nothing_in_a_drawing_is_dropped(tmp_path, draw, said):
+    with pytest.raises(ValueError, match=f"more than its contour.*: {said};"):
+        read_contour(drawn(tmp_path, beside(draw)))
+
+
+def test_a_polyline_that_is_left_open_is_named(tmp_path):
+    file = drawn(tmp_path, lambda space: space.add_lwpolyline([(0, 0), (20, 0), (20, 20)]))
+    with pytest.raises(
+        ValueError, match=r"0 closed .* exactly one; besides it has 1 open LWPOLYLINE"
+    ):
+        read_contour(file)
+
+
+def test_a_contour_seen_from_below_is_refused(tmp_path):
+    below = {"extrusion": (0, 0, -1)}
+    file = drawn(tmp_path, lambda space: space.add_circle((0, 0), 5, dxfattribs=below))
+    with pytest.raises(ValueError, match="not drawn in the x-y plane"):
+        read_contour(file)
+
+
+def test_an_imperial_drawing_without_a_unit_is_refused(tmp_path):
+    import ezdxf
+
+    drawing = ezdxf.new()
+    drawing.units = 0
+    drawing.header["$MEASUREMENT"] = 0
+    drawing.modelspace().add_circle((0, 0), 0.2)
+    drawing.saveas(tmp_path / "c.dxf")
+    with pytest.raises(ValueError, match="imperial and has no unit"):
+        read_contour(tmp_path / "c.dxf")

@@ -56,6 +56,17 @@ def test_an_enlarged_contour_has_that_tool_error(shape):
     assert error.maxdev == pytest.approx(1e-4, rel=1e-2)
 
 
+@pytest.mark.parametrize("flat", [0.5, 0.2, 0.02, 0.0])
+def test_a_flattened_circle_has_the_error_of_its_flattening(flat):
+    """A short arc of a huge circle would fit a flat path better: its centre is none of the cut."""
+    motion = motion_of(Cut(pose=POSE))
+    time, position = samples(motion)
+    p = motion.plane.from_base(position)
+    p[:, 1] *= flat
+    error = tool_error(motion, time, motion.plane.to_base(p[:, :2]))
+    assert error.maxdev == pytest.approx((1.0 - flat) * 0.005, rel=1e-3)
+
+
 def test_a_lost_beam_gives_no_tool_error():
     motion = motion_of(Cut(pose=POSE, contour=POLYGONS["slot"]))
     time, position = samples(motion)
