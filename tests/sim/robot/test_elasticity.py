@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from armside import assets
+from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.linkage import Linkage
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics, anticipated_shift
@@ -126,3 +127,42 @@ def test_a_plucked_spring_rings_at_its_frequency_and_decays_by_its_damping(weigh
     turn = np.polyfit(t, np.unwrap(np.angle(signal)), 1)[0]
     assert turn == pytest.approx(w * np.sqrt(1 - zeta**2), rel=0.01)
     assert -rate == pytest.approx(zeta * w, rel=0.05)
+
+
+def test_forces_of_the_rigid_motion_contain_no_friction_and_no_damping(model):
+    """Inertia and Coriolis forces are even in velocity, gravity does not depend on it."""
+    rng = np.random.default_rng(0)
+    phi, rate, acceleration = POSE + 0.1 * rng.standard_normal((3, 5, 6))
+    statics = Statics(model)
+    there, back = (statics.rigid_forces(phi, sign * rate, acceleration) for sign in (1.0, -1.0))
+    assert there == pytest.approx(back, rel=1e-9, abs=1e-9)
+    faster = statics.rigid_forces(phi, 2.0 * rate, acceleration)
+    rest = statics.rigid_forces(phi, 0.0 * rate, acceleration)
+    assert faster - rest == pytest.approx(4.0 * (there - rest), rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("part", ["gear", "structure"])
+def test_a_stiffer_variant_scales_the_springs_it_names_alone(model, part):
+    xml = XML["large" if len(model.brakes) == 0 else "irb1400"]
+    scaled = variant(xml, **{f"{part}_stiffness": 4.0})
+    named = {"gear": "flex_", "structure": "struct_"}[part]
+    for i in range(model.mj.njnt):
+        name, stiffness = model.mj.joint(i).name, model.mj.jnt_stiffness[i]
+        factor = 4.0 if name.startswith(named) else 1.0
+        assert scaled.jnt_stiffness[i] == factor * stiffness, name
+        dof = model.mj.jnt_dofadr[i]
+        assert scaled.dof_damping[dof] == np.sqrt(factor) * model.mj.dof_damping[dof], name
+
+
+def test_variants_without_springs_keep_their_mass_and_lose_their_hinges():
+    full = load_model(assets.IRB1400_XML).mj
+    names = {full.joint(i).name for i in range(full.njnt)}
+    for flexibility, gone in (
+        (Flexibility.RIGID, ("flex_", "struct_", "link_rod_x")),
+        (Flexibility.GEARS, ("struct_", "link_rod_x")),
+        (Flexibility.FULL, ("none",)),
+    ):
+        mj = variant(assets.IRB1400_XML, flexibility)
+        kept = {mj.joint(i).name for i in range(mj.njnt)}
+        assert kept == {name for name in names if not name.startswith(gone)}
+        assert mj.body_mass.sum() == pytest.approx(full.body_mass.sum())

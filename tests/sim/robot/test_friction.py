@@ -1,10 +1,13 @@
 """Friction of the drives over speed, load and temperature, against the curve of its source."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from armside import assets
+from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, FrictionFactors, load_friction, with_effects
 from armside.sim.robot.individual import with_friction
 from armside.sim.robot.model import load_model
@@ -94,3 +97,12 @@ def test_factors_of_friction_scale_what_load_friction_set():
     before, after = (m.mj.actuator_biasprm for m in (model, with_friction(model, factor)))
     assert after[:, 3:5] == pytest.approx(before[:, 3:5] * factor[:, None])
     assert after[:, 5] == pytest.approx(before[:, 5])
+
+
+def test_friction_feedforward_fades_to_zero_below_its_speed():
+    """tanh(v / 0.02 rad/s), arm side, whatever the gear."""
+    drives = load_model(assets.IRB1400_XML).drives
+    fast = friction_torque(replace(drives, friction_curve=False), np.full((1, 6), 10.0))
+    for speed in (0.002, 0.02, 0.05):
+        slow = friction_torque(replace(drives, friction_curve=False), np.full((1, 6), speed))
+        assert slow / fast == pytest.approx(np.full((1, 6), np.tanh(speed / 0.02)))
