@@ -125,10 +125,11 @@ def circle_ripple(radii: Array, turn_time: float, low: float, high: float) -> fl
     turn_time: duration of the revolution [s]; its harmonics in [low, high] count.
     """
     radii = _as_radii(radii)
-    amplitude = np.fft.rfft(radii - radii.mean()) / len(radii)
-    frequency = np.arange(len(amplitude)) / turn_time
-    chosen = amplitude[(frequency >= low) & (frequency <= high)]
-    return float(np.sqrt(2.0 * np.square(np.abs(chosen)).sum()))
+    n = len(radii)
+    power = np.square(np.abs(np.fft.rfft(radii - radii.mean()) / n))
+    power[1 : (n + 1) // 2] *= 2.0  # both halves of the spectrum, the Nyquist frequency once
+    frequency = np.arange(len(power)) / turn_time
+    return float(np.sqrt(power[(frequency >= low) & (frequency <= high)].sum()))
 
 
 def _as_radii(radii: ArrayLike) -> Array:

@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 
-from .mutant import ROOT, curated
+from .mutant import PACKAGES, ROOT, counted, curated
 
 MUTANTS = curated()
 
@@ -34,3 +34,10 @@ def test_the_nearest_tests_of_a_mutant_exist():
             if function:
                 name = function.partition("[")[0]
                 assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), test
+
+
+def test_hundreds_of_faults_over_all_packages_are_counted():
+    packages = Counter(mutant.package for mutant in counted(MUTANTS))
+    assert sum(packages.values()) >= 200
+    assert min(packages[package] for package in PACKAGES) >= 40
+    assert sum(mutant.found for mutant in MUTANTS) >= 85

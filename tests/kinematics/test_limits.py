@@ -1,0 +1,78 @@
+"""Ranges keep what they name, ends included; gravity and inertias are those of physics."""
+
+import numpy as np
+import pytest
+
+from armside import kinematics
+from armside.kinematics import Body, InertialModel, Limits, Link, Robot
+from armside.kinematics.limits import CoupledRange
+from armside.kinematics.rigid import inverse, transform, transform_points
+from armside.kinematics.rotation import from_axis_angle
+
+LIMITS = Limits(
+    lower=(-1.0, -2.0, -3.0),
+    upper=(1.5, 2.5, 3.5),
+    speed=(1.0, 2.0, 3.0),
+    coupled=(CoupledRange(coefficients=(0.0, -1.0, 1.0), lower=-1.2, upper=0.8),),
+)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_each_end_of_a_range_belongs_to_it_and_what_is_beyond_does_not(axis):
+    free = Limits(lower=LIMITS.lower, upper=LIMITS.upper, speed=LIMITS.speed)
+    for end, outwards in ((free.lower[axis], -np.inf), (free.upper[axis], np.inf)):
+        phi = np.zeros(3)
+        phi[axis] = end
+        assert free.contain(phi)
+        phi[axis] = np.nextafter(end, outwards)
+        assert not free.contain(phi)
+
+
+@pytest.mark.parametrize(("difference", "inside"), [(-1.2, 1), (-1.21, 0), (0.8, 1), (0.81, 0)])
+def test_a_coupled_range_bounds_the_combination_from_both_sides(difference, inside):
+    phi = np.array([0.0, 0.5, 0.0])
+    phi[2] = phi[1] + difference
+    assert bool(LIMITS.contain(phi)) == bool(inside)
+
+
+def test_a_batch_is_judged_row_by_row():
+    phi = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert LIMITS.contain(phi).tolist() == [True, False, False]
+
+
+def test_ranges_and_speeds_of_both_robots_are_published_ones():
+    """ARTE's IRB1410; ros-industrial's irb6600_225_255. 20 deg of transmission angle are kept."""
+    small, large = kinematics.IRB1400_LIMITS, kinematics.LARGE_ROBOT_LIMITS
+    assert np.rad2deg(small.lower) == pytest.approx([-170, -70, -65, -150, -115, -300])
+    assert np.rad2deg(small.upper) == pytest.approx([170, 70, 70, 150, 115, 300])
+    assert np.rad2deg(small.speed) == pytest.approx([120, 120, 120, 280, 280, 280])
+    (linkage,) = small.coupled
+    assert np.rad2deg([linkage.lower, linkage.upper]) == pytest.approx([-70, 70])
+    assert np.rad2deg(large.lower) == pytest.approx([-180, -65, -180, -300, -120, -300])
+    assert np.rad2deg(large.upper) == pytest.approx([180, 80, 60, 300, 120, 300])
+    assert np.rad2deg(large.speed) == pytest.approx([100, 90, 90, 150, 120, 190])
+    assert large.coupled == ()
+
+
+def test_a_transform_and_its_inverse_take_a_point_there_and_back():
+    T = transform(from_axis_angle([1.0, 2.0, 3.0], 0.7), [0.1, -0.2, 0.3])
+    assert inverse(T) @ T == pytest.approx(np.eye(4), abs=1e-15)
+    p = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])
+    assert transform_points(inverse(T), transform_points(T, p)) == pytest.approx(p, abs=1e-15)
+    assert transform_points(T, p)[1] == pytest.approx([0.1, -0.2, 0.3])
+
+
+def test_gravity_is_that_of_the_thesis_unless_said_otherwise():
+    """Thesis (5.2)."""
+    model = InertialModel(Robot([Link()]), (Body(mass=1),))
+    assert model.gravity == (0, 0, -9.82)
+
+
+@pytest.mark.parametrize(("moments", "holds"), [((1, 1, 2), True), ((1, 1, 2.001), False)])
+def test_a_moment_of_inertia_is_at_most_the_sum_of_the_others(moments, holds):
+    """Equality is a flat disc."""
+    if holds:
+        Body(mass=1, inertia=(*moments, 0, 0, 0))
+    else:
+        with pytest.raises(ValueError, match="triangle inequality"):
+            Body(mass=1, inertia=(*moments, 0, 0, 0))

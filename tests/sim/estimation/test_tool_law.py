@@ -1,0 +1,65 @@
+"""Options of the laws for the tool's path: what they build, and their documented defaults."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from armside.ilc.laws import Heuristic
+from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.joint_space import JointSpace
+from armside.ilc.laws.record_optimal import RecordOptimal
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind, pass_band
+
+SIZE = np.linspace(0.5, 1.0, 6)
+PLANT = SimpleNamespace(
+    input_size=SIZE,
+    response=lambda omega: np.tile(np.eye(6, dtype=complex), (len(omega), 1, 1)),
+    arm=SimpleNamespace(tool_jacobian=np.diag(np.arange(1.0, 7.0)), axes=np.arange(6)),
+)
+
+
+def test_errors_are_learned_from_under_a_guard_unless_said_otherwise():
+    law = ToolLaw().law(PLANT, 1.27)
+    assert isinstance(law, Guarded)
+    assert isinstance(law.law, RegularisedInverse)
+    assert isinstance(ToolLaw(guarded=False).law(PLANT, 1.27), RegularisedInverse)
+    assert (law.tolerance, law.back_off, law.patience) == (1.2, 0.5, 3)
+
+
+def test_an_orientation_error_of_a_milliradian_counts_as_a_tenth_of_a_millimetre():
+    law = ToolLaw().law(PLANT, 1.27)
+    assert law.weight == (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
+    assert law.law.output_weight == law.weight
+    seen = ToolLaw().law(PLANT, 1.27, rotations=False)
+    assert seen.weight == (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
+
+
+def test_the_design_variables_reach_the_law():
+    law = ToolLaw(gamma=0.7, cutoff=12.0, limit=0.01, guarded=False).law(PLANT, 1.27)
+    assert (law.gamma, law.cutoff, law.limit) == (0.7, 12.0, 0.01)
+    assert law.input_size == pytest.approx(SIZE)
+    default = ToolLaw(guarded=False)
+    assert (default.gamma, default.limit, default.delta) == (0.9, 0.02, 3)
+    assert default.law(PLANT, 1.27).cutoff == pass_band(1.27)
+
+
+def test_each_kind_is_its_law():
+    optimal = ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False).law(PLANT, 1.27)
+    assert isinstance(optimal, RecordOptimal)
+    heuristic = ToolLaw(kind=ToolLawKind.HEURISTIC, guarded=False, gamma=0.5, delta=4)
+    law = heuristic.law(PLANT, 1.27, rotations=False)
+    assert isinstance(law, JointSpace)
+    assert isinstance(law.law, Heuristic)
+    assert (law.law.gamma, law.law.delta) == (0.5, 4)
+    # without orientations only three rows of the Jacobian are inverted
+    expected = np.linalg.pinv(np.diag([1.0, 2.0, 3.0, 0.0, 0.0, 0.0]))
+    assert law.inverse == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("turn_rate", "cutoff"), [(0.5, 10.0), (2.5, 10.0), (2.6, 10.4), (3.75, 15.0), (10.0, 15.0)]
+)
+def test_the_pass_band_is_four_turns_a_second_between_10_and_15_hz(turn_rate, cutoff):
+    assert pass_band(turn_rate) == pytest.approx(cutoff)
