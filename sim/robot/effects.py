@@ -117,13 +117,21 @@ def _set_ripple(model: RobotModel) -> None:
         model.mj.actuator_biasprm[axis, _COGGING] = (amplitude * limit, order, 0.0)
 
 
-def _gear_error(model: RobotModel) -> GearError:
+def gear_orders(model: RobotModel) -> tuple[Array, Array]:
+    """Transmission error in a robot's file: amplitudes [rad] and periods a revolution, (6, 4)."""
     gear = model.drives.gear
-    return GearError(
-        amplitude=np.tile(numeric(model.mj, "gear_error", N_HARMONICS), (6, 1)),
-        order=np.column_stack([np.ones(6), 2.0 * np.ones(6), gear, 2.0 * gear]),
-        phase=numeric(model.mj, "gear_error_phase", 6 * N_HARMONICS).reshape(6, N_HARMONICS),
-    )
+    amplitude = np.tile(numeric(model.mj, "gear_error", N_HARMONICS), (6, 1))
+    return amplitude, np.column_stack([np.ones(6), 2.0 * np.ones(6), gear, 2.0 * gear])
+
+
+def gear_phases(model: RobotModel) -> Array:
+    """Phases of the transmission error in a robot's file, (6, 4) [rad]."""
+    return numeric(model.mj, "gear_error_phase", 6 * N_HARMONICS).reshape(6, N_HARMONICS)
+
+
+def _gear_error(model: RobotModel) -> GearError:
+    amplitude, order = gear_orders(model)
+    return GearError(amplitude=amplitude, order=order, phase=gear_phases(model))
 
 
 # Bittencourt's model of an ABB axis, identified on axis 2 of an IRB6620 (26 N m), relative to the

@@ -216,8 +216,10 @@ def as_built(design: RobotModel, individual: Individual) -> RobotModel:
     return replace(model, spec=spec)
 
 
-def with_hinges(design: RobotModel, hinges: Collection[HiddenHinge]) -> RobotModel:
-    """Design with further elastic hinges in its structure.
+def with_hinges(
+    design: RobotModel, hinges: Collection[HiddenHinge], name: str = "hidden"
+) -> RobotModel:
+    """Design with further elastic hinges in its structure, called `name`_0 and so on.
 
     Raises ModelError for a body that the design lacks, a hinge on the axis of another joint of its
     body, or a model without its parsed file.
@@ -230,7 +232,7 @@ def with_hinges(design: RobotModel, hinges: Collection[HiddenHinge]) -> RobotMod
             raise ModelError(f"a hidden hinge needs a body, got {hinge.body!r}. {known}")
         body = spec.body(hinge.body)
         _check_apart(body, hinge)
-        joint = body.add_joint(name=f"hidden_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
+        joint = body.add_joint(name=f"{name}_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
         joint.axis, joint.pos = np.array(hinge.axis), np.array(hinge.position)
         joint.stiffness = _linear(hinge.stiffness, joint.stiffness)
         joint.damping = _linear(hinge.damping, joint.damping)

@@ -66,25 +66,37 @@ PRODUCTION = Spread(
 )
 """Robots of one production line: what `--individual N` is drawn from."""
 
-_PLACES: Mapping[str, tuple[HiddenHinge, ...]] = {
+
+@dataclass(frozen=True)
+class _Link:
+    """Link on which a hidden hinge may lie."""
+
+    body: str
+    end: tuple[float, float, float]
+    """Of the link, in its own axes [m]."""
+    axis: tuple[float, float, float]
+    """About which the robot's file has a joint whatever the place along the link."""
+    stiffness: float
+    """Median [N m/rad], twice that of the springs beside it."""
+
+
+_LINKS: Mapping[str, tuple[_Link, ...]] = {
     "large_robot": (
-        HiddenHinge(
-            body="lower_arm", axis=(0, 1, 0), position=(0, 0, 0.54), stiffness=8e6, damping=0
-        ),
-        HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=2e6, damping=0),
-        HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=2e6, damping=0),
-        HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=1e6, damping=0),
-        HiddenHinge(body="tilt", axis=(1, 0, 0), stiffness=8e5, damping=0),
+        _Link("lower_arm", (0.0, 0.0, 1.075), (0.0, 0.0, 1.0), 8e6),
+        _Link("tube", (1.142, 0.0, 0.0), (1.0, 0.0, 0.0), 2.5e6),
+        _Link("tilt", (0.2, 0.0, 0.0), (0.0, 1.0, 0.0), 1e6),
     ),
     "irb1400": (
-        HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=3e5, damping=0),
-        HiddenHinge(body="tube", axis=(0, 0, 1), stiffness=3e5, damping=0),
-        HiddenHinge(body="tilt", axis=(0, 0, 1), stiffness=2e4, damping=0),
+        _Link("tube", (0.72, 0.0, 0.0), (1.0, 0.0, 0.0), 3e5),
+        _Link("tilt", (0.085, 0.0, 0.0), (0.0, 1.0, 0.0), 2e4),
     ),
 }
-"""Hidden hinges by the name of the model, with their median stiffness, one to two times that of the
-springs beside them; none is on the axis of a motor, where no mass would lie between the two. A
-model of another name gets none."""
+"""By the name of the model; one of another name has no hidden hinges."""
+_ALONG = 0.25, 0.6
+"""Hidden hinges lie between these fractions of their link."""
+_LEAN = np.deg2rad(15.0)
+"""Largest angle between a hidden hinge and the plane across that axis: about the axis itself no
+mass would lie between the two."""
 _MOST_HINGES = 3
 _STIFFNESS_SPREAD, _DAMPING_TIME = 0.4, 2e-4
 """log(factor); damping over stiffness [s], as for the hinges of the file."""
@@ -148,17 +160,30 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
         # Its constraints know nothing of dampers: more damping makes a run in fifty unstable.
         drawn = replace(drawn, structure_damping=1.0)
     hidden = rng.uniform() < spread.hidden
-    places = _PLACES.get(model_name(design.mj), ())
-    return restricted(replace(drawn, hidden=_hinges(rng, places) if hidden else ()), design)
+    links = _LINKS.get(model_name(design.mj), ())
+    return restricted(replace(drawn, hidden=_hinges(rng, links) if hidden else ()), design)
 
 
-def _hinges(rng: np.random.Generator, places: Sequence[HiddenHinge]) -> tuple[HiddenHinge, ...]:
-    if not places:
+def _hinges(rng: np.random.Generator, links: Sequence[_Link]) -> tuple[HiddenHinge, ...]:
+    if not links:
         return ()
-    chosen = rng.choice(len(places), size=rng.integers(1, _MOST_HINGES + 1), replace=False)
-    return tuple(_scaled(places[i], rng) for i in sorted(chosen))
+    most = min(_MOST_HINGES, len(links))
+    chosen = rng.choice(len(links), size=rng.integers(1, most + 1), replace=False)
+    return tuple(_hinge(links[i], rng) for i in sorted(chosen))
 
 
-def _scaled(hinge: HiddenHinge, rng: np.random.Generator) -> HiddenHinge:
-    stiffness = float(hinge.stiffness * np.exp(_STIFFNESS_SPREAD * rng.standard_normal()))
-    return replace(hinge, stiffness=stiffness, damping=_DAMPING_TIME * stiffness)
+def _hinge(link: _Link, rng: np.random.Generator) -> HiddenHinge:
+    stiffness = float(link.stiffness * np.exp(_STIFFNESS_SPREAD * rng.standard_normal()))
+    x, y, z = rng.uniform(*_ALONG) * np.array(link.end)
+    taken = np.array(link.axis)
+    about, lean = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-_LEAN, _LEAN)
+    across = np.roll(taken, 1), np.roll(taken, 2)
+    level = np.cos(about) * across[0] + np.sin(about) * across[1]
+    a, b, c = np.cos(lean) * level + np.sin(lean) * taken
+    return HiddenHinge(
+        body=link.body,
+        axis=(float(a), float(b), float(c)),
+        position=(float(x), float(y), float(z)),
+        stiffness=stiffness,
+        damping=_DAMPING_TIME * stiffness,
+    )
