@@ -103,6 +103,8 @@ class Individual:
     """(6, 4) factor on the amplitude, and [rad] added to the phase, of each order."""
     mass: Array = field(default_factory=_ones)
     """Factor on mass and inertia of all that each motor carries up to the next, but the tool."""
+    centre_of_mass: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
+    """(6, 3) [m], added to the centre of mass of the body behind each motor, in its own axes."""
     position: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
     """(6, 3) [m], added to the position of each joint's body in its parent."""
     orientation: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
@@ -125,7 +127,7 @@ OF_STRUCTURE = ("structure_stiffness", "structure_damping")
 _BY_ORDER, _BY_DIRECTION = (N_AXES, N_HARMONICS), (N_AXES, 3)
 SHAPES: Mapping[str, tuple[int, ...]] = {
     **dict.fromkeys(("gear_error", "gear_error_phase"), _BY_ORDER),
-    **dict.fromkeys(("position", "orientation"), _BY_DIRECTION),
+    **dict.fromkeys(("centre_of_mass", "position", "orientation"), _BY_DIRECTION),
 }
 """Of the fields that have more than one value for each axis."""
 
@@ -184,6 +186,7 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
         mj.body_mass[carried] *= individual.mass[i - 1]
         mj.body_inertia[carried] *= individual.mass[i - 1]
         body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
+        mj.body_ipos[body] += individual.centre_of_mass[i - 1]
         mj.body_pos[body] += individual.position[i - 1]
         mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
     mujoco.mj_setConst(mj, mujoco.MjData(mj))

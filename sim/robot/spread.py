@@ -42,6 +42,8 @@ class Spread:
     mass: float = 0.0
     damping: float = 0.0
     """log(factor) on each link, and on each gear and hinge."""
+    centre_of_mass: float = 0.0
+    """[m], of each link, each direction."""
     hidden: float = 0.0
     """Fraction of robots with one to three hinges that the design lacks."""
 
@@ -61,6 +63,7 @@ PRODUCTION = Spread(
     lost_motion=0.2,
     gear_error=0.2,
     mass=0.015,
+    centre_of_mass=5e-3,
     damping=0.2,
     hidden=0.5,
 )
@@ -155,6 +158,7 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
         mass=factor(spread.mass, N_AXES),
         gear_damping=factor(spread.damping, N_AXES),
         structure_damping=factor(spread.damping, n_structure),
+        centre_of_mass=spread.centre_of_mass * rng.standard_normal((N_AXES, 3)),
     )
     if not Linkage(design.mj).is_open:
         # Its constraints know nothing of dampers: more damping makes a run in fifty unstable.

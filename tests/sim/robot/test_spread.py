@@ -30,7 +30,7 @@ from armside.sim.robot.virtual_robot import VirtualRobot
 
 GRAVITY = 9.82  # [m/s^2], of the models
 HINGE = HiddenHinge(body="tube", axis=(0, 1, 0), stiffness=2e6, damping=400.0)
-WITH_HINGES = 1  # Number of an individual with hidden hinges
+WITH_HINGES = 6  # Number of an individual with hidden hinges
 
 
 @pytest.fixture(scope="module")
