@@ -20,6 +20,7 @@
 Numbers may be text with pi, such as "-pi/2".
 """
 
+import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from math import pi
@@ -142,7 +143,8 @@ def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str]
 
 def robot_toml(robot: Robot, limits: Limits) -> str:
     """Text of the file of a robot of numbers; `read_robot` reads the same robot back."""
-    lines = [f'name = "{robot.name}"', f'convention = "{robot.convention.value}"']
+    name = json.dumps(robot.name, ensure_ascii=False)
+    lines = [f"name = {name}", f'convention = "{robot.convention.value}"']
     lines += [f"offset = {robot.offset.tolist()}", f"coupling = {robot.coupling.tolist()}"]
     for link in robot.links:
         lines += ["", "[[link]]"]

@@ -37,6 +37,7 @@ COMMANDS = {
     "model": "Describe a robot: D-H table, reach, singularities.",
     "export": "Write a robot's equations as code, or the robot as URDF.",
     "bench": "Time this machine, beside other libraries if installed.",
+    "calibrate-arm": "Calibrate a real arm from measured poses.",
     "calibrate": "Choose the large robot's unknown numbers again.",
     "verify": "Check a claim over many seeds and write its table.",
     "reproduce": "Make the figures of the thesis again, with verdicts.",
@@ -81,6 +82,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.export import export as command
         case "bench":
             from .commands.bench import bench as command
+        case "calibrate-arm":
+            from .commands.calibrate_arm import calibrate_arm as command
         case "calibrate":
             from .commands.calibrate import calibrate as command
         case "verify":

@@ -1,0 +1,151 @@
+"""Checks of measurements against the nominal robot: what cannot be right is named, not fitted."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..compiled import AngleFunction, compile
+from ..dh import Robot
+from ..limits import Limits
+from .measurements import Measurements, unique_poses
+from .registration import register
+
+STILL = 1e-3
+"""Standard deviation of a motor angle [rad or m] below which the motor does not move."""
+RIGID = 1e-3
+"""[m] Deviation between two targets, at 90 % of the poses, from which one of them moves."""
+MISFIT = 0.05
+"""Residual of the nominal robot, relative to the spread of the points, that no error explains."""
+EXPLAINED = 0.2
+"""Part of that residual that a likely mistake may leave."""
+OUT_OF_RANGE = 1.1
+"""Motor angle relative to its limit from which the unit is doubted."""
+
+
+def check(robot: Robot, limits: Limits, data: Measurements) -> None:
+    """Raise ValueError for measurements that cannot be of this robot; the message says why."""
+    n = robot.n_joints
+    if data.phi.shape[1] != n:
+        raise ValueError(f"{robot.name} has {n} motors, the data have {data.phi.shape[1]}")
+    _finite(data)
+    _enough(data, n)
+    _moving(data)
+    _ranges(limits, data)
+    _rigid_targets(data)
+    _fits(robot, data)
+
+
+def _finite(data: Measurements) -> None:
+    assert data.row is not None
+    if (bad := np.argwhere(~np.isfinite(data.phi))).size:
+        row, motor = bad[0]
+        raise ValueError(f"motor_angle_{motor + 1} is not finite in row {data.row[row]}")
+    if np.isinf(data.points).any():
+        raise ValueError("a target has an infinite coordinate")
+    partly = np.isfinite(data.points).sum(axis=2) % 3 != 0
+    if partly.any():
+        row, target = np.argwhere(partly)[0]
+        where = f"target {target + 1} in row {data.row[row]}"
+        raise ValueError(f"{where} has some coordinates and lacks others")
+    for target in range(data.n_targets):
+        if not np.isfinite(data.points[:, target]).any():
+            raise ValueError(f"target {target + 1} was never seen")
+
+
+def _enough(data: Measurements, n: int) -> None:
+    needed, given = 4 * n + 6, 3 * (unique_poses(data.phi).max() + 1) * data.n_targets
+    if given < needed:
+        text = f"{len(data)} poses give {given} coordinates of distinct poses"
+        raise ValueError(f"too few poses: {text}, {needed} are needed for {n} joints")
+
+
+def _moving(data: Measurements) -> None:
+    for motor, spread in enumerate(data.phi.std(axis=0), 1):
+        if spread < STILL:
+            raise ValueError(
+                f"motor {motor} does not move (standard deviation {spread:.1g}): "
+                "its errors cannot be seen"
+            )
+
+
+def _ranges(limits: Limits, data: Measurements) -> None:
+    largest = np.abs(data.phi).max(axis=0)
+    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    worst = int((largest / bound).argmax())
+    if largest[worst] > OUT_OF_RANGE * bound[worst]:
+        unit = " are the angles in degrees?" if largest[worst] > 2.0 * bound[worst] else ""
+        raise ValueError(
+            f"motor_angle_{worst + 1} reaches {largest[worst]:.3g}, its limit is "
+            f"{bound[worst]:.3g} rad;{unit or ' is it this robot?'}"
+        )
+
+
+def _rigid_targets(data: Measurements) -> None:
+    """Name the target that moves against all others."""
+    moved: dict[tuple[int, int], float] = {}
+    for i, j in combinations(range(data.n_targets), 2):
+        distance = np.linalg.norm(data.points[:, i] - data.points[:, j], axis=1)
+        distance = distance[np.isfinite(distance)]
+        if distance.size:
+            moved[i, j] = float(np.quantile(np.abs(distance - np.median(distance)), 0.9))
+    for target in range(data.n_targets):
+        own = [value for pair, value in moved.items() if target in pair]
+        others = [value for pair, value in moved.items() if target not in pair]
+        if own and min(own) > RIGID and max(others, default=0.0) < RIGID:
+            named = f"target {target + 1} moves"
+            if not others:
+                named = "the two targets move"
+            raise ValueError(f"{named} against the tool by {1e3 * min(own):.3g} mm")
+    if moved and max(moved.values()) > RIGID:
+        raise ValueError(
+            f"the targets move against each other by {1e3 * max(moved.values()):.3g} mm"
+        )
+
+
+def _fits(robot: Robot, data: Measurements) -> None:
+    """Compare with the nominal robot, and with it under likely mistakes."""
+    pose = compile(robot).pose
+    reach = _spread(pose(np.ascontiguousarray(data.phi))[:, None, :3, 3])
+    ratio = _spread(data.points) / reach
+    for factor, unit in ((1e3, "millimetres"), (1e-3, "kilometres")):
+        if 0.1 < ratio / factor < 10.0:
+            raise ValueError(
+                f"points spread {ratio:.3g} times as far as the robot moves: are they in {unit}?"
+            )
+    rms = _misfit(pose, data)
+    if rms < MISFIT * reach:
+        return
+    text = f"the data do not fit {robot.name}: {1e3 * rms:.3g} mm RMS after registration"
+    for mistake, phi in _mistakes(data.phi):
+        if (left := _misfit(pose, replace(data, phi=phi))) < EXPLAINED * rms:
+            raise ValueError(f"{text}, {1e3 * left:.3g} mm with {mistake}")
+    raise ValueError(text)
+
+
+def _mistakes(phi: Array) -> Iterator[tuple[str, Array]]:
+    yield "angles taken for degrees", np.degrees(phi)
+    yield "angles taken for radians", np.radians(phi)
+    for i, j in combinations(range(phi.shape[1]), 2):
+        order = np.arange(phi.shape[1])
+        order[[i, j]] = j, i
+        yield f"motors {i + 1} and {j + 1} swapped", phi[:, order]
+    for i, sign in enumerate(1.0 - 2.0 * np.eye(phi.shape[1]), 1):
+        yield f"the sign of motor {i} reversed", phi * sign
+
+
+def _misfit(pose: AngleFunction, data: Measurements) -> float:
+    T = pose(np.ascontiguousarray(data.phi))
+    R, p, targets, _ = register(T, data)
+    nominal = T[:, None, :3, 3] + np.einsum("nij,tj->nti", T[:, :3, :3], targets)
+    error = np.linalg.norm(data.points - (nominal @ R.T + p), axis=2)
+    return float(np.sqrt(np.nanmedian(error**2)))
+
+
+def _spread(points: Array) -> float:
+    """Root mean square distance from the median point [m]."""
+    away = np.linalg.norm(points - np.nanmedian(points, axis=0), axis=2)
+    return float(np.sqrt(np.nanmedian(away**2)))

@@ -1,0 +1,102 @@
+"""`armside calibrate-arm`: kinematic calibration of an arm from poses that were measured."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from armside.kinematics import find_arm
+from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
+from armside.sim.records.summary import summary
+
+from ..shell.console import Report, run_folder
+from ..shell.errors import checking_input
+from ..shell.options import Common, options
+
+MM = 1e-3
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class CalibrateArmCfg:
+    """The robot, what is fitted, and what the result is judged on."""
+
+    robot: str
+    """Robot by name (ur10, irb120, aubo_i5, irb1400, large) or a robot file (TOML)."""
+    fraction: float = 0.5
+    """Fraction of the poses that is fitted; the others are held out."""
+    poses: int | None = None
+    """Number of poses that are fitted, in place of the fraction."""
+    in_order: bool = False
+    """Fit the first poses and judge on the last [default: at random by --seed]."""
+    parameters: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ()
+    """Errors of links to fit, such as theta_2 a_2 beta_2 [default: all that can be identified]."""
+    harmonics: int | None = None
+    """Order of the harmonics of each joint's error [default: chosen on a part of the fitted]."""
+    compliance: bool = False
+    """With --harmonics: also compliance under gravity."""
+    prior_length: float = 5.0
+    """Standard deviation of lengths about the nominal robot [mm]."""
+    prior_angle: float = 10.0
+    """Standard deviation of angles about the nominal robot [mrad]."""
+    noise: float | None = None
+    """Standard deviation of a measured coordinate [mm] [default: estimated]."""
+    next: int = 10
+    """Number of poses to propose for the next measurement."""
+
+    def __post_init__(self) -> None:
+        if self.harmonics is not None and not 0 <= self.harmonics <= 200:
+            raise ValueError(f"harmonics must be from 0 to 200, got {self.harmonics}")
+        if self.compliance and self.harmonics is None:
+            raise ValueError("compliance needs --harmonics (0 for none)")
+        if not 0 <= self.next <= 100:
+            raise ValueError(f"next must be from 0 to 100, got {self.next}")
+
+    def configuration(self) -> CalibrationCfg:
+        """Configuration in SI. Raises ValueError for what is not allowed."""
+        errors = None
+        if self.harmonics is not None:
+            errors = JointErrors(self.harmonics, self.compliance)
+        return CalibrationCfg(
+            fraction=self.fraction,
+            poses=self.poses,
+            in_order=self.in_order,
+            parameters=self.parameters,
+            joint_errors=errors,
+            priors=Priors(
+                length=MM * self.prior_length,
+                angle=MM * self.prior_angle,
+                noise=None if self.noise is None else MM * self.noise,
+            ),
+        )
+
+
+def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Common()) -> None:
+    """Calibrate a real arm from measured poses, and judge on poses that were held out.
+
+    data: table of poses, or a published set (docs/real.md). Writes summary.json, the calibrated
+    robot (TOML, URDF, C), joint_errors.csv, next_poses.csv, and pictures of the residuals.
+    """
+    from armside.kinematics.calibration import calibrate
+    from armside.sim.measured import read_poses
+
+    from ..figures import calibration as shown
+
+    report = Report(common)
+    with checking_input():
+        arm, source = find_arm(cfg.robot), read_poses(data)
+        settings = cfg.configuration()
+        with report.progress("calibrating", total=1) as step:
+            done = calibrate(arm, source.measurements, settings, seed=common.seed)
+            step()
+    found: dict[str, Any] = shown.results(done)
+    outcome = summary(
+        "calibrate-arm", cfg, common, data=data, form=source.form, notes=source.notes, **found
+    )
+    with run_folder(outcome, common) as folder:
+        shown.write(folder, done, arm, cfg.next, common.seed)
+    for note in source.notes:
+        report.line(note)
+    shown.tables(report, outcome)
+    report.results(outcome, folder.path)

@@ -1,0 +1,154 @@
+"""Splits, regions of use, and data that cannot be right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.kinematics import CATALOGUE
+from armside.kinematics.calibration import CalibrationCfg, JointErrors, Measurements, calibrate
+from armside.kinematics.calibration.measurements import split_by_pose, unique_poses
+from armside.kinematics.calibration.plausibility import check
+
+ARM = CATALOGUE["irb120"]
+TRUTH = {"theta_2": 1e-3, "a_2": -4e-4, "alpha_3": 8e-4}
+WAVE = np.array([1, 0.6, 0, 0, 0, 0]) * 3e-4
+
+
+def wavy(phi):
+    return WAVE * np.sin(7 * phi + 0.3)
+
+
+def test_repeats_of_a_pose_are_on_one_side_of_a_split():
+    phi = np.repeat(np.random.default_rng(0).normal(size=(50, 6)), 3, axis=0)
+    phi = np.random.default_rng(1).permutation(phi + 1e-5)
+    for rng in (np.random.default_rng(2), None):
+        fitted, held = split_by_pose(phi, 0.5, rng)
+        assert sorted([*fitted, *held]) == list(range(150))
+        assert not set(unique_poses(phi)[fitted]) & set(unique_poses(phi)[held])
+        assert len(fitted) == 75
+
+
+def test_a_split_in_order_fits_the_first_poses():
+    phi = np.random.default_rng(0).normal(size=(40, 6))
+    fitted, held = split_by_pose(phi, 0.25, None)
+    assert list(fitted) == list(range(10))
+    assert list(held) == list(range(10, 40))
+
+
+@pytest.fixture(scope="module")
+def wavy_data(measured):
+    return measured(
+        "irb120", 400, np.random.default_rng(3), errors=TRUTH, noise=2e-5, joint=wavy, targets=1
+    )
+
+
+def test_each_model_is_better_than_the_one_it_contains(wavy_data):
+    done = calibrate(ARM, wavy_data, seed=1)
+    nominal, geometry, full = (done.errors(name).mean for name in ("nominal", "geometry", "full"))
+    assert nominal > 3 * geometry > 3 * full
+    assert done.full.problem.choice.joint_errors == JointErrors(40, True)
+    assert full < 1e-4
+
+
+def test_where_a_joint_was_not_seen_harmonics_are_refused(wavy_data):
+    below = wavy_data.phi[:, 0] < 0.0
+    order = np.argsort(~below, kind="stable")
+    cfg = CalibrationCfg(in_order=True, fraction=float(below.mean()), joint_errors=JointErrors(40))
+    done = calibrate(ARM, wavy_data[order], cfg)
+    assert done.inside.mean() < 0.15
+    far = done.held_out.phi[:, 0] > 0.5
+    assert not done.inside[far].any()
+    with pytest.raises(ValueError, match=r"lie outside of what was calibrated: .* joint 1 at"):
+        done.region.check(done.held_out.phi[far])
+    assert done.region.contains(done.fitted.phi).mean() > 0.95
+
+
+def test_a_seed_draws_its_split(wavy_data):
+    cfg = CalibrationCfg(joint_errors=JointErrors())
+    first, again, other = (calibrate(ARM, wavy_data[:100], cfg, seed=s) for s in (0, 0, 1))
+    np.testing.assert_array_equal(first.fitted.phi, again.fitted.phi)
+    np.testing.assert_array_equal(first.geometry.x, again.geometry.x)
+    assert not np.array_equal(first.fitted.phi, other.fitted.phi)
+
+
+def test_outliers_are_listed_with_their_row_and_stay(wavy_data):
+    points = wavy_data.points.copy()
+    points[11, 0] += 0.02
+    cfg = CalibrationCfg(joint_errors=JointErrors(), fraction=0.95)
+    done = calibrate(ARM, replace(wavy_data, points=points), cfg)
+    assert done.outliers[0].row == 12
+    assert done.outliers[0].residual == pytest.approx(0.02 * np.sqrt(3), rel=0.1)
+    assert 12 in done.fitted.row
+
+
+def _nan(d):
+    phi = d.phi.copy()
+    phi[4, 2] = np.nan
+    return replace(d, phi=phi)
+
+
+def _still(d):
+    phi = d.phi.copy()
+    phi[:, 3] = 0.2
+    return replace(d, phi=phi)
+
+
+def _moving_target(d):
+    points = d.points.copy()
+    points[:, 1] += np.random.default_rng(0).normal(0, 0.005, (len(d), 3))
+    return replace(d, points=points)
+
+
+def _loose_targets(d):
+    return replace(d, points=d.points + np.random.default_rng(0).normal(0, 0.3, d.points.shape))
+
+
+def _half_a_point(d):
+    points = d.points.copy()
+    points[2, 0, 1] = np.nan
+    return replace(d, points=points)
+
+
+def _reversed(d):
+    return replace(d, phi=d.phi * [1, 1, -1, 1, 1, 1])
+
+
+WRONG = {
+    "degrees": (lambda d: replace(d, phi=np.degrees(d.phi)), "are the angles in degrees"),
+    "radians twice": (lambda d: replace(d, phi=np.radians(d.phi)), "angles taken for degrees"),
+    "millimetres": (lambda d: replace(d, points=1e3 * d.points), "are they in millimetres"),
+    "swapped": (lambda d: replace(d, phi=d.phi[:, [1, 0, 2, 3, 4, 5]]), "motors 1 and 2 swapped"),
+    "sign": (_reversed, "sign of motor 3 reversed"),
+    "nan": (_nan, "motor_angle_3 is not finite in row 6"),
+    "half a point": (_half_a_point, "target 1 in row 4 has some coordinates and lacks others"),
+    "few": (lambda d: d[np.arange(3)], "too few poses"),
+    "still": (_still, "motor 4 does not move"),
+    "moving target": (_moving_target, "target 2 moves against the tool"),
+    "noise": (
+        lambda d: replace(
+            d, points=d.points + np.random.default_rng(0).normal(0, 0.3, d.points.shape)
+        ),
+        "targets move against each other",
+    ),
+    "five motors": (lambda d: replace(d, phi=d.phi[:, :5]), "has 6 motors, the data have 5"),
+    "unseen": (
+        lambda d: replace(d, points=np.where([[[0], [1], [1]]], d.points, np.nan)),
+        "target 1 was never seen",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_data_that_cannot_be_right_are_named(name, measured):
+    data = measured("irb120", 200, np.random.default_rng(0), errors=TRUTH, targets=3)
+    data = data[(np.abs(data.phi[:, :2]) < 1.9).all(axis=1)]  # a swap keeps the limits
+    spoil, message = WRONG[name]
+    with pytest.raises(ValueError, match=message):
+        check(*ARM, spoil(data))
+    check(*ARM, data)
+
+
+def test_measurements_check_their_shapes():
+    with pytest.raises(ValueError, match="points"):
+        Measurements(phi=np.zeros((3, 6)), points=np.zeros((2, 1, 3)))

@@ -1,0 +1,61 @@
+"""`armside calibrate-arm` on the set that is part of the project."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from armside.kinematics import compile, read_robot
+
+UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
+FAST = "--harmonics 0 --next 3"
+
+
+@pytest.fixture
+def done(armside, tmp_path):
+    line = f"calibrate-arm {UR10} --robot ur10 {FAST} --json --out {tmp_path / 'out'}"
+    status, out, err = armside(line)
+    assert (status, err) == (0, "")
+    return json.loads(out), tmp_path / "out"
+
+
+def test_summary_and_files(done):
+    summary, folder = done
+    assert set(summary["held_out"]) == {"nominal", "geometry", "full"}
+    for errors in summary["held_out"].values():
+        assert 0.0 < errors["mean"] < errors["p95"] < errors["max"] < 5e-3
+    assert summary["held_out"]["geometry"]["mean"] < 0.6 * summary["held_out"]["nominal"]["mean"]
+    assert summary["rank"] == 27
+    assert 0.0 < summary["smallest_singular_value"] < 1.0
+    assert {"name": "d_3", "same_as": ["d_2"]} in summary["redundant"]
+    robot, limits = read_robot(folder / "calibrated.toml")
+    poses = np.loadtxt(folder / "next_poses.csv", delimiter=",", skiprows=1)
+    assert limits.contain(poses).all()
+    assert compile(robot).pose(poses).shape == (3, 4, 4)
+    files = {file.name for file in folder.iterdir()}
+    assert {"calibrated.urdf", "calibrated_pose.c", "residuals.png", "region.png"} <= files
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (f"{UR10} --robot ur11", "Unknown robot 'ur11'"),
+        (f"{UR10} --robot irb120", "is it this robot?"),
+        (f"{UR10 / 'README.md'} --robot ur10", "README.md"),
+        (f"{UR10} --robot ur10 --fraction 1.5", "fraction must be between 0 and 1"),
+        (f"{UR10} --robot ur10 --parameters d_2 d_3", "d_3 cannot be told from d_2"),
+        (f"{UR10} --robot ur10 --poses 5", "too few poses"),
+        (f"{UR10} --robot ur10 --prior-length 0", "length must be > 0"),
+        (f"{UR10} --robot ur10 --harmonics -1", "harmonics must be from 0 to 200"),
+        (f"{UR10}", "robot"),
+    ],
+)
+def test_bad_input_is_one_line_and_writes_nothing(armside, tmp_path, line, message):
+    status, out, err = armside(f"calibrate-arm {line} --out {tmp_path / 'out'}")
+    assert status == 2
+    assert out == ""
+    assert err.startswith("armside: ")
+    assert err.count("\n") == 1
+    assert message.lower() in err.lower()
+    assert not list(tmp_path.iterdir())
