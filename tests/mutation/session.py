@@ -3,17 +3,16 @@
 import multiprocessing
 import os
 import re
-import shlex
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosmic_ray.testing import run_tests
 from cosmic_ray.work_db import use_db
 from cosmic_ray.work_item import MutationSpec, TestOutcome, WorkerOutcome, WorkItem, WorkResult
 
 from .mutant import Mutant
+from .warm import TIMED_OUT, run_pytest, warm_up
 from .workspace import copied, mutated
 
 FOLDER = Path("build/mutation")
@@ -33,12 +32,6 @@ class Trial:
     """The test that failed first, `time limit`, or the widest tests that passed."""
 
 
-def pytest_command(tests: Iterable[str]) -> str:
-    """Command line of a test run that stops at the first failure."""
-    options = "-x -q -rfE -p no:cacheprovider --no-header --color=no"
-    return f"{shlex.quote(sys.executable)} -m pytest {options} {shlex.join(tests)}"
-
-
 def trial(mutant: Mutant, root: Path, *, wider: bool) -> Trial:
     """Run the nearest tests of a mutant, then those of its package; stop at the first failure."""
     stages = [(mutant.tests, NEAREST_LIMIT)]
@@ -46,26 +39,27 @@ def trial(mutant: Mutant, root: Path, *, wider: bool) -> Trial:
         stages.append(((f"tests/{mutant.package}",), WIDER_LIMIT))
     with mutated(mutant, root):
         for tests, limit in stages:
-            outcome, output = run_tests(pytest_command(tests), limit)
-            if outcome is not TestOutcome.SURVIVED:
-                return Trial(True, _failed(output))
+            status, output = run_pytest(tests, limit)
+            if status != 0:
+                return Trial(True, _failed(status, output))
     return Trial(False, " ".join(stages[-1][0]))
 
 
-def _failed(output: str) -> str:
-    if output == "timeout":
+def _failed(status: int, output: str) -> str:
+    """The test that failed; a mutant may also end the process of its tests or never end."""
+    if status == TIMED_OUT:
         return "time limit"
-    failed = _FAILED.search(output)
-    if failed is None:
-        raise RuntimeError(f"pytest ended without a verdict:\n{output[-2000:]}")
-    return failed[1]
+    if failed := _FAILED.search(output):
+        return failed[1]
+    if status < 0:
+        return f"signal {-status}"
+    raise RuntimeError(f"pytest ended without a verdict:\n{output[-2000:]}")
 
 
-def green(tests: Sequence[str], root: Path) -> None:
+def green(tests: Sequence[str]) -> None:
     """Raise RuntimeError unless the tests pass without any mutant."""
-    os.chdir(root)
-    outcome, output = run_tests(pytest_command(tests), WIDER_LIMIT)
-    if outcome is not TestOutcome.SURVIVED:
+    status, output = run_pytest(tests, WIDER_LIMIT)
+    if status != 0:
         raise RuntimeError(f"the tests fail without a mutant: {output[-2000:]}")
 
 
@@ -96,13 +90,13 @@ class Session:
         if not mutants:
             return
         copies = [copied(self.folder / f"tree-{i}") for i in range(min(workers, len(mutants)))]
-        # a spawned worker has nothing of the tests imported, and its own folder
+        # a spawned worker has nothing of ours imported, and a folder of its own
         context = multiprocessing.get_context("spawn")
         queue = context.Queue()
         for copy in copies:
             queue.put(copy)
         with context.Pool(len(copies), _enter, (queue,)) as pool:
-            pool.starmap(green, [(sorted({t for m in mutants for t in m.tests}), copies[0])])
+            pool.map(green, [sorted({test for mutant in mutants for test in mutant.tests})])
             cases = [(mutant, wider) for mutant in mutants]
             for mutant, outcome in pool.imap_unordered(_tried, cases):
                 self._keep(mutant, outcome)
@@ -130,7 +124,9 @@ class Session:
 def _enter(queue: "multiprocessing.Queue[Path]") -> None:
     root = queue.get()
     os.chdir(root)
-    os.environ["PYTHONPATH"] = str(root / "src")
+    os.environ["PYTHONPATH"] = str(root / "src")  # of processes that tests start
+    sys.path[:0] = [str(root / "src"), str(root)]
+    warm_up()
 
 
 def _tried(case: tuple[Mutant, bool]) -> tuple[Mutant, Trial]:
