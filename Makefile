@@ -1,12 +1,13 @@
 # make run: set up and cut the default circle.  make test: set up and check everything.
 # make docs: the pages of docs/ and of the API as HTML, in build/docs.
+# make mutants: how many deliberate faults the tests notice, and docs/mutation.md; an hour or two.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 STUBS := typings/mujoco-stubs
 
-.PHONY: run test docs clean
+.PHONY: run test docs mutants clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
@@ -33,6 +34,10 @@ $(VENV)/.installed-test: $(VENV)/.installed
 	@echo "Installing what the tests need ..."
 	$(PIP) install --editable '.[test]'
 	@touch $@
+
+mutants: $(VENV)/.installed-test
+	$(BIN)/python -m tests.mutation run --generic 40
+	$(BIN)/python -m tests.mutation page --generic 40
 
 $(VENV)/.installed-docs: $(VENV)/.installed
 	$(PIP) install --editable '.[docs,tuning]'

@@ -1,0 +1,124 @@
+"""The tool itself: it mutates one place, restores the tree, and counts what it saw."""
+
+from dataclasses import replace
+
+import pytest
+
+from . import session
+from .mutant import ROOT, Mutant, curated
+from .page import page, score
+from .session import Session, Trial, trial
+from .warm import TIMED_OUT
+from .workspace import copied, mutated
+
+MUTANT = Mutant(name="sum", file="ilc/a.py", old="a + b", new="a - b", tests=("tests/ilc",))
+
+
+@pytest.fixture
+def tree(tmp_path):
+    file = tmp_path / "ilc/a.py"
+    file.parent.mkdir()
+    file.write_text("def f(a, b):\n    return a + b\n\n\ndef g(a, b):\n    return 2 * a\n")
+    return tmp_path
+
+
+def test_a_fault_is_in_the_file_during_its_trial_and_gone_afterwards(tree):
+    file = tree / "ilc/a.py"
+    before, stamp = file.read_text(), file.stat().st_mtime_ns
+    with mutated(MUTANT, tree):
+        assert "a - b" in file.read_text()
+        assert file.stat().st_mtime_ns != stamp
+    assert (file.read_text(), file.stat().st_mtime_ns) == (before, stamp)
+    with pytest.raises(KeyError), mutated(MUTANT, tree):
+        raise KeyError
+    assert file.read_text() == before
+
+
+def test_compiled_code_of_a_folder_is_put_aside(tree):
+    file = tree / "ilc/a.py"
+    file.write_text("from numba import njit\n" + file.read_text())
+    kept = tree / "ilc/__pycache__/a.nbi"
+    kept.parent.mkdir()
+    kept.write_text("old")
+    with mutated(MUTANT, tree):
+        assert not kept.exists()
+    assert kept.read_text() == "old"
+
+
+def test_a_place_is_the_first_behind_its_anchor():
+    at = replace(MUTANT, at="def g", old="a", new="b")
+    assert at.applied("def f: a\ndef g: a a") == "def f: a\ndef g: b a"
+    for text in ("def f: a", "def g: a\ndef g: a", "a\ndef g: c"):
+        with pytest.raises(ValueError, match=r"ilc/a\.py"):
+            at.applied(text)
+    with pytest.raises(ValueError, match="changes nothing"):
+        replace(MUTANT, new="a + b")
+
+
+def test_the_list_names_its_nearest_tests_file_by_file(tmp_path):
+    (tmp_path / "one.toml").write_text(
+        '[[file]]\npath = "ilc/a.py"\ntests = ["tests/x"]\nfaults = [\n'
+        '  {name = "a", old = "1", new = "2"},\n'
+        '  {name = "b", old = "3", new = "4", tests = ["tests/y"], found = true},\n]\n'
+    )
+    first, second = curated(tmp_path)
+    assert (first.tests, second.tests) == (("tests/x",), ("tests/y",))
+    assert (first.found, second.found) == (False, True)
+    assert first.package == "ilc"
+    assert len({first.key, second.key, replace(first, name="other").key}) == 2
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "wider", "found"),
+    [
+        ([(1, "FAILED tests/ilc/t.py::a - x")], True, Trial(True, "tests/ilc/t.py::a")),
+        ([(2, "ERROR tests/ilc/t.py")], True, Trial(True, "tests/ilc/t.py")),
+        ([(0, ""), (1, "FAILED tests/ilc/w.py::b")], True, Trial(True, "tests/ilc/w.py::b")),
+        ([(0, ""), (0, "")], True, Trial(False, "tests/ilc")),
+        ([(0, "")], False, Trial(False, "tests/near")),
+        ([(TIMED_OUT, "")], True, Trial(True, "time limit")),
+        ([(-11, "")], True, Trial(True, "signal 11")),
+    ],
+)
+def test_nearest_tests_come_first_and_the_first_failure_ends_a_trial(
+    tree, monkeypatch, outcomes, wider, found
+):
+    left = list(outcomes)
+    monkeypatch.setattr(session, "run_pytest", lambda *_: left.pop(0))
+    assert trial(replace(MUTANT, tests=("tests/near",)), tree, wider=wider) == found
+    assert not left
+
+
+def test_results_are_kept_between_sessions(tmp_path):
+    Session(tmp_path)._keep(MUTANT, Trial(True, "t"))
+    Session(tmp_path)._keep(MUTANT, Trial(False, "u"))
+    assert Session(tmp_path).results() == {MUTANT.key: Trial(False, "u")}
+
+
+def test_a_page_counts_what_was_tried_and_says_what_survives():
+    survivor = replace(MUTANT, name="other", new="a * b", survives="too small to see")
+    same = replace(MUTANT, name="same", new="b + a", equivalent="addition commutes")
+    untried = replace(MUTANT, name="untried", new="0", found=True)
+    results = {
+        MUTANT.key: Trial(True, "tests/ilc/t.py::a[x|y]"),
+        survivor.key: Trial(False, "tests/ilc"),
+        same.key: Trial(False, "tests/ilc"),
+    }
+    mutants = [MUTANT, survivor, same, untried]
+    assert score(mutants, results) == (1, 2)
+    text = page(mutants, [], results)
+    assert "| ilc | 1 | 2 | 50 % |" in text
+    assert "| a.py | sum | ilc/t.py::a |" in text
+    assert "**survives**: too small to see" in text
+    assert "ilc/a.py: same. addition commutes" in text
+    assert "| a.py | untried (†) | not tried |" in text
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs the history")
+def test_a_copy_has_the_files_that_git_knows_and_their_times(tmp_path):
+    copy, name = copied(tmp_path / "copy"), "tests/mutation/session.py"
+    assert (copy / "src/armside/ilc").is_symlink()
+    assert (copy / "src/armside/ilc/filters.py").exists()
+    assert (copy / name).read_bytes() == (ROOT / name).read_bytes()
+    assert (copy / name).stat().st_mtime_ns == (ROOT / name).stat().st_mtime_ns
+    assert not (copy / ".git").exists()
