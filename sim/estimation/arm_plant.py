@@ -43,7 +43,35 @@ class ArmPlant:
 
         omega: (M,) [rad/sample].
         """
+        tool = self.arm.tool_jacobian @ self._whole(omega)[:, 6:]
+        return np.asarray(tool, dtype=np.complex128)
+
+    def motor_response(self, omega: ArrayLike) -> Complex:
+        """(M, 6, 6): motor angles [rad], arm side, for u [rad]."""
+        return self._whole(omega)[:, :6]
+
+    def torque_response(self, omega: ArrayLike) -> Complex:
+        """(M, 6, 6), diagonal: correction u [rad] whose torque on the motors is 1 N m, arm side."""
+        inverse = 1.0 / np.diagonal(self._driven(self._s(omega)), axis1=1, axis2=2)
+        response = inverse[:, :, None] * np.eye(len(inverse[0]))
+        return np.asarray(response, dtype=np.complex128)
+
+    def _s(self, omega: ArrayLike) -> Complex:
         s = 1j * np.asarray(omega, dtype=np.float64)[:, None, None] / self.period
+        return np.asarray(s, dtype=np.complex128)
+
+    def _driven(self, s: Complex) -> Complex:
+        """(M, 6, 6) [N m/rad], arm side: torque of the servos for a correction."""
+        drives = self.robot.drives
+        square = drives.gear**2
+        kp, kd = np.diag(square * drives.kp), np.diag(square * drives.kd)
+        servo = kp + s * kd * drives.velocity_feedforward
+        lag = 1.0 + s / (2.0 * np.pi * drives.correction_lag)
+        return servo * np.exp(-s * drives.correction_delay) / lag
+
+    def _whole(self, omega: ArrayLike) -> Complex:
+        """(M, 6 + n, 6): angles of motors and arm for u [rad]."""
+        s = self._s(omega)
         arm, drives = self.arm, self.robot.drives
         n = arm.n_free
         square = drives.gear**2
@@ -59,8 +87,5 @@ class ArmPlant:
         free = s**2 * arm.mass + s * arm.damping_matrix + arm.spring_matrix
         # Motors and arm in one: [motor, -spring S^T; -S spring, free] (phi, q) = (servo v, 0)
         whole = np.block([[motor, -spring @ picked.T], [-picked @ spring, free]])
-        servo = kp + s * kd * drives.velocity_feedforward
-        lag = 1.0 + s / (2.0 * np.pi * drives.correction_lag)
-        driven = servo * np.exp(-s * drives.correction_delay) / lag
-        right = np.concatenate((driven, np.zeros((len(s), n, 6))), axis=1)
-        return arm.tool_jacobian @ np.linalg.solve(whole, right)[:, 6:]
+        right = np.concatenate((self._driven(s), np.zeros((len(s), n, 6))), axis=1)
+        return np.asarray(np.linalg.solve(whole, right), dtype=np.complex128)

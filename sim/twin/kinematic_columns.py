@@ -1,0 +1,61 @@
+"""Sensitivities of the tool's path to geometry and gear errors, from kinematics alone.
+
+They are quasi-static: what a transmission error of a few hertz excites in the springs is left to
+the simulation of the twin, whose residual the next step sees.
+"""
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+
+from ..estimation.relative_path import REST_SAMPLES
+from ..robot.effects import gear_orders
+from ..robot.mjcf import AXES, N_AXES
+from ..robot.model import RobotModel
+
+
+def jacobians(model: RobotModel, phi: Array) -> tuple[Array, Array]:
+    """Jacobian (N, 3, 6) of the tool's position, and columns (N, 3, 36) of geometry errors.
+
+    phi: (N, 6) [rad], motor angles; every spring is at zero. Geometry: positions (6, 3) [m] in the
+    axes of the parent, orientations (6, 3) [rad] in those of the body, as in `Individual`.
+    """
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    site = mj.site("tool0").id
+    bodies = [int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES]
+    jacobian, out = np.empty((3, mj.nv)), np.empty((len(phi), 3, N_AXES))
+    geometry = np.empty((len(phi), 3, 2 * N_AXES, 3))
+    for k, q in enumerate(phi @ model.posture.T):
+        data.qpos[:] = q
+        mujoco.mj_kinematics(mj, data)
+        mujoco.mj_comPos(mj, data)
+        mujoco.mj_jacSite(mj, data, jacobian, None, site)
+        out[k] = jacobian[:, model.motor]
+        tool = data.site_xpos[site]
+        for j, body in enumerate(bodies):
+            # Rotated before the body's own joints act: in axes of the parent times body_quat.
+            parent = data.xmat[mj.body_parentid[body]].reshape(3, 3)
+            rest = np.empty(9)
+            mujoco.mju_quat2Mat(rest, mj.body_quat[body])
+            turned = parent @ rest.reshape(3, 3)
+            origin = data.xpos[mj.body_parentid[body]] + parent @ mj.body_pos[body]
+            geometry[k, :, j] = parent
+            geometry[k, :, N_AXES + j] = np.cross(turned.T, tool - origin).T
+    return out, geometry.reshape(len(phi), 3, -1)
+
+
+def gear_error_columns(model: RobotModel, phi: Array, jacobian: Array) -> Array:
+    """(N, 3, 6 * 4 * 2): tool displacement [m] for (sine, cosine) of each axis and order.
+
+    Relative to the amplitudes of the design.
+    """
+    amplitude, order = gear_orders(model)
+    angle = order * phi[:, :, None]
+    waves = amplitude[..., None] * np.stack((np.sin(angle), np.cos(angle)), axis=-1)
+    return (jacobian[:, :, :, None, None] * waves[:, None]).reshape(len(phi), 3, -1)
+
+
+def from_rest(columns: Array) -> Array:
+    """Columns (N, ...) less their mean at rest, before the arm moves."""
+    return columns - columns[:REST_SAMPLES].mean(axis=0)

@@ -1,0 +1,137 @@
+"""Learning inside a twin: the correction that its tool needs for a contour."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
+
+from ..cut.tool_motion import ToolMotion
+from ..estimation.arm_plant import ArmPlant
+from ..estimation.linearised_arm import linearised
+from ..estimation.nominal import NominalCfg, nominal_arm
+from ..estimation.relative_path import relative_to_start
+from ..evaluation.tool_error import tool_error
+from ..robot.individual import Individual, structure_hinges
+from ..robot.mjcf import AXES, N_AXES
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from ..robot.run import LoadedReference
+from ..robot.virtual_robot import LOG_PERIOD
+from .friction_step import FrictionStep
+from .simulation import Design
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwinLearning:
+    """Options of learning inside a twin, which has no noise."""
+
+    updates: int = 7
+    gamma: float = 0.9
+    cutoff: float = 20.0
+    """[Hz], of Q: above it no law is needed, and no twin is right."""
+    regularisation: float = 0.003
+    """Of the inverse, relative: see `RegularisedInverse`."""
+    limit: float = 0.02
+    """Largest displacement of the tool by the correction of each axis [m]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Learned:
+    """Correction learned inside a twin."""
+
+    correction: Array
+    """(N, 6) [rad], arm side."""
+    rms: Array
+    """(updates + 1,) [m], tool error inside the twin, from that without correction on."""
+
+    @property
+    def left(self) -> float:
+        """Tool error inside the twin with the correction, over that without."""
+        return float(self.rms.min() / self.rms[0])
+
+
+def learn_in_twin(
+    design: Design,
+    individual: Individual,
+    motion: ToolMotion,
+    reference: Array,
+    cfg: TwinLearning = TwinLearning(),
+) -> Learned:
+    """The best correction of a few updates inside the twin."""
+    loaded = design.load(individual, reference)
+    target = relative_to_start(motion.position)
+    u, best = np.zeros_like(reference), np.zeros_like(reference)
+    rms: list[float] = []
+    for k in range(cfg.updates + 1):
+        run = loaded.run(u)
+        rms.append(twin_error(motion, run))
+        if rms[-1] <= min(rms):
+            best = u
+        if k < cfg.updates:
+            plant = twin_plant(design, loaded, run)
+            step = FrictionStep(law=_law(plant, cfg), plant=plant, robot=loaded.model)
+            u = step(u, target - tool_pose_path(run), run)
+    return Learned(correction=best, rms=np.array(rms))
+
+
+_WEIGHT = (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
+"""Of displacements, and of rotations [m]: 1 mrad counts as 0.1 mm."""
+
+
+def _law(plant: ArmPlant, cfg: TwinLearning) -> RegularisedInverse:
+    return RegularisedInverse(
+        G=plant,
+        sample_time=LOG_PERIOD,
+        cutoff=cfg.cutoff,
+        gamma=cfg.gamma,
+        output_weight=_WEIGHT,
+        input_size=tuple(float(s) for s in plant.input_size),
+        regularisation=cfg.regularisation,
+        limit=cfg.limit,
+    )
+
+
+def twin_plant(design: Design, loaded: LoadedReference, run: Recording) -> ArmPlant:
+    """Response of the tool to corrections, linearised along a run of the twin.
+
+    Each gear has its mean slope along that run: one without load stays within its lost motion, and
+    is soft.
+    """
+    own = 0.0 if design.payload is None else design.payload - design.model.mj.body("tool").mass[0]
+    cfg = NominalCfg(structure=True, payload=float(own))
+    arm = nominal_arm(design.model, cfg)
+    hinges = [
+        arm.mj.joint(loaded.model.mj.joint(j).name).id for j in structure_hinges(loaded.model)
+    ]
+    arm.mj.jnt_stiffness[hinges] = loaded.model.mj.jnt_stiffness[structure_hinges(loaded.model)]
+    arm = arm.with_springs(np.diag(mean_gear_stiffness(loaded.model, run)), arm.damping)
+    still = linearised(arm, loaded.reference[0])
+    return ArmPlant(robot=design.nominal or design.model, arm=still, period=LOG_PERIOD)
+
+
+def mean_gear_stiffness(model: RobotModel, run: Recording) -> Array:
+    """(6,) [N m/rad], mean slope of each gear spring along a run."""
+    mj, stiffness = model.mj, np.empty(N_AXES)
+    for i in AXES:
+        wound = run.truth.spring_angle[:, i - 1]
+        tendon = mj.tendon(f"gear_{i}").id
+        low, high = mj.tendon_lengthspring[tendon]
+        outside = float(np.mean((wound < low) | (wound > high)))
+        soft = mj.jnt_stiffness[mj.joint(f"flex_{i}").id]
+        stiffness[i - 1] = soft + outside * mj.tendon_stiffness[tendon]
+    return stiffness
+
+
+def tool_pose_path(run: Recording) -> Array:
+    """(N, 6), displacement [m] and rotation [rad] of the tool from rest, at the log's instants."""
+    every = round(float(run.time[1] / run.truth.time[1]))
+    return relative_to_start(run.truth.tool_position[::every], run.truth.tool_quaternion[::every])
+
+
+def twin_error(motion: ToolMotion, run: Recording) -> float:
+    """RMS tool error [m] of a run of a twin, as a tracker at 1 kHz would see it."""
+    truth = run.truth
+    every = slice(None, None, round(1e-3 / float(truth.time[1])))
+    return tool_error(motion, truth.time[every], truth.tool_position[every]).rms

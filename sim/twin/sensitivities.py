@@ -1,0 +1,125 @@
+"""Residuals of a cut against a twin, and their sensitivity to the twin's parameters.
+
+Torque: residual of each drive, to the constants of its own friction law, which all axes vary at
+once, since the friction of one axis hardly moves another; and to the masses. Tool: displacement
+less that of the motor angles, to springs, lost motion and masses by simulation, to gear errors and
+geometry by kinematics.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..robot.effects import gear_phases
+from ..robot.mjcf import N_AXES
+from ..robot.recording import Recording
+from .kinematic_columns import from_rest, gear_error_columns, jacobians
+from .measured import MeasuredCut
+from .parameters import FRICTION, SPRINGS, Parameters
+from .simulation import Design, motor_path, tool_path
+
+_STEP = 0.05
+"""Of log factors, compliances and relative amplitudes in difference quotients."""
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """One cut against a twin, at the log rate."""
+
+    torque: Array
+    """(N, 6) [N m], motor side, measured less simulated."""
+    tool: Array
+    """(N, 3) [m], beyond what the motor angles explain."""
+    moving: np.ndarray
+    """(N,) bool: samples whose torque counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Sensitivities of the residuals of one cut to all parameters, zero where none."""
+
+    torque: Array
+    """(N, 6, m)."""
+    tool: Array
+    """(N, 3, m)."""
+
+
+@dataclass(frozen=True)
+class Against:
+    """Comparison of a cut with simulations of it."""
+
+    design: Design
+    parameters: Parameters
+    cut: MeasuredCut
+
+    def simulated(self, thetas: list[Array]) -> list[Recording]:
+        """Runs of the cut by twins of several parameter vectors."""
+        phases = gear_phases(self.design.model)
+        twins = [self.parameters.individual(theta, phases) for theta in thetas]
+        return self.design.run(twins, self.cut.reference, self.cut.correction)
+
+    def residuals(self, theta: Array) -> Residuals:
+        """Residuals against one twin."""
+        return self._residuals(self.simulated([theta])[0], jacobians(self.design.model, self.angle))
+
+    @property
+    def angle(self) -> Array:
+        return self.cut.motor_angle
+
+    def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
+        """Residuals against one twin, and their sensitivities around it."""
+        friction, rest = _friction_directions(self.parameters), _directions(self.parameters)
+        variants = [theta, *(theta + _STEP * d for d in (*friction.values(), *rest.values()))]
+        base, *others = self.simulated(variants)
+        kinematics = jacobians(self.design.model, self.angle)
+        torque = np.zeros((*base.motor_torque.shape, self.parameters.size))
+        for (first, parts), run in zip(friction, others[: len(friction)], strict=True):
+            change = (run.motor_torque - base.motor_torque) / _STEP
+            for axis in range(N_AXES):
+                torque[:, axis, first + axis * parts] = change[:, axis]
+        tool = np.zeros((*base.motor_torque.shape[:1], 3, self.parameters.size))
+        mass = self.parameters.at("mass")
+        for entry, run in zip(rest, others[len(friction) :], strict=True):
+            moved = motor_path(run) - motor_path(base)
+            by_motors = np.einsum("kij,kj->ki", kinematics[0], moved)
+            tool[:, :, entry] = (tool_path(run) - tool_path(base) - from_rest(by_motors)) / _STEP
+            if mass.start <= entry < mass.stop:
+                torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
+        errors = gear_error_columns(self.design.model, self.angle, kinematics[0])
+        tool[:, :, self.parameters.at("gear_error")] = from_rest(errors)
+        geometry = slice(
+            self.parameters.at("position").start, self.parameters.at("orientation").stop
+        )
+        tool[:, :, geometry] = from_rest(kinematics[1])
+        return self._residuals(base, kinematics), Columns(torque, tool)
+
+    def _residuals(self, run: Recording, kinematics: tuple[Array, Array]) -> Residuals:
+        cut, simulated = self.cut, tool_path(run)
+        by_motors = np.einsum("kij,kj->ki", kinematics[0], cut.motor_angle - motor_path(run))
+        measured = np.zeros_like(simulated) if cut.tool is None else cut.tool
+        tool = measured - simulated - from_rest(by_motors)
+        return Residuals(cut.motor_torque - run.motor_torque, tool, cut.moving)
+
+
+def _friction_directions(parameters: Parameters) -> dict[tuple[int, int], Array]:
+    """Directions in theta, one for each constant of the friction law and each part of the ripple.
+
+    By the entry of the first axis, and the entries from one axis to the next.
+    """
+    directions = {}
+    for block in FRICTION:
+        start, parts = parameters.at(block.name).start, block.size // N_AXES
+        for part in range(parts):
+            direction = np.zeros(parameters.size)
+            direction[start + part : start + block.size : parts] = 1.0
+            directions[start + part, parts] = direction
+    return directions
+
+
+def _directions(parameters: Parameters) -> dict[int, Array]:
+    """Directions in theta, one for each mass, spring and lost motion, by their entry."""
+    blocks = [parameters.at(name) for name in ("mass", *SPRINGS, "lost_motion")]
+    unit = np.eye(parameters.size)
+    return {i: unit[i] for block in blocks for i in range(block.start, block.stop)}

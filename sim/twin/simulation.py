@@ -1,0 +1,58 @@
+"""Runs of twins: many individuals make the same cut in one rollout."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from armside.arrays import Array
+
+from ..cores import cores
+from ..estimation.relative_path import relative_to_start
+from ..robot.effects import available
+from ..robot.individual import Individual, embodied
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from ..robot.run import LoadedReference, run_batch
+from ..robot.statics import Statics
+from ..robot.virtual_robot import VirtualRobot
+
+
+@dataclass(frozen=True)
+class Design:
+    """Design of a robot with its tool: what every individual of it is built on."""
+
+    model: RobotModel = field(repr=False)
+    payload: float | None = None
+    """[kg]; that of the model if None."""
+    nominal: RobotModel | None = field(default=None, repr=False)
+    """Model of the controller; the design if None."""
+
+    def load(self, individual: Individual, reference: Array) -> LoadedReference:
+        """A reference (N, 6) [rad] loaded into an individual of the design."""
+        model = embodied(
+            self.model,
+            individual,
+            available(self.model),
+            phi=reference[0],
+            payload=self.payload,
+        )
+        return VirtualRobot(model, nominal=Statics(self.nominal or self.model)).load(reference)
+
+    def run(
+        self, individuals: Sequence[Individual], reference: Array, correction: Array
+    ) -> list[Recording]:
+        """Noise-free runs of the same cut by several individuals, on all cores."""
+        loaded = [self.load(individual, reference) for individual in individuals]
+        n = len(loaded)
+        return run_batch(loaded, [correction] * n, [None] * n, threads=min(n, cores()))
+
+
+def tool_path(recording: Recording) -> Array:
+    """(N, 3) [m], displacement of the tool from rest at the instants of the log."""
+    every = round(float(recording.time[1] / recording.truth.time[1]))
+    return relative_to_start(recording.truth.tool_position[::every])[:, :3]
+
+
+def motor_path(recording: Recording) -> Array:
+    """(N, 6) [rad], exact motor angles at the instants of the log."""
+    every = round(float(recording.time[1] / recording.truth.time[1]))
+    return recording.truth.motor_angle[::every]
