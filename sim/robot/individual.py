@@ -47,9 +47,11 @@ class HiddenHinge:
             object.__setattr__(self, name, tuple(value.tolist()))
         if not np.linalg.norm(self.axis) > 0.0:
             raise ValueError(f"axis must not be zero, got {list(self.axis)}")
-        if not (np.isfinite(self.stiffness) and self.stiffness > 0.0):
+        for name in ("stiffness", "damping"):
+            object.__setattr__(self, name, float(_checked(name, getattr(self, name), ())))
+        if not self.stiffness > 0.0:
             raise ValueError(f"stiffness must be > 0 N m/rad, got {self.stiffness:g}")
-        if not (np.isfinite(self.damping) and self.damping >= 0.0):
+        if not self.damping >= 0.0:
             raise ValueError(f"damping must be >= 0 N m s/rad, got {self.damping:g}")
 
 

@@ -1,0 +1,135 @@
+"""Robot individuals on disk: the parameters of `Individual` in TOML.
+
+    friction = [1.02, 0.95, 1.1, 1, 1, 0.97]         # one value for each axis
+    gear_error = [[1, 1, 1, 1], ...]                 # four orders for each of six axes
+    position = [[0, 0, 0.0005], ...]                 # [m], three directions for each of six axes
+
+    [[hidden]]                                       # as many tables as there are hidden hinges
+    body = "tube"
+    axis = [0, 1, 0]
+    position = [0, 0, 0]                             # [m; default 0]
+    stiffness = 2e6                                  # [N m/rad]
+    damping = 400                                    # [N m s/rad]
+
+Parameters that are left out are those of the design.
+"""
+
+import json
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .individual import HiddenHinge, Individual
+
+LARGEST = 100_000
+"""Bytes of a file; all parameters need five thousand."""
+FACTORS = (0.01, 100.0)
+"""Range of a factor. ESTIMATE: beyond it is another robot."""
+RANGES: Mapping[str, tuple[float, float, str]] = {
+    **dict.fromkeys(("ripple_phase", "gear_error_phase"), (-100.0, 100.0, " rad")),
+    "position": (-0.1, 0.1, " m"),
+    "orientation": (-0.1, 0.1, " rad"),
+}
+"""Lowest and highest value with its unit, of parameters that are no factors. ESTIMATES."""
+_HINGE = {
+    "axis": (-1e3, 1e3, ""),
+    "position": (-10.0, 10.0, " m"),
+    "stiffness": (1e3, 1e10, " N m/rad"),
+    "damping": (0.0, 1e8, " N m s/rad"),
+}
+PARAMETERS = tuple(field.name for field in fields(Individual) if field.name != "hidden")
+
+
+def read_individual(file: Path) -> Individual:
+    """Individual of a file.
+
+    Raises:
+        ValueError: the file is not as described above; the message names file and field.
+        OSError: the file cannot be read.
+    """
+    if not file.is_file():
+        raise ValueError(f"{file} is no file; an individual is a number >= 0 or a TOML file")
+    with file.open("rb") as content:
+        text = content.read(LARGEST + 1)
+    if len(text) > LARGEST:
+        raise ValueError(f"{file.name}: a file of an individual has at most {LARGEST} bytes")
+    try:
+        return _individual(tomllib.loads(text.decode()))
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
+        raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
+
+
+def individual_toml(individual: Individual) -> str:
+    """Text of a file with every parameter of an individual; every number keeps its bits."""
+    lines = ["# A robot individual: factors on its design, offsets in m and rad."]
+    for name in PARAMETERS:
+        value = np.asarray(getattr(individual, name)).tolist()
+        lines.append(f"{name} = {value}")
+    for hinge in individual.hidden:
+        lines += ["", "[[hidden]]", f"body = {json.dumps(hinge.body)}"]
+        lines += [f"axis = {list(hinge.axis)}", f"position = {list(hinge.position)}"]
+        lines += [f"stiffness = {hinge.stiffness}", f"damping = {hinge.damping}"]
+    return "\n".join(lines) + "\n"
+
+
+def _individual(data: Mapping[str, Any]) -> Individual:
+    _refuse_unknown("the file", data, (*PARAMETERS, "hidden"))
+    values: dict[str, Any] = {
+        name: _within(name, value, *RANGES.get(name, (*FACTORS, "")))
+        for name, value in data.items()
+        if name != "hidden"
+    }
+    hinges = data.get("hidden", [])
+    if not isinstance(hinges, list):
+        raise ValueError(f"hidden must be tables [[hidden]], got {hinges!r}")
+    hidden = tuple(_hinge(f"hidden hinge {i}", row) for i, row in enumerate(hinges, 1))
+    return Individual(**values, hidden=hidden)
+
+
+def _hinge(where: str, row: Any) -> HiddenHinge:
+    if not isinstance(row, dict):
+        raise ValueError(f"{where} must be a table [[hidden]], got {row!r}")
+    _refuse_unknown(where, row, ("body", *_HINGE))
+    if missing := [name for name in ("body", "axis", "stiffness", "damping") if name not in row]:
+        raise ValueError(f"{where} lacks {', '.join(missing)}")
+    numbers: dict[str, Any] = {
+        name: _within(f"{where}: {name}", row[name], *limits)
+        for name, limits in _HINGE.items()
+        if name in row
+    }
+    try:
+        return HiddenHinge(body=row["body"], **numbers)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{where}: {error}") from error
+
+
+def _within(name: str, value: Any, low: float, high: float, unit: str) -> Array | float:
+    """A number, or an array of numbers, all from `low` to `high`."""
+    numbers = list(_leaves(value))
+    if not numbers or not all(type(number) in (int, float) for number in numbers):
+        raise ValueError(f"{name} must be numbers, got {value!r}"[:200])
+    if outside := [number for number in numbers if not low <= number <= high]:
+        raise ValueError(f"{name} must be from {low:g} to {high:g}{unit}, got {outside[0]!s:.40}")
+    if not isinstance(value, list):
+        return float(value)
+    try:
+        return np.array(value, dtype=np.float64)
+    except ValueError:
+        raise ValueError(f"{name} must be rows of equal length") from None
+
+
+def _leaves(value: Any) -> Collection[Any]:
+    return (
+        [leaf for item in value for leaf in _leaves(item)] if isinstance(value, list) else [value]
+    )
+
+
+def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Collection[str]) -> None:
+    if unknown := sorted(set(given) - set(allowed)):
+        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
