@@ -16,9 +16,8 @@ from armside.sim.laser.notes import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.summary import summary
-from armside.sim.robot.effects import Effect
 
-from ..cutting.options import EffectName
+from ..cutting.individual import IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
@@ -30,7 +29,7 @@ RADIUS = 0.005
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class CompareCfg:
+class CompareCfg(IndividualCfg):
     """Cuts of the large robot."""
 
     poses: Annotated[tuple[str, ...], _Several] = tuple(LARGE_ROBOT_POSES)
@@ -45,12 +44,11 @@ class CompareCfg:
     """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
     law: Literal["inverse", "norm-optimal", "heuristic"] = "inverse"
     """Law on the arm side; the motor side has the thesis's heuristic."""
-    without: Annotated[tuple[EffectName, ...], _Several] = ()
-    """Effects of gears and drives to leave out, for ablations."""
     imu: bool = False
     """Also draw imu.png: what rate, noise and clock of the IMU buy or cost; takes minutes."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in self.poses:
             pose(name)
         for speed in self.speeds:
@@ -65,13 +63,13 @@ class CompareCfg:
 
 def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
     """Each pose and speed; a speed that the controller lowers also with its limit raised."""
-    without = tuple(Effect(effect) for effect in cfg.without)
+    robot = robot_state(cfg)
     for speed in cfg.speeds:
         limits = [PathLimits()]
         if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):
             limits.append(PathLimits(acceleration=cfg.raised_acceleration))
         for limit, name in product(limits, cfg.poses):
-            cut = Cut(pose=name, speed=speed * 1e-3, limits=limit, without=without, imu=ImuCfg())
+            cut = Cut(pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot)
             yield Case(cut=cut, seed=seed)
 
 
@@ -88,6 +86,8 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
     report = Report(common)
     with checking_input():
         todo = list(cases(cfg, common.seed))
+        for case in todo[:1]:
+            case.experiment()  # an individual may not fit the robot
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
     found: list[dict[str, list[Iteration]]] = []

@@ -10,8 +10,7 @@ from cyclopts import Parameter
 from armside.sim.laser.design import DEFAULT_DESIGN, THESIS, Design
 
 from ..shell.options import options
-
-_Several = Parameter(consume_multiple=True)
+from .individual import IndividualCfg
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
 _OfDesign = Parameter(consume_multiple=True, show_default=False)
@@ -19,14 +18,15 @@ RADIUS = 5.0
 """[mm], of the circle where none is given."""
 SMALLEST_RADIUS = 0.1
 """[mm]; a smaller one is below what a robot of this size resolves."""
+FRICTION_SPREAD = 2.0
+"""[%], of a robot that is no individual."""
 SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
-EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class LaserCfg:
+class LaserCfg(IndividualCfg):
     """Contour, place, robot and learning."""
 
     robot: Literal["large", "irb1400"] = "large"
@@ -87,12 +87,16 @@ class LaserCfg:
     """Folder of `armside identify` at this pose, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
     """Reaction to an unusable IMU: do not learn, or go on with motor angles and model alone."""
-    without: Annotated[tuple[EffectName, ...], _Several] = ()
-    """Effects of gears and drives to leave out, for ablations."""
-    friction_spread: float = 2.0
-    """Friction of this individual: uniform within +- this part of nominal, each axis [%]."""
+    friction_spread: Annotated[float | None, Parameter(show_default=False)] = None
+    """Friction of each axis, where no individual is given: uniform within +- this part of nominal
+    [%] [default: 2]."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.individual is None and self.friction_spread is None:
+            object.__setattr__(self, "friction_spread", FRICTION_SPREAD)
+        if self.individual is not None and self.friction_spread is not None:
+            raise ValueError("friction-spread does not apply to an individual: its friction is own")
         motor = self.measure == "motor"
         design = DEFAULT_DESIGN[self.robot] if motor else THESIS
         cutoff = design.cutoff if motor else (self._pass_band(),)
@@ -117,9 +121,10 @@ class LaserCfg:
         if self.repetitions < 0 or self.repetitions == 1:
             raise ValueError(f"repetitions must be 0, or 2 and more, got {self.repetitions}")
         for name in ("friction_spread", "stiffness_error"):
-            if not 0.0 <= getattr(self, name) < 100.0:
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < 100.0:
                 said = name.replace("_", "-")
-                raise ValueError(f"{said} must be in [0, 100) %, got {getattr(self, name):g}")
+                raise ValueError(f"{said} must be in [0, 100) %, got {value:g}")
         if not self.path_acceleration > 0.0:
             raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
         for name in ("gamma", "delta", "cutoff"):

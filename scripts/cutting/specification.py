@@ -15,8 +15,8 @@ from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import Measure, MotorAngles, SetUp
 from armside.sim.laser.results import results
 from armside.sim.laser.specification import Cut, LeadIn
-from armside.sim.robot.effects import Effect
 
+from .individual import robot_state
 from .options import RADIUS, LaserCfg
 
 MM = 1e-3
@@ -57,8 +57,8 @@ def cut(cfg: LaserCfg) -> Cut:
         lead_in=LeadIn(cfg.lead_in),
         limits=PathLimits(acceleration=cfg.path_acceleration),
         payload=cfg.payload,
-        friction_spread=cfg.friction_spread * 1e-2,
-        without=tuple(Effect(name) for name in cfg.without),
+        friction_spread=(cfg.friction_spread or 0.0) * 1e-2,
+        **robot_state(cfg),
         imu=None if cfg.measure == "motor" else ImuCfg(),
     )
 

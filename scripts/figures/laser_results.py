@@ -23,6 +23,7 @@ def write(
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
     from armside.sim.robot.individual import as_built
+    from armside.sim.robot.individual_file import individual_toml
     from armside.sim.robot.mjcf import write_robot
 
     from . import kerf as kerf_figure
@@ -36,8 +37,9 @@ def write(
     motion, model = experiment.motion, experiment.loaded.model
     about: dict[str, Any] = {"config": config, "seed": config["seed"], "gear": model.drives.gear}
     write_signals(folder / "signals.parquet", runs, motion=motion, **about)
-    built = as_built(experiment.nominal, experiment.individual)
-    write_robot(folder / "robot.xml", built.parsed())
+    own = experiment.individual
+    (folder / "individual.toml").write_text(individual_toml(own), encoding="utf-8")
+    write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
     write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
     motor, rms, maxdev = (
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")

@@ -63,7 +63,8 @@ def _arrow(hint: Any) -> pa.DataType:
     if origin is Annotated:
         return _arrow(inner[0])
     if origin in (Union, UnionType):
-        return _arrow(next(part for part in inner if part is not type(None)))
+        parts = [part for part in inner if part is not type(None)]
+        return _arrow(parts[0]) if len(parts) == 1 else pa.string()
     if origin is tuple:
         return pa.list_(_arrow(inner[0]))
     if origin is Literal:

@@ -55,6 +55,8 @@ class Point:
             options = resolved(LaserCfg(**self.options))
         except (ValueError, OSError):
             options = plain(self.options)
+            if options.get("individual") is not None:
+                options["individual"] = str(options["individual"])
         made_with = {"version": version("armside"), "code": code_fingerprint()[:12]}
         return {"key": self.key, "seed": self.seed, **options, **made_with, **columns}
 

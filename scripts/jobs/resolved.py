@@ -15,6 +15,8 @@ import mujoco
 
 from armside.sim.cell import CELLS, ToolPose
 from armside.sim.records.summary import plain
+from armside.sim.robot.effects import Effect, available
+from armside.sim.robot.mjcf import scalar
 from armside.sim.robot.model import load_model
 
 from ..cutting.options import LaserCfg
@@ -22,8 +24,8 @@ from ..cutting.specification import MM, cut, dimensions, tool_pose
 from ..shell.errors import InputError, one_line
 from .store import digest_of
 
-FILES = ("contour", "model", "identification")
-"""Options that name a file or a folder of files."""
+FILES = ("contour", "model", "identification", "individual")
+"""Options that name a file or a folder of files, or may."""
 Content = Callable[[str, Path], str]
 """Hash of the content of an option's file."""
 REMEMBERED = 4096
@@ -37,6 +39,8 @@ def content_of(name: str, path: Path) -> str:
     """
     if name == "identification":
         return _digest(path / "summary.json")
+    if name == "individual":
+        return _digest(path)
     if name == "contour":  # the suffix decides how it is read
         return path.suffix.lower() + _digest(path)
     try:
@@ -51,7 +55,7 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     """Each option with the value that its run has, in the units of the options.
 
     None where it has no part in the run (the radius of a square), where a file says it (the corners
-    of a contour), or for a payload of a model without a tool of its own.
+    of a contour), or where a model lacks it (the payload without a tool of its own).
 
     Raises ValueError for an unknown pose or options that misfit, OSError as `content`.
     """
@@ -70,9 +74,14 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     ours = _rounded(tool_pose(cfg))
     named = (name for name, pose in CELLS[cfg.robot].poses.items() if _rounded(pose) == ours)
     run |= {"pose": next(named, None), "position": ours[0], "quaternion": ours[1]}
-    if cfg.payload is None:
+    if cfg.payload is None or cfg.temperature is None:
         known = content("model", cfg.model) if cfg.model else ""
-        run["payload"] = _tool_mass(cfg.model or CELLS[cfg.robot].xml, known)
+        of_model = _of_model(cfg.model or CELLS[cfg.robot].xml, known)
+        run |= {name: value for name, value in of_model.items() if run[name] is None}
+    if "load-friction" in cfg.without:
+        run["temperature"] = None
+    if cfg.individual is not None:
+        run["individual"] = str(cfg.individual)  # a column has one type
     return plain(run)
 
 
@@ -84,7 +93,10 @@ def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     what = resolved(cfg, content)
     if what["identification"]:  # it is known by how its place was written
         what["identified_at"] = plain((cfg.pose, cfg.position, cfg.quaternion))
-    return what | {name: content(name, getattr(cfg, name)) for name in FILES if what[name]}
+    files = {name: getattr(cfg, name) for name in FILES if what[name]}
+    return what | {
+        name: content(name, file) for name, file in files.items() if isinstance(file, Path)
+    }
 
 
 class _Known(NamedTuple):
@@ -142,11 +154,18 @@ def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 
 @cache
-def _tool_mass(source: Path, content: str) -> float | None:
-    """[kg], as a robot's file has it. content: of that file, where it may change."""
-    mj = load_model(source).mj
-    tool = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
-    return float(mj.body_mass[tool]) if tool >= 0 else None
+def _of_model(source: Path, content: str) -> dict[str, float | None]:
+    """Payload [kg] and temperature [deg C] of a robot's file; None where it has none.
+
+    content: of that file, where it may change.
+    """
+    model = load_model(source)
+    tool = mujoco.mj_name2id(model.mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
+    warm = Effect.LOAD_FRICTION in available(model)
+    return {
+        "payload": float(model.mj.body_mass[tool]) if tool >= 0 else None,
+        "temperature": scalar(model.mj, "gear_temperature") if warm else None,
+    }
 
 
 def _digest(file: Path) -> str:

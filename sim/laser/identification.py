@@ -41,8 +41,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     rest = log.motor_angle[0]
     found = identify(arm, measured, rest, imu, prior=prior)
 
-    truth = NominalCfg(structure=True, payload=experiment.added_payload)
-    true_arm = nominal_arm(as_built(experiment.nominal, experiment.individual), truth)
+    true_arm = arm_of(experiment)
     gear = np.diag(true_arm.stiffness)
     fit, keys = found.fit, ("name", "value", "standard_deviation", "told_by_data")
     parameters = zip(found.names, fit.theta, fit.standard_deviation, fit.information, strict=True)
@@ -65,6 +64,12 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
             "believed_modes": linearised(arm, rest).locked_modes()[:4],
         },
     }
+
+
+def arm_of(experiment: Experiment) -> NominalArm:
+    """The individual itself as the arm of an estimator: linear gears and all of its structure."""
+    truth = NominalCfg(structure=True, payload=experiment.added_payload)
+    return nominal_arm(as_built(experiment.nominal, experiment.individual), truth)
 
 
 def _consistency(known: ArmEstimator, made: Pass, measured: Run) -> dict[str, Any]:
