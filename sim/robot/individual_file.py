@@ -33,6 +33,7 @@ FACTORS = (0.01, 100.0)
 """Range of a factor. ESTIMATE: beyond it is another robot."""
 RANGES: Mapping[str, tuple[float, float, str]] = {
     **dict.fromkeys(("ripple_phase", "gear_error_phase"), (-100.0, 100.0, " rad")),
+    "centre_of_mass": (-0.5, 0.5, " m"),
     "position": (-0.1, 0.1, " m"),
     "orientation": (-0.1, 0.1, " rad"),
 }

@@ -21,7 +21,7 @@ def read(tmp_path, text):
 
 
 @pytest.mark.parametrize("xml", [assets.LARGE_ROBOT_XML, assets.IRB1400_XML])
-@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("number", range(8))
 def test_what_is_written_is_read_to_the_last_bit(tmp_path, xml, number):
     individual = Drawn(number).of(load_model(xml))
     again = read(tmp_path, individual_toml(individual))
