@@ -6,6 +6,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from ..robot.individual import Individual
+from ..robot.spread import Drawn
 from .picture import Picture
 from .rules import Rules, Step
 from .situation import Situation
@@ -58,6 +60,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         reward: str = "tracker",
         iterations: int = 5,
         sealed: bool = False,
+        individual: int | Drawn | Individual | None = None,
         render_mode: str | None = None,
         picture: str = "drawing",
     ) -> None:
@@ -68,13 +71,19 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             reward: the sensor that the reward is computed from: tracker, estimate or motor.
             iterations: learning iterations of an episode, 1 to 10.
             sealed: take the sealed test seeds, and only those.
+            individual: the robot of every episode, as the option of `reset`; drawn if None.
             render_mode: rgb_array or None.
             picture: drawing (circle and errors, no GL needed) or mujoco (the robot).
 
         Raises ValueError for a value that does not exist; the message lists those that do.
         """
         self.rules = Rules(
-            robot=robot, motors=motors, reward=reward, iterations=iterations, sealed=sealed
+            robot=robot,
+            motors=motors,
+            reward=reward,
+            iterations=iterations,
+            sealed=sealed,
+            individual=individual,
         )
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
@@ -90,7 +99,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """Draw a task, or take from `options` what they give, and run once without learning.
 
         options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass
-        of the tool, [kg]) and `individual` (a seed).
+        of the tool, [kg]) and `individual` (a seed, a `Drawn` or an `Individual`).
 
         Returns:
             observation (50,) float32, and info of `armside.sim.tuning.rules`.

@@ -13,7 +13,10 @@ from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
 from ..laser.design import Design
+from ..robot.applicable import check_applies
+from ..robot.individual import Individual
 from ..robot.model import RobotModel, load_model
+from ..robot.spread import Drawn
 from . import observation, task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
@@ -48,6 +51,8 @@ class Rules:
     """Learning iterations of an episode: the budget of the thesis."""
     sealed: bool = False
     """Episodes are those of TEST_SEEDS, which are refused otherwise."""
+    individual: int | Drawn | Individual | None = None
+    """The robot of every episode, or its seed; drawn if None."""
     nominal: RobotModel = field(init=False, repr=False)
     """Nominal robot of the controller."""
     sensor: Sensor = field(init=False, repr=False)
@@ -62,6 +67,10 @@ class Rules:
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
         object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor(self.robot))
         object.__setattr__(self, "nominal", load_model(self.cell.xml))
+        if isinstance(self.individual, Individual):
+            check_applies(self.nominal, self.individual)
+        elif self.individual is not None and not isinstance(self.individual, Drawn):
+            whole("individual", self.individual, 0)
 
     @property
     def cell(self) -> Cell:
@@ -96,6 +105,8 @@ class Rules:
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
         """Draw a task. See `armside.sim.tuning.task.draw`."""
+        if self.individual is not None and isinstance(options, Mapping | None):
+            options = {"individual": self.individual} | dict(options or {})
         return task.draw(self.robot, rng, options)
 
     def begin(self, drawn: Task) -> Situation:
@@ -144,7 +155,8 @@ class Rules:
 
         - k, status (running, done or diverged);
         - the task, which as options of `reset` gives the same episode: pose, speed [m/s], payload
-          [kg] (None where a robot keeps its own tool), individual; and speed_reached [m/s];
+          [kg] (None where a robot keeps its own tool), individual (one that is no seed needs the
+          seed of `reset` too, for noise); and speed_reached [m/s];
         - truth: rms_true, maxdev_true [m];
         - motors: motor_error_two, motor_error_inf, (6,) [rad] of the shaft;
         - reward terms: rms_seen, maxdev_seen [m] as the configured sensor has them; of a step

@@ -5,8 +5,9 @@
 | pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
 | speed | uniform in [20, 60] mm/s |
 | payload | mass of the tool, uniform in [20, 80] kg; the IRB1400 keeps its own |
-| individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.individual` |
+| individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.spread.Spread()` |
 
+A given individual may be of the production line, `sim.robot.spread.Drawn(N)`, or any `Individual`.
 The ranges are an ESTIMATE of what a cell meets in a year. The controller knows the payload,
 and nothing of the individual.
 """
@@ -22,7 +23,9 @@ from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
 from ..robot import spread
+from ..robot.individual import Individual
 from ..robot.model import RobotModel
+from ..robot.spread import Drawn
 from .checks import whole
 
 POSE_SPREAD = 0.050  # [m]
@@ -50,8 +53,10 @@ class Task:
     """[m/s]"""
     payload: float | None
     """Mass of the tool [kg]; None for the one of the model."""
-    individual: int
-    """Seed of the robot individual, the tracker's set-up and all noise."""
+    individual: int | Drawn | Individual
+    """The robot individual, or its seed."""
+    seed: int
+    """Of the tracker's set-up and all noise; the individual's where that is a seed."""
 
 
 def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
@@ -60,7 +65,7 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
     The draws do not depend on the options: fixing the speed leaves the pose of a seed.
 
     options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass of
-    the tool, [kg]) and `individual` (a seed).
+    the tool, [kg]) and `individual` (a seed, a `Drawn` or an `Individual`).
 
     Raises ValueError for an option that does not exist or is out of range.
     """
@@ -81,7 +86,10 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
         "payload": payload if robot in PAYLOADS else None,
         "individual": int(rng.integers(2**31)),
     }
-    return Task(**{name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS})
+    taken = {name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS}
+    robot_or_seed = taken["individual"]
+    seed = robot_or_seed if isinstance(robot_or_seed, int) else drawn["individual"]
+    return Task(**taken, seed=seed)
 
 
 def _option(cell: Cell, name: str, value: Any) -> Any:
@@ -92,7 +100,7 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
             raise ValueError(f"pose must be a name or a ToolPose, got {value!r}")
         return value
     if name == "individual":
-        return whole("individual", value, 0)
+        return value if isinstance(value, Drawn | Individual) else whole("individual", value, 0)
     if name == "payload" and value is None:
         return None
     numbers = int | float | np.integer | np.floating
@@ -113,11 +121,13 @@ def experiment(
 
     nominal: the robot's model. imu: the kind of unit at the tool.
 
-    Raises ValueError as `armside.sim.laser.prepare`: joint limits, reach, load.
+    Raises ValueError as `armside.sim.laser.prepare`: joint limits, reach, load, parameters of the
+    individual that the robot lacks.
     """
-    # A stream apart from those that `prepare` spawns.
-    rng = np.random.default_rng([task.individual, 1])
-    drawn = spread.draw(rng, nominal)
-    base = Cut(robot=robot, radius=RADIUS, individual=drawn, imu=imu)
+    individual = task.individual
+    if isinstance(individual, int):
+        # A stream apart from those that `prepare` spawns.
+        individual = spread.draw(np.random.default_rng([individual, 1]), nominal)
+    base = Cut(robot=robot, radius=RADIUS, individual=individual, imu=imu)
     cut = replace(base, pose=task.pose, speed=task.speed, payload=task.payload)
-    return prepare(cut, seed=task.individual, nominal=nominal)
+    return prepare(cut, seed=task.seed, nominal=nominal)

@@ -17,6 +17,8 @@ from gymnasium.vector.utils import batch_space
 
 from ..cores import cores
 from ..laser.design import Design
+from ..robot.individual import Individual
+from ..robot.spread import Drawn
 from .checks import whole
 from .rules import Rules, Step
 from .situation import Situation
@@ -44,6 +46,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         reward: str = "tracker",
         iterations: int = 5,
         sealed: bool = False,
+        individual: int | Drawn | Individual | None = None,
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
@@ -61,7 +64,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if render_mode is not None:
             raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
         self.rules = Rules(
-            robot=robot, motors=motors, reward=reward, iterations=iterations, sealed=sealed
+            robot=robot,
+            motors=motors,
+            reward=reward,
+            iterations=iterations,
+            sealed=sealed,
+            individual=individual,
         )
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)

@@ -10,6 +10,7 @@ run says in addition (a new key, a new column) is not a difference. Runs whose e
 left out and named.
 """
 
+import argparse
 import hashlib
 import json
 import os
@@ -254,9 +255,20 @@ def differences(before: dict[str, Found], now: dict[str, Found]) -> list[str]:
     ]
 
 
+def asked(words: list[str]) -> tuple[str, list[str]]:
+    """What to do, and the names of the runs. Ends with status 2 and the usage for anything else."""
+    parser = argparse.ArgumentParser(description="Digests of what a fixed set of runs produces.")
+    parser.add_argument("what", choices=("write", "compare"))
+    parser.add_argument("wanted", nargs="?", default="", help="part of the names of the runs")
+    given = parser.parse_args(words)
+    names = [name for name in RUNS if given.wanted in name]
+    if not names:
+        parser.error(f"no run's name contains {given.wanted!r}")
+    return given.what, names
+
+
 def main() -> int:
-    what, wanted = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else ""
-    names = [name for name in RUNS if wanted in name]
+    what, names = asked(sys.argv[1:])
     for name in [name for name in names if RUNS[name].needs and not find_spec(RUNS[name].needs)]:
         print(f"left out: {name} needs {RUNS[name].needs}", file=sys.stderr)
         names.remove(name)

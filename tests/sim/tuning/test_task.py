@@ -5,10 +5,12 @@ import pytest
 
 from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
 from armside.sim.laser import Cut
-from armside.sim.robot.individual import with_payload
+from armside.sim.robot.individual import Individual, with_payload
 from armside.sim.robot.model import load_model
+from armside.sim.robot.spread import Drawn
 from armside.sim.robot.statics import Statics
 from armside.sim.tuning import task
+from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 
 
@@ -97,3 +99,37 @@ def test_a_load_that_the_drives_cannot_hold_is_refused():
 def test_options_that_are_no_mapping_are_refused():
     with pytest.raises(ValueError, match="options of reset must be a dict, got"):
         draw("large", np.random.default_rng(0), [1])
+
+
+def test_an_individual_of_the_line_leaves_every_other_draw_and_the_noise_to_the_seed():
+    nominal = load_model(CELLS["large"].xml)
+    (free,), (one,), (same,) = (
+        _drawn(n=1, **given) for given in ({}, {"individual": Drawn(3)}, {"individual": 17})
+    )
+    assert (one.pose, one.speed, one.payload) == (free.pose, free.speed, free.payload)
+    assert (free.seed, one.seed, same.seed) == (free.individual, free.individual, 17)
+    made = task.experiment("large", nominal, one)
+    assert made.seed == one.seed
+    assert np.array_equal(made.individual.mass, Drawn(3).of(nominal).mass)
+
+
+@pytest.mark.parametrize("individual", [-1, 1.5, "p1", True])
+def test_what_is_no_individual_is_refused(individual):
+    with pytest.raises(ValueError, match="individual must be a whole number >= 0, got"):
+        _drawn(n=1, individual=individual)
+    with pytest.raises(ValueError, match="individual must be a whole number >= 0, got"):
+        Rules(individual=individual)
+
+
+def test_an_individual_that_does_not_fit_the_robot_is_refused_by_the_env():
+    worn = Individual(lost_motion=np.full(6, 2.0))
+    with pytest.raises(ValueError, match="lost_motion does not apply to a robot without"):
+        Rules(robot="irb1400", individual=worn)
+
+
+def test_the_robot_of_an_env_is_that_of_its_episodes_unless_reset_gives_another():
+    rules = Rules(individual=Drawn(3))
+    rng = np.random.default_rng
+    assert rules.draw(rng(0)).individual == Drawn(3)
+    assert rules.draw(rng(0), {"speed": 0.05}).individual == Drawn(3)
+    assert rules.draw(rng(0), {"individual": 4}).individual == 4

@@ -7,6 +7,7 @@ from gymnasium.vector import SyncVectorEnv
 
 import armside.sim.tuning  # noqa: F401 - registers the env
 from armside.sim.cell import ToolPose
+from armside.sim.robot.spread import Drawn
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 ID = "armside/IlcTuning-v0"
@@ -126,4 +127,14 @@ def test_seeds_of_numpy_are_seeds(quick):
     cells = IlcTuningVectorEnv(2)
     observed = cells.reset(seed=np.array([3, 4]), options=quick)[0]
     assert np.array_equal(observed, cells.reset(seed=3, options=quick)[0])
+    cells.close()
+
+
+def test_cells_of_one_individual_are_that_robot_with_noise_of_their_own(quick):
+    cells = IlcTuningVectorEnv(2, individual=Drawn(6), autoreset_mode="Disabled")
+    one = gymnasium.make(ID, individual=Drawn(6))
+    rows, infos = cells.reset(seed=0, options=quick)
+    assert np.array_equal(rows[0], one.reset(seed=0, options=quick)[0])
+    assert not np.array_equal(rows[0], rows[1])
+    assert list(infos["individual"]) == [Drawn(6)] * 2
     cells.close()
