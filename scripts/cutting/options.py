@@ -84,7 +84,7 @@ class LaserCfg(IndividualCfg):
     stiffness_error: float = 30.0
     """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
     identification: Path | None = None
-    """Folder of `armside identify` at this pose, in place of identifying from the first run."""
+    """Folder of `armside identify` within 600 mm, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
     """Reaction to an unusable IMU: do not learn, or go on with motor angles and model alone."""
     friction_spread: Annotated[float | None, Parameter(show_default=False)] = None

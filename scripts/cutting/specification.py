@@ -66,7 +66,8 @@ def cut(cfg: LaserCfg) -> Cut:
 def measure(cfg: LaserCfg) -> Measure:
     """The measured output of the options, with its law.
 
-    Raises InputError where the folder of an identification holds none, or one of another place.
+    Raises InputError where the folder of an identification holds none, or one of another robot or
+    place.
     """
     if cfg.measure == "motor":
         return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
@@ -75,7 +76,9 @@ def measure(cfg: LaserCfg) -> Measure:
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
     from armside.sim.laser.tool_measure import Source, ToolPath
 
-    place = {name: getattr(cfg, name) for name in ("pose", "position", "quaternion")}
+    springs = None
+    if cfg.identification is not None:
+        springs = read_springs(cfg.identification, cfg.robot, tool_pose(cfg).position)
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
     return ToolPath(
@@ -83,7 +86,7 @@ def measure(cfg: LaserCfg) -> Measure:
         law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff),
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
         stiffness_error=cfg.stiffness_error * 1e-2,
-        springs=read_springs(cfg.identification, place) if cfg.identification else None,
+        springs=springs,
     )
 
 

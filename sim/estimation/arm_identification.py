@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
 REST = 0.2
 """At the beginning of a run in which the arm does not move yet [s]."""
-_SLOWEST = 1.0
-"""[Hz], lowest mode of anything that can be called an arm. ESTIMATE."""
+SOFTEST = 0.4
+"""Lowest mode over that of the assumed arm. Gears and structure in series give 0.6 to 0.8; below
+lie springs that explain a record by the change of gravity sag along the cut. ESTIMATE."""
 _STARTS = ((0.0, 0.0), (-0.3, -0.3), (-0.3, 0.0), (-0.7, -0.3), (-0.7, 0.3), (-1.1, 0.0))
 """Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
 first only softens them. The wrist is not searched beyond its prior, where wrong minima lie."""
@@ -122,6 +123,34 @@ def identify(
     return Identified(springs, fit, prior.names, whiteness(best.innovation))
 
 
+def synchronised(
+    arm: NominalArm,
+    springs: Springs,
+    run: Run,
+    rest: Array,
+    imu: ImuCfg,
+    *,
+    prior: SpringPrior = SpringPrior(),
+    process_noise: ProcessNoise = ProcessNoise(),
+) -> tuple[Springs, Whiteness]:
+    """Known springs with clock and mounting of another unit, found again, and the innovations.
+
+    Clocks differ from unit to unit and from start to start; springs do not.
+
+    Raises RuntimeError for springs that are too soft for this arm.
+    """
+    innovations = _Innovations(arm, linearised(arm, rest), run, imu, prior, process_noise)
+    sd = np.array([prior.clock, *3 * (prior.mounting,)])
+
+    def own(theta: Array) -> Springs:
+        return replace(springs, clock_offset=float(theta[0]), mounting=theta[1:].copy())
+
+    found = estimate_parameters(
+        lambda theta: innovations.on(own(theta)), np.zeros(4), sd, [np.zeros(4)]
+    )
+    return own(found.theta), whiteness(found.innovation)
+
+
 def residual(
     model: ArmFilter, run: Run, clock_offset: float, mounting: Array
 ) -> tuple[Array, Array]:
@@ -162,12 +191,16 @@ class _Innovations:
         process_noise: ProcessNoise,
     ) -> None:
         self.arm, self.nominal, self.run = arm, nominal, run
+        self.slowest = SOFTEST * float(nominal.locked_modes()[0])
         self.imu, self.prior, self.process_noise = imu, prior, process_noise
         # Gradients move clock and mounting of the IMU as well, which the filter does not depend on.
         self._last: tuple[bytes, _Filter | None] = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
-        springs = springs_at(self.arm, self.prior, theta, self.process_noise.fraction)
+        return self.on(springs_at(self.arm, self.prior, theta, self.process_noise.fraction))
+
+    def on(self, springs: Springs) -> Whitened:
+        """Innovations on given springs."""
         known = self._filter(springs)
         if known is None:
             return Whitened(np.full_like(self.run.reading, np.inf), 0.0)
@@ -184,9 +217,9 @@ class _Innovations:
         return self._last[1]
 
     def _set_up(self, springs: Springs) -> "_Filter | None":
-        """None for springs on which the arm would fall."""
+        """None for springs that are too soft for an arm."""
         candidate = self.nominal.on_springs(springs.stiffness, springs.damping)
-        if candidate.locked_modes()[0] < _SLOWEST:
+        if candidate.locked_modes()[0] < self.slowest:
             return None
         noise = replace(self.process_noise, fraction=springs.process_noise)
         model = arm_filter(candidate, self.imu, noise)

@@ -5,10 +5,12 @@ The robot's nominal model is assumed; no ground truth is read.
 
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
+from armside.ilc.estimation.consistency import Whiteness
 
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.model import RobotModel
@@ -16,7 +18,7 @@ from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 from .arm_estimator import UNIDENTIFIED, ArmEstimator, estimator
 from .arm_filter import ProcessNoise
-from .arm_identification import REST, Identified, identify, prepared
+from .arm_identification import REST, Identified, identify, prepared, synchronised
 from .arm_plant import ArmPlant
 from .arm_springs import SpringPrior, Springs
 from .imu_health import Fault, ImuError, repaired
@@ -27,7 +29,8 @@ _LARGEST_INNOVATION = 1.7
 """RMS of whitened innovations; above, the identified model does not explain the readings. With the
 robot's own model 1.0 to 1.4 were seen, with that of another posture 1.2 to 1.9. ESTIMATE."""
 _UNLIKELY = 3.0
-"""Standard deviations by which the IMU's mounting may be off before the model is rejected."""
+"""Standard deviations of the prior by which the IMU's mounting, or what the arm's model leaves
+unexplained, may be off before the model is rejected."""
 
 
 class OnFault(Enum):
@@ -75,14 +78,14 @@ def commission(
     cfg: Commissioning = Commissioning(),
     springs: Springs | None = None,
 ) -> Commissioned:
-    """Identify the arm from a run, or take springs that are known already.
+    """Identify the arm from a run, or take springs that are known and find the IMU's clock again.
 
     Args:
         robot: the nominal robot: its servo is known.
         arm: the assumed arm: springs and inertia.
         imu: the kind of unit at the tool, as its data sheet has it.
         log, samples: of the run; no ground truth is read.
-        springs: of an earlier identification at this pose.
+        springs: of an earlier identification of this robot.
 
     Raises:
         ImuError: the IMU cannot be used, and `cfg.on_fault` refuses to go on.
@@ -94,11 +97,15 @@ def commission(
             raise ImuError(Fault.TOO_SHORT, "there is none")
         readings = repaired(samples, imu)
         _check_gravity(readings, linearised(arm, rest).imu_up, cfg)
-        if springs is None and cfg.identified:
+        how: Any = {"prior": cfg.prior, "process_noise": cfg.process_noise}
+        if springs is not None:
             run = prepared(arm, log.time, log.motor_angle, readings)
-            noise = cfg.process_noise
-            identified = identify(arm, run, rest, imu, prior=cfg.prior, process_noise=noise)
-            _check_model(identified, cfg)
+            springs, white = synchronised(arm, springs, run, rest, imu, **how)
+            _check_model(springs, white, cfg)
+        elif cfg.identified:
+            run = prepared(arm, log.time, log.motor_angle, readings)
+            identified = identify(arm, run, rest, imu, **how)
+            _check_model(identified.springs, identified.whiteness, cfg)
             springs = identified.springs
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
@@ -122,12 +129,16 @@ def _check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
         raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(angle):.1f} deg off")
 
 
-def _check_model(found: Identified, cfg: Commissioning) -> None:
-    """Raise ImuError if no springs make the model explain the readings."""
-    worst = float(found.whiteness.rms.max())
+def _check_model(springs: Springs, white: Whiteness, cfg: Commissioning) -> None:
+    """Raise ImuError if the springs do not make the model explain the readings."""
+    worst = float(white.rms.max())
     if worst > _LARGEST_INNOVATION:
         raise ImuError(Fault.MODEL, f"innovations are {worst:.1f} times what the filter expects")
-    angle = float(np.abs(found.springs.mounting).max())
+    more = springs.process_noise / cfg.process_noise.fraction
+    if more > np.exp(_UNLIKELY * cfg.prior.process_noise):
+        unexplained = f"the arm's springs leave {more:.0f} times as much unexplained as expected"
+        raise ImuError(Fault.MODEL, f"{unexplained}; identify them from a slower cut")
+    angle = float(np.abs(springs.mounting).max())
     if angle > _UNLIKELY * cfg.prior.mounting:
         turned = f"the IMU would have to be turned by {np.rad2deg(angle):.1f} deg"
         raise ImuError(Fault.MODEL, turned)

@@ -1,14 +1,15 @@
 """Identified springs on disk: the entry `springs` of the summary of `armside identify`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..records.errors import InputError
-from ..records.summary import plain
 from .arm_springs import Springs
 
 _SHAPES: Mapping[str, tuple[int, ...]] = {
@@ -19,6 +20,9 @@ _SHAPES: Mapping[str, tuple[int, ...]] = {
     "mounting": (3,),
 }
 """By key, in the order of `Springs`; `distrust` is `Springs.process_noise`."""
+FARTHEST = 0.6
+"""Distance at which identified springs still serve [m]: 0.02 to 0.19 of the first error is left
+there; 0.9 m away the innovations on them are twice what they should be."""
 
 
 def springs_entry(springs: Springs) -> dict[str, Any]:
@@ -26,39 +30,47 @@ def springs_entry(springs: Springs) -> dict[str, Any]:
     return {"distrust" if name == "process_noise" else name: v for name, v in vars(springs).items()}
 
 
-def read_springs(folder: Path, place: Mapping[str, Any]) -> Springs:
+def read_springs(folder: Path, robot: str, position: Sequence[float]) -> Springs:
     """Springs from a folder of `armside identify`.
 
-    place: the options that name the place, such as {"pose": "p1"}; springs are local.
+    Payload and IMU may be others: inertia is known, and clocks are found again. position: of the
+    cut, (3,) [m], base axes.
 
     Raises:
-        InputError: there are none, entries are missing or wrong, or the place is another.
+        InputError: there are none, entries are missing or wrong, the robot is another, or the place
+            is too far away.
     """
     file = folder / "summary.json"
     try:
         stored = json.loads(file.read_text(encoding="utf-8"))
-        springs = stored["springs"]
-        known_at = {name: stored["config"].get(name) for name in place}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        springs, known = stored["springs"], str(stored["config"]["robot"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{folder} holds no identification of armside identify") from error
-    if known_at != plain(place):
-        said = ", ".join(f"{name} {value}" for name, value in known_at.items() if value)
-        raise InputError(f"{folder} was identified at {said}: springs act together by pose")
+    if known != robot:
+        raise InputError(f"{folder} was identified on robot {known}, not on {robot}")
+    away = float(np.linalg.norm(_array(stored, "place", (3,), file) - np.asarray(position)))
+    if away > FARTHEST:
+        limit = f"springs act together by pose, so {1e3 * FARTHEST:g} mm at most"
+        raise InputError(f"{folder} was identified {1e3 * away:.0f} mm away: {limit}")
     return _springs(springs, file)
+
+
+def _array(stored: Any, name: str, shape: tuple[int, ...], file: Path) -> Array:
+    """An entry of that shape. Raises InputError for anything else."""
+    try:
+        value = np.array(stored[name], dtype=np.float64)
+    except (ValueError, TypeError, KeyError):
+        value = np.array(np.nan)
+    if value.shape != shape or not np.isfinite(value).all():
+        raise InputError(f"{file}: {name} must be numbers of shape {shape}")
+    return value
 
 
 def _springs(stored: Any, file: Path) -> Springs:
     missing = [name for name in _SHAPES if name not in stored]
     if missing:
         raise InputError(f"{file}: springs lack {', '.join(missing)}; identify again")
-    found = {}
-    for name, shape in _SHAPES.items():
-        try:
-            value = np.array(stored[name], dtype=np.float64)
-        except (ValueError, TypeError):
-            value = np.array(np.nan)
-        if value.shape != shape or not np.isfinite(value).all():
-            raise InputError(f"{file}: springs.{name} must be numbers of shape {shape}")
-        found[name] = value
-    K, D, clock, noise, mounting = found.values()
+    entries = {f"springs.{name}": stored[name] for name in _SHAPES}
+    shapes = zip(entries, _SHAPES.values(), strict=True)
+    K, D, clock, noise, mounting = (_array(entries, name, shape, file) for name, shape in shapes)
     return Springs(K, D, float(clock), float(noise), mounting)

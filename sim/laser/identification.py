@@ -47,6 +47,7 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     parameters = zip(found.names, fit.theta, fit.standard_deviation, fit.information, strict=True)
     return {
         "springs": springs_entry(found.springs),
+        "place": experiment.cut.tool_pose.position,
         "parameters": [dict(zip(keys, row, strict=True)) for row in parameters],
         "costs": fit.costs,
         "notes": [*motion_notes(experiment.motion, experiment.cut.limits), *made_notes],

@@ -41,12 +41,24 @@ def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tm
     assert summary["config"]["measure"] == "estimate"
 
 
-def test_springs_of_another_pose_are_refused(identified, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    args = ["laser", "--measure", "estimate", "--pose", "p1", "--identification", str(identified)]
-    assert main(args) == 2
-    assert "identified at pose p2" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+def test_springs_serve_nearby_with_another_tool_and_another_unit(identified, tmp_path):
+    """Half a metre off, 60 kg instead of 40, and an IMU whose clock started at another time."""
+    args = ["laser", "--measure", "estimate", "--position", "1500", "0", "1599", "--quiet"]
+    args += ["--payload", "60", "--seed", "1", "--iterations", "3"]
+    assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "summary.json").read_text())["iterations"]
+    assert rows[-1]["arm_rms"] < 0.3 * rows[0]["arm_rms"]
+
+
+@pytest.mark.parametrize(
+    ("place", "said"),
+    [
+        ("--position 1100 0 1599", "707 mm away: springs act together by pose, so 600 mm at most"),
+        ("--robot irb1400", "identified on robot large, not on irb1400"),
+    ],
+)
+def test_springs_of_another_place_or_robot_are_refused(place, said, identified, bad_input):
+    bad_input(f"laser --measure estimate {place} --identification {identified}", said)
 
 
 @pytest.mark.parametrize(

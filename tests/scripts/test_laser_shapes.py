@@ -167,16 +167,16 @@ def test_the_assumed_arm_knows_the_payload_too():
         assert arm.mj.body("tool").mass[0] == pytest.approx(mass)
 
 
-def test_springs_identified_at_another_place_are_refused(tmp_path):
+def test_springs_identified_far_away_are_refused(tmp_path):
     springs = {"stiffness": np.eye(6).tolist(), "damping": [0.0] * 6}
     springs |= {"clock_offset": 0.0, "distrust": 1.0, "mounting": [0.0, 0.0, 0.0]}
-    config = {"pose": "p1", "position": [1700.0, 0.0, 1600.0]}
-    stored = {"config": config, "springs": springs}
+    stored = {"config": {"robot": "large"}, "place": [1.7, 0.0, 1.6], "springs": springs}
     (tmp_path / "summary.json").write_text(json.dumps(stored))
-    here = {"pose": "p1", "position": (1700.0, 0.0, 1600.0), "quaternion": None}
-    assert read_springs(tmp_path, here).process_noise == 1.0
-    with pytest.raises(InputError, match="identified at pose p1, position"):
-        read_springs(tmp_path, here | {"position": None})
+    assert read_springs(tmp_path, "large", (1.7, 0.5, 1.6)).process_noise == 1.0
+    with pytest.raises(InputError, match="identified 700 mm away"):
+        read_springs(tmp_path, "large", (1.7, 0.7, 1.6))
+    with pytest.raises(InputError, match="on robot large, not on irb1400"):
+        read_springs(tmp_path, "irb1400", (1.7, 0.0, 1.6))
 
 
 def test_the_replay_of_a_square_is_written_with_the_rest(square):

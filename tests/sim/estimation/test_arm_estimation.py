@@ -10,6 +10,8 @@ from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.filters import butterworth, recursion
 from armside.kinematics.robots import IMU_LINKS
+from armside.sim.cell import ToolPose
+from armside.sim.cut.contour import slot
 from armside.sim.cut.timing import PathLimits
 from armside.sim.estimation.arm_estimator import Estimate
 from armside.sim.estimation.arm_filter import arm_filter
@@ -300,6 +302,56 @@ def test_a_model_of_another_robot_is_refused(turn, first):
     other = replace(first, recording=replace(first.recording, motor_angle=turned))
     with pytest.raises(ImuError, match=Fault.MODEL.value):
         commissioned(other)
+
+
+def test_another_units_clock_and_mounting_are_found_again_on_known_springs(known):
+    """The springs of one unit's identification, another unit that started at another time."""
+    experiment = prepare(CUT, seed=7)
+    other = first_run(experiment)
+    unit = experiment.plant.imu.unit
+    own = commission(
+        load_model(LARGE_ROBOT_XML),
+        assumed(),
+        IMU,
+        other.recording,
+        other.imu,
+        springs=known.springs,
+    )
+    assert own.springs.clock_offset == pytest.approx(unit.clock_offset, abs=1.5e-3)
+    assert abs(known.springs.clock_offset - unit.clock_offset) > 3e-3
+    assert np.array_equal(own.springs.stiffness, known.springs.stiffness)
+    log = other.recording
+    estimate = own.estimator(log.time, log.motor_angle, repaired(other.imu, IMU))
+    assert path_error(estimate.displacement, other) <= path_error(rigid_path(other), other) / 5.0
+
+
+def test_springs_that_leave_too_much_unexplained_are_refused_without_blaming_the_imu(first, known):
+    doubtful = replace(known.springs, process_noise=0.05 * np.exp(2.0))
+    log = first.recording
+    with pytest.raises(ImuError, match="7 times as much unexplained as expected; identify"):
+        commission(load_model(LARGE_ROBOT_XML), assumed(), IMU, log, first.imu, springs=doubtful)
+
+
+def test_springs_too_soft_for_an_arm_are_no_explanation():
+    """A slot whose record a mode of 1 Hz explains best, by the change of gravity sag along it."""
+    turned = np.array([0.127362, 0.668404, -0.722337, -0.12347])
+    quaternion = tuple((turned / np.linalg.norm(turned)).tolist())
+    cut = Cut(
+        pose=ToolPose((1.4114, 0.6053, 1.2857), quaternion),
+        contour=slot(0.03059, 0.03059 / 3.0),
+        speed=0.1398,
+        payload=69.5,
+        imu=IMU,
+    )
+    experiment = prepare(cut, seed=190851)
+    run = first_run(experiment)
+    output = MEASURE.commissioned(experiment, MEASURE.assumed(experiment), run)
+    slowest = output.known.estimator.model.arm.locked_modes()[0]
+    log = run.recording
+    true_arm = nominal_arm(experiment.nominal, NominalCfg(structure=True, payload=29.5))
+    true = linearised(true_arm, log.motor_angle[0]).locked_modes()[0]
+    assert slowest == pytest.approx(true, rel=0.15)
+    assert path_error(output(run), run) < 0.2 * path_error(rigid_path(run), run)
 
 
 def test_an_arm_with_loops_is_refused():
