@@ -30,6 +30,10 @@ class CircleTurn:
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     """Normal of the circle's plane, in the axes of the tracker."""
 
+    def __post_init__(self) -> None:
+        if not self.start < self.end:
+            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
+
 
 @dataclass(frozen=True, kw_only=True)
 class RecordedMeasures:

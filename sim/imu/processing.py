@@ -39,9 +39,10 @@ class ProcessingCfg:
         if not (np.isfinite(self.cutoff) and self.cutoff > 0.0):
             raise ValueError(f"cutoff must be > 0 Hz, got {self.cutoff:g}")
         for name in ("accelerometer_delay", "gyroscope_delay"):
-            delay = 1e3 * getattr(self, name)
-            if not (np.isfinite(delay) and delay >= 0.0):
-                raise ValueError(f"{name} must be >= 0 ms, got {delay:g}")
+            delay = getattr(self, name)
+            if not 0.0 <= delay <= self.search:
+                most = f"from 0 to {1e3 * self.search:g} ms, the search of the clock offset"
+                raise ValueError(f"{name} must be {most}, got {1e3 * delay:g}")
 
     @property
     def as_in_the_thesis(self) -> "ProcessingCfg":

@@ -69,6 +69,12 @@ class Cut:
     imu: ImuCfg | None = None
     """Unit at the tool."""
 
+    def __post_init__(self) -> None:
+        for effect in self.without:
+            if not isinstance(effect, Effect):
+                names = ", ".join(str(each) for each in Effect)
+                raise ValueError(f"without takes effects, got {effect!r}. Effects: {names}")
+
     @property
     def cell(self) -> Cell:
         """The robot's cell. Raises ValueError for an unknown name."""

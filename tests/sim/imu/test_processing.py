@@ -262,3 +262,10 @@ def test_the_moving_rms_of_a_constant_is_the_constant_and_sees_only_its_window()
     burst[150] = 1.0
     seen = np.flatnonzero(moving_rms(burst, 0.5, 0.01)[:, 0] > 1e-6)
     assert (seen[0], seen[-1]) == (125, 175)
+
+
+@pytest.mark.parametrize("name", ["accelerometer_delay", "gyroscope_delay"])
+@pytest.mark.parametrize("delay", [-1e-3, 0.6, 1e305, np.nan, np.inf])
+def test_a_delay_beyond_the_search_of_the_clock_is_refused(name, delay):
+    with pytest.raises(ValueError, match=f"{name} must be from 0 to 500 ms"):
+        ProcessingCfg(**{name: delay})

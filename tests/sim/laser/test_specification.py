@@ -7,6 +7,7 @@ from armside.sim.cell import LARGE_ROBOT_POSES
 from armside.sim.cut.contour import Circle
 from armside.sim.cut.tool_motion import cut
 from armside.sim.laser.specification import SPIRAL_START, Cut, LeadIn
+from armside.sim.robot.effects import Effect
 
 POSE = LARGE_ROBOT_POSES["p1"]
 
@@ -30,3 +31,9 @@ def test_a_circle_has_a_lead_in_of_a_tenth():
     circle = Cut(pose=POSE, radius=0.007)
     assert circle.curve == Circle(0.007)
     assert circle.path.lead_in == pytest.approx(0.1 * 2 * np.pi * 0.007)
+
+
+@pytest.mark.parametrize("without", [["ripple"], "ripple", ("lost-motion", Effect.RIPPLE)])
+def test_a_text_in_place_of_an_effect_is_refused(without):
+    with pytest.raises(ValueError, match=r"got '.*'. Effects: Effect.LOST_MOTION"):
+        Cut(without=without)
