@@ -1,0 +1,104 @@
+"""Files that command lines name: good ones of each kind, and all kinds of bad ones."""
+
+import json
+import os
+from pathlib import Path
+
+GOOD = {
+    "contour.toml": "corner = 1.5\npoints = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]\n",
+    "model.json": '{"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}',
+    "best.json": '{"best": {"gamma": 0.9, "delta": 3, "cutoff": 10.0}}',
+    "data.csv": "time,reference_1,motor_angle_1\n"
+    + "".join(f"{i * 0.004},{i * 0.001},{i * 0.00099}\n" for i in range(50)),
+}
+BAD = {
+    "empty.toml": "",
+    "empty.csv": "",
+    "empty.json": "",
+    "digits.toml": f"points = [[{'9' * 400}, 0], [1, 0], [0, 1]]\n",
+    "huge.toml": "points = [[-1e308, -6], [1e308, -6], [10, 1e308]]\n",
+    "nan.toml": "points = [[nan, -6], [inf, -6], [10, 6]]\n",
+    "text.toml": "points = 'none'\ncorner = []\n",
+    "torn.toml": "points = [[-10, -6], [10, -6",
+    "list.json": "[1, 2, 3]",
+    "deep.json": "[" * 100_000,
+    "nan.json": '{"sample_time": NaN, "b": [0, Infinity], "a": [1, -0.5]}',
+    "gain.json": '{"sample_time": 0.004, "b": [0.5], "a": [1]}',
+    "huge.json": '{"sample_time": 0.004, "b": [0, 1e300], "a": [1, -1e300]}',
+    "long.json": json.dumps({"sample_time": 0.004, "b": [0.0, 1.0] * 15_000, "a": [1.0, -0.5]}),
+    "words.csv": "time,reference_1,motor_angle_1\na,b,c\n",
+    "torn.csv": "time,reference_1,motor_angle_1\n0,1\n",
+    "huge.csv": "k,time,reference_1,motor_angle_1\n9999999999,0,1e308,-1e308\n1.5,1,nan,inf\n",
+    "header.csv": "time,reference_1,motor_angle_1\n",
+    "torn.xml": "<mujoco><worldbody>",
+    "other.xml": "<svg></svg>",
+    "still.xml": '<mujoco><option timestep="0"/><worldbody><body><joint/><geom size="1"/></body>'
+    "</worldbody></mujoco>",
+    "box.xml": "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>",
+    "torn.dxf": "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n",
+    "ä 漢字.toml": "points = 1",
+}
+BYTES = {
+    "damaged.mat": b"MATLAB 5.0 MAT-file" + bytes(range(256)) * 4,
+    "damaged.h5": b"\x89HDF\r\n\x1a\n" + bytes(200),
+    "damaged.parquet": b"PAR1" + bytes(100) + b"PAR1",
+    "latin.toml": "corner = 1 # \xe4".encode("latin-1"),
+    "latin.csv": b"time,\xff\xfe\n1,2\n",
+    "zeros.json": bytes(1000),
+}
+SPARSE = dict.fromkeys(("large.toml", "large.json", "large.csv", "large.h5"), 3000000000)
+"""Bytes of files that take no space on the disk."""
+
+
+def make(folder: Path, run: Path) -> None:
+    """Fill a folder. run: of a finished laser run, of which damaged copies are made."""
+    for name, text in (GOOD | BAD).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    for name, content in BYTES.items():
+        (folder / name).write_bytes(content)
+    for name, size in SPARSE.items():
+        with open(folder / name, "wb") as file:
+            file.truncate(size)
+    os.mkfifo(folder / "fifo.toml")
+    (folder / os.fsdecode(b"undecodable-\xff.toml")).write_text("points = 1")
+    (folder / "folder").mkdir()
+    (folder / "locked.toml").write_text("points = 1")
+    _copies(folder, run)
+
+
+def _copies(folder: Path, run: Path) -> None:
+    """Copies of a run that lack a file, or hold a wrong one."""
+    summary = json.loads((run / "summary.json").read_text(encoding="utf-8"))
+    config = summary["config"]
+    changed = {
+        "run-empty": {},
+        "run-list": [],
+        "run-foo": summary | {"config": config | {"experiment": "foo"}},
+        "run-robot": summary | {"config": config | {"robot": "r2d2"}},
+        "run-shape": summary | {"config": config | {"shape": 3}},
+        "run-seedless": summary | {"config": {k: v for k, v in config.items() if k != "seed"}},
+        "run-nameless": summary | {"config": {k: v for k, v in config.items() if k[0] != "e"}},
+        "run-rows": summary | {"iterations": "none"},
+        "run-format": summary | {"format": 99},
+        "run-bare": summary,
+    }
+    for name, content in changed.items():
+        (folder / name).mkdir()
+        (folder / name / "summary.json").write_text(json.dumps(content), encoding="utf-8")
+        if name != "run-bare":
+            for file in ("signals.parquet", "robot.xml", "replay.rrd"):
+                (folder / name / file).symlink_to(run / file)
+    torn = folder / "run-torn"
+    torn.mkdir()
+    (torn / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    (torn / "signals.parquet").write_bytes((run / "signals.parquet").read_bytes()[:1000])
+    (torn / "robot.xml").write_text("<mujoco>")
+
+
+READ = [*GOOD, *BAD, *BYTES, *SPARSE, "fifo.toml", "undecodable-\udcff.toml", "folder", "none.toml"]
+"""Names of files that are given to be read, one of which does not exist."""
+RUNS = [
+    *("run", "run-empty", "run-list", "run-foo", "run-robot", "run-shape", "run-seedless"),
+    *("run-nameless", "run-rows", "run-format", "run-bare", "run-torn", "folder", "none"),
+]
+"""Names of folders that are given as runs."""

@@ -1,0 +1,105 @@
+"""Command lines in processes of their own, with limits, without the second that Python starts in.
+
+A server process imports everything once and forks for each line.
+"""
+
+import contextlib
+import multiprocessing
+import os
+import resource
+import signal
+import sys
+from multiprocessing.context import ForkServerContext, ForkServerProcess
+from pathlib import Path
+from typing import NamedTuple
+
+MODULES = ("laser", "imu", "identify", "compare", "replay", "convert", "measure", "design", "tune")
+PRELOADED = (
+    *(f"armside.scripts.commands.{name}" for name in MODULES),
+    *(f"armside.scripts.figures.{name}" for name in ("laser", "kerf", "design")),
+    *("armside.sim.replay.scene", "armside.sim.records.tables", "matplotlib.pyplot", "optuna"),
+    *("armside.scripts.verifications.input.isolated", "armside.ilc.analysis.proposal"),
+)
+ADDRESS_SPACE = 4_000_000_000
+"""[bytes], beside that of the libraries: a hard limit, above the one of the contract."""
+LARGEST_FILE = 500_000_000
+"""[bytes], that a line may write."""
+LONGEST = 300.0
+"""[s], in which a line must have ended, whatever it waits for."""
+
+
+class Outcome(NamedTuple):
+    """End of a command line."""
+
+    status: int | None
+    """Negative: killed by that signal. None: it did not end."""
+    out: str
+    err: str
+    interrupted: bool
+    """It got Ctrl-C for running on."""
+    seconds: float
+    """Of the processor; 0 if it was killed."""
+    memory: float
+    """Largest resident set [bytes]; 0 if it was killed."""
+
+
+def server() -> ForkServerContext:
+    """The context whose processes are forked from a server with all libraries."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(PRELOADED))
+    return context
+
+
+def run(
+    context: ForkServerContext, words: tuple[str, ...], folder: Path, patience: float
+) -> Outcome:
+    """Run a command line in an empty folder, whose parent gets what it prints.
+
+    patience: [s] of the processor, after which it gets Ctrl-C.
+    """
+    process: ForkServerProcess = context.Process(target=_main, args=(words, str(folder), patience))
+    process.start()
+    process.join(LONGEST)
+    status = process.exitcode
+    if process.is_alive():
+        process.kill()
+        process.join()
+    out, err, used = (_read(folder, name) for name in ("out", "err", "used"))
+    interrupted, seconds, memory = map(float, (used or "0 0 0").split())
+    return Outcome(status, out, err, bool(interrupted), seconds, memory)
+
+
+def _read(folder: Path, name: str) -> str:
+    with contextlib.suppress(FileNotFoundError):
+        return folder.with_name(f"{folder.name}.{name}").read_text(errors="surrogateescape")
+    return ""
+
+
+def _main(words: tuple[str, ...], folder: str, patience: float) -> None:
+    os.environ.pop("DISPLAY", None)
+    for descriptor, name in ((1, "out"), (2, "err")):
+        file = os.open(f"{folder}.{name}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, descriptor)
+        os.close(file)
+    sys.stdout, sys.stderr = None, None  # as if they had been closed: `main` opens them
+    os.chdir(folder)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a server ignores
+    taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    most = taken + ADDRESS_SPACE
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
+    signal.signal(signal.SIGPROF, lambda *_: os.kill(os.getpid(), signal.SIGINT))
+    signal.setitimer(signal.ITIMER_PROF, patience)
+    from ... import cli
+    from ...shell.interrupts import SIGNALS
+
+    sys.argv = ["armside", *words]
+    status = cli.main()
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    seconds = used.ru_utime + used.ru_stime
+    interrupted = len(SIGNALS.come) > 0
+    Path(f"{folder}.used").write_text(f"{interrupted:d} {seconds} {1024 * used.ru_maxrss}")
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()  # pyright: ignore[reportOptionalMemberAccess] - `main` has opened them
+    os._exit(status)

@@ -1,0 +1,156 @@
+"""Command lines drawn from the options of the commands, and those of the table of findings."""
+
+from collections.abc import Sequence
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+import numpy as np
+
+from ... import cli
+from .files import READ, RUNS
+from .findings import FINDINGS
+from .options import Option, options_of
+
+
+class Kind(IntEnum):
+    """Kind of the words of an option, the worst last."""
+
+    ORDINARY = 0
+    BOUNDARY = 1
+    ABSURD = 2
+    """Of the right type; no sensible person means it."""
+    MALFORMED = 3
+    """Never valid."""
+
+
+class Line(NamedTuple):
+    """Words of a command line, and the kind of its worst option."""
+
+    words: tuple[str, ...]
+    kind: Kind
+
+
+BASE: dict[str, tuple[str, ...]] = {
+    "laser": ("--iterations", "0"),
+    "imu": ("--motion", "rest", "--off", "2", "--on", "2"),
+    "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
+    "replay": ("../files/run", "--save", "a.rrd"),
+    "two-mass": ("--figure", "8.3"),
+    "tune": ("--trials", "1", "--episodes", "1", "--iterations", "1", "--pose", "p1"),
+    "sweep": ("iterations=0",),
+    "calibrate": ("--generations", "0"),
+    "verify": ("kinematics", "--seeds", "1"),
+    "bench": ("start",),
+    "gallery": ("circles",),
+    "reproduce": ("8.3",),
+    "convert": ("../files/run", "--file", "a.csv"),
+    "measure": ("../files/data.csv", "--gear", "1"),
+    "train": ("--robots", "1", "--steps", "5"),
+}
+"""Words that make a command short, unless an option takes their place."""
+WEIGHTS = {
+    **{"laser": 5.0, "measure": 3.0, "sweep": 3.0, "design": 2.0, "replay": 2.0, "convert": 2.0},
+    **dict.fromkeys(("bench", "calibrate", "gallery", "reproduce", "two-mass", "verify"), 0.5),
+}
+"""Of the commands by the kinds of input that they read; 1 for those that are not named."""
+FLOATS = {
+    Kind.ORDINARY: ("1", "2.5", "40", "0.5"),
+    Kind.BOUNDARY: ("0", "-0.0", "-1", "1e-6", "0.1", "1", "100", "1000"),
+    Kind.ABSURD: ("1e308", "-1e308", "1e-300", "5e-324", "1e30", "-1e30", "1e15", "1.7e308"),
+    Kind.MALFORMED: ("nan", "inf", "-inf", "1e999", "abc", "1,5", "0x1p3", "1e", "", "²"),
+}
+INTEGERS = {
+    Kind.ORDINARY: ("1", "2", "3"),
+    Kind.BOUNDARY: ("0", "-1", "1", "2"),
+    Kind.ABSURD: ("2147483648", "9223372036854775808", "1" + "0" * 30, "-9223372036854775809"),
+    Kind.MALFORMED: ("1.5", "abc", "nan", "inf", "1e400", "", "½", "9" * 5000),
+}
+TEXTS = {
+    Kind.ORDINARY: ("p1", "two-mass", "servo", "pose=p1", "circles", "start", "8.4", "gamma=0.5"),
+    Kind.BOUNDARY: ("p9", "a b", "../files/model.json", "seed=0:2", "speed=40,", "=", "gamma="),
+    Kind.ABSURD: (
+        *("x" * 5000, "../files/fifo.toml", "/dev/zero", "seed=0:100000000", "\udcff", "漢字"),
+        *(
+            "seed=9223372036854775808",
+            "sqlite:///../files/data.csv",
+            "\x1b[31m",
+            "a\nb",
+            "\u202e",
+            "--",
+        ),
+        *("../files/gain.json", "../files/long.json", "../files/deep.json", "../files/huge.json"),
+        *("sqlite+aiosqlite:///n/x.db", "gamma=1e308", "contour=/dev/zero", "speed=1e-300"),
+    ),
+    Kind.MALFORMED: ("", "--nonsense"),
+}
+OUTPUTS = {
+    Kind.ORDINARY: ("out.rrd", "out.png", "out.gif", "out.csv", "out"),
+    Kind.BOUNDARY: (".", "..", "a/b/c.csv", "ä.csv", "new/../out"),
+    Kind.ABSURD: ("/dev/null", "/dev/full", "/proc/a.csv", "\udcff.csv", "../files/fifo.toml"),
+    Kind.MALFORMED: ("x" * 300, "x" * 300 + ".csv", "a/" * 3000 + "b.png", ""),
+}
+
+
+def line(seed: int) -> Line:
+    """The command line of a seed: first those of the table, then drawn ones."""
+    if seed < len(FINDINGS):
+        return Line(FINDINGS[seed], Kind.ABSURD)
+    rng = np.random.default_rng(seed)
+    names = list(cli.COMMANDS)
+    weights = np.array([WEIGHTS.get(name, 1.0) for name in names])
+    name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
+    known = options_of(cli.load(name))
+    n = min(len(known), int(rng.choice([1, 2, 3], p=[0.5, 0.35, 0.15])))
+    kinds = [Kind(int(k)) for k in rng.choice(4, n, p=[0.1, 0.15, 0.4, 0.35])]
+    kinds[0] = max(kinds[0], Kind.BOUNDARY)
+    chosen = [known[int(i)] for i in rng.choice(len(known), n, replace=False)]
+    drawn = [_words(option, kind, rng) for option, kind in zip(chosen, kinds, strict=True)]
+    positional = any(not option.name for option in chosen)
+    base = _base(name, {option.name for option in chosen}, positional)
+    words = (name, *base, *(word for words in drawn for word in words))
+    return Line(words, max(kinds))
+
+
+def _base(name: str, given: set[str], positional: bool) -> tuple[str, ...]:
+    """The words of BASE whose options are not given, or that are positional if none is given."""
+    kept, words = list[str](), BASE.get(name, ())
+    option = ""
+    for word in words:
+        option = word if word.startswith("--") else option
+        if option not in given if option else not positional:
+            kept.append(word)
+    return tuple(kept)
+
+
+def _words(option: Option, kind: Kind, rng: np.random.Generator) -> list[str]:
+    """Words of one option, of which at least one is of that kind."""
+    head = [option.name] if option.name else []
+    if option.type is bool:
+        return [f"{option.name}=maybe"] if kind is Kind.MALFORMED else head
+    n = int(rng.integers(1, 4)) if option.words is None else option.words
+    if kind is Kind.MALFORMED and option.words not in (None, 1) and rng.random() < 0.3:
+        n += int(rng.choice([-1, 1]))
+    others = [str(rng.choice(_values(option, Kind.ORDINARY))) for _ in range(n)]
+    if n:
+        others[int(rng.integers(n))] = str(rng.choice(_values(option, kind)))
+    return head + others
+
+
+def _values(option: Option, kind: Kind) -> Sequence[str]:
+    if get_origin(option.type) is Literal:
+        good = [str(value) for value in get_args(option.type)]
+        return good if kind < Kind.ABSURD else [*TEXTS[Kind.MALFORMED], "odd", good[0].upper()]
+    if option.type is Path:
+        return _paths(option, kind)
+    tables: dict[Any, dict[Kind, Sequence[str]]] = {float: FLOATS, int: INTEGERS}
+    return tables.get(option.type, TEXTS)[kind]
+
+
+def _paths(option: Option, kind: Kind) -> Sequence[str]:
+    if option.role == "read":
+        return ["/dev/zero", *(f"../files/{name}" for name in READ)]
+    if not option.name or option.name == "--identification":
+        names = [f"../files/{name}" for name in (*RUNS, *READ)]
+        return [*names, *OUTPUTS[Kind.MALFORMED], "/dev/zero", "."]
+    return OUTPUTS[kind]
