@@ -10,7 +10,7 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from urllib.parse import unquote
 
 from ..shell.errors import InputError, RunFailed, one_line
 from ..shell.extras import install
+from .processes import is_dead
 
 if TYPE_CHECKING:
     import optuna
@@ -35,6 +36,8 @@ SHOWN = ("host", "port", "dbname", "service", "sslmode", "charset", "mode", "uri
 """Entries of a URL's query that may be shown: each driver has names of its own for secrets."""
 TABLES = {"studies": "study_id", "trials": "trial_id"}
 """Tables of Optuna with names that another program may have given too, and a column of each."""
+MIGRATIONS = "alembic_version"
+"""Table of programs that migrate their database as Optuna does."""
 HEARTBEAT = 2
 """[s], between signs of life of a running trial."""
 SILENCE = 8
@@ -42,6 +45,8 @@ SILENCE = 8
 costs one trial: see `search.run_trial`."""
 RETRIES = 2
 """Repetitions of a trial that died: its design may be what kills."""
+PROCESS = "process"
+"""User attribute of a trial: the mark of the process that runs it."""
 ATTEMPTS = 5
 """At making the tables of a new database, which others may be making too."""
 
@@ -94,6 +99,7 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
 
     options = _options(storage)
     _refuse_foreign(storage, options)
+    _make_folder(storage)
     for attempt in range(1, ATTEMPTS + 1):
         try:
             # Optuna fills a template in: braces in a path or a password are none.
@@ -110,13 +116,29 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
 
 def redacted(storage: str) -> str:
     """The URL with *** for its password and for all entries of its query that may be secret."""
+    scheme, mark, rest = storage.partition("://")
+    if not mark:  # no URL: what stands before an @ may be anything
+        scheme, _, rest = storage.partition(":")
+        return f"{scheme}:***" if "@" in rest else _without_secrets(storage)
+    address, question, query = rest.partition("?")
+    if "@" in query and "@" not in address:  # of a password with a question mark
+        return f"{scheme}://***"
+    user, at, host = address.rpartition("@")
+    name, colon, _ = user.partition(":")
+    user = f"{name}:***" if colon else name
+    return f"{scheme}://{user}{at}{host}{_without_secrets(question + query)}"
 
-    def value(found: re.Match[str]) -> str:
-        name = found["name"]
-        return found[0] if unquote(name).lower() in SHOWN else f"{found['mark']}{name}=***"
 
-    storage = re.sub(r"(://[^:/@]*):.*@", r"\1:***@", storage)
-    return re.sub(r"(?P<mark>[?&])(?P<name>[^=&]*)=[^&]*", value, storage)
+def _without_secrets(query: str) -> str:
+    """A query in which only entries that are known to be harmless have their values."""
+
+    def entry(found: re.Match[str]) -> str:
+        name = unquote(found["name"]).lower()
+        if found["value"] is None:
+            return f"{found['mark']}***"
+        return found[0] if name in SHOWN else f"{found['mark']}{found['name']}=***"
+
+    return re.sub(r"(?P<mark>[?&])(?P<name>[^=&]*)(=(?P<value>[^&]*))?", entry, query)
 
 
 def fail_silent(study: "optuna.Study") -> None:
@@ -126,6 +148,18 @@ def fail_silent(study: "optuna.Study") -> None:
 
     with _experiments_allowed():
         optuna.storages.fail_stale_trials(study)
+
+
+def fail_dead(study: "optuna.Study") -> None:
+    """Give up on running trials whose process has died on this machine, without waiting for its
+    silence: each is tried again, at most RETRIES times."""
+    from optuna.trial import TrialState
+
+    for trial in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
+        if is_dead(trial.user_attrs.get(PROCESS, "")):
+            with suppress(ValueError):  # another process was faster
+                study.tell(trial.number, state=TrialState.FAIL)
+                _again()(study, trial)
 
 
 def _options(storage: str) -> dict[str, Any]:
@@ -146,18 +180,38 @@ def _options(storage: str) -> dict[str, Any]:
     options: dict[str, Any] = {"engine_kwargs": {"connect_args": {"timeout": LOCK_TIMEOUT}}}
     if url.database in (None, "", ":memory:"):  # belongs to a single thread
         return options
-    Path(url.database).parent.mkdir(parents=True, exist_ok=True)
+    if "mode" in url.query and not url.database.startswith("file:"):
+        as_uri = f"sqlite:///file:{url.database}?mode={url.query['mode']}&uri=true"
+        raise InputError(f"?mode= is part of an SQLite URI: {as_uri}")
     return options | _watched()
 
 
 def _watched() -> dict[str, Any]:
     """Running trials give signs of life; one that stops to is failed, and tried again."""
+    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
+    return times | {"heartbeat_stale_trial_callback": _again()}
+
+
+def _again() -> "optuna.storages.RetryHeartbeatStaleTrialCallback":
+    """What queues a dead trial again."""
     from optuna.storages import RetryHeartbeatStaleTrialCallback
 
     with _experiments_allowed():
-        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
-    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
-    return times | {"heartbeat_stale_trial_callback": again}
+        return RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+
+
+def _file(storage: str) -> Path | None:
+    """File of an SQLite database; None for another kind, in memory or as a URI."""
+    from sqlalchemy.engine import make_url
+
+    url = make_url(storage)
+    ours = url.get_backend_name() == "sqlite" and url.database
+    return None if not ours or url.database in (":memory:",) or "uri" in url.query else Path(ours)
+
+
+def _make_folder(storage: str) -> None:
+    if (file := _file(storage)) is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
 
 
 def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
@@ -166,15 +220,25 @@ def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
 
     engine = sqlalchemy.create_engine(storage, **options["engine_kwargs"])
     try:
+        if (file := _file(storage)) is not None and not file.exists():
+            engine.dialect.loaded_dbapi  # noqa: B018 - raises ImportError without its driver
+            return  # and a connection would make the file
         known = sqlalchemy.inspect(engine)
-        for table in set(TABLES) & set(known.get_table_names()):
+        names = set(known.get_table_names())
+        for table in sorted(set(TABLES) & names):
             if TABLES[table] not in [column["name"] for column in known.get_columns(table)]:
-                raise InputError(
-                    f"storage {redacted(storage)!r} belongs to another program: its table "
-                    f"{table!r} is none of Optuna's"
-                )
+                raise InputError(_foreign(storage, table))
+        # A file is of one program; a server's database may serve several, but not two that migrate.
+        others = names if file is not None else names & {MIGRATIONS}
+        if others and not set(TABLES) <= names:
+            raise InputError(_foreign(storage, min(others)))
     finally:
         engine.dispose()
+
+
+def _foreign(storage: str, table: str) -> str:
+    said = f"its table {table!r} is none of Optuna's"
+    return f"storage {redacted(storage)!r} belongs to another program: {said}"
 
 
 @contextmanager
