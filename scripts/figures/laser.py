@@ -28,8 +28,8 @@ def circles(
     reference: Array,
     measured: Sequence[Array],
     *,
-    rms: Sequence[float],
-    maxdev: Sequence[float],
+    rms: Sequence[float | None],
+    maxdev: Sequence[float | None],
     title: str = "Tool path at every iteration",
     iterations: Sequence[int] | None = None,
 ) -> None:
@@ -63,18 +63,22 @@ def circles(
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
-        numbers = f"RMS {rms[k] * 1e6:.0f} µm, max {maxdev[k] * 1e6:.0f} µm"
+        numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
         axes.set_title(f"k = {names[k]}    {numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
     save(figure, file)
 
 
+def _microns(value: float | None) -> str:
+    return "–" if value is None or not np.isfinite(value) else f"{value * 1e6:.0f} µm"
+
+
 def errors(
     file: Path,
     motor: Array,
-    arm_rms: Sequence[float],
-    arm_maxdev: Sequence[float],
+    arm_rms: Sequence[float | None],
+    arm_maxdev: Sequence[float | None],
     *,
     motor_label: str = "motor error, 2-norm, normalised",
 ) -> None:
@@ -98,7 +102,8 @@ def errors(
     left.legend(ncols=2, frameon=False, fontsize=8)
     for values, label, style in ((arm_maxdev, "maximum", "s-"), (arm_rms, "RMS", "o-")):
         color = COLORS[1] if label == "maximum" else COLORS[0]
-        right.plot(iterations, np.asarray(values) * 1e6, style, color=color, lw=1.3, label=label)
+        microns = np.asarray(values, np.float64) * 1e6  # a missing value is NaN
+        right.plot(iterations, microns, style, color=color, lw=1.3, label=label)
     right.set_ylim(bottom=0.0)
     right.set_title("Arm side: what the tool does", loc="left")
     right.set_ylabel("tool deviation [µm]")

@@ -10,11 +10,11 @@ import rerun.blueprint as rrb
 
 from armside.arrays import Array
 
-from ..records.atomic import atomic
 from ..records.signals import RecordedRun
 from ..replay.blueprint import LEGEND, panels
 from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
 from ..replay.geoms import shapes
+from ..replay.recording import recording
 from .evaluation import Evaluation
 from .experiment import ImuResult
 
@@ -29,19 +29,15 @@ AXES = "xyz"
 def write_imu_replay(path: Path, results: Sequence[ImuResult]) -> None:
     """Write the runs one after the other on the timeline `time`, whole or not at all."""
     mj = results[0].planned.loaded.model.mj
-    stream = rr.RecordingStream("armside", send_properties=False)
-    with atomic(path) as partial:
-        stream.save(partial, default_blueprint=_blueprint())
+    with recording(path, _blueprint()) as stream:
         _send_static(stream, mj)
         start = 0.0
         for k, result in enumerate(results):
-            recording = result.run.recording
-            send_bodies(stream, mj, RecordedRun(k=k, recording=recording), start)
+            log = result.run.recording
+            send_bodies(stream, mj, RecordedRun(k=k, recording=log), start)
             _send_path(stream, result.evaluation, start)
             _send_series(stream, result.evaluation, start)
-            start += float(recording.time[-1]) + FRAME_PERIOD
-        stream.flush()
-        stream.disconnect()
+            start += float(log.time[-1]) + FRAME_PERIOD
 
 
 def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:

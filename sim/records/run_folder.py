@@ -1,19 +1,21 @@
 """The folder of one run: complete, or not there.
 
 Files are written into a hidden folder beside the destination, which is renamed when the run is
-complete. An interrupted run removes it; a killed one leaves it hidden, named `.*.partial`.
+complete. An interrupted run removes it; that of a killed one is removed by the next run there.
 """
 
 import os
-import shutil
 from datetime import datetime
 from itertools import count
 from pathlib import Path
 
-from .atomic import staging
+from .atomic import remove_stale, staged
 from .errors import InputError
+from .files import check_can_write, check_name
 
 RUNS = Path("runs")
+PUBLISHED: list[Path] = []
+"""Folders that this process has finished."""
 FORMAT = 1
 """Format of a run's folder; raised when an older one can no longer be read."""
 
@@ -36,6 +38,18 @@ def check_writable(path: Path) -> None:
     parent = _existing_parent(path)
     if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
         raise InputError(f"no folder can be made in {parent}")
+    check_can_write(parent)
+
+
+def check_shared_folder(path: Path) -> None:
+    """Raise InputError where files cannot be added to the folder `path`, which may be new."""
+    check_name(path)
+    if not path.exists():
+        check_writable(path)
+    elif not path.is_dir():
+        raise InputError(f"{path} is a file; give a folder")
+    else:
+        check_can_write(path)
 
 
 def _existing_parent(path: Path) -> Path:
@@ -65,8 +79,9 @@ class RunFolder:
     def __enter__(self) -> "RunFolder":
         target = self.path.resolve()
         target.parent.mkdir(parents=True, exist_ok=True)
-        self._staging = staging(target)
-        self._staging.mkdir()
+        remove_stale(target.parent)
+        self._claim = staged(target, folder=True)
+        self._staging = self._claim.__enter__()
         return self
 
     def __truediv__(self, name: str) -> Path:
@@ -78,7 +93,7 @@ class RunFolder:
             if error is None:
                 self._publish()
         finally:
-            shutil.rmtree(self._staging, ignore_errors=True)
+            self._claim.__exit__(None, None, None)
 
     def _publish(self) -> None:
         """Rename to the destination; two default names of one second differ by a suffix."""
@@ -86,6 +101,7 @@ class RunFolder:
         for n in count(2):
             try:
                 self._staging.rename(self.path.resolve())
+                PUBLISHED.append(self.path)
                 return
             except OSError:
                 if self._fixed or not self.path.exists():

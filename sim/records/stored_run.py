@@ -7,7 +7,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import InputError
+from .errors import InputError, reading
+from .files import LARGEST_DATA, check_file
 from .run_folder import FORMAT
 
 if TYPE_CHECKING:
@@ -33,9 +34,9 @@ class StoredRun:
     def file(self, name: str) -> Path:
         """Path of one of its files. Raises InputError where the run has no such file."""
         file = self.folder / name
-        if not file.is_file():
+        if not file.exists():
             raise InputError(f"{self.folder} has no {name}: {self._writer} wrote none")
-        return file
+        return check_file(file, LARGEST_DATA)
 
     @property
     def _writer(self) -> str:
@@ -46,10 +47,9 @@ class StoredRun:
         """All recorded signals. Raises InputError where the file is missing or foreign."""
         from .signals import read_signals
 
-        try:
-            return read_signals(self.file("signals.parquet"))
-        except (ValueError, OSError, KeyError) as error:
-            raise InputError(str(error)) from error
+        file = self.file("signals.parquet")
+        with reading(file):
+            return read_signals(file)
 
     @property
     def path(self) -> "ToolMotion":
@@ -65,10 +65,8 @@ class StoredRun:
         import mujoco
 
         file = self.file("robot.xml")
-        try:
+        with reading(file):
             return mujoco.MjModel.from_xml_path(str(file))
-        except ValueError as error:
-            raise InputError(f"{file} is not a usable MJCF model: {error}") from error
 
 
 def read_run(folder: str | PathLike[str]) -> StoredRun:
@@ -79,12 +77,11 @@ def read_run(folder: str | PathLike[str]) -> StoredRun:
     file = folder / "summary.json"
     if not file.is_file():
         raise InputError(f"{folder} is no run's folder: it has no summary.json")
-    try:
+    with reading(check_file(file)):
         summary = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, OSError) as error:
-        raise InputError(f"{file} cannot be read: {error}") from error
-    if not (isinstance(summary, dict) and isinstance(summary.get("config"), dict)):
-        raise InputError(f"{file} is no summary of a run")
+    config = summary.get("config") if isinstance(summary, dict) else None
+    if not (isinstance(config, dict) and isinstance(config.get("experiment"), str)):
+        raise InputError(f"{file} is no summary of a run: it names no experiment")
     found = summary.get("format", 0)
     if found != FORMAT:
         formats = f"in format {found}, this one reads {FORMAT}; run it again"

@@ -8,6 +8,7 @@ import io
 import json
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from math import prod
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,7 +20,8 @@ import pyarrow.parquet as pq
 from armside.arrays import Array
 
 from .atomic import atomic
-from .errors import InputError
+from .errors import InputError, reading
+from .files import LARGEST_DATA, check_file, check_n_values
 
 Kind = TypeVar("Kind")
 MARK = "# armside "
@@ -35,10 +37,12 @@ STREAMS = ("tracker", "true")
 def read_table(file: Path) -> pa.Table:
     """Table in a file, of the kind that its suffix names.
 
-    Raises ValueError for an unknown suffix or a file that holds no table, InputError for HDF5
-    without h5py, OSError where the file cannot be read.
+    Raises ValueError for an unknown suffix, InputError for a file that holds no table, is damaged
+    or too large, and for HDF5 without h5py.
     """
-    return _of_kind(READERS, file)(file)
+    read = _of_kind(READERS, file)
+    with reading(check_file(file, LARGEST_DATA)):
+        return read(file)
 
 
 def write_table(file: Path, table: pa.Table) -> None:
@@ -80,6 +84,12 @@ def _table(columns: Mapping[str, pa.Array], metadata: Mapping[str, str]) -> pa.T
     return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields, metadata=own))
 
 
+def _read_parquet(file: Path) -> pa.Table:
+    about = pq.read_metadata(file)
+    check_n_values(file, about.num_rows * about.num_columns)
+    return pq.read_table(file)
+
+
 def _write_csv(file: Path, table: pa.Table) -> None:
     with file.open("wb") as out:
         for key, text in _metadata(table).items():
@@ -117,6 +127,8 @@ def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: 
 
     Raises ValueError for columns of different lengths.
     """
+    if strange := [n for n, values in content.items() if np.iscomplexobj(values)]:
+        raise ValueError(f"{file.name}: columns must be real numbers: {', '.join(strange)}")
     columns = {n: np.asarray(values, dtype=np.float64).ravel() for n, values in content.items()}
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) != 1:
@@ -124,6 +136,9 @@ def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: 
     arrays: dict[str, pa.Array] = {}
     for name, values in columns.items():
         if name == INTEGER:
+            whole = np.isfinite(values) & (np.rint(values) == values)
+            if not (whole & (np.abs(values) <= np.iinfo(np.int32).max)).all():
+                raise ValueError(f"{file.name}: column {name} must hold whole numbers")
             arrays[name] = pa.array(values.astype(np.int32))
             continue
         sampled = TRUTH_VALUE if name in TRACKER and TRUTH_VALUE in columns else name
@@ -141,9 +156,10 @@ def _write_mat(file: Path, table: pa.Table) -> None:
 
 
 def _read_mat(file: Path) -> pa.Table:
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
     try:
+        check_n_values(file, sum(prod(shape) for _, shape, _ in whosmat(file)))
         content = loadmat(file, chars_as_strings=True)
     except NotImplementedError as error:
         text = "is of MATLAB 7.3, which is HDF5; save it with -v7, or give it as .h5"
@@ -155,15 +171,18 @@ def _read_mat(file: Path) -> pa.Table:
 
 def _write_hdf5(file: Path, table: pa.Table) -> None:
     unit = units(table)
-    with _package("h5py").File(file, "w", track_order=True) as out:
+    content = io.BytesIO()  # HDF5 itself crashes on a full disk
+    with _package("h5py").File(content, "w", track_order=True) as out:
         out.attrs.update(_metadata(table))
         for name, values in _as_floats(table).items():
             column = out.create_dataset(name, data=values, compression="gzip", shuffle=True)
             column.attrs["unit"] = unit.get(name, "")
+    file.write_bytes(content.getbuffer())
 
 
 def _read_hdf5(file: Path) -> pa.Table:
     with _package("h5py").File(file, "r", track_order=True) as content:
+        check_n_values(file, sum(getattr(column, "size", 0) for column in content.values()))
         metadata = {key: str(text) for key, text in content.attrs.items()}
         return _from_floats(content, metadata, file)
 
@@ -215,7 +234,7 @@ def _package(name: str) -> Any:
 
 
 READERS: Mapping[str, Callable[[Path], pa.Table]] = {
-    ".parquet": pq.read_table,
+    ".parquet": _read_parquet,
     ".csv": _read_csv,
     ".mat": _read_mat,
     ".h5": _read_hdf5,

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..cell import CELLS
 from ..cut.tool_motion import ToolMotion
-from ..records.atomic import atomic
-from ..records.errors import InputError
+from ..records.atomic import write_bytes
+from ..records.errors import InputError, reading
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from .scene import Scene, write_scenes
@@ -47,26 +47,43 @@ def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
     if run.experiment != "laser":
         other = f"is a run of {run.experiment}; only those of laser are redrawn"
         raise InputError(f"{run.folder} {other}")
-    return laser_scene(run.summary, run.robot, run.signals.runs, run.path, name=name)
+    robot, signals, path = run.robot, run.signals, run.path
+    with reading(run.folder / "summary.json"):
+        _check_config(run.summary["config"])
+        return laser_scene(run.summary, robot, signals.runs, path, name=name)
 
 
-def write_stored(
-    file: Path, runs: Sequence[StoredRun], *, magnification: float | None = None
-) -> None:
-    """Write the replay of runs on disk: of one of another experiment as it is, of laser runs anew.
+def _check_config(config: Mapping[str, Any]) -> None:
+    """Raise ValueError for options that no run has."""
+    if config["robot"] not in CELLS:
+        raise ValueError(f"unknown robot {config['robot']!r}; robots: {', '.join(CELLS)}")
+    if not isinstance(config["seed"], int):
+        raise ValueError(f"its seed is no whole number: {config['seed']!r}")
+
+
+Stored = bytes | Sequence[Scene]
+"""Replay of runs on disk: the stored one of another experiment, or scenes of laser runs."""
+
+
+def read_replay(runs: Sequence[StoredRun]) -> Stored:
+    """Replay of runs on disk, read as a whole and not yet written.
 
     Several are shown side by side under their folders' names, numbered where two are alike. Raises
     InputError for runs of other experiments side by side, or a file that is missing.
     """
     if len(runs) == 1 and runs[0].experiment != "laser":
-        content = runs[0].file("replay.rrd").read_bytes()
-        with atomic(file) as partial:
-            partial.write_bytes(content)
-        return
+        return runs[0].file("replay.rrd").read_bytes()
     names = [run.folder.resolve().name if len(runs) > 1 else "" for run in runs]
     unique = [f"{name}-{i}" if names.count(name) > 1 else name for i, name in enumerate(names, 1)]
-    scenes = [stored_scene(run, name=name) for run, name in zip(runs, unique, strict=True)]
-    write_scenes(file, scenes, magnification=magnification)
+    return [stored_scene(run, name=name) for run, name in zip(runs, unique, strict=True)]
+
+
+def write_replay(file: Path, replay: Stored, *, magnification: float | None = None) -> None:
+    """Write a replay that was read, of laser runs anew."""
+    if isinstance(replay, bytes):
+        write_bytes(file, replay)
+    else:
+        write_scenes(file, replay, magnification=magnification)
 
 
 def learning(rows: Sequence[Row]) -> dict[str, list[float]]:

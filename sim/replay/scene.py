@@ -11,17 +11,16 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import rerun as rr
 
 from armside import kinematics
 from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
-from ..records.atomic import atomic
 from ..records.signals import RecordedRun
 from . import entities
 from .blueprint import Layout, blueprint
 from .paths import Contour, fitting_magnification
+from .recording import recording
 
 WORST_SHOWN = 3.0
 """Largest error shown by a learning curve, relative to the first run's."""
@@ -80,13 +79,9 @@ def write_scenes(
     worst = _worst(scenes)
     layouts = [_layout(scene, factor, worst) for scene in scenes]
     starts = _starts(scenes)
-    stream = rr.RecordingStream("armside", send_properties=False)
-    with atomic(path) as partial:
-        stream.save(partial, default_blueprint=blueprint(layouts))
+    with recording(path, blueprint(layouts)) as stream:
         for scene, own, layout in zip(scenes, contours, layouts, strict=True):
             _send_scene(entities.Entities(stream, layout), scene, own, starts)
-        stream.flush()
-        stream.disconnect()
 
 
 def _starts(scenes: Sequence[Scene]) -> Array:

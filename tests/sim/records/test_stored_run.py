@@ -21,7 +21,7 @@ from armside.sim.records import read_run
 from armside.sim.records.errors import InputError
 from armside.sim.records.programmed_path import from_json, to_json
 from armside.sim.replay import film
-from armside.sim.replay.run_scene import write_stored
+from armside.sim.replay.run_scene import read_replay
 
 CUTS = {
     "circle": "laser --iterations 1",
@@ -133,7 +133,7 @@ def test_a_run_without_path_is_read_but_neither_replayed_nor_measured(folders, t
     pq.write_table(table.replace_schema_metadata(kept), file)
     assert len(read_run(old).signals.runs) == 2
     with pytest.raises(InputError, match=r"no programmed path.* run it again"):
-        write_stored(tmp_path / "r.rrd", [read_run(old)])
+        read_replay([read_run(old)])
     assert cli.main(["measure", str(file)]) == 2
     assert "run it again" in capsys.readouterr().err
     (old / "robot.xml").unlink()

@@ -1,0 +1,95 @@
+"""Checks of files before they are read or written, so that a wrong one costs neither time nor
+memory, and nothing is begun whose results could not be kept."""
+
+import os
+import secrets
+import stat
+from pathlib import Path
+
+from .errors import InputError
+
+LARGEST_TEXT = 64_000_000
+"""[bytes], of a file that is parsed as a whole: a model, a drawing, a summary."""
+LARGEST_DATA = 1_000_000_000
+"""[bytes], of recorded data, packed or unpacked: they are worked on in memory."""
+LONGEST_NAME = 255
+"""[bytes], of a file's name on common file systems."""
+RESERVED = 24
+"""[bytes], of a file's name: for the hidden one that it is written under first."""
+
+
+def check_file(path: Path, largest: int = LARGEST_TEXT) -> Path:
+    """The path, if it is a regular file that can be read and has at most `largest` bytes.
+
+    Raises InputError.
+    """
+    found = _stat(path)
+    if stat.S_ISDIR(found.st_mode):
+        raise InputError(f"{path} is a folder, not a file")
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{path} is no regular file")
+    if found.st_size > largest:
+        size = f"{found.st_size / 1e6:.4g} MB; at most {largest / 1e6:.4g} MB are read"
+        raise InputError(f"{path} has {size}")
+    if not os.access(path, os.R_OK):
+        raise InputError(f"{path} cannot be read: permission denied")
+    return path
+
+
+def check_n_values(path: Path, n: int) -> None:
+    """Refuse a file that unpacks to more than fits in memory. n: numbers in it.
+
+    Raises InputError.
+    """
+    if 8 * n > LARGEST_DATA:
+        size = f"{8e-6 * n:.4g} MB; at most {LARGEST_DATA / 1e6:.4g} MB are read"
+        raise InputError(f"{path.name} unpacks to {size}")
+
+
+def check_file_to_write(path: Path) -> Path:
+    """The path, if a regular file can be written there. Raises InputError."""
+    check_name(path)
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise InputError(f"{path.parent} is no folder")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path} is no regular file")
+    check_can_write(folder)
+    return path
+
+
+def check_can_write(folder: Path) -> None:
+    """Raise InputError where nothing can be made in a folder."""
+    probe = folder / f".{secrets.token_hex(4)}"
+    try:  # permissions alone do not tell of a file system that is read-only
+        probe.mkdir()
+        probe.rmdir()
+    except OSError as error:
+        raise InputError(f"{folder} cannot be written to: {error.strerror}") from error
+
+
+def check_name(path: Path) -> None:
+    """Raise InputError for a name that is too long to be written, has a null character, or
+    is no text."""
+    if "\0" in str(path):
+        raise InputError(f"{str(path)!r} has a null character")
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        raise InputError(f"{path} is no name in UTF-8") from None
+    for part in path.parts:
+        if (n := len(os.fsencode(part))) > LONGEST_NAME - RESERVED:
+            most = LONGEST_NAME - RESERVED
+            raise InputError(f"a name of {n} bytes is too long, at most {most} are: {part}")
+
+
+def _stat(path: Path) -> os.stat_result:
+    try:
+        return path.stat()
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path} cannot be read: {reason}") from error
