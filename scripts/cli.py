@@ -1,23 +1,12 @@
 """The command `armside <experiment> [--options]`.
 
 Exit status: 0 done; 2 bad input, with one line on stderr and nothing written; 1 anything that
-failed while running; 130 interrupted. Only the command that runs is imported.
+failed while running; 130 interrupted, or 128 and the number of another signal. Only the command
+that runs is imported, and nothing before Ctrl-C can be answered in one line.
 """
 
-import os
-import re
 import sys
-import traceback
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
-from inspect import getdoc
-
-from cyclopts import App, CycloptsError, Parameter
-from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
-
-from .shell.errors import InputError, RunFailed, one_line
-from .shell.options import read_value
-from .shell.registry import unknown
 
 COMMANDS = {
     "laser": "Cut a shape with the virtual robot and learn to cut it.",
@@ -91,90 +80,29 @@ def load(name: str) -> Callable[..., None]:
         case "reproduce":
             from .commands.reproduce import reproduce as command
         case _:
+            from .shell.registry import unknown
+
             raise unknown("experiment", name, COMMANDS)
     return command
 
 
-FOR_PROGRAMMERS = re.compile(r"(Raises|Returns|Yields)\b|(Args|Arguments|Parameters|Attributes):")
-"""Begin of a paragraph of a docstring that help does not show."""
-
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
-
-def make_app(chosen: str = "") -> App:
-    """The parser of all commands, of which only the chosen one is imported and knows its options.
-
-    Its help is its docstring without the paragraphs for programmers.
-    """
-    app = App(
-        name="armside",
-        help="Iterative learning control of industrial robots, seen from the arm side.",
-        version=lambda: f"armside {version('armside')}",
-        default_parameter=Parameter(converter=read_value, negative=""),
-        print_error=False,
-        exit_on_error=False,
-        suppress_keyboard_interrupt=False,
-        result_action="return_value",
-    )
-    for name, line in COMMANDS.items():
-        if name == chosen:
-            command = load(name)
-            paragraphs = (getdoc(command) or line).split("\n\n")
-            shown = "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
-            app.command(command, name=name, help=shown)
-        else:
-            app.command(App(name=name, help=line))
-    return app
-
-
 def main(tokens: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status."""
-    tokens = list(sys.argv[1:] if tokens is None else tokens)
+    """Run one command and return its exit status.
+
+    tokens: the command line; None for that of this process, whose streams, warnings and signals
+    then belong to the command.
+    """
     try:
-        _run(tokens)
-        sys.stdout.flush()
-        return DONE
-    except BrokenPipeError:  # the reader of our output left: nobody reads a message
-        _drop_unwritten_output()
-        return FAILED
-    except KeyboardInterrupt as stop:
-        return _complain(str(stop) or "interrupted, nothing was kept", INTERRUPTED)
-    except Exception as error:
-        if "--debug" in tokens:
-            traceback.print_exc()
-        status, message = BAD_INPUT if isinstance(error, InputError) else FAILED, one_line(error)
-        if not isinstance(error, (InputError, RunFailed, OSError)):
-            message = f"failed with {type(error).__name__}: {message} (--debug shows where)"
-        return _complain(message, status)
+        from .shell import process
+        from .shell.runner import run
 
-
-def _run(tokens: list[str]) -> None:
-    """Parse, then run: whatever parsing raises is bad input."""
-    app = make_app(chosen=tokens[0] if tokens else "")
-    try:
-        command, bound, _ = app.parse_args(tokens)
-    except UnknownCommandError:
-        raise unknown("experiment", tokens[0], COMMANDS) from None
-    except UnusedCliTokensError as error:
-        words = " ".join(error.unused_tokens or ())
-        raise InputError(f"Unexpected {words!r}; options are written --name value") from None
-    except (CycloptsError, ValueError) as error:
-        raise InputError(one_line(error)) from error
-    command(*bound.args, **bound.kwargs)
-
-
-def _complain(message: str, status: int) -> int:
-    _drop_unwritten_output()
-    print(f"armside: {message}", file=sys.stderr)
-    return status
-
-
-def _drop_unwritten_output() -> None:
-    """Drop output that stdout does not take, or Python would fail on it once more at its end."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if tokens is not None:
+            return run(list(tokens), COMMANDS, load)
+        process.begin(debug="--debug" in sys.argv)
+        return run(sys.argv[1:], COMMANDS, load)
+    except KeyboardInterrupt:  # while Python still imports
+        print("armside: interrupted, nothing was kept", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

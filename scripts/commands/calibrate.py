@@ -7,13 +7,17 @@ from armside import assets
 from armside.sim.calibration.parameters import differing, rewrite
 from armside.sim.calibration.search import START, checks, evaluate, score, search
 from armside.sim.records.atomic import write_whole
+from armside.sim.records.files import check_file
 from armside.sim.records.summary import summary
 from armside.sim.robot.model import load_model
 
 from ..jobs.workers import Workers
 from ..shell.console import Report, keep
-from ..shell.errors import RunFailed
+from ..shell.effort import Effort, refuse_absurd
+from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, options
+
+OF_A_GENERATION = Effort(20.0)
 
 
 @options
@@ -40,9 +44,13 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
     the numbers in the file are held against the targets.
     """
     report = Report(common)
+    refuse_absurd(f"{cfg.generations} generations", OF_A_GENERATION * cfg.generations)
+    with checking_input():
+        check_file(cfg.file)
+        present = load_model(cfg.file)
     trim, differs = None, []
     if cfg.generations == 0:
-        found = checks(load_model(cfg.file))
+        found = checks(present)
     else:
         best = evaluate(START)
         with Workers() as workers, report.progress("calibrating", cfg.generations) as step:

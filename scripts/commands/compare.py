@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.cell import LARGE_ROBOT_POSES, pose
@@ -15,16 +16,22 @@ from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.notes import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Cause, Note, together
+from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 
+from ..cutting.effort import effort
 from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.options import LARGEST, SLOWEST
 from ..shell.console import Report, run_folder
+from ..shell.effort import refuse_absurd
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
 _Several = Parameter(consume_multiple=True)
 RADIUS = 0.005
 """[m], of the circles."""
+MEASURES = 4
+"""Ways to learn each cut."""
 
 
 @options
@@ -51,9 +58,12 @@ class CompareCfg(IndividualCfg):
         super().__post_init__()
         for name in self.poses:
             pose(name)
+        for name in ("poses", "speeds"):
+            if not getattr(self, name):
+                raise ValueError(f"{name} takes one value or more, got none")
         for speed in self.speeds:
-            if not speed > 0.0:
-                raise ValueError(f"speeds must be > 0 mm/s, got {speed:g}")
+            if not SLOWEST <= speed <= LARGEST["speed"][0]:
+                raise ValueError(f"speeds must be > 0 mm/s, at most 10000, got {speed:g}")
         if self.iterations < 1:
             raise ValueError(f"iterations must be >= 1, got {self.iterations}")
         if not 0.0 <= self.stiffness_error < 100.0:
@@ -85,7 +95,9 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
 
     report = Report(common)
     with checking_input():
+        check_writable(common.out or RUNS / "compare")
         todo = list(cases(cfg, common.seed))
+        _refuse_absurd(cfg, len(todo))
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
@@ -120,6 +132,13 @@ def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterato
                 of_motion = note.cause in (Cause.SPEED, Cause.ACCELERATION)
                 where = place if of_motion else f"{place}, {measure}"
                 yield replace(note, text=f"{where}: {note.text}")
+
+
+def _refuse_absurd(cfg: CompareCfg, n_cases: int) -> None:
+    """Raise InputError for cuts that would take too long or too much memory."""
+    runs, slowest = MEASURES * n_cases * (cfg.iterations + 1), min(cfg.speeds)
+    needs = effort(2.0 * np.pi * RADIUS, slowest * 1e-3, runs, estimated=True)
+    refuse_absurd(f"{runs} runs at {slowest:g} mm/s and more", needs)
 
 
 def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, Any]]:

@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Literal
 
 from armside.sim.records import read_run
+from armside.sim.records.files import check_file_to_write
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, FileToWrite, options
 
 
 @options
@@ -19,7 +20,7 @@ class ConvertCfg:
 
     to: Literal["csv", "mat", "hdf5", "mcap"] = "csv"
     """Kind of file; hdf5 and mcap need the extra [convert]."""
-    file: Path | None = None
+    file: FileToWrite = None
     """File to write [default: signals.<kind> in the run's folder]."""
 
 
@@ -34,8 +35,7 @@ def convert(run: Path, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Commo
     report = Report(common)
     stored = read_run(run)
     file = cfg.file or run / f"signals.{cfg.to}"
-    if not file.absolute().parent.is_dir():
-        raise InputError(f"{file.parent} is no folder")
+    check_file_to_write(file)
     if file.suffix.lower() not in SUFFIXES[cfg.to]:
         raise InputError(f"{cfg.to} files end with {' or '.join(SUFFIXES[cfg.to])}: {file.name}")
     source = stored.file("signals.parquet")

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from armside.sim.records.files import check_file
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from armside.ilc.models.system import System
 
 BUILT_IN = ("two-mass", "two-mass-arm", "servo")
+LARGEST_MODEL = 50_000
+"""[bytes], of a model's file: thousands of coefficients."""
+LOWEST = 1e-3
+"""Lowest bandwidth over the Nyquist frequency."""
 NUMBERS = ("gamma", "delta", "cutoff", "contraction", "largest_gamma", "largest_cutoff")
 HEADS = ("gamma", "delta", "cutoff [Hz]", "contraction", "largest gamma", "largest cutoff [Hz]")
 
@@ -50,9 +55,9 @@ def load(name: str) -> "System":
     if name == "servo":
         # Thesis (9.12), identified on the large robot; 4 ms: the rate of its log.
         return System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)  # type: ignore[arg-type]
-    if not Path(name).is_file():
+    if name == "" or not Path(name).exists():
         raise ValueError(f"no model {name!r}: give a JSON file or one of {', '.join(BUILT_IN)}")
-    return read_model(Path(name))
+    return read_model(check_file(Path(name), LARGEST_MODEL))
 
 
 def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:
@@ -66,12 +71,18 @@ def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:
 
     report = Report(common)
     with checking_input():
-        proposal = propose(load(cfg.model), cfg.bandwidth, fraction=cfg.share)
+        model = load(cfg.model)
+        lowest = LOWEST * 0.5 / model.sample_time
+        if cfg.bandwidth < lowest:
+            below = f"below which no criterion is evaluated, got {cfg.bandwidth:g}"
+            raise ValueError(f"bandwidth must be >= {lowest:g} Hz, {below}")
+        proposal = propose(model, cfg.bandwidth, fraction=cfg.share)
     sentence, numbers = proposal.sentence(), {name: getattr(proposal, name) for name in NUMBERS}
     result = {"iterations_to_5_percent": proposal.iterations_to_5_percent, "sentence": sentence}
     outcome = summary("design", cfg, common, design=numbers | result)
     with run_folder(outcome, common) as folder:
         draw_proposal(folder / "design.png", proposal)
-    report.table(f"Design for {cfg.model}", HEADS, [tuple(numbers.values())])
+    free = "this model would allow learning without Q"
+    report.table(f"Design for {cfg.model}", HEADS, [tuple(numbers.values())], missing=free)
     report.line(sentence)
     report.results(outcome, folder.path)

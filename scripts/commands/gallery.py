@@ -11,7 +11,7 @@ from armside.sim.records.summary import summary
 
 from ..figures.gallery import PICTURES, shrink
 from ..shell.console import Report, keep
-from ..shell.options import Common, options
+from ..shell.options import Common, Folder, options
 from ..shell.registry import unknown
 
 IMAGES = Path("docs") / "images"
@@ -22,7 +22,7 @@ IMAGES = Path("docs") / "images"
 class GalleryCfg:
     """Destination of the pictures."""
 
-    images: Path = IMAGES
+    images: Folder = IMAGES
     """Folder to write to."""
 
 

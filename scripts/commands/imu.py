@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -21,14 +20,20 @@ from armside.sim.imu import (
     run_rest,
 )
 from armside.sim.notes import Note
+from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
 
 from ..shell.console import Report, run_folder
+from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, FileToRead, options
 
 STANDARD = ProcessingCfg()
+LONGEST_DELAY = 1000.0
+"""[ms], of a sensor's low-pass."""
+AT_REST = Effort(0.1, 4e6)
+"""For each second at rest."""
 
 
 @options
@@ -40,7 +45,7 @@ class ImuOptions:
     """Robot that moves."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
     """All motors at once, one at a time, or none: motors off, then on."""
-    program: Path | None = None
+    program: FileToRead = None
     """Motion program (TOML) in place of that motion's own."""
     flexibility: Literal["full", "gears", "rigid"] = "full"
     """Elasticity of the robot: gears and structure, gears only, or none."""
@@ -67,6 +72,10 @@ class ImuOptions:
         for name in ("off", "on"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"{name} must be > 0 s, got {getattr(self, name):g}")
+        for name in ("accelerometer_delay", "gyroscope_delay"):
+            if not abs(getattr(self, name)) <= LONGEST_DELAY:
+                said, got = name.replace("_", "-"), f"{getattr(self, name):g}"
+                raise ValueError(f"{said} must be at most {LONGEST_DELAY:g} ms, got {got}")
         if self.motion == "rest" and self.program is not None:
             raise ValueError("program and motion rest exclude each other")
 
@@ -97,7 +106,11 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 
     report, said = Report(common), list[Note]()
     with checking_input():
+        check_writable(common.out or RUNS / "imu")
         experiment = cfg.experiment()
+        if isinstance(experiment, RestExperiment):
+            seconds = cfg.off + cfg.on
+            refuse_absurd(f"{seconds:g} s at rest", AT_REST * seconds)
         planned = prepare(experiment) if isinstance(experiment, ImuExperiment) else []
     if isinstance(experiment, RestExperiment):
         rest = run_rest(experiment, common.seed)

@@ -4,7 +4,7 @@ from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import quality, results
-from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import summary
 
 from ..cutting.options import LaserCfg
@@ -22,6 +22,7 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     """
     report = Report(common)
     with checking_input():
+        check_writable(common.out or RUNS / "laser")
         experiment, set_up = prepared(cfg, common.seed)
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
         iterations = list[Iteration]()

@@ -14,9 +14,12 @@ from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
 from armside.sim.robot.model import load_model
 
+from ..cutting.options import LARGEST
 from ..shell.console import Report, keep
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
+
+LARGEST_GEAR = 1e6
 
 
 @options
@@ -40,10 +43,14 @@ class MeasureCfg:
     def __post_init__(self) -> None:
         if self.radius is not None and not (np.isfinite(self.radius) and self.radius > 0.0):
             raise ValueError(f"radius must be > 0 mm, got {self.radius:g}")
-        if not np.linalg.norm(self.normal) > 0.0:
-            raise ValueError("normal must not be zero")
-        if any(not g > 0.0 for g in self.gear):
-            raise ValueError(f"gear ratios must be > 0, got {self.gear}")
+        if not 1e-6 < np.linalg.norm(self.normal) < 1e6:
+            raise ValueError(f"normal must be a direction, not zero or huge, got {self.normal}")
+        if self.radius is not None and self.radius > LARGEST["radius"][0]:
+            raise ValueError(f"radius must be at most {LARGEST['radius'][0]:g} mm")
+        if self.start is not None and self.end is not None and not self.start < self.end:
+            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
+        if any(not 0.0 < g <= LARGEST_GEAR for g in self.gear):
+            raise ValueError(f"gear ratios must be > 0, at most {LARGEST_GEAR:g}, got {self.gear}")
 
 
 def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:
@@ -67,8 +74,16 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
         for r in rows
     ]
     title = "Largest motor error [mrad of the motor shaft], tool deviation [µm]"
-    report.table(title, ["k", *motors, "arm RMS", "arm max"], table)
+    report.table(title, ["k", *motors, "arm RMS", "arm max"], table, missing=_missing(cfg))
     report.summary(outcome)
+
+
+def _missing(cfg: MeasureCfg) -> str:
+    """Reason for measures that are not there."""
+    tool = "the data hold too few samples of a tracker in the turn"
+    if cfg.radius is None:
+        tool = "the data hold no samples of a tracker, or --radius was not given"
+    return f"{tool}; a motor without samples has no error"
 
 
 def gears(cfg: MeasureCfg) -> np.ndarray:

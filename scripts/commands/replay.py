@@ -4,7 +4,7 @@ import tempfile
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -12,9 +12,12 @@ from armside.sim.records import StoredRun, read_run
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, keep
-from ..shell.errors import InputError
-from ..shell.options import Common, options
+from ..shell.errors import InputError, checking_input
+from ..shell.options import Common, FileToWrite, options
 from ..viewers.display import check_display, show
+
+if TYPE_CHECKING:
+    from armside.sim.replay.film import Shots
 
 
 @options
@@ -26,11 +29,11 @@ class ReplayCfg:
     """In a browser: serve Rerun's web viewer to this machine only, until Ctrl-C."""
     port: int = 9090
     """Port of the web viewer; 0 takes any free one."""
-    save: Path | None = None
+    save: FileToWrite = None
     """Write the replay to this file (.rrd) instead of showing it."""
-    png: Path | None = None
+    png: FileToWrite = None
     """Write a picture of robot and tool path to this file (.png), without a window."""
-    video: Path | None = None
+    video: FileToWrite = None
     """Write a film of the runs to this file (.gif, .webp; .mp4 with ffmpeg), without a window."""
     magnification: float | None = None
     """Factor on deviations from the path [default: 50, or less if the drawing would not fit]."""
@@ -47,10 +50,6 @@ class ReplayCfg:
                 continue
             if suffix and file.suffix.lower() != suffix:
                 raise ValueError(f"{name} takes a file that ends with {suffix}, got {file.name}")
-            if not file.absolute().parent.is_dir():
-                raise ValueError(f"{file.parent} is no folder")
-            if file.is_dir():
-                raise ValueError(f"{file} is a folder")
 
 
 Runs = Annotated[Path, Parameter(help="Folders of runs; several are shown side by side.")]
@@ -58,14 +57,16 @@ Runs = Annotated[Path, Parameter(help="Folders of runs; several are shown side b
 
 def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common()) -> None:
     """Watch runs in the Rerun viewer, or write a replay, a picture or a film of them."""
-    report, stored = Report(common), _opened(runs, cfg)
+    report = Report(common)
+    with checking_input():
+        stored = _opened(runs, cfg)
+        shots = _shots(stored, cfg)
     written = [file for file in (cfg.save, cfg.png, cfg.video) if file is not None]
     if cfg.web or cfg.save is not None or not written:
         _write_and_show(stored, cfg, report)
-    if cfg.png is not None or cfg.video is not None:
+    if shots is not None:
         from armside.sim.replay import film
 
-        shots = film.stored_shots(stored[0])
         if cfg.png is not None:
             film.picture(cfg.png, shots, cfg.magnification)
             report.line(f"Picture in {cfg.png}")
@@ -103,13 +104,24 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     return stored
 
 
+def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "Shots | None":
+    """What a picture or a film is drawn from, where one is asked for."""
+    if cfg.png is None and cfg.video is None:
+        return None
+    from armside.sim.replay import film
+
+    return film.stored_shots(stored[0])
+
+
 def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> None:
     """Write the replay, into a temporary file where it is only shown."""
-    from armside.sim.replay.run_scene import write_stored
+    from armside.sim.replay.run_scene import read_replay, write_replay
 
+    with checking_input():
+        replay = read_replay(stored)
     with tempfile.TemporaryDirectory(prefix="armside-") as folder:
         file = cfg.save or Path(folder) / "replay.rrd"
-        write_stored(file, stored, magnification=cfg.magnification)
+        write_replay(file, replay, magnification=cfg.magnification)
         if cfg.save is not None:
             report.line(f"Replay in {cfg.save}")
         if cfg.web:

@@ -4,7 +4,6 @@ import hashlib
 import sys
 from contextlib import closing
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
@@ -20,8 +19,11 @@ from ..jobs.point import run_grid
 from ..jobs.queue import KNOWN_FAILED
 from ..jobs.workers import Workers
 from ..shell.console import Report, keep
+from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Folder, options
+
+OF_A_WORKER = Effort(bytes=0.2e9)
 
 
 @options
@@ -29,7 +31,7 @@ from ..shell.options import Common, options
 class SweepCfg:
     """Where results go and where they are computed."""
 
-    into: Path | None = None
+    into: Folder | None = None
     """Folder of the dataset; what it holds is not computed again [default: runs/sweep- and a hash
     of the grid]."""
     engine: Literal["local", "ray"] = "local"
@@ -44,12 +46,12 @@ class SweepCfg:
     def __post_init__(self) -> None:
         if self.workers is not None and self.workers < 1:
             raise ValueError(f"workers must be >= 1, got {self.workers}")
+        if self.workers is not None:
+            refuse_absurd(f"{self.workers} workers", OF_A_WORKER * self.workers)
         if self.engine == "ray" and self.address is None:
             raise ValueError("engine ray needs --address, the one that `ray start --head` printed")
         if self.engine == "local" and self.address is not None:
             raise ValueError("--address is of the engine ray; the local engine has none")
-        if self.into is not None and self.into.exists() and not self.into.is_dir():
-            raise ValueError(f"{self.into} is a file; give a folder")
 
 
 Axes = Annotated[str, Parameter(help="Axes: option=value,value of armside laser, or seed=0:10.")]

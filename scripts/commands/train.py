@@ -6,7 +6,6 @@ Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a s
 
 from contextlib import closing
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 from armside.sim.records.run_folder import RUNS, check_writable
@@ -16,14 +15,17 @@ from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ..shell.console import Report, run_folder
+from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
-from ..shell.options import Common, options
+from ..shell.options import Common, FileToRead, options, seed_range
 from ..studies.tuned_design import first_action, whole_batches
 
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""
+
+OF_A_ROBOT, OF_A_STEP = Effort(1.0, 10e6), Effort(0.1)
 
 
 @options
@@ -42,7 +44,7 @@ class TrainCfg:
     steps: int = 12800
     """Learning iterations of ILC over all cells; rounded up to whole episodes of every cell, 5
     iterations each."""
-    start: Path | None = None
+    start: FileToRead = None
     """summary.json of armside tune: begin with the design found there [default: the middle of the
     ranges]."""
 
@@ -67,7 +69,9 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
     report = Report(common)
     with checking_input():
         rules = cfg.rules
-        for seed in range(common.seed, common.seed + cfg.robots):
+        refuse_absurd(f"{cfg.robots} robots", OF_A_ROBOT * cfg.robots)
+        refuse_absurd(f"{cfg.steps} steps", OF_A_STEP * cfg.steps)
+        for seed in seed_range(common.seed, cfg.robots):
             rules.check_seed(seed)
         check_writable(common.out or RUNS / "train")
         with needs("learn", "armside train", "Stable-Baselines3"):

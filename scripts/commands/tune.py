@@ -12,10 +12,11 @@ from armside.sim.tuning.objective import Objective, prepare
 from armside.sim.tuning.sensor import RewardSensor
 
 from ..shell.console import Report, run_folder
+from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
-from ..shell.options import Common
+from ..shell.options import Common, seed_range
 from ..studies import study as studies
 from ..studies.options import TuneCfg
 from ..studies.report import new_best, tables
@@ -24,6 +25,9 @@ from ..studies.storage import redacted, using
 
 if TYPE_CHECKING:
     import optuna
+
+
+OF_A_RUN = Effort(0.1, 5e6)
 
 
 def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
@@ -41,7 +45,8 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         with needs("tuning", "armside tune", "Optuna"):
             import optuna  # noqa: F401 - imported again where it is used
         check_writable(common.out or RUNS / "tune")
-        seeds = range(common.seed, common.seed + cfg.episodes)
+        seeds = seed_range(common.seed, cfg.episodes)
+        _refuse_absurd(cfg)
         episodes = prepare(cfg.rules, seeds, cfg.fixed)
         how: Any = {"sampler": cfg.sampler, "pruner": cfg.pruner, "seed": common.seed}
         study = studies.open_study(cfg.storage, str(cfg.study), cfg.identity(common.seed), **how)
@@ -74,6 +79,13 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
             figures.importance(folder / "importance.png", outcome["importance"])
     tables(report, outcome, folder.path)
     report.summary(outcome)
+
+
+def _refuse_absurd(cfg: TuneCfg) -> None:
+    """Raise InputError for a search that would take too long or too much memory."""
+    runs = cfg.episodes * (cfg.iterations + 1)
+    refuse_absurd(f"a trial of {cfg.episodes} episodes", OF_A_RUN * runs)
+    refuse_absurd(f"{cfg.trials} trials", Effort(OF_A_RUN.seconds * runs * cfg.trials), kept=True)
 
 
 def _kept(study: "optuna.Study", cfg: TuneCfg) -> str:

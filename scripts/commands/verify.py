@@ -14,11 +14,14 @@ from armside.sim.records.atomic import write_whole
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, keep
-from ..shell.errors import RunFailed
-from ..shell.options import Common, options
+from ..shell.effort import Effort, refuse_absurd
+from ..shell.errors import RunFailed, checking_input
+from ..shell.options import Common, Folder, options, seed_range
 from ..shell.registry import unknown
 from ..thesis.pages import claim_page
 from ..verifications.claims import CLAIMS
+
+OF_A_SEED = Effort(1.0, 100.0)
 
 
 @options
@@ -28,7 +31,7 @@ class VerifyCfg:
 
     seeds: int | None = None
     """Number of seeds, counted up from --seed [default: the full instance of the claim]."""
-    docs: Path = Path("docs")
+    docs: Folder = Path("docs")
     """Folder where verify-NAME.md is written."""
 
     def __post_init__(self) -> None:
@@ -44,9 +47,12 @@ def verify(name: Name, /, *, cfg: VerifyCfg = VerifyCfg(), common: Common = Comm
     if name not in CLAIMS:
         raise unknown("claim", name, CLAIMS)
     n_seeds = cfg.seeds or CLAIMS[name].n_seeds
+    refuse_absurd(f"{n_seeds} seeds", OF_A_SEED * n_seeds)
+    with checking_input():
+        seeds = seed_range(common.seed, n_seeds)
     report = Report(common)
     with report.progress(f"verifying {name}", total=n_seeds) as step:
-        counted = _Counted(range(common.seed, common.seed + n_seeds))
+        counted = _Counted(seeds)
         counted.step = step
         table = CLAIMS[name].load()(counted)
     verdicts = [(verdict.statement, verdict.holds) for verdict in table.verdicts]

@@ -1,7 +1,6 @@
 """`armside view`: MuJoCo's viewer of a robot, with a slider for each motor."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import mujoco
@@ -10,7 +9,7 @@ import numpy as np
 from armside.sim.cell import CELLS
 
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, FileToRead, options
 from ..viewers.display import check_display
 
 SERVO = 2.0 * np.pi * 5.0
@@ -24,7 +23,7 @@ class ViewCfg:
 
     robot: Literal["large", "irb1400"] = "large"
     """Robot."""
-    model: Path | None = None
+    model: FileToRead = None
     """MJCF file to show in place of that robot's own."""
 
 
@@ -52,8 +51,6 @@ def posable(cfg: ViewCfg) -> mujoco.MjModel:
     Raises ValueError where the file is no model, or has no joints motor_1, motor_2 ...
     """
     source = cfg.model or CELLS[cfg.robot].xml
-    if not source.is_file():
-        raise ValueError(f"{source} is no file")
     scene = source.with_name(f"{source.stem}_scene.xml")
     spec = mujoco.MjSpec.from_file(str(scene if scene.is_file() else source))
     motors = [joint for joint in spec.joints if joint.name.startswith("motor_")]

@@ -10,7 +10,7 @@ from armside.sim.robot.effects import TEMPERATURES, Effect
 from armside.sim.robot.individual_file import read_individual
 from armside.sim.robot.spread import Drawn
 
-from ..shell.options import options
+from ..shell.options import LARGEST_SEED, check_read, options
 
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 _GROUP = Group("Robot individual", sort_key=5)
@@ -25,7 +25,7 @@ MOST_DRIFT = 1000.0
 class IndividualCfg:
     """Robot individual and its state."""
 
-    individual: Annotated[int | Path | None, _OF_ROBOT] = None
+    individual: Annotated[int | Path | None, Parameter(group=_GROUP, validator=check_read)] = None
     """Robot individual, apart from the seed of noise and set-up: its number in the production line,
     or a TOML file of its parameters [default: the design with a friction of its own]."""
     friction_drift: Annotated[float, _OF_ROBOT] = 0.0
@@ -38,6 +38,8 @@ class IndividualCfg:
     def __post_init__(self) -> None:
         if isinstance(self.individual, int) and self.individual < 0:
             raise ValueError(f"individual must be >= 0, or a TOML file, got {self.individual}")
+        if isinstance(self.individual, int) and self.individual > LARGEST_SEED:
+            raise ValueError(f"individual must be below 2^63, got {self.individual:.4e}")
         if not -100.0 < self.friction_drift <= MOST_DRIFT:
             allowed = f"in (-100, {MOST_DRIFT:g}] %"
             raise ValueError(f"friction-drift must be {allowed}, got {self.friction_drift:g}")

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from armside.sim.laser.design import DEFAULT_DESIGN, THESIS, Design
 
-from ..shell.options import options
+from ..shell.options import FileToRead, options
 from .individual import IndividualCfg
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
@@ -22,6 +22,17 @@ FRICTION_SPREAD = 2.0
 """[%], of a robot that is no individual."""
 SMALLEST_BEAM = 0.01
 """[mm]; no laser cuts metal with less."""
+LARGEST = {
+    **dict.fromkeys(("radius", "size", "width", "corner"), (5e3, "mm")),
+    **{"beam": (100.0, "mm"), "speed": (1e4, "mm/s"), "path_acceleration": (1e3, "m/s^2")},
+    **{"payload": (1e4, "kg"), "position": (1e5, "mm"), "gamma": (1e9, ""), "cutoff": (1e6, "Hz")},
+    **{"delta": (10**6, "samples"), "quaternion": (10.0, "")},
+}
+"""Larger values, of either sign, are no machine's, and overflow in what is computed from them."""
+LARGEST_INVERSE_GAIN = 2.0
+"""From here on a law that inverts the plant does not converge, however good its model."""
+SLOWEST = 1e-3
+"""[mm/s] and [m/s^2], of speed and path acceleration."""
 
 
 @options
@@ -31,7 +42,7 @@ class LaserCfg(IndividualCfg):
 
     robot: Literal["large", "irb1400"] = "large"
     """Robot."""
-    model: Path | None = None
+    model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
     """Mass of the tool, known to the controller [kg] [default: as in the model]."""
@@ -43,7 +54,7 @@ class LaserCfg(IndividualCfg):
     """Orientation of the tool, in place of that pose's: W X Y Z, base to tool."""
     shape: Literal["circle", "square", "slot", "hexagon"] = "circle"
     """Shape of the contour; corners are rounded."""
-    contour: Path | None = None
+    contour: FileToRead = None
     """File (TOML or DXF) with a closed contour to cut in place of a shape."""
     radius: float = RADIUS
     """Programmed radius of a circle [mm]."""
@@ -104,6 +115,7 @@ class LaserCfg(IndividualCfg):
         for name, value in defaults.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
+        self._refuse_huge()
         for name, unit in (("radius", "mm"), ("speed", "mm/s")):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
@@ -127,14 +139,32 @@ class LaserCfg(IndividualCfg):
                 raise ValueError(f"{said} must be in [0, 100) %, got {value:g}")
         if not self.path_acceleration > 0.0:
             raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
+        for name in ("speed", "path_acceleration"):
+            if getattr(self, name) < SLOWEST:
+                said, unit = name.replace("_", "-"), LARGEST[name][1]
+                got = f"{getattr(self, name):g}"
+                raise ValueError(f"{said} must be >= {SLOWEST:g} {unit}, got {got}")
         for name in ("gamma", "delta", "cutoff"):
             if (n := len(getattr(self, name))) not in (1, 6):
                 raise ValueError(f"{name} takes one value or six, got {n}")
             if not motor and n > 1:
                 raise ValueError(f"{name} takes one value with --measure {self.measure}")
+        inverse = not motor and self.law in ("auto", "inverse")
+        if inverse and self.gamma[0] >= LARGEST_INVERSE_GAIN:
+            most = f"below {LARGEST_INVERSE_GAIN:g} with --law inverse"
+            raise ValueError(f"gamma must be {most}, got {self.gamma[0]:g}")
         if motor and self.law not in ("auto", "heuristic"):
             raise ValueError(f"law {self.law} needs --measure estimate or tracker")
         Design(gamma=self.gamma, delta=self.delta, cutoff=self.cutoff)
+
+    def _refuse_huge(self) -> None:
+        for name, (largest, unit) in LARGEST.items():
+            given = getattr(self, name)
+            for value in given if isinstance(given, tuple) else (given,):
+                if value is not None and abs(value) > largest:
+                    most = f"{largest:g} {unit}".rstrip()
+                    said = name.replace("_", "-")
+                    raise ValueError(f"{said} must be at most {most}, got {float(value):g}")
 
     def _pass_band(self) -> float:
         """[Hz], of Q where the tool's path is learned from."""

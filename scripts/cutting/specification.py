@@ -16,6 +16,8 @@ from armside.sim.laser.measures import Measure, MotorAngles, SetUp
 from armside.sim.laser.results import results
 from armside.sim.laser.specification import Cut, LeadIn
 
+from ..shell.effort import refuse_absurd
+from .effort import effort
 from .individual import robot_state
 from .options import RADIUS, LaserCfg
 
@@ -47,6 +49,7 @@ def cut(cfg: LaserCfg) -> Cut:
     if 0.5 * cfg.beam * MM >= curve.smallest_radius:
         bends = f"bends with a radius of {curve.smallest_radius / MM:g} mm"
         raise ValueError(f"a beam of {cfg.beam:g} mm is too wide for {bends}")
+    _refuse_absurd(cfg, curve.length)
     return Cut(
         robot=cfg.robot,
         model=cfg.model,
@@ -61,6 +64,14 @@ def cut(cfg: LaserCfg) -> Cut:
         **robot_state(cfg),
         imu=None if cfg.measure == "motor" else ImuCfg(),
     )
+
+
+def _refuse_absurd(cfg: LaserCfg, length: float) -> None:
+    """Raise InputError for runs that would take too long or too much memory. length: [m]."""
+    runs, speed = cfg.iterations + 1 + cfg.repetitions, cfg.speed * MM
+    what = f"{runs} runs along {length / MM:.4g} mm at {cfg.speed:g} mm/s"
+    needs = effort(length, speed, runs, estimated=cfg.measure == "estimate")
+    refuse_absurd(what, needs)
 
 
 def measure(cfg: LaserCfg) -> Measure:

@@ -16,6 +16,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from cyclopts import CycloptsError, Token
 
 from ..cutting.options import LaserCfg
+from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import InputError, one_line
 from ..shell.options import Common, read_value
 from ..shell.registry import unknown
@@ -25,6 +26,7 @@ from .resolved import Resolver
 SEED = "seed"
 TYPES: Mapping[str, Any] = get_type_hints(LaserCfg) | {SEED: int}
 """Types of the options that can be axes."""
+OF_A_POINT = Effort(0.5, 5e3)
 Item = tuple[str, Hashable]
 """An option and one of its values."""
 _RANGE = re.compile(r"(-?\d+):(-?\d+)")
@@ -80,6 +82,7 @@ def parse(words: Sequence[str], seed: int) -> Grid:
     if not axes:
         raise InputError("give at least one axis, such as gamma=0.5,0.9 or pose=p1,p2,p3")
     grid = Grid(axes | {SEED: axes.get(SEED, (seed,))})
+    refuse_absurd(f"{len(grid)} configurations", OF_A_POINT * len(grid), kept=True)
     _refuse_impossible(grid, written)
     return grid
 
@@ -90,7 +93,9 @@ def _values(name: str, text: str) -> dict[Any, str]:
     numbers = {int, float} & {hint, *get_args(hint)}
     words = text.split(",")
     if numbers and (spanned := _RANGE.fullmatch(text)):
-        words = [str(i) for i in range(int(spanned[1]), int(spanned[2]))]
+        first, end = int(spanned[1]), int(spanned[2])
+        refuse_absurd(f"{end - first} values of {name}", OF_A_POINT * (end - first), kept=True)
+        words = [str(i) for i in range(first, end)]
     values: dict[Any, str] = {}
     for word in map(str.strip, words):
         value = _value(name, word)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import mujoco
 
 from armside.sim.cell import CELLS, ToolPose
+from armside.sim.records.files import check_file
 from armside.sim.records.summary import plain
 from armside.sim.robot.effects import Effect, available
 from armside.sim.robot.mjcf import scalar
@@ -43,6 +44,7 @@ def content_of(name: str, path: Path) -> str:
         return _digest(path)
     if name == "contour":  # the suffix decides how it is read
         return path.suffix.lower() + _digest(path)
+    check_file(path)
     try:
         parts = mujoco.mju_getXMLDependencies(str(path))
     except mujoco.FatalError as error:
@@ -169,4 +171,4 @@ def _of_model(source: Path, content: str) -> dict[str, float | None]:
 
 
 def _digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    return hashlib.sha256(check_file(file).read_bytes()).hexdigest()

@@ -1,5 +1,6 @@
 """Output of a command: progress on stderr, tables or JSON on stdout, as the options ask."""
 
+import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -21,8 +22,14 @@ PIPE_WIDTH = 240
 """Columns of a table that is not written to a terminal: wide enough never to cut a number."""
 
 
+NOTHING = "–"
+"""Cell of a value that is missing or not finite."""
+
+
 def cell(value: Any) -> str:
-    """A number with four significant digits; anything else as it is."""
+    """A number with four significant digits, a dash where there is none; anything else as it is."""
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return NOTHING
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
@@ -54,8 +61,18 @@ class Report:
             *columns, console=console, disable=hidden, transient=True, speed_estimate_period=120.0
         )
 
-    def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-        """A table on stdout: text columns to the left, numbers to the right."""
+    def table(
+        self,
+        title: str,
+        columns: Sequence[str],
+        rows: Sequence[Sequence[Any]],
+        *,
+        missing: str = "",
+    ) -> None:
+        """A table on stdout: text columns to the left, numbers to the right.
+
+        missing: reason for a number that is not there, printed below a table that lacks one.
+        """
         table = Table(title=Text(title), title_justify="left", title_style="bold")
         for index, name in enumerate(columns):
             numeric = all(not isinstance(row[index], str) for row in rows)
@@ -63,6 +80,8 @@ class Report:
         for row in rows:
             table.add_row(*(Text(cell(value)) for value in row))
         self._print(table)
+        if missing and any(cell(value) == NOTHING for row in rows for value in row):
+            self.line(f"{NOTHING}: {missing}")
 
     def notes(self, notes: Iterable[Note]) -> None:
         """Limits and faults that changed what was asked, a line each."""

@@ -1,14 +1,18 @@
 """Errors that end a command, and their exit status.
 
 The rule of the exit status: input is checked first and work is done afterwards. Anything raised
-while options are parsed and configurations built, and any `InputError`, is bad input (2).
-Everything else that is raised is a failure (1), also a ValueError: by then the input was accepted.
+while options are parsed, files read and configurations built, and any `InputError`, is bad input
+(2). Everything else that is raised is a failure (1), also a ValueError: by then the input was
+accepted.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from armside.sim.records.errors import InputError as InputError
+
+LONGEST = 500
+"""Characters of a message; the middle of a longer one is left out."""
 
 
 class RunFailed(RuntimeError):  # noqa: N818 - it reports an outcome of the experiment
@@ -17,19 +21,37 @@ class RunFailed(RuntimeError):  # noqa: N818 - it reports an outcome of the expe
 
 @contextmanager
 def checking_input() -> Iterator[None]:
-    """Read files and build what was asked for: errors that input can cause become InputError.
+    """Read files and build what was asked for: every error becomes InputError.
 
     Use it around the part of an experiment that precedes all work and all writing.
     """
     try:
         yield
-    except InputError:
+    except (InputError, RunFailed):
         raise
-    except (ValueError, LookupError, OSError) as error:
+    except MemoryError as error:
+        raise InputError("what was asked for needs more memory than there is") from error
+    except Exception as error:
         raise InputError(one_line(error)) from error
 
 
 def one_line(error: BaseException) -> str:
-    """The message of an error on a single line; its type where it has no message."""
-    message = error.args[0] if isinstance(error, KeyError) and error.args else error
-    return " ".join(str(message).split()) or type(error).__name__
+    """The message of an error on a single line of printable characters; its type where it has no
+    message, and beside one that is no sentence."""
+    if isinstance(error, KeyError) and error.args:
+        text = printable(str(error.args[0]))
+        return text if " " in text else f"the entry {text!r} is missing"
+    text = printable(str(error))
+    if not text:
+        return type(error).__name__
+    spoken = isinstance(error, (ValueError, LookupError, OSError, RuntimeError))
+    ours = type(error).__module__ != "builtins"  # or a library's
+    return text if spoken or ours else f"{type(error).__name__}: {text}"
+
+
+def printable(text: str) -> str:
+    """Text on a single line, with escapes for what a terminal would not show, and not too long."""
+    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in " ".join(text.split()))
+    if len(line) <= LONGEST:
+        return line
+    return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"

@@ -1,52 +1,133 @@
-"""Ctrl-C while other threads work: handled where the work can be stopped, and once.
+"""Signals that end a command: Ctrl-C, and those of a supervisor or a terminal that closes.
 
 Python raises KeyboardInterrupt wherever the main thread happens to be, and a second one while it
 still waits for the threads of the first: a rollout in flight then outlives the interpreter.
 """
 
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any, NoReturn
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C; after another signal, 128 and its number."""
+LATER = 0.05
+"""[s], until a signal comes again."""
+ENDING = (signal.SIGTERM, signal.SIGHUP)
+"""Signals beside Ctrl-C after which a command cleans up and ends."""
+
+
+class Terminated(KeyboardInterrupt):
+    """Ended by a signal other than Ctrl-C."""
+
+    def __init__(self, number: int, message: str = "") -> None:
+        super().__init__(message)
+        self.number = number
+
+
+def interruption(number: int, message: str = "") -> KeyboardInterrupt:
+    """The exception for a signal."""
+    if number == signal.SIGINT:
+        return KeyboardInterrupt(message)
+    return Terminated(number, message)
+
+
+def exit_status(stop: KeyboardInterrupt) -> int:
+    """Exit status after an interruption."""
+    return 128 + stop.number if isinstance(stop, Terminated) else INTERRUPTED
+
+
+class Signals:
+    """Signals of this process: those that have come, in their order, and their handling."""
+
+    def __init__(self) -> None:
+        self.come: list[int] = []
+        self._handled: list[int] = []
+
+    def handle(self) -> None:
+        """Let Ctrl-C and the ending signals raise their exception, unless they are ignored, as
+        below nohup."""
+        for number in (signal.SIGINT, *ENDING):
+            if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+                signal.signal(number, self._end)
+                self._handled.append(number)
+        sys.unraisablehook = self._unraisable
+
+    def ignore(self) -> None:
+        """From here on nothing is left to be interrupted."""
+        for number in self._handled:
+            signal.signal(number, signal.SIG_IGN)
+
+    def consequence(self, error: Exception) -> Exception | KeyboardInterrupt:
+        """The error, or the interruption that it follows from: compiled code, in which a signal is
+        noticed, has errors of its own for it."""
+        return interruption(self.come[0]) if self.come else error
+
+    def _end(self, number: int, _: object) -> NoReturn:
+        self.come.append(number)
+        raise interruption(number)
+
+    def _unraisable(self, lost: Any) -> None:
+        """A signal that came where nothing can be raised, as in a function that compiled code
+        calls, comes again a little later. Other errors of this kind are a library's."""
+        if isinstance(lost.exc_value, KeyboardInterrupt) and self.come:
+            again = threading.Timer(LATER, os.kill, (os.getpid(), self.come[0]))
+            again.daemon = True
+            again.start()
+
+
+SIGNALS = Signals()
+"""Of this process."""
 
 
 class Stop:
-    """State of Ctrl-C: pressed or not."""
+    """State of the signals: one has come or none."""
 
-    asked = False
+    number = 0
+    """Of the first signal."""
+
+    @property
+    def asked(self) -> bool:
+        """A signal has come."""
+        return self.number != 0
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt if it was."""
+        """Raise KeyboardInterrupt if one has."""
         if self.asked:
-            raise KeyboardInterrupt
+            raise interruption(self.number)
 
 
 @contextmanager
 def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
-    """End the block on Ctrl-C where it calls `Stop.check`, or at its end; the first one counts.
-    Another error that the block raises after Ctrl-C is taken for its consequence.
+    """End the block on a signal where it calls `Stop.check`, or at its end; the first one counts.
+    Another error that the block raises after a signal is taken for its consequence.
 
     kept: the message at the end, which may be empty.
 
-    Raises KeyboardInterrupt with this message after Ctrl-C.
+    Raises KeyboardInterrupt with this message after a signal.
     """
     stop = Stop()
-    before = signal.getsignal(signal.SIGINT)
-    # Only the main thread may handle signals, and a process in the background may ignore this one.
-    ours = threading.current_thread() is threading.main_thread() and callable(before)
+    # Only the main thread may handle signals, and a process in the background may ignore one.
+    main = threading.current_thread() is threading.main_thread()
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *ENDING)}
+    before = {number: handler for number, handler in handlers.items() if main and callable(handler)}
 
-    def note(*_: object) -> None:
-        stop.asked = True
+    def note(number: int, _: object) -> None:
+        stop.number = stop.number or number
 
-    if ours:
-        signal.signal(signal.SIGINT, note)
+    for number in before:
+        signal.signal(number, note)
     try:
         yield stop
         stop.check()
     except (Exception, KeyboardInterrupt) as error:
         if stop.asked or isinstance(error, KeyboardInterrupt):
-            raise KeyboardInterrupt(kept()) from None
+            number = getattr(error, "number", signal.SIGINT)
+            raise interruption(stop.number or number, kept()) from None
         raise
     finally:
-        if ours:
-            signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -12,10 +12,13 @@ from typing import Annotated, Any
 
 from cyclopts import Group, Parameter, Token, convert
 
-from armside.sim.records.run_folder import check_destination
+from armside.sim.records.files import check_file, check_file_to_write, check_name
+from armside.sim.records.run_folder import check_destination, check_shared_folder, check_writable
 
 options = Parameter(name="*")
 """Decorator: the fields of a dataclass become options of the command itself."""
+LARGEST_SEED = 2**63 - 1
+"""Datasets and other programs hold a seed in 64 bits."""
 
 
 def _leaves(value: Any) -> Iterator[Any]:
@@ -37,9 +40,42 @@ def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
     return value
 
 
+def seed_range(first: int, n: int) -> range:
+    """n seeds from the first on. Raises ValueError for one that is too large."""
+    if first + n - 1 > LARGEST_SEED:
+        raise ValueError(f"seeds must be below 2^63, got {n} from {first:.4e} on")
+    return range(first, first + n)
+
+
 def _check_out(_type: Any, out: Path | None) -> None:
     if out is not None:
+        check_name(out)
         check_destination(out)
+        check_writable(out)
+
+
+def _check_folder(_type: Any, given: Path | None) -> None:
+    if given is not None:
+        check_shared_folder(given)
+
+
+def check_read(_type: Any, given: object) -> None:
+    """Validator of an option that may name a file to be parsed."""
+    if isinstance(given, Path):
+        check_file(given)
+
+
+def _check_write(_type: Any, given: Path | None) -> None:
+    if given is not None:
+        check_file_to_write(given)
+
+
+FileToRead = Annotated[Path | None, Parameter(validator=check_read)]
+"""Type of an option that names a file to be parsed: it must be there, and of a sane size."""
+Folder = Annotated[Path, Parameter(validator=_check_folder)]
+"""Type of an option that names a folder, new or not, that files are added to."""
+FileToWrite = Annotated[Path | None, Parameter(validator=_check_write)]
+"""Type of an option that names a file to write: its folder must be there and writable."""
 
 
 @Parameter(name="*", group=Group("Options of every command", sort_key=9))
@@ -61,3 +97,5 @@ class Common:
     def __post_init__(self) -> None:
         if self.seed < 0:
             raise ValueError(f"seed must be >= 0, got {self.seed}")
+        if self.seed > LARGEST_SEED:
+            raise ValueError(f"seed must be below 2^63, got {self.seed:.4e}")

@@ -88,5 +88,6 @@ def test_lines_are_the_same_for_the_same_seed_and_cover_kinds_and_commands():
 def test_findings_name_files_that_are_made():
     from armside.scripts.verifications.input.files import READ, RUNS
 
-    named = {Path(word).name for words in FINDINGS for word in words if word.startswith("../files/")}
+    words = [word for line in FINDINGS for word in line if word.startswith("../files/")]
+    named = {Path(word).name for word in words}
     assert named <= {*READ, *RUNS}

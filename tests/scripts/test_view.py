@@ -45,4 +45,4 @@ def test_a_model_without_motors_is_refused(tmp_path, capsys):
     assert cli.main(["view", "--model", str(file)]) == 2
     assert "no joints motor_1" in capsys.readouterr().err
     assert cli.main(["view", "--model", "missing.xml"]) == 2
-    assert "missing.xml is no file" in capsys.readouterr().err
+    assert "missing.xml does not exist" in capsys.readouterr().err

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
@@ -138,6 +138,9 @@ def _words(option: Option, kind: Kind, rng: np.random.Generator) -> list[str]:
 
 
 def _values(option: Option, kind: Kind) -> Sequence[str]:
+    if get_origin(option.type) is Union:
+        each = [option._replace(type=part) for part in get_args(option.type)]
+        return [value for one in each for value in _values(one, kind)]
     if get_origin(option.type) is Literal:
         good = [str(value) for value in get_args(option.type)]
         return good if kind < Kind.ABSURD else [*TEXTS[Kind.MALFORMED], "odd", good[0].upper()]
@@ -148,7 +151,7 @@ def _values(option: Option, kind: Kind) -> Sequence[str]:
 
 
 def _paths(option: Option, kind: Kind) -> Sequence[str]:
-    if option.role == "read":
+    if option.role == "read" or option.name == "--individual":
         return ["/dev/zero", *(f"../files/{name}" for name in READ)]
     if not option.name or option.name == "--identification":
         names = [f"../files/{name}" for name in (*RUNS, *READ)]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from inspect import Parameter, signature
 from types import NoneType
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from ...shell.options import FileToRead, FileToWrite, Folder
 
@@ -18,7 +18,7 @@ class Option(NamedTuple):
     name: str
     """As it is written, such as `--radius`; empty for a positional argument."""
     type: Any
-    """Of one word: float, int, bool, str, Path, a Literal."""
+    """Of one word: float, int, bool, str, Path, a Literal, or a union of them."""
     words: int | None
     """Number of words that it takes; None for any number."""
     role: str
@@ -58,7 +58,7 @@ def _given(hint: Any) -> Any:
     """The type without annotations, and without None."""
     while get_origin(hint) is Annotated:
         hint = get_args(hint)[0]
-    parts = [part for part in get_args(hint) if part is not NoneType]
-    if NoneType in get_args(hint):
-        return _given(parts[0])
-    return hint
+    if NoneType not in get_args(hint):
+        return hint
+    first, *others = [part for part in get_args(hint) if part is not NoneType]
+    return Union[first, *others] if others else _given(first)

@@ -1,0 +1,71 @@
+"""A command line carried out: parsed, run, and ended with one line and a status."""
+
+import os
+import sys
+import traceback
+from collections.abc import Mapping
+
+from armside.sim.records.run_folder import PUBLISHED
+
+from .errors import InputError, RunFailed, one_line, printable
+from .interrupts import SIGNALS, exit_status
+from .parser import Load, parse
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+"""Exit status; that of an interruption is in `interrupts`."""
+
+
+def run(tokens: list[str], commands: Mapping[str, str], load: Load) -> int:
+    """Parse and run a command line; its exit status."""
+    try:
+        command, bound = parse(tokens, commands, load)
+        PUBLISHED.clear()
+        command(*bound.args, **bound.kwargs)
+        SIGNALS.ignore()
+        sys.stdout.flush()
+        return DONE
+    except BrokenPipeError:  # the reader of our output left: nobody reads a message
+        _drop_unwritten(sys.stdout)
+        return FAILED
+    except (Exception, KeyboardInterrupt) as raised:
+        SIGNALS.ignore()
+        error = SIGNALS.consequence(raised) if isinstance(raised, Exception) else raised
+        if isinstance(error, KeyboardInterrupt):
+            return _complain(str(error) or _kept(), exit_status(error))
+        if "--debug" in tokens:
+            traceback.print_exc()
+        status = BAD_INPUT if isinstance(error, InputError) else FAILED
+        return _complain(_message(error), status)
+
+
+def _kept() -> str:
+    if PUBLISHED:
+        return f"interrupted; the results are complete in {PUBLISHED[-1]}"
+    return "interrupted, nothing was kept"
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, MemoryError):
+        return "failed for want of memory; ask for less"
+    if isinstance(error, (InputError, RunFailed, OSError)):
+        return one_line(error)
+    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    said = f": {printable(text)}" if text else ""
+    return f"failed with {type(error).__name__}{said} (--debug shows where)"
+
+
+def _complain(message: str, status: int) -> int:
+    _drop_unwritten(sys.stdout)
+    try:
+        print(f"armside: {message}", file=sys.stderr, flush=True)
+    except OSError:  # a full disk or nobody behind it: the status remains
+        _drop_unwritten(sys.stderr)
+    return status
+
+
+def _drop_unwritten(stream: object) -> None:
+    """Drop output that a stream does not take, or Python would fail on it once more at its end."""
+    try:
+        stream.flush()  # type: ignore[attr-defined]
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # type: ignore[attr-defined]
