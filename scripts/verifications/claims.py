@@ -21,8 +21,6 @@ class Claim(NamedTuple):
 
 def _load(name: str) -> Function:
     match name:
-        case "input":
-            from .input.claim import lines as claim
         case "kinematics":
             from .kinematics import kinematics as claim
         case "laser":
@@ -63,7 +61,7 @@ def _load(name: str) -> Function:
 
 
 _SEEDS = {
-    **{"input": 2500, "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000},
+    **{"kinematics": 10, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from armside.scripts import cli
+from armside.scripts.contract.claim import judged
+from armside.scripts.contract.findings import FINDINGS
+from armside.scripts.contract.isolated import Outcome
+from armside.scripts.contract.lines import Kind, Line, line
+from armside.scripts.contract.options import options_of
+from armside.scripts.contract.rules import RULES, broken
 from armside.scripts.shell.options import FileToRead, FileToWrite, Folder
-from armside.scripts.verifications.input.claim import judged
-from armside.scripts.verifications.input.contract import RULES, broken
-from armside.scripts.verifications.input.findings import FINDINGS
-from armside.scripts.verifications.input.isolated import Outcome
-from armside.scripts.verifications.input.lines import Kind, Line, line
-from armside.scripts.verifications.input.options import options_of
 
 PATIENCE = 0.3
 """[s]: what runs that long is interrupted, and must then end in one line like everything else."""
@@ -86,7 +86,7 @@ def test_lines_are_the_same_for_the_same_seed_and_cover_kinds_and_commands():
 
 
 def test_findings_name_files_that_are_made():
-    from armside.scripts.verifications.input.files import READ, RUNS
+    from armside.scripts.contract.files import READ, RUNS
 
     words = [word for line in FINDINGS for word in line if word.startswith("../files/")]
     named = {Path(word).name for word in words}

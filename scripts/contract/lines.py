@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
-from ... import cli
+from .. import cli
 from .files import READ, RUNS
 from .findings import FINDINGS
 from .options import Option, options_of

@@ -6,7 +6,7 @@ from inspect import Parameter, signature
 from types import NoneType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-from ...shell.options import FileToRead, FileToWrite, Folder
+from ..shell.options import FileToRead, FileToWrite, Folder
 
 TRACEBACK = "debug"
 """The option that asks for a traceback."""

@@ -1,4 +1,4 @@
-"""The claim of `armside verify input`: no command line hurts. A seed is one line."""
+"""The claim that no command line hurts. A seed is one line."""
 
 import shlex
 import shutil
@@ -14,9 +14,9 @@ from armside.sim.cores import cores
 from armside.sim.evaluation.check import Table, all_hold
 
 from . import files
-from .contract import PATIENCE, RULES, broken, summaries
 from .isolated import Outcome, run, server
 from .lines import Line, line
+from .rules import PATIENCE, RULES, broken, summaries
 
 
 class Judged(NamedTuple):

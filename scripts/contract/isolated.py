@@ -18,7 +18,7 @@ PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),
     *(f"armside.scripts.figures.{name}" for name in ("laser", "kerf", "design")),
     *("armside.sim.replay.scene", "armside.sim.records.tables", "matplotlib.pyplot", "optuna"),
-    *("armside.scripts.verifications.input.isolated", "armside.ilc.analysis.proposal"),
+    *("armside.scripts.contract.isolated", "armside.ilc.analysis.proposal"),
 )
 ADDRESS_SPACE = 4_000_000_000
 """[bytes], beside that of the libraries: a hard limit, above the one of the contract."""
@@ -90,8 +90,8 @@ def _main(words: tuple[str, ...], folder: str, patience: float) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
     signal.signal(signal.SIGPROF, lambda *_: os.kill(os.getpid(), signal.SIGINT))
     signal.setitimer(signal.ITIMER_PROF, patience)
-    from ... import cli
-    from ...shell.interrupts import SIGNALS
+    from .. import cli
+    from ..shell.interrupts import SIGNALS
 
     sys.argv = ["armside", *words]
     status = cli.main()
