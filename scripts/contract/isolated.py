@@ -100,6 +100,4 @@ def _main(words: tuple[str, ...], folder: str, patience: float) -> None:
     seconds = used.ru_utime + used.ru_stime
     interrupted = len(SIGNALS.come) > 0
     Path(f"{folder}.used").write_text(f"{interrupted:d} {seconds} {1024 * used.ru_maxrss}")
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()  # pyright: ignore[reportOptionalMemberAccess] - `main` has opened them
     os._exit(status)
