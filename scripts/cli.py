@@ -12,6 +12,7 @@ COMMANDS = {
     "laser": "Cut a shape with the virtual robot and learn to cut it.",
     "imu": "Predict what an IMU on the moving tool measures.",
     "identify": "Find the arm's springs from one cut and an IMU.",
+    "commission": "Make a robot's digital twin from a few cuts.",
     "compare": "Learn from motors, estimate, tracker and ground truth.",
     "replay": "Watch runs: viewer, browser, picture or film.",
     "view": "Move a robot by sliders in MuJoCo's own viewer.",
@@ -43,6 +44,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.imu import imu as command
         case "identify":
             from .commands.identify import identify as command
+        case "commission":
+            from .commands.commission import commission as command
         case "compare":
             from .commands.compare import compare as command
         case "replay":

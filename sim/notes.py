@@ -20,6 +20,8 @@ class Cause(Enum):
     """Learning went back to its best iteration."""
     IMU = "imu"
     """Samples of the IMU were bridged, or not used at all."""
+    TWIN = "twin"
+    """A digital twin was not trusted, or has to be commissioned again."""
     TOOL = "tool"
     """The tool got worse although the learned output did not."""
 

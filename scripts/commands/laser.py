@@ -7,6 +7,7 @@ from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import summary
 
+from ..cutting import first_cut
 from ..cutting.options import LaserCfg
 from ..cutting.specification import prepared
 from ..figures.laser_results import show, write
@@ -24,9 +25,13 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     with checking_input():
         check_writable(common.out or RUNS / "laser")
         experiment, set_up = prepared(cfg, common.seed)
+        by_twin = None if cfg.twin is None else first_cut.corrected(cfg, experiment)
+    start = None
+    if by_twin is not None:
+        start, set_up = by_twin.found.correction, by_twin.set_up
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
         iterations = list[Iteration]()
-        for iteration in iterate(experiment, set_up, cfg.iterations):
+        for iteration in iterate(experiment, set_up, cfg.iterations, start=start):
             iterations.append(iteration)
             step()
         last, repeated = iterations[-1], list[Pass]()
@@ -34,10 +39,15 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
             repeated.append(experiment.plant.run(last.correction))
             step()
     found = results(experiment, iterations) | quality(experiment, iterations, repeated, cfg.beam)
+    if by_twin is not None:
+        more, notes = first_cut.outcome(by_twin, iterations[0].run, cfg)
+        found |= more | {"notes": [*found["notes"], *notes]}
     outcome = summary("laser", cfg, common, **found)
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         write(folder, experiment, iterations, outcome)
     report.notes(found["notes"])
+    if "predicted" in outcome:
+        report.line(first_cut.line(outcome["predicted"], outcome["iterations"]))
     show(report, outcome, folder.path)
     if outcome["status"] == "diverged":
         raise RunFailed(f"learning diverged at iteration {last.k}")

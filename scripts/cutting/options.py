@@ -94,6 +94,8 @@ class LaserCfg(IndividualCfg):
     """Limit of the controller for acceleration along and across the path [m/s^2]."""
     stiffness_error: float = 30.0
     """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
+    twin: Path | None = None
+    """Folder of `armside commission`: learn in this twin first, and correct the first run by it."""
     identification: Path | None = None
     """Folder of `armside identify` within 600 mm, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"

@@ -7,7 +7,9 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc import learning
+from armside.ilc.divergence import DIVERGENCE_RATIO
 from armside.ilc.laws import Law
+from armside.ilc.laws.around import Around
 from armside.ilc.laws.guarded import Guarded
 from armside.ilc.plant import Plant
 
@@ -18,6 +20,9 @@ from .plant import Pass
 from .specification import Cut
 from .tool_measure import Source, ToolPath
 
+FROM_A_MODEL = 10.0
+"""Factor on the ratio that counts as divergence where learning starts from a model's correction:
+its first error is a tenth of the usual one."""
 MEASURES: Mapping[str, Measure] = {
     "motor": MotorAngles(),
     **{source.value: ToolPath(source=source) for source in Source},
@@ -33,6 +38,7 @@ def learn(
     iterations: int = 5,
     seed: int = 0,
     plant: Plant[Pass] | None = None,
+    start: Array | None = None,
 ) -> Iterator[Iteration]:
     """Iterations k = 0 .. `iterations` of a cut, until done or diverged.
 
@@ -41,6 +47,7 @@ def learn(
         law: learning law for errors of that output; the measure's default if None.
         seed: of the robot individual, of the instruments' set-up and of all noise.
         plant: runs corrections in place of the virtual robot.
+        start: (N, 6) [rad], correction of the first run, such as a twin's; zero if None.
 
     Raises:
         ValueError: at once, for a cut that cannot be made, an unknown name, or a robot that the
@@ -51,7 +58,8 @@ def learn(
         raise ValueError(f"Unknown measure {measure!r}. Measures: {', '.join(MEASURES)}")
     chosen = MEASURES[measure] if isinstance(measure, str) else measure
     experiment = prepare(replace(cut, imu=cut.imu or chosen.imu), seed=seed)
-    return iterate(experiment, chosen.prepare(experiment), iterations, law=law, plant=plant)
+    set_up = chosen.prepare(experiment)
+    return iterate(experiment, set_up, iterations, law=law, plant=plant, start=start)
 
 
 def iterate(
@@ -61,16 +69,20 @@ def iterate(
     *,
     law: Law | None = None,
     plant: Plant[Pass] | None = None,
+    start: Array | None = None,
 ) -> Iterator[Iteration]:
     """As `learn`, for a prepared experiment and measure: `measure.prepare`."""
-    first = first_run(experiment, plant)
-    yield from learned(experiment, set_up(first), first, iterations, law=law, plant=plant)
+    first = first_run(experiment, plant, start)
+    output = set_up(first)
+    yield from learned(experiment, output, first, iterations, law=law, plant=plant, start=start)
 
 
-def first_run(experiment: Experiment, plant: Plant[Pass] | None = None) -> Pass:
-    """The run without correction, k = 0."""
+def first_run(
+    experiment: Experiment, plant: Plant[Pass] | None = None, start: Array | None = None
+) -> Pass:
+    """The run of k = 0, without correction or with that to start from."""
     plant = experiment.plant if plant is None else plant
-    return plant.run(np.zeros_like(experiment.loaded.reference))
+    return plant.run(np.zeros_like(experiment.loaded.reference) if start is None else start)
 
 
 def learned(
@@ -82,21 +94,25 @@ def learned(
     law: Law | None = None,
     plant: Plant[Pass] | None = None,
     repeats: int = 1,
+    start: Array | None = None,
 ) -> Iterator[Iteration]:
     """As `learn`, from an output that was set up by the first run.
 
     repeats: runs that are averaged in each iteration.
     """
-    more = [first_run(experiment, plant) for _ in range(repeats - 1)]
+    more = [first_run(experiment, plant, start) for _ in range(repeats - 1)]
     law = output.law if law is None else law
+    law = law if start is None else Around(law, start)
     trials = learning.learn(
         _Repeated(experiment.plant if plant is None else plant, repeats),
         law,
         output.reference,
         iterations,
         output_of=lambda runs: np.mean([output(run) for run in runs], axis=0),
+        first_correction=start,
         first_result=[first, *more],
         size_of=output.size,
+        divergence_ratio=DIVERGENCE_RATIO * (1.0 if start is None else FROM_A_MODEL),
     )
     smallest = np.inf
     for trial in trials:

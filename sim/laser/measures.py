@@ -72,12 +72,14 @@ class MotorAngles:
 
     design: Design | None = None
     """Design of the heuristic law; the robot's default if None."""
+    target: Array | None = None
+    """(N, 6) [rad], arm side, motor angles to learn, such as a twin's; the reference if None."""
 
     imu = None
 
     def prepare(self, experiment: Experiment) -> SetUp:
         design = self.design or DEFAULT_DESIGN.get(str(experiment.cut.robot), THESIS)
-        reference = experiment.loaded.reference
+        reference = experiment.loaded.reference if self.target is None else self.target
         design.law.check(*reference.shape)
         return lambda first: _MotorOutput(reference, design.law)
 

@@ -7,17 +7,18 @@ samples and must not count as if it were noise.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from armside.arrays import Array
 
 from ..robot.individual import structure_hinges
 from ..robot.mjcf import N_AXES
 from .bending import BENDING
+from .held_out import held_out
 from .measured import MeasuredCut
+from .normal_equations import Solving, grouped
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
 from .sensitivities import Against, Columns, Residuals
 from .simulation import Design
@@ -40,6 +41,19 @@ class Identification:
 
 
 @dataclass(frozen=True, eq=False)
+class Quality:
+    """Residuals that a twin leaves of the cuts it was identified from."""
+
+    scales: Array
+    """(7,): of torque residuals [N m], motor side, and of the tool [m]."""
+    held_out: Array
+    within: Array
+    """(c,) [m], root mean square of the tool's residual of each cut, left out and included."""
+    torque: Array
+    """(c, 6) [N m], root mean square of the torque residual of each cut."""
+
+
+@dataclass(frozen=True, eq=False)
 class Identified:
     """Parameters with their posterior covariance."""
 
@@ -47,8 +61,12 @@ class Identified:
     theta: Array
     covariance: Array
     """(m, m), of the linearised model at theta."""
-    scales: Array
-    """(7,): of torque residuals [N m], motor side, and of the tool [m]."""
+    quality: Quality
+
+
+def torque_rms(residual: Residuals) -> Array:
+    """(6,) [N m], root mean square of the torque residual while the arm moves."""
+    return np.sqrt(np.mean(residual.torque[residual.moving] ** 2, axis=0))
 
 
 def parameters_of(design: Design) -> Parameters:
@@ -70,11 +88,12 @@ def identify(
     """
     parameters = parameters_of(design)
     each = [Against(design, parameters, cut) for cut in cuts]
-    limits = design.model.drives.torque_limit
-    least = np.append(cfg.torque_noise * limits, cfg.tool_noise)
-    theta, columns = parameters.mean, list[Columns]()
-    solved = None
+    least = np.append(cfg.torque_noise * design.model.drives.torque_limit, cfg.tool_noise)
+    solving = Solving(parameters, parameters.mean, least, cfg.correlation)
+    residuals, columns = list[Residuals](), list[Columns]()
+    covariance, scales, last = np.diag(parameters.standard_deviation**2), least, solving
     for step in range(cfg.steps):
+        theta = solving.theta
         residuals = []
         for i, against in enumerate(each):
             if step in cfg.linearised:
@@ -84,80 +103,12 @@ def identify(
                 found = against.residuals(theta)
             residuals.append(found)
             progress()
-        groups = _groups(residuals, columns)
-        if step == 0:
-            groups = groups[:N_AXES]
-        solved = _solve(parameters, theta, groups, least, cfg.correlation)
-        theta = theta + solved.change
-    assert solved is not None
-    return Identified(parameters, theta, solved.covariance, solved.scales)
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Residuals of one sensor as normal equations: A^T A, A^T b, b^T b."""
-
-    information: Array
-    gradient: Array
-    power: float
-    rows: int
-
-    def left(self, change: Array) -> float:
-        """Root mean square of the residual after a change of theta."""
-        quadratic = change @ self.information @ change - 2.0 * change @ self.gradient
-        return float(np.sqrt(max(self.power + quadratic, 0.0) / self.rows))
-
-
-def _groups(residuals: Sequence[Residuals], columns: Sequence[Columns]) -> list[Group]:
-    """Torque of each axis, then the tool."""
-    pairs = list(zip(residuals, columns, strict=True))
-    torque = [
-        _group([(c.torque[r.moving, axis], r.torque[r.moving, axis]) for r, c in pairs])
-        for axis in range(N_AXES)
-    ]
-    m = columns[0].tool.shape[-1]
-    return [*torque, _group([(c.tool.reshape(-1, m), r.tool.ravel()) for r, c in pairs])]
-
-
-def _group(parts: Sequence[tuple[Array, Array]]) -> Group:
-    information = sum(A.T @ A for A, _ in parts)
-    gradient = sum(A.T @ b for A, b in parts)
-    power, rows = sum(float(b @ b) for _, b in parts), sum(len(b) for _, b in parts)
-    return Group(np.asarray(information), np.asarray(gradient), power, rows)
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    change: Array
-    covariance: Array
-    scales: Array
-
-
-def _solve(
-    parameters: Parameters, theta: Array, groups: Sequence[Group], least: Array, correlation: float
-) -> Solved:
-    """Bounded least squares, with scales that follow from its own residuals.
-
-    Parameters that no group depends on keep their value.
-    """
-    seen = np.flatnonzero(sum(np.diag(group.information) for group in groups) > 0.0)
-    precision = parameters.standard_deviation[seen] ** -2.0
-    pull = (parameters.mean - theta)[seen] * precision
-    bounds = (parameters.lower - theta)[seen], (parameters.upper - theta)[seen]
-    change = np.zeros(len(theta))
-    whole, scales = np.diag(precision), np.zeros(len(groups))
-    for _ in range(_SCALINGS):
-        scales = np.maximum([correlation * g.left(change) for g in groups], least[: len(groups)])
-        weighed = list(zip(groups, scales, strict=True))
-        whole = sum(g.information[np.ix_(seen, seen)] / s**2 for g, s in weighed)
-        whole = whole + np.diag(precision)
-        gradient = sum(g.gradient[seen] / s**2 for g, s in weighed) + pull
-        root = np.linalg.cholesky(whole).T
-        change[seen] = lsq_linear(root, np.linalg.solve(root.T, gradient), bounds=bounds).x
-    covariance = np.diag(parameters.standard_deviation**2)
-    covariance[np.ix_(seen, seen)] = np.linalg.inv(whole)
-    return Solved(change, covariance, scales)
-
-
-_SCALINGS = 4
-"""Turns of scales and solution."""
+        groups = grouped(residuals, columns)
+        last = solving
+        solved = solving.solve(groups[:N_AXES] if step == 0 else groups)
+        solving = replace(solving, theta=theta + solved.change)
+        covariance, scales = solved.covariance, solved.scales
+    without, within = held_out(last, residuals, columns)
+    torque = np.array([torque_rms(residual) for residual in residuals])
+    quality = Quality(scales, without, within, torque)
+    return Identified(parameters, solving.theta, covariance, quality)

@@ -45,6 +45,17 @@ def jacobians(model: RobotModel, phi: Array) -> tuple[Array, Array]:
     return out, geometry.reshape(len(phi), 3, -1)
 
 
+def rigid_path(model: RobotModel, phi: Array) -> Array:
+    """(N, 3) [m], tool of the rigid robot in base axes at motor angles (N, 6) [rad]."""
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    site, path = mj.site("tool0").id, np.empty((len(phi), 3))
+    for k, q in enumerate(phi @ model.posture.T):
+        data.qpos[:] = q
+        mujoco.mj_kinematics(mj, data)
+        path[k] = data.site_xpos[site]
+    return path
+
+
 def gear_error_columns(model: RobotModel, phi: Array, jacobian: Array) -> Array:
     """(N, 3, 6 * 4 * 2): tool displacement [m] for (sine, cosine) of each axis and order.
 

@@ -29,9 +29,9 @@ class TwinLearning:
 
     updates: int = 7
     gamma: float = 0.9
-    cutoff: float = 20.0
+    cutoff: float = 30.0
     """[Hz], of Q: above it no law is needed, and no twin is right."""
-    regularisation: float = 0.003
+    regularisation: float = 0.001
     """Of the inverse, relative: see `RegularisedInverse`."""
     limit: float = 0.02
     """Largest displacement of the tool by the correction of each axis [m]."""

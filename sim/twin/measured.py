@@ -1,4 +1,7 @@
-"""What a robot's own sensors and a tool sensor recorded of one cut. No ground truth."""
+"""Recorded signals of one cut: what a robot's own sensors and a tool sensor measured.
+
+No ground truth: a twin is identified from nothing else.
+"""
 
 from dataclasses import dataclass
 
@@ -7,10 +10,11 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
-from ..estimation.relative_path import relative_to_start
+from ..estimation.relative_path import REST_SAMPLES, relative_to_start
 from ..instruments.imu import ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..laser.plant import Pass
+from ..robot.recording import Recording
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions."""
@@ -29,6 +33,8 @@ class MeasuredCut:
     """(N, 6) [N m], motor side."""
     tool: Array | None
     """(N, 3) [m], displacement of the tool from rest in base axes, by a tracker."""
+    rest: Array | None = None
+    """(3,) [m], position of the tool at rest in base axes, by the tracker."""
     imu: ImuSamples | None = None
 
     @property
@@ -40,21 +46,38 @@ class MeasuredCut:
 
 def measured(run: Pass, name: str = "cut") -> MeasuredCut:
     """The record of a pass, without its ground truth."""
-    log = run.recording
+    return measured_from(run.recording, run.tracker, name, run.imu)
+
+
+def measured_from(
+    log: Recording,
+    tracker: TrackerSamples | None,
+    name: str,
+    imu: ImuSamples | None = None,
+) -> MeasuredCut:
+    """The record of a run and its instruments, without its ground truth.
+
+    Raises ValueError for a beam that was lost.
+    """
+    tool, rest = (None, None) if tracker is None else tracked(log.time, tracker, name)
     return MeasuredCut(
         name=name,
         reference=log.reference,
         correction=log.correction,
         motor_angle=log.motor_angle,
         motor_torque=log.motor_torque,
-        tool=tracked(log.time, run.tracker),
-        imu=run.imu,
+        tool=tool,
+        rest=rest,
+        imu=imu,
     )
 
 
-def tracked(time: Array, samples: TrackerSamples) -> Array:
-    """Low-passed displacement (N, 3) [m] from rest at the instants of the log."""
+def tracked(time: Array, samples: TrackerSamples, name: str) -> tuple[Array, Array]:
+    """Low-passed displacement (N, 3) [m] from rest at the log's instants; position (3,) at rest."""
+    if not samples.valid.all():
+        lost = int(np.count_nonzero(~samples.valid))
+        raise ValueError(f"{name}: the tracker lost {lost} of {len(samples.valid)} samples")
     period = float(samples.time[1] - samples.time[0])
     smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(samples.position)
     at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
-    return relative_to_start(smooth[at])[:, :3]
+    return relative_to_start(smooth[at])[:, :3], smooth[at][:REST_SAMPLES].mean(axis=0)

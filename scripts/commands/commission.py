@@ -1,0 +1,165 @@
+"""`armside commission`: the digital twin of a robot individual, from a few cuts."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from cyclopts import Parameter
+
+from armside.sim.laser.experiment import prepare
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.summary import dumps, summary
+from armside.sim.twin import commission as commissioning
+from armside.sim.twin.commission import Commissioned
+from armside.sim.twin.identification import Identification
+from armside.sim.twin.measured import MeasuredCut, measured
+from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
+from armside.sim.twin.recordings import read_cut
+from armside.sim.twin.twin import design_of
+
+from ..cutting.individual import IndividualCfg, robot_state
+from ..shell.console import Report
+from ..shell.errors import checking_input
+from ..shell.options import Common, options
+
+_SEVERAL = Parameter(consume_multiple=True)
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class CommissionCfg(IndividualCfg):
+    """The robot, and the cuts that it is known from."""
+
+    robot: Literal["large"] = "large"
+    """Robot. A twin of the IRB1400 is not made yet: its arm closes a chain."""
+    cuts: int = 4
+    """Number of cuts, 1 to 10, from a plan that is chosen by what they identify."""
+    measure: Literal["tracker"] = "tracker"
+    """Sensor at the tool."""
+    payload: float | None = None
+    """Mass of the tool [kg] [default: as in the model]."""
+    recordings: Annotated[tuple[Path, ...], _SEVERAL] = ()
+    """Runs to commission from, in place of cuts by the virtual robot: folders of `armside laser`,
+    or tables of recorded data."""
+    leave_out: Annotated[tuple[str, ...], _SEVERAL] = ()
+    """Names of cuts to leave out."""
+    choose: bool = False
+    """Only choose the plan anew, and print what each cut adds."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 1 <= self.cuts <= MOST:
+            raise ValueError(f"cuts must be from 1 to {MOST}, got {self.cuts}")
+        if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
+            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
+        if self.recordings and self.individual is not None:
+            raise ValueError("recordings are of a robot of their own: leave out --individual")
+
+
+def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common()) -> None:
+    """Make the digital twin of a robot individual from a few cuts, for `armside laser --twin`.
+
+    Writes summary.json, twin.json, covariance.npy, friction.png and residuals.png.
+    """
+    from ..figures import commission as figures
+
+    report = Report(common)
+    if cfg.choose:
+        _choose(report, cfg)
+        return
+    with checking_input():
+        recorded = _recorded(cfg, common.seed, report)
+    steps = Identification().steps * len(recorded)
+    with report.progress("identifying", total=steps) as step, checking_input():
+        found = commissioning.commission(
+            recorded, robot=cfg.robot, payload=cfg.payload, progress=step
+        )
+    outcome = summary("commission", cfg, common, **_results(found))
+    with RunFolder("commission", seed=common.seed, out=common.out) as folder:
+        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+        found.twin.save((folder / "summary.json").parent)
+        figures.friction(folder / "friction.png", found, recorded)
+        figures.residuals(folder / "residuals.png", found, recorded)
+    _show(report, outcome)
+    report.results(outcome, folder.path)
+
+
+def _choose(report: Report, cfg: CommissionCfg) -> None:
+    with report.progress("choosing", total=len(CANDIDATES)) as step:
+        taken = chosen(design_of(cfg.robot, cfg.payload), progress=step)
+    report.table(
+        "Cuts in the order in which they are taken",
+        ["candidate", "contour", "position [m]", "speed [mm/s]", "information [nat]"],
+        [_planned(choice.number, choice.gain) for choice in taken],
+    )
+
+
+def _planned(number: int, gain: float) -> list[Any]:
+    cut = CANDIDATES[number]
+    x, y, z = cut.tool_pose.position
+    kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
+    return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, gain]
+
+
+def _recorded(cfg: CommissionCfg, seed: int, report: Report) -> list[MeasuredCut]:
+    """Cuts to identify from. Raises ValueError for a name that is not among them."""
+    names = [path.name for path in cfg.recordings] or [f"cut-{i + 1}" for i in range(cfg.cuts)]
+    if unknown := [name for name in cfg.leave_out if name not in names]:
+        raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
+    if not (kept := [name for name in names if name not in cfg.leave_out]):
+        raise ValueError("every cut is left out")
+    if cfg.recordings:
+        return [read_cut(path) for path in cfg.recordings if path.name in kept]
+    state, cuts = robot_state(cfg), []
+    with report.progress("cutting", total=len(kept)) as step:
+        for i, planned in enumerate(plan(cfg.cuts)):
+            if names[i] not in kept:
+                continue
+            cut = replace(planned, payload=cfg.payload, **state)
+            experiment = prepare(cut, seed=seed + i)
+            run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
+            cuts.append(measured(run, names[i]))
+            step()
+    return cuts
+
+
+def _results(found: Commissioned) -> dict[str, Any]:
+    parameters, identified = found.twin.parameters, found.identified
+    quality = identified.quality
+    std = np.sqrt(np.diag(identified.covariance))
+    prior = parameters.standard_deviation
+    return {
+        "cuts": [
+            {"name": name, "held_out": out, "within": within}
+            for name, out, within in zip(
+                found.twin.names, quality.held_out, quality.within, strict=True
+            )
+        ],
+        "torque_residual": found.twin.torque_residual,
+        "parameters": [
+            {"name": name, "value": value, "standard_deviation": s, "prior": p}
+            for name, value, s, p in zip(
+                parameters.names, identified.theta, std, prior, strict=True
+            )
+        ],
+        "not_identified": [
+            name for name, s, p in zip(parameters.names, std, prior, strict=True) if s > 0.7 * p
+        ],
+    }
+
+
+def _show(report: Report, outcome: dict[str, Any]) -> None:
+    rows = [[c["name"], 1e6 * c["within"], _um(c["held_out"])] for c in outcome["cuts"]]
+    columns = ["cut", "in the identification", "held out"]
+    report.table("What the twin leaves of the tool's path [µm]", columns, rows)
+    unknown, every = outcome["not_identified"], len(outcome["parameters"])
+    kinds = sorted({name.split(" ")[0] for name in unknown})
+    report.line(
+        f"{every - len(unknown)} of {every} parameters are identified; of the others the cuts tell "
+        f"nothing that matters to them: {', '.join(kinds) or 'none'}"
+    )
+
+
+def _um(value: float | None) -> float | str:
+    return "-" if value is None else 1e6 * value

@@ -1,0 +1,210 @@
+"""The claims of `armside verify first-cut`: unseen tasks cut right at the first run, by a twin.
+
+Each seed is one of the judged individuals: `first_cut_tasks`. "Left" is the true tool RMS of the
+first run with the twin's correction over that without any.
+"""
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.laser.experiment import prepare, true_tool_error
+from armside.sim.laser.plant import Pass
+from armside.sim.laser.specification import Cut
+from armside.sim.robot.spread import Drawn
+from armside.sim.twin.commission import commission
+from armside.sim.twin.correction import Corrected
+from armside.sim.twin.drift import refreshed
+from armside.sim.twin.measured import MeasuredCut, measured
+from armside.sim.twin.plan import plan
+from armside.sim.twin.twin import Twin
+
+from ..jobs.workers import Workers
+from .first_cut_tasks import GUARD_SEED, JUDGED, JUDGED_SEED, tasks, tasks_beyond
+
+COUNTS = (10, 4, 2)
+"""Cuts that a twin is commissioned from."""
+N_TASKS, N_DRIFT, N_BEYOND, N_FEEDBACK = 30, 10, 30, 2
+DRIFT = 0.10
+BAD, GOOD = 0.30, 0.15
+"""Left: a task that should have been flagged, and one that should not."""
+COLUMNS = (
+    *("individual", "hidden hinges"),
+    *(f"{n} cuts: {what}" for n in COUNTS for what in ("median left", "worst left")),
+    *("worse than without", "inside the interval", "drift: median left", "with feedback"),
+    *("bad ones flagged", "good ones flagged", "commissioning [s]", "correction [s]"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Results of one individual."""
+
+    number: int
+    hinges: int
+    left: dict[int, Array]
+    """(30,) by the count of cuts."""
+    inside: Array
+    """(30,) bool, ten cuts: the error was in the predicted interval."""
+    drift: Array
+    feedback: Array
+    """(10,), friction +10 %, without and with feedback."""
+    beyond: Array
+    flagged: np.ndarray
+    """(n,) left beyond the commissioned range, and whether the twin was not trusted there."""
+    seconds: float
+    correction_seconds: float
+
+
+def first_cut(seeds: Iterable[int]) -> Table:
+    """Six individuals, three with hidden hinges; thirty unseen tasks each."""
+    numbers = [JUDGED[seed % len(JUDGED)] for seed in seeds]
+    with Workers() as workers:
+        found = workers.map(individual, numbers)
+    return Table("First cuts by a twin", COLUMNS, [_row(one) for one in found], verdicts(found))
+
+
+def individual(
+    number: int,
+    *,
+    counts: Sequence[int] = COUNTS,
+    n_tasks: int = N_TASKS,
+    n_drift: int = N_DRIFT,
+    n_beyond: int = N_BEYOND,
+) -> Found:
+    """Commission twins of one individual from several counts of cuts, and judge them."""
+    robot = Drawn(number)
+    runs = [
+        _cut(replace(cut, individual=robot), seed) for seed, cut in enumerate(plan(max(counts)))
+    ]
+    cuts = [measured(run, f"cut-{i + 1}") for i, (_, run) in enumerate(runs)]
+    chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
+    plain = [_left_alone(cut, robot) for cut in chosen]
+    started, twins = time.perf_counter(), dict[int, Twin]()
+    seconds = 0.0
+    for count in counts:
+        twins[count] = commission(cuts[:count]).twin
+        seconds = seconds or time.perf_counter() - started
+    left, inside, took = dict[int, Array](), np.empty(0, dtype=bool), list[float]()
+    for count, twin in twins.items():
+        errors, predictions = list[float](), list[Corrected]()
+        for cut in chosen:
+            began = time.perf_counter()
+            corrected = twin.correction(cut)
+            took.append(time.perf_counter() - began)
+            predictions.append(corrected)
+            errors.append(_error(cut, robot, corrected.correction))
+        left[count] = np.array(errors) / plain
+        if count == max(counts):
+            low, high = np.array([(p.prediction.low, p.prediction.high) for p in predictions]).T
+            inside = (low <= np.array(errors)) & (np.array(errors) <= high)
+    best = twins[max(counts)]
+    drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:n_drift]]
+    without, feedback = _after_drift(best, robot, drifted)
+    beyond, flagged = _beyond(best, robot, tasks_beyond(n_beyond, GUARD_SEED + number))
+    hinges = len(robot.of(best.design.nominal or best.design.model).hidden)
+    return Found(
+        *(number, hinges, left, inside, without, feedback, beyond, flagged),
+        *(seconds, float(np.median(took))),
+    )
+
+
+def _cut(cut: Cut, seed: int, correction: Array | None = None) -> tuple[Cut, Pass]:
+    experiment = prepare(cut, seed=seed)
+    zero = np.zeros_like(experiment.loaded.reference)
+    return cut, experiment.plant.run(zero if correction is None else correction)
+
+
+def _error(cut: Cut, robot: Drawn, correction: Array | None) -> float:
+    """True tool RMS [m] of a run."""
+    experiment = prepare(replace(cut, individual=robot), seed=JUDGED_SEED)
+    zero = np.zeros_like(experiment.loaded.reference)
+    run = experiment.plant.run(zero if correction is None else correction)
+    return true_tool_error(experiment.motion, run).rms
+
+
+def _left_alone(cut: Cut, robot: Drawn) -> float:
+    return _error(cut, robot, None)
+
+
+def _after_drift(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, Array]:
+    """Left of cuts after friction has changed: by the old twin, and after feedback of two runs."""
+    plain = np.array([_left_alone(cut, robot) for cut in cuts])
+    corrections = [twin.correction(cut).correction for cut in cuts]
+    without = [_error(cut, robot, u) for cut, u in zip(cuts, corrections, strict=True)]
+    production: list[MeasuredCut] = []
+    for i in range(min(N_FEEDBACK, len(cuts))):
+        _, run = _cut(replace(cuts[i], individual=robot), JUDGED_SEED + i, corrections[i])
+        production.append(measured(run))
+    after = refreshed(twin, production).twin if production else twin
+    again = [_error(cut, robot, after.correction(cut).correction) for cut in cuts]
+    return np.array(without) / plain, np.array(again) / plain
+
+
+def _beyond(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, np.ndarray]:
+    left, flagged = [], []
+    for cut in cuts:
+        corrected = twin.correction(cut)
+        left.append(_error(cut, robot, corrected.learned) / _left_alone(cut, robot))
+        flagged.append(not corrected.trusted)
+    return np.array(left), np.array(flagged, dtype=bool)
+
+
+def _row(found: Found) -> tuple[object, ...]:
+    pairs = [(np.median(left), left.max()) for left in found.left.values()]
+    bad, good = _bad(found), _good(found)
+    return (
+        found.number,
+        found.hinges,
+        *(float(value) for pair in pairs for value in pair),
+        sum(int((left > 1.0).sum()) for left in found.left.values()),
+        float(found.inside.mean()),
+        float(np.median(found.drift)),
+        float(np.median(found.feedback)),
+        f"{int(found.flagged[bad].sum())} of {int(bad.sum())}",
+        f"{int(found.flagged[good].sum())} of {int(good.sum())}",
+        found.seconds,
+        found.correction_seconds,
+    )
+
+
+def _bad(found: Found) -> np.ndarray:
+    return ~(found.beyond <= BAD)  # NaN too
+
+
+def _good(found: Found) -> np.ndarray:
+    return found.beyond <= GOOD
+
+
+def verdicts(found: Sequence[Found]) -> list[Check]:
+    """Verdicts on all individuals together."""
+    every = {n: np.concatenate([one.left[n] for one in found]) for n in COUNTS}
+    better = np.concatenate([*every.values()]) <= 1.0
+    inside = np.concatenate([one.inside for one in found])
+    drift, feedback = (np.concatenate([getattr(one, x) for one in found]) for x in _DRIFTS)
+    flagged = np.concatenate([one.flagged for one in found])
+    bad, good = (np.concatenate([of(one) for one in found]) for of in (_bad, _good))
+    return [
+        Check("", "ten cuts: median left", "", float(np.median(every[10])), high=0.06),
+        Check("", "ten cuts: worst left", "", float(every[10].max()), high=0.15),
+        Check("", "four cuts: median left", "", float(np.median(every[4])), high=0.08),
+        all_hold("no first cut is worse than without correction", better),
+        Check("", "friction +10 %: median left", "", float(np.median(drift)), high=0.10),
+        Check("", "with feedback of two cuts", "", float(np.median(feedback)), high=0.06),
+        Check(
+            "", "errors inside the interval of 90 %", "", float(inside.mean()), low=0.85, high=0.95
+        ),
+        Check("", f"flagged of tasks that end above {BAD:g}", "", _part(flagged, bad), low=0.9),
+        Check("", f"flagged of tasks that end below {GOOD:g}", "", _part(flagged, good), high=0.1),
+    ]
+
+
+_DRIFTS = ("drift", "feedback")
+
+
+def _part(flagged: np.ndarray, of: np.ndarray) -> float:
+    return float(flagged[of].mean()) if of.any() else float("nan")

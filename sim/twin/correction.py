@@ -1,0 +1,80 @@
+"""Correction for the first run of a cut, with the error to expect and a guard."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..laser.experiment import prepare
+from ..laser.specification import Cut
+from ..robot.individual import Individual
+from .ensemble import errors
+from .learning import TwinLearning, learn_in_twin
+from .prediction import Prediction, predicted
+from .simulation import Design, motor_path
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Corrected:
+    """Correction for the first run of a cut."""
+
+    correction: Array
+    """(N, 6) [rad], arm side; zero where the twin is not trusted."""
+    learned: Array = field(repr=False)
+    """(N, 6) [rad], what the twin learned, trusted or not."""
+    motor_path: Array = field(repr=False)
+    """(N, 6) [rad], arm side: the twin's motors with the correction in use."""
+    prediction: Prediction
+    trusted: bool
+    """The twin's correction is used."""
+    reason: str | None
+    """Why not; None where it is."""
+
+
+LARGEST_FRACTION = 0.3
+"""Predicted error over that without correction, upper end, from which on no correction is used."""
+
+
+def correct(
+    design: Design,
+    individual: Individual,
+    around: Sequence[Individual],
+    cut: Cut,
+    uncertainty: float,
+    cfg: TwinLearning = TwinLearning(),
+) -> Corrected:
+    """Learn a cut inside a twin and predict what its correction leaves.
+
+    Args:
+        around: individuals that commissioning cannot tell from the twin.
+        uncertainty: residual of a cut that the twin was not identified from [m].
+    """
+    nominal = design.nominal if design.payload is None else None
+    plain = replace(cut, individual=None, friction_spread=0.0)
+    experiment = prepare(plain, nominal=nominal)
+    motion, reference = experiment.motion, experiment.loaded.reference
+    learned = learn_in_twin(design, individual, motion, reference, cfg)
+    spread = errors(design, around, motion, reference, learned.correction)
+    prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, uncertainty)
+    reason = _distrust(prediction)
+    used = learned.correction if reason is None else np.zeros_like(learned.correction)
+    motors = motor_path(design.run([individual], reference, used)[0])
+    return Corrected(
+        correction=used,
+        learned=learned.correction,
+        motor_path=motors,
+        prediction=prediction,
+        trusted=reason is None,
+        reason=reason,
+    )
+
+
+def _distrust(prediction: Prediction) -> str | None:
+    if not np.isfinite(prediction.high):
+        return "the twin becomes unstable with its correction"
+    fraction = prediction.expected / prediction.uncorrected
+    if fraction > LARGEST_FRACTION:
+        return f"{100 * fraction:.0f} % of the error would be left"
+    return None

@@ -1,0 +1,93 @@
+"""Bounded least squares in a twin's parameters, from residuals of torque and tool.
+
+The scale of a sensor's residuals follows from the residuals themselves: what a model does not
+explain lasts for many samples and must not count as if it were noise.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from armside.arrays import Array
+
+from ..robot.mjcf import N_AXES
+from .parameters import Parameters
+from .sensitivities import Columns, Residuals
+
+_SCALINGS = 4
+"""Turns of scales and solution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Residuals of one sensor as normal equations: A^T A, A^T b, b^T b."""
+
+    information: Array
+    gradient: Array
+    power: float
+    rows: int
+
+    def left(self, change: Array) -> float:
+        """Root mean square of the residual after a change of theta."""
+        quadratic = change @ self.information @ change - 2.0 * change @ self.gradient
+        return float(np.sqrt(max(self.power + quadratic, 0.0) / self.rows))
+
+
+def grouped(residuals: Sequence[Residuals], columns: Sequence[Columns]) -> list[Group]:
+    """Torque of each axis, then the tool."""
+    pairs = list(zip(residuals, columns, strict=True))
+    torque = [
+        _group([(c.torque[r.moving, axis], r.torque[r.moving, axis]) for r, c in pairs])
+        for axis in range(N_AXES)
+    ]
+    m = columns[0].tool.shape[-1]
+    return [*torque, _group([(c.tool.reshape(-1, m), r.tool.ravel()) for r, c in pairs])]
+
+
+def _group(parts: Sequence[tuple[Array, Array]]) -> Group:
+    information = sum(A.T @ A for A, _ in parts)
+    gradient = sum(A.T @ b for A, b in parts)
+    power, rows = sum(float(b @ b) for _, b in parts), sum(len(b) for _, b in parts)
+    return Group(np.asarray(information), np.asarray(gradient), power, rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Change of theta, its posterior covariance, and the scales of the residuals."""
+
+    change: Array
+    covariance: Array
+    scales: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Solving:
+    """Bounded least squares around theta, with scales that follow from its own residuals."""
+
+    parameters: Parameters
+    theta: Array
+    least: Array
+    """(7,), least scales."""
+    correlation: float
+
+    def solve(self, groups: Sequence[Group]) -> Solved:
+        """Parameters that no group depends on keep their value."""
+        parameters, theta, least = self.parameters, self.theta, self.least[: len(groups)]
+        seen = np.flatnonzero(sum(np.diag(group.information) for group in groups) > 0.0)
+        precision = parameters.standard_deviation[seen] ** -2.0
+        pull = (parameters.mean - theta)[seen] * precision
+        bounds = (parameters.lower - theta)[seen], (parameters.upper - theta)[seen]
+        change, whole, scales = np.zeros(len(theta)), np.diag(precision), least
+        for _ in range(_SCALINGS):
+            scales = np.maximum([self.correlation * g.left(change) for g in groups], least)
+            weighed = list(zip(groups, scales, strict=True))
+            whole = sum(g.information[np.ix_(seen, seen)] / s**2 for g, s in weighed)
+            whole = whole + np.diag(precision)
+            gradient = sum(g.gradient[seen] / s**2 for g, s in weighed) + pull
+            root = np.linalg.cholesky(whole).T
+            change[seen] = lsq_linear(root, np.linalg.solve(root.T, gradient), bounds=bounds).x
+        covariance = np.diag(parameters.standard_deviation**2)
+        covariance[np.ix_(seen, seen)] = np.linalg.inv(whole)
+        return Solved(change, covariance, scales)

@@ -1,0 +1,82 @@
+"""Checks of recorded cuts against the nominal robot, before anything is identified from them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..robot.individual import Individual
+from .kinematic_columns import from_rest, rigid_path
+from .measured import MeasuredCut
+from .simulation import Design
+
+_LARGEST_ERROR = 0.02
+"""[rad], of a motor from its reference: ten times what a cut at full speed shows. ESTIMATE."""
+_TORQUE_GAIN = 0.6, 1.6
+"""Measured torque over that of the nominal robot, least squares over all axes. Friction differs by
+a third between robots, units by more. ESTIMATE."""
+_LARGEST_OFFSET = 0.03
+"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
+it, a flange adapter is more. ESTIMATE."""
+_LARGEST_PATH_ERROR = 2e-3
+"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
+
+
+class ImplausibleError(ValueError):
+    """A recording that cannot be of this robot, or not in the stated units."""
+
+
+def check(design: Design, cut: MeasuredCut, nominal_torque: Array) -> None:
+    """Raise ImplausibleError for a cut that the nominal robot could not have made.
+
+    nominal_torque: (N, 6) [N m], of the nominal robot with the same reference.
+    """
+    signals = ("reference", "correction", "motor_angle", "motor_torque", "tool")
+    for name in signals:
+        values = getattr(cut, name)
+        if values is not None and not np.isfinite(values).all():
+            raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
+    error = np.abs(cut.motor_angle - cut.reference - cut.correction).max(axis=0)
+    axis = int(error.argmax())
+    if error[axis] > _LARGEST_ERROR:
+        raise ImplausibleError(
+            f"{cut.name}: motor {axis + 1} is up to {error[axis]:.3g} rad from its reference: "
+            "another robot, or another unit"
+        )
+    on = cut.moving
+    nominal = nominal_torque[on]
+    gain = float(np.vdot(nominal, cut.motor_torque[on]) / np.vdot(nominal, nominal))
+    low, high = _TORQUE_GAIN
+    if not low < gain < high:
+        raise ImplausibleError(
+            f"{cut.name}: motor_torque is {gain:.3g} times that of the nominal robot; "
+            "it must be in N m of the motor, before the gear"
+        )
+    if cut.tool is not None:
+        _check_tool(design, cut)
+
+
+def _check_tool(design: Design, cut: MeasuredCut) -> None:
+    assert cut.tool is not None
+    path = rigid_path(design.model, cut.motor_angle)
+    off = float(np.abs(cut.tool - from_rest(path)).max())
+    if off > _LARGEST_PATH_ERROR:
+        raise ImplausibleError(
+            f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put it: "
+            "another robot, or another unit"
+        )
+    if cut.rest is not None:
+        away = float(np.linalg.norm(cut.rest - path[0]))
+        if away > _LARGEST_OFFSET:
+            raise ImplausibleError(
+                f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
+                "it: another flange, or another base frame"
+            )
+
+
+def check_all(design: Design, cuts: Sequence[MeasuredCut]) -> None:
+    """`check` of each cut; raises for the first that fails."""
+    for cut in cuts:
+        run = design.run([Individual()], cut.reference, cut.correction)[0]
+        check(design, cut, run.motor_torque)

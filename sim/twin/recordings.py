@@ -1,0 +1,88 @@
+"""Recorded cuts on disk: tables of the form of `signals.parquet`, made by a robot or by us.
+
+Columns reference_1..6, motor_angle_1..6 [rad, arm side], motor_torque_1..6 [N m, motor side] at
+250 Hz, tracker_x, tracker_y, tracker_z [m, base axes]; correction_1..6 [rad] where there was any.
+Columns of the ground truth are not read.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from armside.arrays import Array
+
+from ..instruments.laser_tracker import TrackerSamples
+from ..records.errors import InputError
+from ..records.tables import read_table
+from ..robot.mjcf import AXES
+from ..robot.virtual_robot import LOG_PERIOD
+from .measured import MeasuredCut, tracked
+
+_SIGNALS = "signals.parquet"
+_LOG = ("reference", "motor_angle", "motor_torque")
+_TRACKER = ("tracker_x", "tracker_y", "tracker_z")
+_CLOCK = 1e-6
+"""[s], by which instants of the log may differ from its rate."""
+
+
+def read_cut(source: Path) -> MeasuredCut:
+    """The first run of a folder of `armside laser`, or of a table of recorded data.
+
+    Raises InputError where columns are missing, rates differ, or the beam was lost.
+    """
+    file = source / _SIGNALS if source.is_dir() else source
+    try:
+        table = read_table(file)
+    except (OSError, ValueError, pa.ArrowInvalid) as error:
+        raise InputError(f"{source} is no recorded cut: {error}") from error
+    if "k" in table.column_names:
+        table = table.filter(pc.field("k") == pc.scalar(table["k"][0].as_py()))
+    try:
+        return _cut(table, source.name)
+    except (KeyError, ValueError) as error:
+        text = error.args[0] if error.args else error
+        raise InputError(f"{source} is no recorded cut: {text}") from error
+
+
+def _cut(table: pa.Table, name: str) -> MeasuredCut:
+    needed = ["time", *(f"{signal}_{i}" for signal in _LOG for i in AXES), *_TRACKER]
+    if missing := [column for column in needed if column not in table.column_names]:
+        raise ValueError(f"it lacks the column {missing[0]}")
+    log = _rows(table, "reference_1")
+    time = _numbers(log, "time")
+    if len(time) < 2 or np.abs(np.diff(time) - LOG_PERIOD).max() > _CLOCK:
+        raise ValueError(f"its log is not at {1 / LOG_PERIOD:g} Hz")
+    signals = {signal: _stack(log, signal) for signal in _LOG}
+    given = f"correction_{AXES[0]}" in table.column_names
+    correction = _stack(log, "correction") if given else np.zeros_like(signals["reference"])
+    seen = _rows(table, "tracker_x")
+    position = np.stack([_numbers(seen, column) for column in _TRACKER], axis=1)
+    own = _numbers(seen, "time")
+    if len(own) < 2:
+        raise ValueError("it has no samples of a laser tracker")
+    valid = np.asarray(np.isfinite(position).all(axis=1))
+    samples = TrackerSamples(time=own - time[0], position=position, valid=valid)
+    tool, rest = tracked(time - time[0], samples, name)
+    return MeasuredCut(
+        name=name,
+        reference=signals["reference"],
+        correction=correction,
+        motor_angle=signals["motor_angle"],
+        motor_torque=signals["motor_torque"],
+        tool=tool,
+        rest=rest,
+    )
+
+
+def _rows(table: pa.Table, column: str) -> pa.Table:
+    return table.filter(table[column].is_valid())
+
+
+def _numbers(table: pa.Table, name: str) -> Array:
+    return np.array(table[name].to_numpy(), dtype=np.float64)
+
+
+def _stack(table: pa.Table, signal: str) -> Array:
+    return np.stack([_numbers(table, f"{signal}_{i}") for i in AXES], axis=1)

@@ -1,0 +1,184 @@
+"""A commissioned twin: what is known of one robot individual, on disk and in use."""
+
+import json
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from hashlib import sha256
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..cell import CELLS
+from ..laser.specification import Cut
+from ..robot.effects import gear_phases
+from ..robot.individual import Individual, with_payload
+from ..robot.mjcf import N_AXES
+from ..robot.model import load_model
+from .bending import with_bending
+from .correction import Corrected, correct
+from .ensemble import members
+from .identification import parameters_of
+from .parameters import Parameters
+from .simulation import Design
+
+FORMAT = 1
+"""Of the folder; raised when an older one can no longer be read."""
+UNKNOWN = 50e-6
+"""[m], held-out residual of a twin of a single cut. ESTIMATE."""
+_FILE, _COVARIANCE = "twin.json", "covariance.npy"
+
+
+class TwinError(ValueError):
+    """A folder that holds no twin, or one that does not fit."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Twin:
+    """A robot individual as its commissioning found it."""
+
+    robot: str
+    """Name of the cell."""
+    digest: str
+    """Of the robot's file."""
+    payload: float | None
+    """Mass of the tool at commissioning [kg]; that of the robot's file if None."""
+    sensor: str
+    """What measured the tool: tracker or imu."""
+    theta: Array
+    """(m,), parameters."""
+    covariance: Array = field(repr=False)
+    """(m, m)."""
+    held_out: Array
+    """(c,) [m], residual of each commissioning cut, left out of the identification."""
+    torque_residual: Array
+    """(6,) [N m], motor side, root mean square over the commissioning cuts."""
+    names: tuple[str, ...]
+    """(c,), of the cuts."""
+    friction: Array = field(default_factory=lambda: np.ones(N_AXES))
+    """(6,), friction over that at commissioning, as production runs show it."""
+
+    @cached_property
+    def design(self) -> Design:
+        """Design with the tool of the commissioning."""
+        return design_of(self.robot, self.payload)
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        return parameters_of(self.design)
+
+    @cached_property
+    def gear_phase(self) -> Array:
+        """(6, 4) [rad], phases of the gear error in the robot's file."""
+        return gear_phases(self.design.model)
+
+    @cached_property
+    def individual(self) -> Individual:
+        """The individual that the twin stands for."""
+        found = self.parameters.individual(self.theta, self.gear_phase)
+        return replace(found, friction=self.friction)
+
+    def correction(self, cut: Cut) -> Corrected:
+        """Correction for the first run of a cut, learned inside the twin.
+
+        Raises:
+            TwinError: the cut is for another robot.
+            ValueError: the cut cannot be made.
+        """
+        if cut.cell is not CELLS[self.robot] or cut.model is not None:
+            raise TwinError(f"the twin is of the robot {self.robot}, the cut is for another")
+        payload = self.payload if cut.payload is None else cut.payload
+        design = self.design if payload == self.payload else design_of(self.robot, payload)
+        around = members(
+            self.parameters, self.theta, self.covariance, self.gear_phase, self.uncertainty
+        )
+        around = [replace(member, friction=self.friction) for member in around]
+        return correct(design, self.individual, around, cut, self.uncertainty)
+
+    @property
+    def uncertainty(self) -> float:
+        """Residual of a cut that the twin was not identified from [m]."""
+        left = self.held_out[np.isfinite(self.held_out)]
+        return float(np.median(left)) if len(left) else UNKNOWN
+
+    def save(self, folder: Path) -> None:
+        """Write the twin's files into a folder."""
+        content = {
+            "format": FORMAT,
+            "robot": self.robot,
+            "digest": self.digest,
+            "payload": self.payload,
+            "sensor": self.sensor,
+            "cuts": list(self.names),
+            "held_out": self.held_out.tolist(),
+            "torque_residual": self.torque_residual.tolist(),
+            "friction": self.friction.tolist(),
+            "parameters": dict(zip(self.parameters.names, self.theta.tolist(), strict=True)),
+        }
+        (folder / _FILE).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        np.save(folder / _COVARIANCE, self.covariance, allow_pickle=False)
+
+    @classmethod
+    def load(cls, folder: str | PathLike[str]) -> "Twin":
+        """The twin of a folder. Raises TwinError where there is none that this version can use."""
+        folder = Path(folder)
+        content = _content(folder)
+        try:
+            known = cls(
+                robot=content["robot"],
+                digest=content["digest"],
+                payload=content["payload"],
+                sensor=content["sensor"],
+                names=tuple(content["cuts"]),
+                held_out=np.array(content["held_out"], dtype=np.float64),
+                torque_residual=np.array(content["torque_residual"], dtype=np.float64),
+                friction=np.array(content["friction"], dtype=np.float64),
+                theta=np.array(list(content["parameters"].values()), dtype=np.float64),
+                covariance=np.load(folder / _COVARIANCE, allow_pickle=False),
+            )
+        except (KeyError, TypeError, ValueError, OSError) as error:
+            raise TwinError(f"{folder} is a damaged twin: {error}") from error
+        known._check(folder, tuple(content["parameters"]))
+        return known
+
+    def _check(self, folder: Path, names: tuple[str, ...]) -> None:
+        if self.robot not in CELLS:
+            raise TwinError(f"{folder} is the twin of a robot {self.robot!r}, which is not known")
+        if self.digest != robot_digest(self.robot):
+            changed = f"the file of the robot {self.robot} has changed since: commission it again"
+            raise TwinError(f"{folder} does not fit: {changed}")
+        m = self.parameters.size
+        if names != self.parameters.names or self.covariance.shape != (m, m):
+            raise TwinError(f"{folder} was commissioned by another version: commission it again")
+        numbers = (self.theta, self.covariance, self.friction, self.torque_residual)
+        if not all(np.isfinite(values).all() for values in numbers):
+            raise TwinError(f"{folder} is a damaged twin: it holds values that are not finite")
+
+
+def _content(folder: Path) -> dict[str, Any]:
+    file = folder / _FILE
+    if not file.is_file():
+        raise TwinError(f"{folder} holds no {_FILE}: `armside commission` makes a twin")
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, OSError) as error:
+        raise TwinError(f"{file} cannot be read: {error}") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        found = content.get("format") if isinstance(content, dict) else None
+        raise TwinError(f"{folder} is a twin of format {found}; this armside reads {FORMAT}")
+    return content
+
+
+def design_of(robot: str, payload: float | None) -> Design:
+    """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
+    plain = load_model(CELLS[robot].xml)
+    nominal = plain if payload is None else with_payload(plain, payload)
+    return Design(with_bending(plain), payload=payload, nominal=nominal)
+
+
+def robot_digest(robot: str) -> str:
+    """Digest of the robot's file."""
+    return sha256(CELLS[robot].xml.read_bytes()).hexdigest()[:16]

@@ -1,0 +1,135 @@
+"""A twin on disk, the corrections that it makes, and recordings that it refuses."""
+
+import json
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from armside.sim.cell import LARGE_ROBOT_POSES
+from armside.sim.laser import Cut
+from armside.sim.laser.experiment import true_tool_error
+from armside.sim.twin.correction import LARGEST_FRACTION, _distrust
+from armside.sim.twin.drift import refreshed
+from armside.sim.twin.measured import MeasuredCut, measured
+from armside.sim.twin.plan import MOST, plan
+from armside.sim.twin.plausible import ImplausibleError, check
+from armside.sim.twin.prediction import Prediction
+from armside.sim.twin.twin import Twin, TwinError
+
+ELSEWHERE = Cut(pose=replace(LARGE_ROBOT_POSES["p2"], position=(1.7, -0.2, 1.5)), speed=0.05)
+
+
+@pytest.fixture(scope="module")
+def corrected(twin):
+    return twin.correction(ELSEWHERE)
+
+
+def test_the_first_run_of_an_unseen_cut_is_right(twin, corrected, cut_by):
+    experiment, plain = cut_by(ELSEWHERE, seed=9)
+    _, first = cut_by(ELSEWHERE, 9, corrected.correction)
+    before, after = (true_tool_error(experiment.motion, run).rms for run in (plain, first))
+    assert corrected.trusted
+    assert after < 0.1 * before
+    assert corrected.prediction.inside < 0.03 * corrected.prediction.uncorrected
+    assert corrected.prediction.uncorrected == pytest.approx(before, rel=0.1)
+
+
+def test_feedback_of_one_run_finds_the_friction_that_has_drifted(twin, corrected, cut_by):
+    drifted = replace(ELSEWHERE, friction_drift=0.1)
+    _, run = cut_by(drifted, 9, corrected.correction)
+    after = refreshed(twin, [measured(run)])
+    assert after.twin.friction[:3] == pytest.approx(1.1, rel=0.03)  # the axes that cut
+    assert after.advice is None
+    worn = refreshed(twin, [measured(cut_by(replace(ELSEWHERE, friction_drift=0.6), 9)[1])])
+    assert worn.advice is not None
+    assert "friction of axis" in worn.advice
+
+
+def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
+    twin.save(tmp_path)
+    again = Twin.load(tmp_path)
+    for name in ("theta", "covariance", "friction", "held_out"):
+        assert np.array_equal(getattr(again, name), getattr(twin, name), equal_nan=True)
+    assert np.array_equal(again.correction(ELSEWHERE).correction, corrected.correction)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: c | {"format": 99}, "is a twin of format 99"),
+        (lambda c: c | {"robot": "irb1400"}, "has changed since"),
+        (lambda c: c | {"robot": "mine"}, "which is not known"),
+        (lambda c: c | {"digest": "0" * 16}, "has changed since"),
+        (lambda c: c | {"parameters": {"a": 1.0}}, "by another version"),
+        (lambda c: c | {"friction": [None] * 6}, "damaged twin"),
+        (lambda c: {"format": 1}, "damaged twin"),
+        (lambda c: [], "is a twin of format None"),
+    ],
+)
+def test_a_twin_that_does_not_fit_is_refused(twin, tmp_path, change, said):
+    twin.save(tmp_path)
+    file = tmp_path / "twin.json"
+    file.write_text(json.dumps(change(json.loads(file.read_text()))))
+    with pytest.raises(TwinError, match=said):
+        Twin.load(tmp_path)
+
+
+def test_a_folder_without_a_twin_is_refused(tmp_path):
+    with pytest.raises(TwinError, match=r"holds no twin\.json"):
+        Twin.load(tmp_path)
+
+
+def test_a_twin_corrects_its_own_robot_only(twin):
+    with pytest.raises(TwinError, match="the cut is for another"):
+        twin.correction(Cut(robot="irb1400"))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: {"motor_torque": c.motor_torque * 240.0}, "in N m of the motor"),
+        (lambda c: {"motor_torque": c.motor_torque * np.nan}, "not finite"),
+        (lambda c: {"motor_angle": np.rad2deg(c.motor_angle)}, "rad from its reference"),
+        (lambda c: {"tool": c.tool * 1e3}, "from where the motor angles put it"),
+        (lambda c: {"rest": c.rest + np.array([0.0, 0.0, 0.1])}, "another flange"),
+    ],
+)
+def test_a_recording_that_cannot_be_is_named(twin, passes, change, said):
+    cut = measured(passes[0], "cut-7")
+    bad = replace(cut, **change(cut))
+    with pytest.raises(ImplausibleError, match=f"cut-7: .*{said}"):
+        check(twin.design, bad, passes[0].recording.motor_torque)
+    check(twin.design, cut, passes[0].recording.motor_torque)
+
+
+def test_a_measured_cut_holds_no_ground_truth(passes):
+    """Destroyed truth changes no bit of what identification reads."""
+    run = passes[0]
+    log = run.recording
+    truth = log.truth
+    lost = {
+        f.name: np.full_like(getattr(truth, f.name), np.nan)
+        for f in fields(truth)
+        if f.name not in ("time", "gear_error")
+    }
+    blind = replace(run, recording=replace(log, truth=replace(truth, **lost)))
+    cuts = [measured(one) for one in (run, blind)]
+    for field in fields(MeasuredCut):
+        values = [getattr(cut, field.name) for cut in cuts]
+        assert values[0] is values[1] or np.array_equal(*values), field.name
+
+
+def test_a_prediction_that_leaves_too_much_is_not_trusted():
+    good = Prediction(uncorrected=1e-4, inside=1e-6, expected=1e-5, low=5e-6, high=2e-5)
+    assert _distrust(good) is None
+    much = (LARGEST_FRACTION + 0.01) * good.uncorrected
+    assert "would be left" in str(_distrust(replace(good, expected=much)))
+    assert "unstable" in str(_distrust(replace(good, expected=np.nan, high=np.nan)))
+
+
+def test_a_shorter_plan_begins_a_longer_one():
+    assert plan(4) == plan(MOST)[:4]
+    for count in (0, MOST + 1):
+        with pytest.raises(ValueError, match="cuts must be from 1 to"):
+            plan(count)
