@@ -64,10 +64,17 @@ class AllPass:
     def response(self, omega: ArrayLike) -> Array:
         return np.ones(np.shape(omega))
 
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """None."""
+        return np.zeros(0, dtype=np.complex128)
+
     def check(self, n_samples: int, n_columns: int) -> None:
         """Accept every shape."""
 
 
+_DECAYED = 1e-16  # of a pass at rest beyond the record
+_MOST_RINGING = 1_000_000
 ALL_PASS: RecordFilter = AllPass()
 
 
@@ -101,6 +108,10 @@ class ZeroPhaseButterworth:
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_columns("cutoff", self.cutoff, n_columns)
+        lowest = min(as_tuple(self.cutoff))
+        if self.edge is Edge.REST and (ringing := self._ringing(lowest)) > _MOST_RINGING:
+            needed = f"{_MOST_RINGING} samples with Edge.REST"
+            raise ValueError(f"cutoff {lowest:g} Hz rings for {ringing} samples, above {needed}")
         if n_samples <= (pad := self._pad()):
             needed = f"longer than the pad of {pad} samples"
             raise ValueError(f"the record must be {needed}, got {n_samples}")
@@ -122,6 +133,16 @@ class ZeroPhaseButterworth:
         response = [self._response(f, np.asarray(omega)) for f in as_tuple(self.cutoff)]
         return response[0] if len(response) == 1 else np.stack(response, axis=-1)
 
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles inside the unit circle, each for both passes, of all columns together."""
+        roots = [
+            np.roots(a)
+            for cutoff in sorted(set(as_tuple(self.cutoff)))
+            for _, a in butterworth(cutoff, self.sample_time, self.order)
+        ]
+        return np.concatenate(2 * roots).astype(np.complex128)
+
     def _response(self, cutoff: float, omega: Array) -> Array:
         q_inverse = np.exp(-1j * omega)
         magnitude = np.ones(omega.shape)
@@ -130,13 +151,21 @@ class ZeroPhaseButterworth:
             magnitude = magnitude / abs(np.polyval(a[::-1], q_inverse))
         return magnitude**2
 
+    def _ringing(self, cutoff: float) -> int:
+        """Samples until one pass at rest has decayed to rounding."""
+        sections = butterworth(cutoff, self.sample_time, self.order)
+        slowest = max(float(np.abs(np.roots(a)).max()) for _, a in sections)
+        return int(np.ceil(np.log(_DECAYED) / np.log(slowest))) if slowest > 0.0 else 0
+
     def _pad(self) -> int:
         return 3 * self.order if self.edge is Edge.ODD else 0
 
     def _filter(self, signal: Array, cutoff: float) -> Array:
         sections = butterworth(cutoff, self.sample_time, self.order)
-        if self.edge is Edge.REST:
-            return _one_pass(sections, _one_pass(sections, signal, False)[::-1], False)[::-1]
+        if self.edge is Edge.REST:  # the forward pass rings beyond the end of the record
+            after = np.zeros((self._ringing(cutoff), signal.shape[1]))
+            forwards = _one_pass(sections, np.concatenate((signal, after)), False)
+            return _one_pass(sections, forwards[::-1], False)[::-1][: len(signal)]
         pad = self._pad()
         before = 2.0 * signal[0] - signal[pad:0:-1]
         after = 2.0 * signal[-1] - signal[-2 : -pad - 2 : -1]

@@ -6,6 +6,8 @@ from .criterion import criterion as criterion
 from .criterion import frequency_grid as frequency_grid
 from .criterion import hertz as hertz
 from .criterion import heuristic_criterion as heuristic_criterion
-from .criterion import largest_cutoff as largest_cutoff
-from .criterion import largest_gamma as largest_gamma
 from .lifted import LiftedIteration as LiftedIteration
+from .limits import largest_common_cutoff as largest_common_cutoff
+from .limits import largest_cutoff as largest_cutoff
+from .limits import largest_gain_factor as largest_gain_factor
+from .limits import largest_gamma as largest_gamma

@@ -2,17 +2,25 @@
 
 It is sufficient for ||e_k - e_inf|| to shrink in every iteration on infinite records. (The thesis
 states this for e_k itself, which holds only for Q = 1.)  Thesis (7.5), (8.13), (9.13).
+
+With several motors |.| is the largest singular value: of Q (I - L T_u), by which the correction
+contracts, or of Q (I - T_u L) for the error. Grids are refined at the poles, so that no resonance
+is missed: see `models.peak`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..filters import RecordFilter, ZeroPhaseButterworth
+from ..filters import PerColumn, RecordFilter
+from ..laws.gains import MatrixGain, PType
+from ..models.peak import peak
 from ..models.system import Complex, System, require_stable, unit_circle
+from ..models.system_matrix import Model
 
 LOWEST = 1e-4
 """Lowest frequency of a grid, relative to the Nyquist frequency."""
@@ -41,6 +49,9 @@ class Criterion:
     omega: Array
     learning: Array
     q: Array
+    bound: float | None = None
+    """Guaranteed upper bound of the contraction; None: the responses were given on a grid, and
+    nothing is known between its frequencies."""
 
     @property
     def contraction(self) -> float:
@@ -54,7 +65,8 @@ class Criterion:
 
     @property
     def is_met(self) -> bool:
-        return self.contraction < 1.0
+        """The contraction is below 1, at all frequencies where a bound is known."""
+        return (self.contraction if self.bound is None else self.bound) < 1.0
 
     def violated_bands(self) -> list[tuple[float, float]]:
         """Intervals of omega [rad/sample] in which the criterion fails."""
@@ -63,89 +75,83 @@ class Criterion:
         return [(float(self.omega[r[0]]), float(self.omega[r[-1]])) for r in runs if r.size]
 
 
-def criterion(T_u: Complex, L: Complex, Q: ArrayLike, omega: Array) -> Criterion:
+class Contracting(Enum):
+    """Signal whose contraction is asked for; the same for one motor."""
+
+    CORRECTION = "correction"
+    ERROR = "error"
+    """Needs one Q for all motors."""
+
+
+def criterion(
+    T_u: Complex,
+    L: Complex,
+    Q: ArrayLike,
+    omega: Array,
+    of: Contracting = Contracting.ERROR,
+) -> Criterion:
     """Criterion from the responses of T_u, L and Q at omega, shape (M,) each.
 
     With several motors, responses of shape (M, n, n) (Q: (M,) or (M, n)): |.| becomes the largest
-    singular value of Q (I - T_u L), and `q` is then 1.
+    singular value, and `q` is then 1. Nothing is known between the frequencies.
     """
     if T_u.ndim == 1:
         return Criterion(omega, np.abs(1.0 - L * T_u), np.abs(Q))
     q = np.asarray(Q)
-    q = q[:, None, None] if q.ndim == 1 else q[:, :, None]
-    iteration = q * (np.eye(T_u.shape[1]) - T_u @ L)
+    q = np.broadcast_to(q[:, None] if q.ndim == 1 else q, T_u.shape[:2])
+    if of is Contracting.ERROR and np.ptp(q, axis=1).any():
+        raise ValueError("the contraction of the error needs one Q for all motors")
+    moved = T_u @ L if of is Contracting.ERROR else L @ T_u
+    iteration = q[:, :, None] * (np.eye(T_u.shape[1]) - moved)
     return Criterion(omega, np.linalg.norm(iteration, ord=2, axis=(1, 2)), np.ones(len(omega)))
 
 
 def heuristic_criterion(
-    T_u: System, gamma: float, delta: int, Q: RecordFilter, omega: Array | None = None
+    T_u: Model,
+    gamma: PerColumn | Array,
+    delta: int | tuple[int, ...],
+    Q: RecordFilter,
+    omega: Array | None = None,
+    of: Contracting = Contracting.CORRECTION,
 ) -> Criterion:
-    """Criterion for L = gamma q^delta. Raises ValueError for an unstable T_u."""
-    require_stable(T_u, "T_u")
-    omega = frequency_grid() if omega is None else omega
-    L = shift_response(gamma, delta, omega)
-    return criterion(T_u.response(omega), L, Q.response(omega), omega)
+    """Criterion for L = gamma q^delta.
 
+    Args:
+        T_u: one system, or a matrix of systems for coupled motors.
+        gamma: one gain; for a matrix of systems also one for each motor or a matrix (n, n).
+        delta: one shift, or one for each motor.
+        omega: frequencies [rad/sample]; None: a grid refined at the poles until the contraction is
+            known to 1e-9, if Q has `poles`.
 
-def largest_gamma(
-    T_u: System,
-    deltas: ArrayLike,
-    cutoffs: ArrayLike | None,
-    *,
-    order: int = 2,
-    n_frequencies: int = 2000,
-) -> Array:
-    """Supremum of the gains that meet the criterion, shape (n_deltas, n_cutoffs).
-
-    cutoffs: [Hz] of a zero-phase Butterworth Q; None: Q = 1, one column. The admissible gains are
-    the interval from 0 to this value; 0: no gain is admissible.
-
-    With z = e^{j omega delta} T_u and r = 1/Q^2 - 1 >= 0, |1 - gamma z|^2 < 1 + r is a quadratic
-    inequality in gamma, solved by 0 < gamma < (Re z + sqrt(Re^2 z + |z|^2 r)) / |z|^2; the
-    smallest of these over frequency counts. At omega = 0 it is 2 / |T_u(0)|.
+    Raises:
+        ValueError: for an unstable T_u.
     """
     require_stable(T_u, "T_u")
-    omega = frequency_grid(n_frequencies)
-    response = T_u.response(omega)
-    size = np.maximum(np.abs(response), 1e-150)  # a zero on the unit circle is no bound
-    cosine = np.cos(np.angle(response) + np.multiply.outer(np.asarray(deltas, float), omega))
-    if cutoffs is None:
-        return np.maximum((cosine + np.abs(cosine)) / size, 0.0).min(axis=1)[:, None]
-    squared = np.square(cosine)
-    at_rest = 2.0 / max(abs(T_u.static_gain), 1e-150)
-    bounds = np.empty((len(cosine), np.size(cutoffs)))
-    for column, cutoff in enumerate(np.atleast_1d(cutoffs)):
-        Q = ZeroPhaseButterworth(float(cutoff), T_u.sample_time, order).response(omega)
-        r = 1.0 / np.square(np.maximum(Q, 1e-150)) - 1.0
-        # For any delta a frequency bounds gamma at (sqrt(1 + r) - 1) / |T_u| or above: frequencies
-        # for which this exceeds the bound at rest are skipped.
-        near = np.flatnonzero((np.sqrt(1.0 + r) - 1.0) / size < at_rest)
-        stop = near[-1] + 1 if near.size else 1
-        gamma = squared[:, :stop] + r[:stop]
-        np.sqrt(gamma, out=gamma)
-        gamma += cosine[:, :stop]
-        gamma /= size[:stop]
-        bounds[:, column] = np.minimum(gamma.min(axis=1), at_rest)
-    return bounds
+    L = heuristic_gain(T_u, gamma, delta)
+
+    def at(omega: Array) -> Criterion:
+        return criterion(T_u.response(omega), L.response(omega), Q.response(omega), omega, of)
+
+    def power(omega: Array) -> Array:
+        return np.square(at(omega).learning * at(omega).q)
+
+    poles = getattr(Q, "poles", None)
+    if omega is not None or poles is None:
+        return at(frequency_grid() if omega is None else omega)
+    lead = np.zeros(int(np.abs(delta).max()))
+    all_poles = np.concatenate((T_u.all_poles, poles, lead)).astype(np.complex128)
+    largest = peak(power, all_poles, frequency_grid())
+    return replace(at(largest.omega), bound=float(np.sqrt(largest.bound)))
 
 
-def largest_cutoff(
-    T_u: System, gamma: float, delta: int, *, order: int = 2, n_frequencies: int = 20000
-) -> float:
-    """Supremum of the cutoffs [Hz] of a zero-phase Butterworth Q that meet the criterion.
-
-    Infinity if Q = 1 is admissible; 0 if no cutoff is. Closed form: at each frequency with
-    |1 - L T_u| > 1, 1/|Q| = 1 + (t/t_c)^(2 order), t = tan(omega/2), must exceed it, which bounds
-    t_c.
-    """
-    require_stable(T_u, "T_u")
-    omega = frequency_grid(n_frequencies)[:-1]  # at the Nyquist frequency itself Q is 0
-    learning = np.abs(1.0 - shift_response(gamma, delta, omega) * T_u.response(omega))
-    outside = learning >= 1.0
-    if not outside.any():
-        return np.inf
-    if abs(1.0 - gamma * T_u.static_gain) >= 1.0:
-        return 0.0
-    excess = np.maximum(learning[outside] - 1.0, np.finfo(float).tiny)
-    t_c = np.tan(omega[outside] / 2.0) * np.exp(-np.log(excess) / (2.0 * order))
-    return float(np.arctan(t_c.min()) / (np.pi * T_u.sample_time))
+def heuristic_gain(
+    T_u: Model, gamma: PerColumn | Array, delta: int | tuple[int, ...]
+) -> PType | MatrixGain:
+    """L = gamma q^delta for one system or for all motors of a matrix of systems."""
+    if isinstance(T_u, System):
+        if np.ndim(gamma) or np.ndim(delta):
+            raise ValueError("gamma and delta for each motor need a matrix of systems as T_u")
+        return PType(gamma=float(np.asarray(gamma)), delta=int(np.asarray(delta)))
+    gains = np.asarray(gamma, dtype=np.float64)
+    n = len(T_u.entries)
+    return MatrixGain(gamma=gains if gains.ndim == 2 else gains * np.eye(n), delta=delta)

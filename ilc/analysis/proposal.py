@@ -12,13 +12,11 @@ from ..laws.heuristic import Heuristic
 from ..models.system import System, require_stable
 from .criterion import (
     Criterion,
-    frequency_grid,
     hertz,
     heuristic_criterion,
-    largest_cutoff,
-    largest_gamma,
     shift_response,
 )
+from .limits import largest_cutoff, largest_gamma
 
 SLOWEST = 0.99
 """Contraction an iteration beyond which a design counts as infeasible: 300 iterations to 5 %."""
@@ -150,12 +148,12 @@ def _candidates(
     T_u: System, bandwidth: float, deltas: range, fraction: float, order: int
 ) -> list[Proposal]:
     """One proposal for each shift that contracts fast enough."""
-    Q, omega = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order), frequency_grid()
+    Q = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order)
     limits = largest_gamma(T_u, deltas, [bandwidth], order=order)[:, 0]
     found = []
     for delta, limit in zip(deltas, limits.tolist(), strict=True):
         gamma = float(min(1.0 / T_u.static_gain, fraction * limit))
-        result = heuristic_criterion(T_u, gamma, delta, Q, omega)
+        result = heuristic_criterion(T_u, gamma, delta, Q)
         if result.contraction <= SLOWEST:
             found.append(Proposal(T_u, Q, gamma, delta, result, limit))
     return found

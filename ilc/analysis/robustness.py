@@ -10,17 +10,17 @@ from armside.arrays import Array
 from ..filters import as_tuple
 from ..laws.heuristic import Heuristic
 from ..models.two_mass import TwoMassLoop
-from .criterion import frequency_grid, heuristic_criterion
+from .criterion import heuristic_criterion
 
 PARAMETERS = ("k", "d", "Ja", "Jm", "fm", "kt")
 """Uncertain parameters of `TwoMassJoint`; the gear ratio is exact."""
 
 
-def contraction(loop: TwoMassLoop, law: Heuristic, omega: Array | None = None) -> float:
+def contraction(loop: TwoMassLoop, law: Heuristic) -> float:
     """sup |Q| |1 - L T_u| on the motor side; infinity if the feedback loop itself is unstable."""
     (gamma,), (delta,) = as_tuple(law.gamma), as_tuple(law.delta)
     try:
-        return heuristic_criterion(loop.T_motor, gamma, int(delta), law.Q, omega).contraction
+        return heuristic_criterion(loop.T_motor, gamma, int(delta), law.Q).contraction
     except ValueError:
         return np.inf
 
@@ -32,10 +32,9 @@ def contraction_map(
 
     Shape (factors of the first, factors of the second).
     """
-    omega = frequency_grid(800)
 
     def at(factor_1: float, factor_2: float) -> float:
-        return contraction(_scaled(loop, {first[0]: factor_1, second[0]: factor_2}), law, omega)
+        return contraction(_scaled(loop, {first[0]: factor_1, second[0]: factor_2}), law)
 
     rows, columns = (np.asarray(factors, dtype=np.float64) for _, factors in (first, second))
     return np.array([[at(row, column) for column in columns] for row in rows])
@@ -67,9 +66,8 @@ def monte_carlo(
         raise ValueError(f"spread must be > 0 and n >= 1, got {spread} and {n}")
     width = np.log1p(spread)
     factors = np.exp(rng.uniform(-width, width, (n, len(PARAMETERS))))
-    omega = frequency_grid(800)
     loops = (_scaled(loop, dict(zip(PARAMETERS, row, strict=True))) for row in factors)
-    return MonteCarlo(np.array([contraction(each, law, omega) for each in loops]), factors)
+    return MonteCarlo(np.array([contraction(each, law) for each in loops]), factors)
 
 
 def _scaled(loop: TwoMassLoop, factors: dict[str, float]) -> TwoMassLoop:

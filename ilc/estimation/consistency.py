@@ -26,10 +26,14 @@ class Whiteness:
     """(p,), p-value of the Ljung-Box test; small if the correlations are significant."""
 
     @property
+    def is_uncorrelated(self) -> bool:
+        """No channel rejected at 1 % (Bonferroni over channels)."""
+        return bool(self.p_value.min() >= 0.01 / len(self.p_value))
+
+    @property
     def is_white(self) -> bool:
-        """No channel rejected at 1 % (Bonferroni over channels), and every RMS at most 1.5."""
-        enough = self.p_value.min() >= 0.01 / len(self.p_value)
-        return bool(enough and self.rms.max() <= 1.5)
+        """Uncorrelated, and every RMS at most 1.5."""
+        return bool(self.is_uncorrelated and self.rms.max() <= 1.5)
 
 
 @records("innovation", gate=as_measured)
@@ -48,6 +52,15 @@ def whiteness(innovation: Array, lags: int = 10) -> Whiteness:
     statistic = n * (n + 2.0) * (rho**2 / (n - lag)[:, None]).sum(axis=0)
     p_value = gammaincc(0.5 * lags, 0.5 * statistic)
     return Whiteness(np.sqrt(np.square(e).mean(axis=0)), rho, p_value)
+
+
+@records("residual")
+def residual_test(residual: Array, lags: int = 10) -> Whiteness | None:
+    """Whiteness test of the residuals of a fit (N, m), scaled; None if records are too short."""
+    scale = residual.std(axis=0)
+    if len(residual) <= 5 * lags or not (scale > 1e-12 * np.abs(residual).max(axis=0)).all():
+        return None
+    return whiteness(residual / scale, lags)
 
 
 @records("error")

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..estimation.consistency import Whiteness, residual_test
 from ..models.system import System
 from ..records import records
 
@@ -36,8 +37,20 @@ class ArxFit:
     """(a_1 .. a_na, b_0 .. b_(nb-1)), and their covariance."""
     covariance: Array
     noise_variance: float
-    """Variance of the equation error."""
+    """Unbiased variance of the equation error."""
     n_samples: int
+    whiteness: Whiteness | None
+    """Test of the residuals, all experiments together; None for records too short for it."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons not to believe the covariance."""
+        if self.whiteness is None or self.whiteness.is_uncorrelated:
+            return ()
+        return (
+            f"the residuals are not white (p = {self.whiteness.p_value.min():.1g}), as with noise "
+            "on the output: coefficients are biased, and their intervals too narrow",
+        )
 
     @property
     def standard_errors(self) -> Array:
@@ -59,9 +72,10 @@ class ArxFit:
         return np.sqrt(np.einsum("...i,ij,...j->...", slopes, self.covariance, slopes))
 
     def score(self, criterion: Information) -> float:
-        """Information criterion; the smallest is best."""
+        """Information criterion; the smallest is best. From the maximum-likelihood variance."""
         penalty = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
-        return self.n_samples * np.log(self.noise_variance) + penalty * (self.na + self.nb)
+        n, d = self.n_samples, self.na + self.nb
+        return n * np.log(self.noise_variance * (n - d) / n) + penalty * d
 
 
 @records("u", "y")
@@ -105,7 +119,10 @@ def fit_arx(
     covariance = variance * np.linalg.inv(regressor.T @ regressor).astype(np.float64)
     noise = max(variance, np.finfo(float).tiny)
     system = System(b, a, sample_time)
-    return ArxFit(system, na, nb, nk, coefficients, covariance, noise, len(target))
+    left = residual.reshape(-1, y.shape[1])
+    return ArxFit(
+        system, na, nb, nk, coefficients, covariance, noise, len(target), residual_test(left)
+    )
 
 
 @records("u", "y")

@@ -12,10 +12,12 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..estimation.consistency import Whiteness, residual_test
 from ..filters import recursion
 from ..models.system import System
 from ..records import records
 
+_TOLERANCE = 1e-4  # of the pole that the search ends at
 _SLOWEST = 0.98  # pole; a slower one resembles an integrator in records of a second
 
 
@@ -29,6 +31,32 @@ class FirstOrderModel:
     pole: float
     fit: float
     """Of all experiments together."""
+    covariance: Array
+    """(2, 2) of (b, pole) at the delay found, for white noise on the output."""
+    whiteness: Whiteness | None
+    """Test of the simulation error; None for records too short for it."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons not to believe the pole or its uncertainty."""
+        found = []
+        if not _TOLERANCE < self.pole < _SLOWEST - _TOLERANCE:
+            found.append(
+                f"the pole is at the end of the search from 0 to {_SLOWEST}: the system is slower "
+                "or oscillates from sample to sample"
+            )
+        if self.whiteness is not None and not self.whiteness.is_uncorrelated:
+            found.append(
+                f"the simulation error is not white (p = {self.whiteness.p_value.min():.1g}): "
+                "intervals are too narrow"
+            )
+        return tuple(found)
+
+    def confidence(self, sigmas: float = 1.96) -> Array:
+        """(2, 2), confidence intervals of b and the pole; 1.96 standard errors are 95 %."""
+        centre = np.array([self.system.b[self.delay], self.pole])
+        width = sigmas * np.sqrt(np.diag(self.covariance))
+        return np.column_stack((centre - width, centre + width))
 
     @property
     def static_gain(self) -> float:
@@ -71,7 +99,9 @@ def fit_first_order(
     gain, _ = _best_gain(u, y, delay, pole)
     system = System(np.append(np.zeros(delay), gain), np.array([1.0, -pole]), sample_time)
     fit = 1.0 - np.sqrt(error / np.square(y - y.mean(axis=0)).sum())
-    return FirstOrderModel(system, delay, pole, fit)
+    left = y - system.simulate(u)
+    covariance = _covariance(u, gain, pole, delay, error / max(y.size - 2, 1))
+    return FirstOrderModel(system, delay, pole, fit, covariance, residual_test(left))
 
 
 @records("u", "y")
@@ -89,6 +119,14 @@ def fit_of_each(system: System, u: Array, y: Array) -> Array:
 def _fit(system: System, u: Array, y: Array, axis: int | None) -> Array:
     error = np.linalg.norm(y - system.simulate(u), axis=axis)
     return 1.0 - error / np.linalg.norm(y - y.mean(axis=0), axis=axis)
+
+
+def _covariance(u: Array, gain: float, pole: float, delay: int, variance: float) -> Array:
+    """Of (b, pole): variance (J^T J)^-1, J the derivatives of the simulation."""
+    _, by_gain = _best_gain(u, u, delay, pole)
+    _, by_pole = _best_gain(by_gain, u, 1, pole)
+    J = np.stack((by_gain.ravel(), gain * by_pole.ravel()), axis=1)
+    return np.asarray(variance * np.linalg.pinv(J.T @ J), dtype=np.float64)
 
 
 def _best_gain(u: Array, y: Array, delay: int, pole: float) -> tuple[float, Array]:

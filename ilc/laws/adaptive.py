@@ -9,6 +9,8 @@ from armside.arrays import Array
 from ..records import records
 from .law import FilteredLaw
 
+_FALSE_ALARM = 1e-4  # each one raises the gain again, which keeps noise
+
 
 @dataclass(frozen=True, kw_only=True)
 class Adaptive(FilteredLaw):
@@ -17,7 +19,8 @@ class Adaptive(FilteredLaw):
     The disturbance at each time t is modelled as a random walk over the iterations, observed with
     measurement noise: P <- P r_n / (P + r_n) + r_d, kappa = P / (P + r_n). The gain starts near
     1 and falls as the error becomes noise, which is then averaged instead of learned. r_d is
-    estimated from the error power around t: where that exceeds P + r_n, the gain rises again.
+    estimated from the error power around t: where that exceeds P + r_n by more than noise does once
+    in 10,000 samples, the gain rises again.
     Norrloef, "An adaptive iterative learning control algorithm with experiments on an industrial
     robot" (2002).
     """
@@ -47,14 +50,26 @@ class Adaptive(FilteredLaw):
         """memory: P(t) after the last update, shape (N, n)."""
         P = np.full_like(error, self.initial_variance) if memory is None else memory
         r_n = self.noise_variance
-        r_d = np.maximum(self._power(error) - P - r_n, 0.0) if memory is not None else 0.0
-        P = P + r_d
+        if memory is not None:
+            power, expected = self._power(error), P + r_n
+            changed = power > self._largest_by_chance(len(error)) * expected
+            P = P + np.where(changed, power - expected, 0.0)
         kappa = P / (P + r_n)
         return self.Q(correction + kappa * self.L(error)), P * r_n / (P + r_n)
 
     def _power(self, error: Array) -> Array:
         """Moving average of e^2 around each sample."""
         box = np.ones(self.window)
-        count = np.convolve(np.ones(len(error)), box, mode="same")[:, None]
         summed = [np.convolve(column, box, mode="same") for column in np.square(error).T]
-        return np.stack(summed, axis=1) / count
+        return np.stack(summed, axis=1) / self._count(len(error))[:, None]
+
+    def _count(self, n_samples: int) -> Array:
+        """Samples in the window around each sample."""
+        return np.convolve(np.ones(n_samples), np.ones(self.window), mode="same")
+
+    def _largest_by_chance(self, n_samples: int) -> Array:
+        """Mean square of so much unit noise that is exceeded once in 10,000 samples, (N, 1)."""
+        from scipy.special import gammaincinv
+
+        half = 0.5 * self._count(n_samples)
+        return (gammaincinv(half, 1.0 - _FALSE_ALARM) / half)[:, None]

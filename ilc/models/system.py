@@ -70,6 +70,12 @@ class System:
         return np.roots(self.a).astype(np.complex128)
 
     @property
+    def all_poles(self) -> Complex:
+        """Poles, those at the origin that a longer numerator needs included."""
+        delays = max(0, len(self.b) - len(self.a))
+        return np.concatenate((np.zeros(delays), self.poles)).astype(np.complex128)
+
+    @property
     def is_stable(self) -> bool:
         """All poles inside the unit circle, decided exactly for the coefficients as stored."""
         return is_stable(self.a)

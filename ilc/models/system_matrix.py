@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..records import records
+from .peak import peak
 from .system import Complex, System
 
 
@@ -45,6 +46,12 @@ class SystemMatrix:
     @property
     def poles(self) -> Complex:
         return np.concatenate([system.poles for row in self.entries for system in row])
+
+    @property
+    def all_poles(self) -> Complex:
+        """Poles of all entries, those at the origin included."""
+        entries = [s for row in self.entries for s in row if s.b.any()]
+        return np.concatenate([np.zeros(0), *(s.all_poles for s in entries)]).astype(np.complex128)
 
     def response(self, omega: ArrayLike) -> Complex:
         """Shape (M, n, n) at omega (M,) [rad/sample]."""
@@ -94,9 +101,13 @@ def adjoint(model: Model, signal: Array) -> Array:
 
 
 def largest_gain(model: Model) -> float:
-    """max over frequency of |T_u|, the largest singular value for a matrix."""
-    low, even = np.geomspace(1e-4, 1.0, 2000), np.linspace(0.0, 1.0, 2001)
-    response = model.response(np.pi * np.concatenate((low, even)))
+    """max over frequency of |T_u|, the largest singular value for a matrix; from above, to 1e-9."""
+    largest = peak(lambda omega: gain_squared(model.response(omega)), model.all_poles)
+    return float(np.sqrt(largest.bound))
+
+
+def gain_squared(response: Complex) -> Array:
+    """|T|^2 of responses (M,), or the largest singular value squared of (M, p, n)."""
     if response.ndim == 1:
-        return float(np.abs(response).max())
-    return float(np.linalg.norm(response, ord=2, axis=(1, 2)).max())
+        return np.square(np.abs(response))
+    return np.square(np.linalg.norm(response, ord=2, axis=(1, 2)))

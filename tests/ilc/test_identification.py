@@ -94,3 +94,29 @@ def test_data_that_do_not_move_are_refused():
         fit_arx(np.ones((50, 1)), np.ones((50, 1)), T_S, na=1, nb=1, nk=1)
     with pytest.raises(ValueError, match="one shape"):
         fit_arx(np.ones((50, 1)), np.ones((50, 2)), T_S, na=1, nb=1, nk=1)
+
+
+def test_noise_on_the_output_is_named_where_it_makes_the_intervals_wrong():
+    """Equation noise is what ARX assumes; white output noise biases it (coverage was 13 %)."""
+    right = [fit_arx(*data(seed, n=500), T_S, na=1, nb=1, nk=5).warnings for seed in range(20)]
+    assert sum(map(bool, right)) <= 2  # a test at 1 %
+
+    def on_output(seed):
+        u, _ = data(seed, noise=0.0, n=500)
+        noise = np.random.default_rng(1000 + seed).normal(0.0, 0.1, u.shape)
+        return u, TRUE.simulate(u) + noise
+
+    wrong = [fit_arx(*on_output(seed), T_S, na=1, nb=1, nk=5).warnings for seed in range(20)]
+    assert sum(map(bool, wrong)) >= 18
+    assert "residuals are not white" in wrong[0][0]
+
+
+def test_information_criteria_are_those_of_the_textbook():
+    """Akaike and Schwarz: n log(RSS / n) plus 2 or log n a coefficient."""
+    u, y = data(2, n=200)
+    fit = fit_arx(u, y, T_S, na=2, nb=1, nk=5)
+    lags = np.column_stack((-y[4:-1, 0], -y[3:-2, 0], u[:-5, 0]))
+    rss = np.linalg.lstsq(lags, y[5:, 0])[1][0]
+    n = len(lags)
+    assert fit.score(Information.AIC) == pytest.approx(n * np.log(rss / n) + 2 * 3)
+    assert fit.score(Information.BIC) == pytest.approx(n * np.log(rss / n) + np.log(n) * 3)

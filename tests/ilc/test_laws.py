@@ -557,6 +557,47 @@ def test_an_adaptive_gain_rises_again_at_the_times_at_which_the_task_changes():
     assert memory[300:].mean() < 2 * quiet[300:].mean()
 
 
+def test_an_adaptive_gain_averages_noise_as_a_mean_does():
+    """On a plant of 1 the correction after k iterations is the mean of k noisy readings."""
+    law = Adaptive(L=PType(gamma=1.0), noise_variance=1e-4, initial_variance=1e2)
+    rng, memory, u = np.random.default_rng(0), None, np.zeros((2000, 1))
+    for k in range(1, 31):
+        u, memory = law.step(u, rng.normal(0.0, 1e-2, u.shape) - u, memory)
+        if k in (10, 30):
+            # 2000 samples: 3 % of scatter; false alarms keep another per cent
+            assert np.var(u) == pytest.approx(1e-4 / k, rel=0.15)
+
+
+def test_the_direct_term_of_7_4_is_learned_along():
+    """u_{k+1} = Q (u_k + L e_k) + C e_{k+1} is FirstOrder with L + C, on a plant with C."""
+    C = System([0.4, -0.2], [1, -0.5], T_S)
+    reference, Q, L = bump(), low_pass(), PType(gamma=0.5, delta=5)
+    # solved iteration by iteration: e = r - T_u (r + u) with u = w + C e
+    loop = (ARX * C).feedback()
+    u, e, norms = np.zeros_like(reference), None, []
+    for _ in range(4):
+        w = np.zeros_like(reference) if e is None else Q(u + L(e))
+        free = reference - ARX.simulate(reference + w)
+        e = free - loop.simulate(free)
+        u = w + C.simulate(e)
+        norms.append(two_norm(e)[0])
+
+    class Together:
+        """L + C."""
+
+        def check(self, n_samples, n_columns):
+            pass
+
+        def __call__(self, signal):
+            return L(signal) + C.simulate(signal)
+
+    plant = LinearPlant(T_u=ARX, reference=reference, C=C)
+    same = error_norms(plant, FirstOrder(Q=Q, L=Together()), reference, 3)
+    np.testing.assert_allclose(same, norms, rtol=1e-9)
+    other = error_norms(plant, FirstOrder(Q=Q, L=L), reference, 3)
+    assert abs(other[2] / norms[2] - 1) > 0.05
+
+
 def test_a_scheduled_law_uses_its_last_entry_from_then_on():
     laws = tuple(FirstOrder(L=PType(gamma=g)) for g in (0.5, 0.25))
     schedule, memory = Scheduled(laws=laws), None

@@ -73,3 +73,33 @@ def test_ripple_is_the_rms_of_the_harmonics_inside_the_band():
     radii = 5e-3 + 1e-4 * np.sin(2 * np.pi * 7.5 * t) + 3e-4 * np.sin(2 * np.pi * 2.5 * t)
     assert circle_ripple(radii, turn_time, 5.0, 14.0) == pytest.approx(1e-4 / np.sqrt(2))
     assert circle_ripple(radii, turn_time, 9.0, 14.0) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_95_percent_intervals_cover_the_ground_truth_95_percent_of_the_time():
+    rng = np.random.default_rng(0)
+    u = System(np.full(5, 0.2), np.ones(1), STEP).simulate(rng.standard_normal((300, 1)))
+    clean, inside = THESIS.simulate(u), []
+    for _ in range(100):
+        y = clean + rng.normal(0.0, 0.05, clean.shape)
+        low, high = fit_first_order(u, y, STEP, delays=[5]).confidence().T
+        inside.append((low < [0.5083, 0.4884]) & (high > [0.5083, 0.4884]))
+    # 95 % of 200 with a standard deviation of 1.5 %, widened by the correlation of the two
+    assert 0.90 <= np.mean(inside) <= 0.99
+
+
+@pytest.mark.parametrize(
+    ("pole", "warned"), [(0.985, True), (0.995, True), (-0.4, True), (0.5, False)]
+)
+def test_a_pole_beyond_the_search_is_said(smooth_input, pole, warned):
+    system = System(np.array([0.0, 1.0 - pole]), np.array([1.0, -pole]), STEP)
+    rng = np.random.default_rng(1)
+    u = smooth_input + 0.3 * rng.standard_normal(smooth_input.shape)
+    y = system.simulate(u) + 1e-4 * rng.standard_normal(u.shape)
+    found = fit_first_order(u, y, STEP)
+    assert any("end of the search" in text for text in found.warnings) == warned
+
+
+def test_friction_in_the_data_is_seen_in_the_simulation_error(smooth_input):
+    y = THESIS.simulate(smooth_input)
+    found = fit_first_order(smooth_input, y + 0.05 * np.sign(y), STEP)
+    assert any("not white" in text for text in found.warnings)

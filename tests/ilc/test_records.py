@@ -18,7 +18,7 @@ NOT_RECORDS = {
     "omega", "frequency", "deltas", "cutoffs", "T_u", "L", "Q",
     # matrices, covariances and coefficients
     "A", "B", "C", "R", "D", "B0", "B1", "G", "GWG", "W", "Z", "P", "num", "den", "a", "b",
-    "covariance", "poles", "taps",
+    "matrix", "gamma", "covariance", "poles", "taps",
     "start", "start_covariance", "prior", "prior_sd", "pattern", "normal",
     # sizes of errors over iterations, other values of any shape
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
