@@ -7,6 +7,7 @@ lower block-triangular Toeplitz and a law is a pair of matrices. For up to a few
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -113,9 +114,12 @@ def largest_singular_value(matrix: Array, power: int) -> float:
 
         return times
 
-    operator = LinearOperator(
+    # scipy's stubs know neither the keywords of the operator nor a tolerance that is a float
+    build: Any = LinearOperator
+    solve: Any = svds
+    operator = build(
         matrix.shape, matvec=applied(matrix), rmatvec=applied(matrix.T), dtype=np.float64
     )
     start = np.random.default_rng(0).standard_normal(size)
-    found = svds(operator, k=1, tol=1e-10, v0=start, return_singular_vectors=False)
+    found = solve(operator, k=1, tol=1e-10, v0=start, return_singular_vectors=False)
     return float(found[0])
