@@ -10,6 +10,7 @@ from typing import Any
 
 from armside.arrays import Array
 
+from ..records import records
 from .law import Law
 
 
@@ -26,6 +27,7 @@ class Around:
             raise ValueError(f"centre must have {needed}, got {self.centre.shape}")
         self.law.check(n_samples, n_columns)
 
+    @records("correction", "error", alike=False)
     def step(self, correction: Array, error: Array, memory: Any = None, /) -> tuple[Array, Any]:
         change, memory = self.law.step(correction - self.centre, error, memory)
         return self.centre + change, memory

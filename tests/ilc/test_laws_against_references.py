@@ -219,8 +219,10 @@ def test_information_criteria_count_samples_and_coefficients():
     small, large = (fit_arx(u, y, STEP, na=1, nb=nb, nk=1, skip=6) for nb in (1, 5))
     for criterion, penalty in ((Information.AIC, 2.0), (Information.BIC, np.log(194))):
         apart = large.score(criterion) - small.score(criterion)
-        likelihood = 194 * np.log(large.noise_variance / small.noise_variance)
-        assert apart - likelihood == pytest.approx(4 * penalty, abs=4.5 / 194 * 194 / 40)
+        # The likelihood has the variance over all samples, not over those that are left free.
+        free = np.log((194 - 6) / (194 - 2))
+        likelihood = 194 * (np.log(large.noise_variance / small.noise_variance) + free)
+        assert apart - likelihood == pytest.approx(4 * penalty, rel=1e-6)
 
 
 def test_uncertain_parameters_spread_by_what_is_asked():
