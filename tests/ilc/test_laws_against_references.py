@@ -19,6 +19,7 @@ from armside.ilc.laws.regularised_inverse import RegularisedInverse
 from armside.ilc.measures.norms import circle_ripple
 from armside.ilc.models.system import System
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop
+from armside.ilc.two_mass_study import learned
 
 N, STEP = 64, 0.004
 MIX = np.array([[1.0, 0.3], [-0.2, 0.8]])
@@ -247,6 +248,16 @@ def test_the_reference_filter_stays_as_designed_when_the_joint_differs():
     other = _scaled(loop, {"k": 2.0, "fm": 0.5})
     assert (other.joint.k, other.joint.fm) == (10.0, pytest.approx(0.5 * 0.0713))
     assert other.F_r.b == pytest.approx(loop.F_r.b)
+
+
+def test_a_wrong_stiffness_in_the_reference_filter_moves_the_arm_and_not_the_motor():
+    """Fig. 8.11: twice the stiffness. The thesis's equations give 1.470 and 2.049 at k = 0."""
+    right, wrong = (learned(17.0, stiffness_factor=f, iterations=2) for f in (1.0, 2.0))
+    assert right.arm[0] == pytest.approx(1.46962, rel=2e-3)
+    assert wrong.arm[0] == pytest.approx(2.04878, rel=2e-3)
+    assert wrong.motor[2] / wrong.motor[0] == pytest.approx(
+        right.motor[2] / right.motor[0], rel=0.2
+    )
 
 
 # Systems and measures
