@@ -6,6 +6,7 @@ import pytest
 from armside import kinematics
 from armside.kinematics import Body, InertialModel, Limits, Link, Robot
 from armside.kinematics.limits import CoupledRange
+from armside.kinematics.links import link_transform
 from armside.kinematics.rigid import inverse, transform, transform_points
 from armside.kinematics.rotation import from_axis_angle
 
@@ -76,3 +77,55 @@ def test_a_moment_of_inertia_is_at_most_the_sum_of_the_others(moments, holds):
     else:
         with pytest.raises(ValueError, match="triangle inequality"):
             Body(mass=1, inertia=(*moments, 0, 0, 0))
+
+
+def at(robot, phi):
+    """T_base_tool as the product of link transforms. Thesis (3.26)."""
+    q, T = iter(robot.joint_variables(phi)), np.eye(4)
+    for link in robot.links:
+        T = T @ link_transform(link, next(q) if link.moves else 0.0)
+    return T
+
+
+TOOL_FORWARD = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+
+
+@pytest.mark.parametrize(
+    ("robot", "position"),
+    [
+        (kinematics.IRB1400, [0.15 + 0.72 + 0.085, 0.0, 0.475 + 0.6 + 0.12]),  # thesis 4.3.4
+        (kinematics.LARGE_ROBOT, [0.320 + 1.142 + 0.200, 0.0, 0.780 + 1.075 + 0.200]),
+    ],
+)
+def test_the_zero_pose_is_arm_up_and_forearm_forward(robot, position):
+    T = at(robot, np.zeros(6))
+    assert T[:3, 3] == pytest.approx(position, abs=1e-15)
+    assert T[:3, :3] == pytest.approx(np.array(TOOL_FORWARD), abs=1e-15)
+
+
+def test_motor_3_of_the_irb1400_holds_the_upper_arm_level_whatever_motor_2_does():
+    """Thesis (4.10): theta_3 = phi_3 - phi_2; the large robot has no parallelogram."""
+    phi = np.array([0.0, 0.4, 0.0, 0.0, 0.0, 0.0])
+    leaning = at(kinematics.IRB1400, phi)
+    assert leaning[:3, :3] == pytest.approx(np.array(TOOL_FORWARD), abs=1e-15)
+    moved = leaning[:3, 3] - at(kinematics.IRB1400, np.zeros(6))[:3, 3]
+    assert moved == pytest.approx([0.6 * np.sin(0.4), 0.0, 0.6 * (np.cos(0.4) - 1.0)], abs=1e-15)
+    tilted = at(kinematics.LARGE_ROBOT, phi)[:3, :3]
+    about_y = from_axis_angle([0.0, 1.0, 0.0], 0.4)
+    assert tilted == pytest.approx(about_y @ np.array(TOOL_FORWARD), abs=1e-15)
+
+
+def test_the_imu_sits_where_the_thesis_measured_it():
+    """5.1.1: (32, -26, 90) mm from TCP0 along the base axes of the zero pose, axes aligned."""
+    tool, imu = (at(robot, np.zeros(6)) for robot in (kinematics.IRB1400, kinematics.IRB1400_IMU))
+    assert imu[:3, 3] - tool[:3, 3] == pytest.approx([0.032, -0.026, 0.090], abs=1e-15)
+    assert imu[:3, :3] == pytest.approx(np.eye(3), abs=1e-15)
+
+
+def test_motor_angles_and_joint_variables_are_each_others_inverse():
+    phi = np.random.default_rng(0).uniform(-1, 1, (5, 6))
+    for robot in (kinematics.IRB1400, kinematics.LARGE_ROBOT):
+        back = robot.motor_angles(robot.joint_variables(phi))
+        assert back == pytest.approx(phi, abs=1e-15)
+        zero = robot.joint_variables(np.zeros(6))
+        assert np.rad2deg(zero) == pytest.approx([0, -90, 0, 0, 0, 180])  # thesis (4.9)

@@ -1,6 +1,6 @@
 """Measure how many deliberate faults the tests notice.
 
-    python -m tests.mutation run [--only TEXT] [--sample N] [--generic N] [--nearest] [--again]
+    python -m tests.mutation run [--only TEXT] [--sample N] [--generic N] [--nearest] ...
     python -m tests.mutation page
 
 `run` tries what has no result yet and ends with status 1 when a mutant survives without a reason;
@@ -27,6 +27,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--generic", type=int, default=0, help="number of generic mutants")
     parser.add_argument("--nearest", action="store_true", help="leave out the wider tests")
+    parser.add_argument("--checked", action="store_true", help="the tests are known to pass")
     parser.add_argument("--again", choices=("none", "survivors", "all"), default="none")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     return parser.parse_args()
@@ -47,7 +48,8 @@ def main() -> int:
         chosen = chosen[: options.sample]
     known = session.results()
     todo = [m for m in chosen if not m.equivalent and _pending(known.get(m.key), options.again)]
-    session.run(todo, workers=options.workers, wider=not options.nearest, report=_report)
+    how = {"workers": options.workers, "wider": not options.nearest, "checked": options.checked}
+    session.run(todo, **how, report=_report)
     results = session.results()
     killed, tried = score(chosen, results)
     print(f"{killed} of {tried} noticed")

@@ -1,0 +1,226 @@
+"""Gains, margins and units of laws and designs; what a loop runs, and what counts as growth."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from armside.ilc.analysis.criterion import frequency_grid, heuristic_criterion, largest_gamma
+from armside.ilc.analysis.proposal import propose
+from armside.ilc.estimation.consistency import Whiteness, bounds, whiteness
+from armside.ilc.estimation.kalman import Smoother
+from armside.ilc.estimation.process import Process
+from armside.ilc.filters import ALL_PASS, End, ZeroPhaseButterworth, shift
+from armside.ilc.laws import Heuristic, ModelInverse
+from armside.ilc.laws.law import FirstOrder
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.learning import learn
+from armside.ilc.measures.norms import circle_maxdev, circle_rms, normalise
+from armside.ilc.models.system import System
+from armside.ilc.models.two_mass import step_reference
+from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.ilc.two_mass_study import heuristic
+
+STEP = 0.004
+LAG = System(np.array([0.0, 0.0, 0.4]), np.array([1.0, -0.6]), STEP)
+
+
+def signals(n=80, m=3, seed=0):
+    window = np.hanning(n)[:, None]
+    return window * np.random.default_rng(seed).standard_normal((2, n, m))
+
+
+def test_each_motor_learns_with_its_own_gain_shift_and_cutoff():
+    u, e = signals()
+    gamma, delta, cutoff = (0.2, 0.5, 0.9), (1, 4, 7), (8.0, 15.0, 30.0)
+    together = Heuristic(Q=ZeroPhaseButterworth(cutoff, STEP), gamma=gamma, delta=delta)
+    found = together(u, e)
+    for i in range(3):
+        alone = Heuristic(Q=ZeroPhaseButterworth(cutoff[i], STEP), gamma=gamma[i], delta=delta[i])
+        one = slice(i, i + 1)
+        assert found[:, one] == pytest.approx(alone(u[:, one], e[:, one]), abs=1e-12)
+        Q = ZeroPhaseButterworth(cutoff[i], STEP)
+        by_hand = Q(u[:, one] + gamma[i] * shift(e[:, one], delta[i]))
+        assert found[:, one] == pytest.approx(by_hand, abs=1e-12)
+
+
+@pytest.mark.parametrize("gamma", [0.3, 1.2])
+def test_a_regularised_inverse_learns_in_proportion_to_its_gain(gamma):
+    G = SimpleNamespace(response=lambda omega: LAG.response(omega)[:, None, None] * np.eye(3))
+    ones = (1.0, 1.0, 1.0)
+    options = {"G": G, "sample_time": STEP, "cutoff": 20.0, "output_weight": ones}
+    unit, law = (RegularisedInverse(**options, input_size=ones, gamma=g) for g in (1.0, gamma))
+    u, e = signals()
+    zero = np.zeros_like(u)
+    assert law(zero, e) == pytest.approx(gamma * unit(zero, e))
+    # and is linear in both records
+    assert law(u, e) == pytest.approx(law(u, zero) + law(zero, e))
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_a_model_inverse_does_not_depend_on_the_units_of_its_output(scale):
+    """Regularisation is relative to the largest gain."""
+    _, e = signals()
+    Q = ZeroPhaseButterworth(20.0, STEP)
+    law, other = (
+        ModelInverse(T_u=T_u, learned=Q, regularisation=0.05) for T_u in (LAG, LAG * scale)
+    )
+    assert other(scale * e) == pytest.approx(law(e), rel=1e-6, abs=1e-9)
+    T = LAG.response(np.array([0.4]))[0]
+    expected = np.conj(T) / (np.abs(T) ** 2 + 0.05 * np.abs(LAG.static_gain) ** 2)
+    inverse = ModelInverse(T_u=LAG, learned=ALL_PASS, regularisation=0.05)
+    assert inverse.response(np.array([0.4]))[0] == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_first_result_stands_for_the_first_run_alone():
+    ran = []
+
+    class Plant:
+        def run(self, correction, /):
+            ran.append(correction.copy())
+            return 0.5 * correction
+
+    reference = np.ones((20, 1))
+    law = FirstOrder(L=ALL_PASS)
+    trials = list(learn(Plant(), law, reference, 3, first_result=np.full((20, 1), 0.25)))
+    assert len(ran) == 3
+    assert trials[0].output == pytest.approx(np.full((20, 1), 0.25))
+    for trial in trials[1:]:
+        assert trial.output == pytest.approx(0.5 * trial.correction)
+    assert [trial.k for trial in trials] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_deviation_counts_inwards_and_outwards(sign):
+    radii = 5e-3 + sign * np.array([0.0, 1e-4, 3e-4])
+    assert circle_maxdev(radii, 5e-3) == pytest.approx(3e-4)
+    assert circle_rms(radii, 5e-3) == pytest.approx(np.sqrt(10 / 3) * 1e-4)
+
+
+def test_measures_are_normalised_by_the_largest_without_learning():
+    first = np.array([[0.1, 0.4], [0.2, 0.05]])
+    assert normalise(0.1, first) == pytest.approx(0.25)
+
+
+# Designs
+
+
+@pytest.mark.parametrize("bandwidth", [5.0, 10.0, 15.0])
+def test_a_proposal_leaves_its_gain_margin_and_states_its_convergence(bandwidth):
+    """gamma = 1 / |T_u(0)|, but at most 0.6 of the largest that converges."""
+    slow = System(np.array([0, 0, 0, 0, 0, 0.3]), np.array([1.0, -0.7]), STEP)
+    found = propose(slow, bandwidth)
+    limit = largest_gamma(slow, [found.delta], [bandwidth])[0, 0]
+    assert found.largest_gamma == pytest.approx(limit)
+    assert found.gamma == pytest.approx(min(1.0 / slow.static_gain, 0.6 * limit))
+    Q = ZeroPhaseButterworth(bandwidth, STEP)
+    assert heuristic_criterion(slow, 0.99 * limit, found.delta, Q).is_met
+    assert not heuristic_criterion(slow, 1.01 * limit, found.delta, Q).is_met
+    n = found.iterations_to_5_percent
+    assert found.contraction**n <= 0.05
+    assert n == 1 or found.contraction ** (n - 1) > 0.05
+    # what is left at a frequency: (1 - Q) / (1 - Q (1 - L T))
+    omega = 2 * np.pi * 8.0 * STEP
+    q, LT = Q.response(np.array([omega]))[0], found.gamma * np.exp(1j * omega * found.delta)
+    LT = LT * slow.response(np.array([omega]))[0]
+    assert found.residual(8.0) == pytest.approx(abs((1 - q) / (1 - q * (1 - LT))))
+    assert frequency_grid().max() == pytest.approx(np.pi)
+
+
+def test_the_margin_binds_where_a_lag_is_long():
+    """A design that is limited by its margin, not by the static gain."""
+    long = System(np.r_[np.zeros(12), 0.2], np.array([1.0, -0.8]), STEP)
+    found = propose(long, 8.0, deltas=range(1))
+    assert found.gamma == pytest.approx(0.6 * found.largest_gamma)
+    assert found.gamma < 1.0 / long.static_gain
+
+
+def test_the_law_of_chapter_8_shifts_zeros_in():
+    law = heuristic(17.0)
+    assert law.end is End.ZERO
+    assert (law.gamma, law.delta, law.Q.cutoff) == (0.9, 5, 17.0)
+
+
+# Friction
+
+
+@pytest.fixture(scope="module")
+def moves():
+    """The joint of chapter 8 with dry friction, moved to either side."""
+    reference = step_reference(400)
+    plants = [FrictionPlant(arm_reference=s * reference, coulomb=0.05) for s in (1.0, -1.0)]
+    return [plant.run(np.zeros_like(reference)) for plant in plants]
+
+
+def test_friction_acts_alike_in_both_directions(moves):
+    there, back = moves
+    assert back.motor == pytest.approx(-there.motor, abs=1e-12)
+    assert back.arm == pytest.approx(-there.arm, abs=1e-12)
+
+
+def test_friction_holds_the_motor_back_and_never_drives_it(moves):
+    free = FrictionPlant(arm_reference=step_reference(400))
+    moved = free.run(np.zeros_like(free.arm_reference)).motor
+    sticking = moves[0].motor
+    error = [np.abs(free.motor_reference - m).max() for m in (moved, sticking)]
+    assert error[1] > error[0]
+    still = FrictionPlant(arm_reference=np.zeros((50, 1)), coulomb=0.05)
+    assert not still.run(np.zeros((50, 1))).motor.any()
+
+
+# Consistency of filters
+
+
+@pytest.mark.parametrize("confidence", [0.9, 0.95, 0.99])
+def test_bounds_of_a_consistent_filter_are_chi_squared(confidence):
+    low, high = bounds(40, 6, confidence)
+    expected = chi2.interval(confidence, 40 * 6)
+    assert (low, high) == pytest.approx(tuple(np.array(expected) / 40))
+
+
+@pytest.mark.parametrize(("factor", "white"), [(1.0, True), (1.45, True), (1.55, False)])
+def test_innovations_of_twice_their_size_are_not_those_of_the_model(factor, white):
+    e = np.random.default_rng(3).standard_normal((3000, 2))
+    e = factor * e / np.sqrt(np.mean(e**2, axis=0))
+    found = whiteness(e)
+    assert isinstance(found, Whiteness)
+    assert found.rms == pytest.approx([factor, factor])
+    assert found.is_white is white
+
+
+def test_innovations_that_remember_are_not_white():
+    rng = np.random.default_rng(4)
+    e = rng.standard_normal((2000, 1))
+    e[1:] += 0.3 * e[:-1]
+    assert not whiteness(e / e.std()).is_white
+
+
+def test_a_missing_measurement_is_no_innovation_and_changes_no_state():
+    """A row that is missing is a row with infinite noise: its state is the prediction."""
+    A, C = np.array([[1.0, 0.1], [0.0, 0.95]]), np.array([[1.0, 0.0]])
+    process = Process(A=A, Q=0.01 * np.eye(2), C=C, R=np.array([[0.04]]))
+    rng = np.random.default_rng(5)
+    y = rng.standard_normal((30, 1))
+    missing = np.array([3, 4, 5, 17])
+    y[missing] = np.nan
+    seen = np.isfinite(y[:, 0])
+    found = Smoother(process, np.eye(2), seen)(y)
+    assert np.isnan(found.innovation[missing]).all()
+    assert np.isfinite(np.delete(found.innovation, missing, axis=0)).all()
+    for i in missing:
+        assert found.filtered[i] == pytest.approx(A @ found.filtered[i - 1])
+    # the smoothed states are those of the joint normal distribution of all states
+    n, size = len(y), 2
+    precision, right = np.zeros((n * size, n * size)), np.zeros(n * size)
+    precision[:size, :size] += np.eye(size)
+    Q_inv, R_inv = np.linalg.inv(process.Q), 1.0 / 0.04
+    for i in range(n - 1):
+        D = np.zeros((size, n * size))
+        D[:, i * size : (i + 1) * size], D[:, (i + 1) * size : (i + 2) * size] = -A, np.eye(size)
+        precision += D.T @ Q_inv @ D
+    for i in np.flatnonzero(seen):
+        precision[i * size, i * size] += R_inv
+        right[i * size] += R_inv * y[i, 0]
+    expected = np.linalg.solve(precision, right).reshape(n, size)
+    assert found.smoothed == pytest.approx(expected, abs=1e-9)
