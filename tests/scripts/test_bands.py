@@ -155,6 +155,22 @@ def test_numbers_of_the_motor_side_are_those_of_their_statements(results):
     )
 
 
+@pytest.mark.parametrize(("factor", "counted"), [(0.0999, 18), (0.1001, 17)])
+def test_a_motor_counts_as_learned_at_a_tenth_of_its_own_first_error(factor, counted):
+    base = {pose: {"motor_inf": np.full((6, 6), 0.5)} for pose in POSES}
+    for result in base.values():
+        result["motor_inf"][5] = 0.04
+    base["p2"]["motor_inf"][5, 3] = factor * 0.5
+    assert ours(bands.motor_side(base))["a3"] == counted
+
+
+@pytest.mark.parametrize(("factor", "counted"), [(0.699, 1), (0.701, 0)])
+def test_a_motor_counts_as_better_below_seven_tenths(factor, counted):
+    slow = {"motor_two": np.ones((6, 6))}
+    fast = {"motor_two": np.ones((6, 6)) * np.where(np.arange(6) == 2, factor, 1.0)}
+    assert ours(bands.cutoff_motor(slow, fast))["c5"] == counted
+
+
 def test_numbers_of_the_arm_side_are_those_of_their_statements(results):
     base, other = results
     rms = {pose: base[pose]["arm_rms"] for pose in POSES}

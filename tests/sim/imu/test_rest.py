@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside.sim.imu import ImuExperiment, RestExperiment, run_rest
-from armside.sim.imu.compensation import GRAVITY
+from armside.sim.imu.compensation import GRAVITY, calibrate
 from armside.sim.imu.evaluation import Evaluation, ImuRun, measure
 from armside.sim.imu.experiment import sense
 from armside.sim.imu.vibration import at_rest, power_spectrum
@@ -133,3 +133,17 @@ def test_same_seed_same_rest_and_another_seed_another():
     first, again, other = (run_rest(experiment, seed).rest for seed in (5, 5, 6))
     assert np.array_equal(first.on_rms, again.on_rms)
     assert (first.on_rms != other.on_rms).all()
+
+
+@pytest.mark.parametrize("offset", [0.05, -0.05])
+def test_an_offset_of_a_sensor_that_never_rotates_is_divided_as_the_prior_says(offset):
+    """Tilt of 1 deg leaks 0.171 m/s^2 of gravity, the bias is 0.02 m/s^2: both one sigma."""
+    n = 4000
+    force = np.tile([0.0, 0.0, 9.82], (n, 1))
+    reading, rate = force + np.array([offset, 0.0, 0.0]), np.zeros((n, 3))
+    found = calibrate(reading, rate, force, rate)
+    leak, bias = 9.82 * np.deg2rad(1.0), 0.02
+    expected = offset * bias**2 / (bias**2 + leak**2)
+    assert found.accelerometer_bias[0] == pytest.approx(expected, rel=0.02)
+    leaked = found.R_site_imu.T @ force[0]
+    assert leaked[0] == pytest.approx(offset - expected, rel=0.02)
