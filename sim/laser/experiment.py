@@ -77,7 +77,8 @@ def prepare(
     """Draw the robot individual, set up the tracker and load the motion.
 
     Args:
-        seed: of the individual, of the tracker's set-up and of all noise, in separate streams.
+        seed: of the tracker's set-up, of all noise and, where the cut has no individual, of the
+            robot's friction, in separate streams.
         repetition: of the same experiment: other noise, everything else alike.
         nominal: the cut's model, where it is loaded already; with the tool of its file.
 

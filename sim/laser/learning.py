@@ -45,7 +45,8 @@ def learn(
     Args:
         measure: output that is learned from: motor, estimate, tracker, truth, or one's own.
         law: learning law for errors of that output; the measure's default if None.
-        seed: of the robot individual, of the instruments' set-up and of all noise.
+        seed: of the instruments' set-up and all noise, and of friction where the cut has no
+            individual.
         plant: runs corrections in place of the virtual robot.
         start: (N, 6) [rad], correction of the first run, such as a twin's; zero if None.
 
