@@ -27,6 +27,7 @@ from .inverse.closed_form import inverse_nearest as inverse_nearest
 from .inverse.closed_form import inverse_path as inverse_path
 from .inverse.numeric import NotConvergedError as NotConvergedError
 from .inverse.numeric import inverse_numeric as inverse_numeric
+from .inverse.numeric import inverse_numeric_path as inverse_numeric_path
 from .inverse.wrist_arm import UnsolvableGeometryError as UnsolvableGeometryError
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits

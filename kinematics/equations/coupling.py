@@ -40,11 +40,22 @@ def notes(robot: Robot) -> tuple[str, ...]:
     """Robot, convention, coupling and units, for the header of generated code."""
     return (
         f"robot: {robot.name}; {robot.convention.value} Denavit-Hartenberg convention",
-        "phi: motor angles on the arm side of the gear [rad]; joint variables = coupling phi + "
-        "offset",
+        *_motor_note(robot),
         f"coupling: {robot.coupling.tolist()}",
         f"offset: {robot.offset.tolist()}",
         "SI units; six-vectors are (v, omega) in base axes",
+    )
+
+
+def _motor_note(robot: Robot) -> tuple[str, ...]:
+    """Meaning and units of phi; those of a prismatic joint's variable are metres."""
+    relation = "joint variables = coupling phi + offset"
+    if all(robot.links[i].joint is Joint.REVOLUTE for i in robot.moving):
+        return (f"phi: motor angles on the arm side of the gear [rad]; {relation}",)
+    units = ["m" if robot.links[i].joint is Joint.PRISMATIC else "rad" for i in robot.moving]
+    return (
+        f"phi: motor variables on the arm side of the gear; {relation}",
+        f"joint variables: [{', '.join(units)}]; forces of prismatic joints [N], torques [N m]",
     )
 
 

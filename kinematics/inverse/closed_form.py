@@ -19,17 +19,17 @@ from armside.arrays import Array
 from ..cache import cached_module
 from ..dh import Robot
 from ..limits import Limits
+from .targets import check_rigid
 from .wrist_arm import WristArm, wrist_arm
-
-_ORTHOGONAL = 1e-6  # greatest element of R^T R - 1 of a rigid motion
 
 
 class Singularity(IntFlag):
-    """Singularities that leave an angle of a solution free; it keeps its reference value."""
+    """Singularities of a solution; an angle that one leaves free keeps its reference value."""
 
     NONE = 0
     SHOULDER = 1
-    """The wrist centre is on axis 1: theta1 is free."""
+    """The wrist centre is on axis 1, where theta1 is free; with an offset of the shoulder, in the
+    plane of axis 1 that the offset leaves it: two shoulder branches coincide."""
     ELBOW = 2
     """The arm is stretched or folded: two elbow branches coincide."""
     WRIST = 4
@@ -164,15 +164,7 @@ def _targets(arm: WristArm, T: ArrayLike) -> tuple[Array, bool]:
     T = np.asarray(T, dtype=np.float64)
     if T.ndim not in (2, 3) or T.shape[-2:] != (4, 4):
         raise ValueError(f"T must have shape (4, 4) or (N, 4, 4), got {T.shape}")
-    if not np.isfinite(T).all():
-        raise ValueError("T must be finite; it contains NaN or infinity")
-    R = T[..., :3, :3]
-    if not (
-        np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=_ORTHOGONAL)
-        and (np.linalg.det(R) > 0).all()
-        and (T[..., 3, :] == [0, 0, 0, 1]).all()
-    ):
-        raise ValueError("T must be rigid motions: a rotation, a position and a row 0 0 0 1")
+    check_rigid(T)
     W = np.ascontiguousarray(arm.head_inverse @ T @ arm.tail_inverse)
     return (W[None], True) if W.ndim == 2 else (W, False)
 

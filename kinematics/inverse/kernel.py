@@ -14,7 +14,8 @@ from numba import njit
 
 TOUCHING = 1e-10  # [m], distance outside the reach that counts as rounding
 ALIGNED = 1e-10  # sine, or [m], below which a free angle takes its reference value
-STRETCHED = 1e-7  # sine of the elbow; rounding of 1e-16 m at the edge of the reach makes it 1e-8
+STRETCHED = 1e-7  # sine of the elbow, or [m] from an offset shoulder's singularity; rounding of
+# 1e-16 m at the edge of the reach, or of the offset, makes it 1e-8
 
 SHOULDER, ELBOW, WRIST = 1, 2, 4
 
@@ -106,7 +107,7 @@ def _branches(W, g, reference, theta, flags):
             flag = 0
             if _wrist(W, th1, th2, th3, g, reference, theta[b], theta[b + 1]):
                 flag |= WRIST
-            if at_shoulder:
+            if at_shoulder or along < STRETCHED:
                 flag |= SHOULDER
             if sine < STRETCHED:
                 flag |= ELBOW

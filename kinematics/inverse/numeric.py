@@ -1,67 +1,210 @@
-"""Inverse kinematics by damped Gauss-Newton steps, for any robot that `compile` takes."""
+"""Inverse kinematics of any serial robot of numbers, by damped least squares from a start.
+
+A target is a pose T_base_tool, or a position p_base, whose tool axes are then free. Redundant arms
+move least from the start. The work is done by the compiled `numeric_kernel`.
+"""
+
+from functools import cache, lru_cache
+from math import cos, inf, pi, sin
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..compiled import compile
-from ..dh import Robot
+from ..arguments import finite_array, real_array
+from ..cache import cached_module
+from ..dh import Joint, Robot
+from ..limits import Limits
+from ..links import standard_links
+from .targets import refuse_motion
 
-_CONVERGED = 1e-12  # [m] and [rad]
-_MAX_STEPS = 200
+_RESTARTS = 100
+_TYPES = {Joint.REVOLUTE: 0, Joint.PRISMATIC: 1, Joint.FIXED: 2}
 
 
 class NotConvergedError(ValueError):
-    """No configuration found from a start; the target may be out of reach."""
+    """No configuration found for target `index`: `distance` [m] and `angle` [rad] remain at `phi`.
+
+    Both are zero where solutions exist only beyond the joint limits.
+    """
+
+    def __init__(self, robot: Robot, index: int, count: int, phi: Array, error: Array) -> None:
+        self.index, self.phi = index, phi
+        self.distance, self.angle = (float(np.linalg.norm(part)) for part in (error[:3], error[3:]))
+        where = f"target {index} of {count}: " if count > 1 else ""
+        missing = f"{self.distance * 1e3:.3g} mm and {np.degrees(self.angle):.3g} deg remain"
+        if not error.any():
+            missing = "solutions were found beyond the joint limits only, the last"
+        at = f"phi = {np.round(phi, 4).tolist()} rad"
+        super().__init__(f"{where}no configuration of {robot.name} found: {missing} at {at}")
 
 
-def inverse_numeric(robot: Robot, T: ArrayLike, start: ArrayLike, tolerance: float = 1e-9) -> Array:
-    """One configuration phi with pose T, found from a start configuration.
+def inverse_numeric(
+    robot: Robot,
+    T: ArrayLike,
+    start: ArrayLike,
+    tolerance: float = 1e-9,
+    *,
+    limits: Limits | None = None,
+    restarts: int = _RESTARTS,
+    nearest: bool = False,
+) -> Array:
+    """One configuration phi for each target, shape (n,) or (N, n).
 
-    Levenberg-Marquardt on the six-vector (position, rotation vector) from the current pose to T.
+    Revolute joints are within half a turn of the start where the limits allow.
 
     Args:
-        T: shape (4, 4).
-        start: shape (n,) [rad].
+        T: poses (4, 4) or (N, 4, 4), or positions (3,) or (N, 3) [m].
+        start: shape (n,) [rad], where the search for each target starts.
         tolerance: largest remaining error that is accepted [m] and [rad].
+        limits: ranges that a solution is in.
+        restarts: further starts, evenly spread over the limits (or a turn), for the targets that
+            the first does not solve.
+        nearest: try all starts and return the solution found nearest to `start`.
 
     Raises:
-        NotConvergedError: says what error remains.
+        NotConvergedError: says for which target, and what error remains where.
     """
-    T = np.asarray(T, dtype=np.float64)
-    phi = np.array(start, dtype=np.float64)
-    if T.shape != (4, 4) or phi.shape != (robot.n_joints,):
-        given = f"got {T.shape} and {phi.shape}"
-        raise ValueError(f"T must be (4, 4) and start ({robot.n_joints},), {given}")
-    if not (np.isfinite(T).all() and np.isfinite(phi).all()):
-        raise ValueError("T and start must be finite")
-    functions = compile(robot)
-    damping, error = 1e-3, pose_error(functions.pose(phi), T)
-    for _ in range(_MAX_STEPS):
-        if np.abs(error).max() < _CONVERGED:
-            break
-        J = functions.jacobian(phi)
-        step = np.linalg.solve(J.T @ J + damping * np.eye(len(phi)), J.T @ error)
-        trial = pose_error(functions.pose(phi + step), T)
-        if trial @ trial < error @ error:
-            phi, error, damping = phi + step, trial, max(damping / 10, 1e-15)
-        elif damping > 1e6:
-            break
-        else:
-            damping *= 4
-    if not np.abs(error).max() <= tolerance:
-        distance, angle = np.linalg.norm(error[:3]) * 1e3, np.degrees(np.linalg.norm(error[3:]))
-        raise NotConvergedError(
-            f"no configuration of {robot.name} found from this start: "
-            f"{distance:.3f} mm and {angle:.3f} deg remain"
-        )
+    first = _start(robot, start)
+    targets, rows, single = _targets(T)
+    chain, turns, ranges = _chain(robot), _turns(robot), _ranges(robot, limits)
+    starts = np.vstack([first, spread(robot, limits, restarts)])
+    n = len(targets)
+    phi, error = np.empty((n, len(first))), np.zeros((n, 6))
+    outcome = np.empty(n, dtype=np.int64)
+    kernel = _kernel()
+    kernel.search(
+        chain, turns, targets, rows, starts, ranges, tolerance, nearest, phi, error, outcome
+    )
+    if outcome.any():
+        k = int(np.argmax(outcome != kernel.FOUND))
+        remains = error[k] if outcome[k] == kernel.OPEN else np.zeros(6)
+        raise NotConvergedError(robot, k, n, phi[k], remains * (np.arange(6) < rows))
+    return phi[0] if single else phi
+
+
+def inverse_numeric_path(
+    robot: Robot,
+    T: ArrayLike,
+    start: ArrayLike,
+    tolerance: float = 1e-9,
+    *,
+    limits: Limits | None = None,
+) -> Array:
+    """Configurations along a sequence of targets, shape (N, n), each started from the one before.
+
+    Args:
+        T: poses (N, 4, 4) or positions (N, 3) [m].
+        start: shape (n,) [rad]; the first configuration is searched from it.
+        tolerance: largest remaining error that is accepted [m] and [rad].
+        limits: ranges that every configuration is in.
+
+    Raises:
+        NotConvergedError: the first target that is not reached; says what error remains where.
+    """
+    targets, rows, single = _targets(T)
+    if single:
+        raise ValueError(f"T must be (N, 4, 4) or (N, 3), got {np.shape(T)}; see inverse_numeric")
+    path = np.empty((len(targets), robot.n_joints))
+    if not len(path):
+        return path
+    first = T[:1] if isinstance(T, np.ndarray) else np.asarray(T, dtype=np.float64)[:1]
+    path[:1] = inverse_numeric(robot, first, start, tolerance, limits=limits)
+    error, ranges = np.zeros(6), _ranges(robot, limits)
+    k = _kernel().follow(_chain(robot), targets, rows, ranges, tolerance, path, error)
+    if k < len(path):
+        error[rows:] = 0.0
+        remains = error if np.abs(error).max() > tolerance else np.zeros(6)
+        raise NotConvergedError(robot, int(k), len(path), path[k], remains)
+    return path
+
+
+@cache
+def _kernel() -> Any:
+    text = Path(__file__).with_name("numeric_kernel.py").read_text(encoding="utf-8")
+    return cached_module("inverse_numeric", "", lambda: text)
+
+
+def _start(robot: Robot, start: ArrayLike) -> Array:
+    phi = finite_array("start", start)
+    if phi.shape != (robot.n_joints,):
+        raise ValueError(f"start must have shape ({robot.n_joints},), got {phi.shape}")
     return phi
 
 
-def pose_error(T_base_a: Array, T_base_b: Array) -> Array:
-    """(translation, rotation vector) in base axes that takes frame a to frame b, shape (6,)."""
-    from scipy.spatial.transform import Rotation
+def _targets(T: ArrayLike) -> tuple[Array, int, bool]:
+    """Targets (N, 4, 4), the number of error components that count, and True for a single one."""
+    given = real_array("T", T)
+    if given.shape[-2:] == (4, 4) and given.ndim in (2, 3):
+        poses = np.array(given.reshape(-1, 4, 4))
+        if not _kernel().are_rigid(poses):
+            refuse_motion(given)
+        return poses, 6, given.ndim == 2
+    if given.shape[-1:] == (3,) and given.ndim in (1, 2):
+        poses = np.tile(np.eye(4), (given.size // 3, 1, 1))
+        poses[:, :3, 3] = given
+        if not np.isfinite(poses).all():
+            refuse_motion(given)
+        return poses, 3, given.ndim == 1
+    raise ValueError(f"T must be (4, 4), (N, 4, 4), (3,) or (N, 3), got {given.shape}")
 
-    rotation = Rotation.from_matrix(T_base_b[:3, :3] @ T_base_a[:3, :3].T).as_rotvec()
-    return np.concatenate([T_base_b[:3, 3] - T_base_a[:3, 3], rotation])
+
+@lru_cache(maxsize=64)
+def _chain(robot: Robot) -> tuple[Any, ...]:
+    """Arrays of the kernel: link parameters, joint types, prismatic joints, coupling, offset."""
+    if robot.free_symbols:
+        names = ", ".join(sorted(map(str, robot.free_symbols)))
+        raise ValueError(f"inverse_numeric needs a robot of numbers; {robot.name} has {names}")
+    links = standard_links(robot)
+    angles = [(float(link.theta), float(link.alpha)) for link in links]
+    rows = [
+        (theta, float(link.d), float(link.a), cos(alpha), sin(alpha))
+        for link, (theta, alpha) in zip(links, angles, strict=True)
+    ]
+    types = np.array([_TYPES[link.joint] for link in links], dtype=np.int64)
+    M = robot.coupling.copy()
+    coupled = not np.array_equal(M, np.eye(len(M)))
+    return np.array(rows), types, types[types < 2] == 1, M, robot.offset.copy(), coupled
+
+
+@lru_cache(maxsize=64)
+def _turns(robot: Robot) -> Array:
+    """Motor angles that turn each joint by one radian, as columns (n, n)."""
+    return np.array(np.linalg.inv(robot.coupling), dtype=np.float64)
+
+
+@lru_cache(maxsize=64)
+def _ranges(robot: Robot, limits: Limits | None) -> tuple[Array, ...]:
+    n = robot.n_joints
+    if limits is None:
+        return np.full(n, -inf), np.full(n, inf), np.empty((0, n)), np.empty(0), np.empty(0)
+    if len(limits.lower) != n:
+        raise ValueError(f"limits must have {n} motors, got {len(limits.lower)}")
+    combinations = np.array([bound.coefficients for bound in limits.coupled]).reshape(-1, n)
+    ends = [[getattr(b, end) for b in limits.coupled] for end in ("lower", "upper")]
+    arrays = limits.lower, limits.upper, combinations, *ends
+    return tuple(np.array(values, dtype=np.float64) for values in arrays)
+
+
+@lru_cache(maxsize=64)
+def spread(robot: Robot, limits: Limits | None, count: int) -> Array:
+    """Starts (count, n), evenly spread: an additive recurrence with the generalised golden ratio.
+
+    Without limits a revolute joint has a turn, and a prismatic one the size of the robot.
+    """
+    n = robot.n_joints
+    links, _, prismatic, *_ = _chain(robot)
+    size = float(np.abs(links[:, 1:3]).sum()) or 1.0
+    half = np.where(prismatic, size, pi)
+    lower, upper = -half, half
+    if limits is not None:
+        lower, upper = np.maximum(limits.lower, -2 * half), np.minimum(limits.upper, 2 * half)
+    ratio = 2.0
+    for _ in range(40):  # the root of x^(n + 1) = x + 1
+        ratio = (1.0 + ratio) ** (1.0 / (n + 1))
+    steps = ratio ** -np.arange(1.0, n + 1)
+    fractions = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
+    return lower + (upper - lower) * fractions

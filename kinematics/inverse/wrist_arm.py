@@ -66,6 +66,8 @@ def wrist_arm(robot: Robot) -> WristArm:
     head, rest = chain_transform(links[:first]), chain_transform(links[last + 1 :])
     tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ rest
     M, constant = robot.coupling.copy(), robot.offset + [float(link.theta) for link in six]
+    if float(six[1].a) < 0:  # the same arm with a2 > 0, theta2 half a turn on and theta3 back
+        constant[1:3] += np.pi, -np.pi * np.sign(cos(float(six[1].alpha)))
     M_inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
     ends = rigid.inverse(head), rigid.inverse(tail)
     return WristArm(*ends, _geometry(six), M, M_inverse, constant)
@@ -94,7 +96,7 @@ def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
     _require(abs(sin(alpha2)) < _TINY, robot, f"axes 2 and 3 are not parallel: alpha2 = {alpha2}")
     _require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
     g = _geometry(six)
-    _require(g[4] > _TINY and g[5] > _TINY, robot, "upper arm or forearm has no positive length")
+    _require(g[4] > _TINY and g[5] > _TINY, robot, "upper arm or forearm has no length")
 
 
 def _geometry(six: tuple[Link, ...]) -> Array:
@@ -106,8 +108,8 @@ def _geometry(six: tuple[Link, ...]) -> Array:
     offset = d2 + sigma * (d3 + cos(alpha3) * d4)
     return np.array(
         [
-            d1, a1, sin(alpha1), cos(alpha1), a2, hypot(*forearm), atan2(forearm[1], forearm[0]),
-            offset, sigma, sin(float(six[3].alpha)), sin(float(six[4].alpha)), sin(alpha3),
-            cos(alpha3),
+            d1, a1, sin(alpha1), cos(alpha1), abs(a2), hypot(*forearm),
+            atan2(forearm[1], forearm[0]), offset, sigma, sin(float(six[3].alpha)),
+            sin(float(six[4].alpha)), sin(alpha3), cos(alpha3),
         ]
     )  # fmt: skip

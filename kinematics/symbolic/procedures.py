@@ -211,10 +211,23 @@ def joint_torques(links: Links, wrench: Any, frame: int | None = None) -> Symbol
 
 
 def variable_link(link: Link, name: str = "q", index: int | None = None) -> Link:
-    """The link with its joint variable replaced by q_i; a link of numbers stays. Thesis 4.3.2."""
+    """The link with its joint variable replaced by q_i; a link of numbers stays. Thesis 4.3.2.
+
+    index: by default the greatest index among the variables of the parameter, so that
+        theta = phi_3(t) - phi_2(t) becomes q_3(t); without any index, q(t).
+    """
     if link.joint is Joint.FIXED:
         return link
     field = "theta" if link.joint is Joint.REVOLUTE else "d"
     if sp.sympify(getattr(link, field)).is_number:
         return link
+    index = _greatest_index(getattr(link, field)) if index is None else index
     return replace(link, **{field: moving(name, index)})
+
+
+def _greatest_index(expression: Any) -> int | None:
+    functions = functions_of_time([expression])
+    symbols = expression.free_symbols - {t}
+    names = [f.func.__name__ for f in functions] + [str(s) for s in symbols]
+    tails = [name.rpartition("_")[2] for name in names if "_" in name]
+    return max((int(tail) for tail in tails if tail.isdecimal()), default=None)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..arguments import real_array
 from ..dh import Link, Robot
 from ..equations.chain import exact_parameters
 from ..expressions.exact import Expression
@@ -63,8 +64,10 @@ def conditions(robot: Robot) -> SingularConditions:
 
 
 def manipulability(J: ArrayLike) -> Array:
-    """sqrt(det(J J^T)) of Jacobians (..., 6, n): zero if J has rank < 6."""
-    J = np.asarray(J, dtype=np.float64)
+    """sqrt(det(J J^T)) of Jacobians (..., 6, n): zero if J has rank < 6, as all with n < 6."""
+    J = real_array("J", J)
+    if J.shape[-1] < J.shape[-2]:
+        return np.zeros(J.shape[:-2])
     return np.prod(np.linalg.svd(J, compute_uv=False), axis=-1)
 
 

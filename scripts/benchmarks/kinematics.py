@@ -18,22 +18,33 @@ from armside.kinematics import (
     LARGE_ROBOT,
     Body,
     InertialModel,
+    Limits,
+    Link,
+    Robot,
     compile,
     compile_dynamics,
     inverse_branches,
+    inverse_numeric,
+    inverse_numeric_path,
 )
 
+from .arms import PANDA, PANDA_LIMITS, PUMA_560, STANFORD_ARM, STANFORD_LIMITS
 from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
 from .timing import Row, interleaved
 
 BATCH = 100_000
 PATH = 2000
+POSES = 100
+TOLERANCE = 1e-6
+"""[m] and [rad], of numeric inverse kinematics, ours and the peer's."""
+ARMS = ((PUMA_560, None), (STANFORD_ARM, STANFORD_LIMITS), (PANDA, None), (PANDA, PANDA_LIMITS))
 
 
 def kinematics() -> Sequence[Row]:
     """Rows of the benchmark; peers that are not installed are left out."""
     singles = [*_single_calls(), *_into_given_arrays()]
-    return [*singles, *_batches(), *_dynamics(), _inverse(), _first_use()]
+    inverse = [_inverse(), *_numeric_inverse(), *_numeric_paths()]
+    return [*singles, *_batches(), *_dynamics(), *inverse, *_symbolic(), _first_use()]
 
 
 def _random(*shape: int) -> np.ndarray:
@@ -150,6 +161,82 @@ def _inverse() -> Row:
     T = compile(LARGE_ROBOT).pose(_random(PATH, 6))
     seconds = interleaved([lambda: inverse_branches(LARGE_ROBOT, T)])[0]
     return Row(f"LARGE_ROBOT inverse, all branches, {PATH} poses", seconds)
+
+
+def _numeric_inverse() -> list[Row]:
+    """Time of a pose, over poses of random configurations, to TOLERANCE, limits kept if any.
+
+    Both solve every pose; the peer's tolerance is on half the squared error.
+    """
+    rows = []
+    for robot, limits in ARMS:
+        T = compile(robot).pose(_within(robot, limits, POSES))
+        start = _within(robot, limits, 1)[0]
+        calls = [lambda r=robot, T=T, s=start, b=limits: _solve(r, T, s, b)]
+        with suppress(ImportError):
+            ik = toolbox_robot(robot, limits).ets().ik_LM
+            calls.append(lambda f=ik, T=T: [f(t, tol=TOLERANCE**2 / 2) for t in T])
+        ours, *theirs = (seconds / POSES for seconds in interleaved(calls, repeats=5))
+        name = f"{robot.name} numeric inverse{', limits' if limits else ''}, each of {POSES}"
+        peer = "Robotics Toolbox" if theirs else None
+        rows.append(Row(name, ours, peer, theirs[0] if theirs else None))
+    return rows
+
+
+def _solve(robot: Robot, T: np.ndarray, start: np.ndarray, limits: Limits | None) -> None:
+    for pose in T:
+        inverse_numeric(robot, pose, start, TOLERANCE, limits=limits)
+
+
+def _within(robot: Robot, limits: Limits | None, count: int) -> np.ndarray:
+    n = robot.n_joints
+    lower, upper = (limits.lower, limits.upper) if limits else (-np.pi, np.pi)
+    return np.random.default_rng(count).uniform(lower, upper, (count, n))
+
+
+def _numeric_paths() -> list[Row]:
+    """A path of 1,000 poses, one compiled call."""
+    rows = []
+    for robot, limits in ARMS:
+        first, last = _within(robot, limits, 2)
+        phi = first + 0.1 * (last - first) * np.linspace(0, 1, 1000)[:, None]
+        T = compile(robot).pose(phi)
+        (seconds,) = interleaved([lambda r=robot, T=T, s=first: inverse_numeric_path(r, T, s)])
+        rows.append(Row(f"{robot.name} numeric inverse along 1000 poses", seconds))
+    return rows
+
+
+def _symbolic() -> list[Row]:
+    """Example 4.1 of the thesis: the Jacobian of six revolute joints, all parameters symbolic.
+
+    Expanded as in the thesis, and by a recursion that shares the parts; time to build, operations.
+    """
+    import sympy as sp
+
+    from armside.kinematics.equations import forward_kinematics
+    from armside.kinematics.expressions.symbols import moving, symbol, t
+    from armside.kinematics.symbolic import procedures
+
+    def six(theta: Callable[[int], Any]) -> Robot:
+        rows = [[symbol(name, i) for name in ("d", "a", "alpha")] for i in range(1, 7)]
+        return Robot([Link(theta(i), *row) for i, row in enumerate(rows, 1)])  # pyright: ignore
+
+    constant, timed = six(lambda i: symbol("theta", i)), six(lambda i: moving("theta", i))
+    J, expanded = _timed(lambda: procedures.jacobian(constant))
+    J_dot, differentiated = _timed(lambda: procedures.jacobian(timed).diff(t))
+    program, shared = _timed(lambda: forward_kinematics.jacobian(six(lambda i: 0)))
+    rate, shared_rate = _timed(lambda: forward_kinematics.jacobian_rate(six(lambda i: 0)))
+    return [
+        Row(f"symbolic Jacobian: {sp.count_ops(J)} operations", expanded),
+        Row(f"symbolic Jacobian rate: {sp.count_ops(J_dot)} operations", differentiated),
+        Row(f"symbolic Jacobian, parts shared: {program.operations} operations", shared),
+        Row(f"symbolic Jacobian rate, parts shared: {rate.operations} operations", shared_rate),
+    ]
+
+
+def _timed(build: Callable[[], Any]) -> tuple[Any, float]:
+    start = time.perf_counter()
+    return build(), time.perf_counter() - start
 
 
 def _first_use() -> Row:

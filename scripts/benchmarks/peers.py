@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.kinematics import InertialModel, Joint, Robot
+from armside.kinematics import Convention, InertialModel, Joint, Limits, Robot
 from armside.kinematics.links import link_transform, standard_links
 
 
@@ -79,15 +79,24 @@ def pinocchio_functions(robot: Robot) -> SimpleNamespace:
     return SimpleNamespace(pose=pose, jacobian=jacobian, acceleration=acceleration)
 
 
-def toolbox_robot(robot: Robot) -> Any:
+def toolbox_robot(robot: Robot, limits: Limits | None = None) -> Any:
     """A D-H robot of the Robotics Toolbox for Python; its configuration is the joint variables.
+
+    limits: lower and upper ends of all joints, for its inverse kinematics.
 
     Raises ImportError where it (`pip install roboticstoolbox-python`) is not installed.
     """
     import roboticstoolbox as rtb
 
-    links = []
+    modified, links = robot.convention is Convention.MODIFIED, []
+    ends = zip(limits.lower, limits.upper, strict=True) if limits else None
     for link in robot.links:
         theta, d, a, alpha = map(float, (link.theta, link.d, link.a, link.alpha))
-        links.append(rtb.RevoluteDH(d=d, a=a, alpha=alpha, offset=theta))
+        given: dict[str, Any] = {"qlim": list(next(ends))} if ends else {}
+        if link.joint is Joint.PRISMATIC:
+            kind, given["offset"], given["theta"] = "Prismatic", d, theta
+        else:
+            kind, given["offset"], given["d"] = "Revolute", theta, d
+        build = getattr(rtb, f"{kind}{'MDH' if modified else 'DH'}")
+        links.append(build(a=a, alpha=alpha, **given))
     return rtb.DHRobot(links)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -22,11 +22,6 @@ TO_AND_FROM = {
     "roll-pitch-yaw": (rotation.to_roll_pitch_yaw, rotation.from_roll_pitch_yaw),
     "quaternion": (rotation.to_quaternion, rotation.from_quaternion),
 }
-SINE = {
-    "Euler ZYZ": lambda R: np.hypot(R[0, 2], R[1, 2]),
-    "roll-pitch-yaw": lambda R: np.hypot(R[0, 0], R[1, 0]),
-}
-"""Of the angle whose zero is the singularity."""
 SYMBOLIC = {
     "axis/angle": (
         rotation_symbolic.to_axis_angle,
@@ -45,16 +40,58 @@ SYMBOLIC = {
 
 
 @pytest.mark.parametrize("name", TO_AND_FROM)
+@settings(deadline=None)
 @given(q=quaternion)
 @example(q=np.array([0.0, 0.5**0.5, 0.5**0.5, 4.21468485e-08]))
 def test_to_and_from_are_inverse_anywhere(name, q):
-    """To rounding; where the third angle is set to zero, to twice the cone in which it is: the axis
-    inside it may then lie on the other side."""
     to, back = TO_AND_FROM[name]
     R = rotation.from_quaternion(q)
-    near = name in SINE and SINE[name](R) < 2.0 * rotation.SINGULAR
-    bound = 2.0 * rotation.SINGULAR if near else 1e-12
-    np.testing.assert_allclose(back(to(R)), R, rtol=0, atol=bound)
+    np.testing.assert_allclose(back(to(R)), R, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("small", [0.0, 1e-17, 1e-15, 1e-12, 1e-9, 1e-8, 9e-8, 1.1e-7, 1e-5])
+@pytest.mark.parametrize("name", ["Euler ZYZ", "roll-pitch-yaw"])
+def test_rotations_near_a_singularity_are_kept_to_rounding(name, small):
+    to, back = TO_AND_FROM[name]
+    ends = (0.0, np.pi) if name == "Euler ZYZ" else (np.pi / 2, -np.pi / 2)
+    for middle in ends:
+        R = back([0.4, middle + small, -1.3])
+        np.testing.assert_allclose(back(to(R)), R, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("length", [1e200, 1e-200, 5e-324, 1.7e308])
+def test_quaternions_and_axes_of_any_length_are_directions(length):
+    half = np.array([1.0, 1.0, 0.0, 0.0])
+    R = rotation.from_quaternion(length * half)
+    np.testing.assert_allclose(R, rotation.from_quaternion(half), rtol=0, atol=1e-15)
+    R = rotation.from_axis_angle(length * half[:3], 0.7)
+    np.testing.assert_allclose(R, rotation.from_axis_angle(half[:3], 0.7), rtol=0, atol=1e-15)
+
+
+def test_huge_angles_are_angles():
+    R = rotation.from_axis_angle([0, 0, 1], 1e300)
+    np.testing.assert_allclose(R.T @ R, np.eye(3), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: rotation.from_quaternion([np.nan, 0, 0, 1]),
+        lambda: rotation.from_quaternion([np.inf, 0, 0, 1]),
+        lambda: rotation.from_quaternion([1, 0, 0]),
+        lambda: rotation.from_axis_angle([1, 0, 0], np.inf),
+        lambda: rotation.from_axis_angle([1, 0], 1.0),
+        lambda: rotation.from_euler_zyz([np.nan, 0, 0]),
+        lambda: rotation.from_roll_pitch_yaw([0, 0]),
+        lambda: rotation.quaternion_product([1, 0, 0], [1, 0, 0, 0]),
+        lambda: rotation.slerp([0, 0, 0, 0], [1, 0, 0, 0], 0.5),
+        lambda: rigid.inverse(np.diag([2.0, 1, 1, 1])),
+        lambda: rigid.transform_points(np.eye(4), [1.0, 2.0]),
+    ],
+)
+def test_what_is_no_rotation_or_motion_is_refused(call):
+    with pytest.raises(ValueError, match=r"must (be|have|not be)"):
+        call()
 
 
 @pytest.mark.parametrize("name", TO_AND_FROM)
@@ -168,6 +205,7 @@ def test_what_is_no_rotation_is_refused():
         rotation.from_axis_angle([0, 0, 0], 1.0)
 
 
+@settings(deadline=None)
 @given(q=quaternion)
 def test_rigid_motions_invert_and_move_points(q):
     T = rigid.transform(rotation.from_quaternion(q), [1.0, -2.0, 3.0])

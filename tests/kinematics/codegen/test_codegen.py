@@ -173,6 +173,13 @@ def test_c_allocates_nothing_and_states_robot_convention_units_and_orders():
             assert fact in text
 
 
+def test_units_of_prismatic_joints_are_metres():
+    robot = Robot([Link(a=1), Link(joint=Joint.PRISMATIC)])
+    (text,) = write(forward_kinematics.pose(robot), Language.PYTHON).values()
+    assert "joint variables: [rad, m]" in text
+    assert "[rad];" not in text
+
+
 def test_the_coupling_is_stated_in_every_language():
     for language in Language:
         text = "".join(write(forward_kinematics.pose(IRB1400), language).values())

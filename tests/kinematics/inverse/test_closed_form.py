@@ -1,6 +1,7 @@
 """Inverse kinematics in closed form: theorems, the poses of chapter 9, and every refusal."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from armside.kinematics import (
     inverse_numeric,
     inverse_path,
 )
+from armside.scripts.benchmarks.arms import PUMA_560
 
 HALF = np.pi / 2
 # The same kind of arm with everything that the two robots lack: shoulder offset, skew first axis,
@@ -59,7 +61,14 @@ MODIFIED = Robot(
     convention=Convention.MODIFIED,
     name="modified arm",
 )
-ROBOTS = [IRB1400, IRB1400_IMU, LARGE_ROBOT, ODD, MODIFIED]
+# The upper arm and the forearm point backwards at theta 0.
+BACKWARD = Robot(
+    [replace(link, a=-link.a) if i in (1, 2) else link for i, link in enumerate(ODD.links, -1)],
+    ODD.coupling,
+    ODD.offset,
+    name="backward arm",
+)
+ROBOTS = [IRB1400, IRB1400_IMU, LARGE_ROBOT, ODD, MODIFIED, PUMA_560, BACKWARD]
 angle = st.floats(-3.1, 3.1)
 configuration = st.tuples(*[angle] * 6).map(np.array)
 
@@ -210,6 +219,26 @@ def test_free_angle_of_the_shoulder_stays_where_it_was_and_is_reported():
     np.testing.assert_allclose(poses - T, 0, atol=1e-9)
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_singular_shoulder_with_an_offset_is_reported(side):
+    """Puma 560 with its wrist centre as near to axis 1 as d3 allows: rank 5 and no flag before."""
+    from scipy.optimize import brentq
+
+    functions = compile(PUMA_560)
+
+    def least(q2: float) -> float:
+        return np.linalg.det(functions.jacobian([0.3, q2, 0.4, 0.5, 0.7, -0.6]))
+
+    q2 = brentq(least, *((0.5, 2.5) if side > 0 else (-3.1, -2.0)), xtol=1e-15)
+    phi = np.array([0.3, q2, 0.4, 0.5, 0.7, -0.6])
+    assert np.linalg.svd(functions.jacobian(phi), compute_uv=False)[-1] < 1e-12
+    found = inverse_branches(PUMA_560, functions.pose(phi), reference=phi)
+    nearest = int(np.nanargmin(np.abs(found.phi - phi).max(-1)))
+    assert found.singular[nearest] == Singularity.SHOULDER
+    regular = inverse_branches(PUMA_560, functions.pose(phi + 0.1 * np.eye(6)[1]))
+    assert not regular.singular.any()
+
+
 def test_stretched_elbow_is_reported():
     phi = np.array([0.3, 0.4, 0, 0.5, 0.7, -0.6])
     phi[2] = -np.arctan2(1.142, 0.2)
@@ -293,8 +322,6 @@ def test_nan_and_what_is_no_rigid_motion_are_refused():
 
 
 def changed(index: int, **parameters) -> Robot:
-    from dataclasses import replace
-
     links = list(LARGE_ROBOT.links)
     links[index] = replace(links[index], **parameters)
     return Robot(links, offset=LARGE_ROBOT.offset)
@@ -308,7 +335,7 @@ def changed(index: int, **parameters) -> Robot:
         (changed(4, alpha=-1.0), "the wrist axes are not at right angles: alpha5"),
         (changed(1, alpha=0.1), "axes 2 and 3 are not parallel"),
         (changed(0, alpha=0.0), "axes 1 and 2 are parallel"),
-        (changed(1, a=0.0), "no positive length"),
+        (changed(1, a=0.0), "upper arm or forearm has no length"),
         (changed(2, joint=Joint.PRISMATIC), "joint 3 is not revolute"),
         (Robot([Link()] * 5), "has 5 joints, not 6"),
     ],

@@ -1,27 +1,277 @@
-"""Inverse kinematics by damped Gauss-Newton steps, for robots without a closed form."""
+"""Numeric inverse kinematics: any serial robot, poses and positions, limits, paths, failures."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-from armside.kinematics import LARGE_ROBOT, NotConvergedError, Robot, compile, inverse_numeric
+from armside.kinematics import (
+    IRB1400,
+    IRB1400_LIMITS,
+    LARGE_ROBOT,
+    LARGE_ROBOT_LIMITS,
+    Joint,
+    Limits,
+    Link,
+    NotConvergedError,
+    Robot,
+    compile,
+    inverse_numeric,
+    inverse_numeric_path,
+)
+from armside.kinematics.inverse import numeric, numeric_kernel
+from armside.scripts.benchmarks.arms import (
+    PANDA,
+    PANDA_LIMITS,
+    PUMA_560,
+    STANFORD_ARM,
+    STANFORD_LIMITS,
+)
+
+ARMS = [
+    (PUMA_560, None),
+    (STANFORD_ARM, STANFORD_LIMITS),
+    (PANDA, PANDA_LIMITS),
+    (IRB1400, IRB1400_LIMITS),
+    (LARGE_ROBOT, LARGE_ROBOT_LIMITS),
+]
+TOLERANCE = 1e-9  # [m] and [rad], the default
+PLANAR = Robot([Link(a=0.5), Link(a=0.4)], name="planar arm")
 
 
-def test_numeric_fallback_solves_a_wrist_that_is_not_spherical():
+def name(value) -> str:
+    return value.name if isinstance(value, Robot) else ""
+
+
+def configurations(robot: Robot, limits: Limits | None, count: int) -> np.ndarray:
+    """Random configurations within the limits."""
+    lower, upper = (limits.lower, limits.upper) if limits else (-np.pi, np.pi)
+    phi = np.random.default_rng(0).uniform(lower, upper, (2 * count, robot.n_joints))
+    return phi[:count] if limits is None else phi[limits.contain(phi)][:count]
+
+
+@pytest.mark.parametrize(("robot", "limits"), ARMS, ids=name)
+def test_a_thousand_random_poses_are_all_solved_within_the_limits(robot, limits):
+    """To 1e-6 m and rad, poses near singularities included."""
+    ends = (limits.lower, limits.upper) if limits else (-np.pi, np.pi)
+    start, phi = (np.random.default_rng(m).uniform(*ends, (m, robot.n_joints)) for m in (1, 1000))
+    phi = phi if limits is None else phi[limits.contain(phi)]
+    T = compile(robot).pose(phi)
+    found = inverse_numeric(robot, T, start[0], 1e-6, limits=limits)
+    np.testing.assert_allclose(compile(robot).pose(found), T, rtol=0, atol=2e-6)
+    assert limits is None or limits.contain(found).all()
+
+
+@pytest.mark.parametrize(("robot", "limits"), ARMS, ids=name)
+def test_a_single_pose_is_a_batch_of_one(robot, limits):
+    T = compile(robot).pose(configurations(robot, limits, 3))
+    start = np.full(robot.n_joints, 0.1)
+    batch = inverse_numeric(robot, T, start, limits=limits)
+    for k in range(3):
+        assert np.array_equal(inverse_numeric(robot, T[k], start, limits=limits), batch[k])
+
+
+@pytest.mark.parametrize(("robot", "limits"), ARMS, ids=name)
+def test_a_position_leaves_the_axes_of_the_tool_free(robot, limits):
+    phi = configurations(robot, limits, 50)
+    p = compile(robot).pose(phi)[:, :3, 3]
+    found = inverse_numeric(robot, p, phi[0], limits=limits)
+    np.testing.assert_allclose(compile(robot).pose(found)[:, :3, 3], p, rtol=0, atol=TOLERANCE)
+    turned = compile(robot).pose(found)[:, :3, :3] - compile(robot).pose(phi)[:, :3, :3]
+    assert np.abs(turned).max() > 0.1
+
+
+def test_the_branch_of_the_start_is_kept():
+    """A start within 0.05 rad of a regular configuration leads back to it."""
+    phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
+    for robot in (IRB1400, LARGE_ROBOT, PUMA_560):
+        T = compile(robot).pose(phi)
+        np.testing.assert_allclose(inverse_numeric(robot, T, phi + 0.05), phi, rtol=0, atol=1e-7)
+        turned = phi + 2 * np.pi * np.array([1, 0, 0, 0, 0, -1])
+        found = inverse_numeric(robot, T, turned + 0.05)
+        np.testing.assert_allclose(found, turned, rtol=0, atol=1e-7)
+
+
+def test_the_nearest_of_all_branches_is_chosen():
+    """Among eight branches, by the closed form, of the start far from all of them."""
+    from armside.kinematics import inverse_nearest
+
+    T = compile(LARGE_ROBOT).pose(np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4]))
+    for start in np.random.default_rng(1).uniform(-2, 2, (10, 6)):
+        expected = inverse_nearest(LARGE_ROBOT, T, start)
+        found = inverse_numeric(LARGE_ROBOT, T, start, nearest=True, restarts=300)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
+
+
+def test_limits_choose_another_branch_or_refuse():
+    T = compile(LARGE_ROBOT).pose(np.radians([10, 20, 0, 200, 40, -250]))
+    start = np.radians([0, 0, 0, -120, 0, 0])
+    found = inverse_numeric(LARGE_ROBOT, T, start, limits=LARGE_ROBOT_LIMITS)
+    assert LARGE_ROBOT_LIMITS.contain(found)
+    narrow = Limits(lower=(-0.1,) * 6, upper=(0.1,) * 6, speed=(1.0,) * 6)
+    with pytest.raises(NotConvergedError, match="beyond the joint limits only") as caught:
+        inverse_numeric(LARGE_ROBOT, T, start, limits=narrow)
+    assert caught.value.distance == 0
+
+
+def test_a_coupled_range_is_kept():
+    phi = configurations(IRB1400, None, 300)
+    T = compile(IRB1400).pose(phi)
+    for pose in T:
+        try:
+            found = inverse_numeric(IRB1400, pose, np.zeros(6), limits=IRB1400_LIMITS)
+        except NotConvergedError:
+            continue
+        assert IRB1400_LIMITS.contain(np.round(found, 8))
+
+
+@pytest.mark.parametrize(("robot", "limits"), ARMS, ids=name)
+def test_a_path_is_followed_without_jumps(robot, limits):
+    phi = configurations(robot, limits, 2)
+    along = phi[0] + 0.2 * (phi[1] - phi[0]) * np.linspace(0, 1, 1000)[:, None]
+    T = compile(robot).pose(along)
+    path = inverse_numeric_path(robot, T, along[0])
+    np.testing.assert_allclose(compile(robot).pose(path), T, rtol=0, atol=2 * TOLERANCE)
+    assert np.abs(np.diff(path, axis=0)).max() < 0.02
+    if robot.n_joints == 6:
+        np.testing.assert_allclose(path, along, rtol=0, atol=1e-6)
+
+
+def test_a_redundant_arm_moves_least():
+    """Each step has no part in the null space of the Jacobian, to first order."""
+    phi = configurations(PANDA, PANDA_LIMITS, 2)
+    along = phi[0] + 0.1 * (phi[1] - phi[0]) * np.linspace(0, 1, 1000)[:, None]
+    path = inverse_numeric_path(PANDA, compile(PANDA).pose(along), along[0])
+    J = compile(PANDA).jacobian((path[1:] + path[:-1]) / 2)
+    step = np.diff(path, axis=0)
+    null = np.linalg.svd(J)[2][:, -1]
+    part = np.abs((null * step).sum(-1)) / np.linalg.norm(step, axis=-1)
+    assert np.median(part) < 1e-3
+
+
+def test_a_path_says_where_it_leaves_the_reach_or_the_limits():
+    T = np.repeat(compile(LARGE_ROBOT).pose(np.zeros(6))[None], 50, axis=0)
+    T[:, 0, 3] += np.linspace(0, 3, 50)
+    with pytest.raises(
+        NotConvergedError, match=r"target \d+ of 50: .* mm and .* deg remain"
+    ) as far:
+        inverse_numeric_path(LARGE_ROBOT, T, np.zeros(6))
+    k = far.value.index
+    assert inverse_numeric_path(LARGE_ROBOT, T[:k], np.zeros(6)).shape == (k, 6)
+    assert 0 < far.value.distance <= 3 / 49 + 1e-9
+    narrow = replace(LARGE_ROBOT_LIMITS, upper=(*LARGE_ROBOT_LIMITS.upper[:4], 0.5, 5.0))
+    phi = np.zeros((20, 6))
+    phi[:, 4] = np.linspace(0.3, 0.6, 20)
+    with pytest.raises(NotConvergedError, match=r"target 14 of 20: .* beyond the joint limits"):
+        inverse_numeric_path(LARGE_ROBOT, compile(LARGE_ROBOT).pose(phi), phi[0], limits=narrow)
+
+
+def test_arms_with_fewer_joints_solve_what_they_reach():
+    phi = np.array([0.3, 0.9])
+    T = compile(PLANAR).pose(phi)
+    np.testing.assert_allclose(inverse_numeric(PLANAR, T, [0.2, 0.5]), phi, rtol=0, atol=1e-8)
+    p = T[:3, 3]
+    found = inverse_numeric(PLANAR, p, [1.0, -0.5])
+    np.testing.assert_allclose(found[1], -0.9, rtol=0, atol=1e-8)
+    T[2, 3] = 0.1  # above the plane
+    with pytest.raises(NotConvergedError) as caught:
+        inverse_numeric(PLANAR, T, phi)
+    assert caught.value.distance == pytest.approx(0.1, rel=1e-3)
+
+
+def test_half_a_turn_of_the_tool_is_no_obstacle():
+    for axis in np.eye(3):
+        T = compile(LARGE_ROBOT).pose(np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4]))
+        target = T.copy()
+        target[:3, :3] = Rotation.from_rotvec(np.pi * axis).as_matrix() @ T[:3, :3]
+        found = inverse_numeric(LARGE_ROBOT, target, [0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
+        np.testing.assert_allclose(compile(LARGE_ROBOT).pose(found), target, rtol=0, atol=1e-9)
+
+
+@settings(max_examples=50, deadline=None)
+@given(phi=st.tuples(*[st.floats(-3, 3)] * 6).map(np.array))
+def test_error_is_the_motion_to_the_target(phi):
+    """Against SciPy's rotation vector."""
+    T, target = compile(LARGE_ROBOT).pose(np.stack([phi, phi[::-1]]))
+    error = np.empty(6)
+    square = numeric_kernel._error(T, target, 6, error)
+    turn = Rotation.from_matrix(target[:3, :3] @ T[:3, :3].T).as_rotvec()
+    opposite = np.abs(np.linalg.norm(turn) - np.pi) < 1e-6 and turn @ error[3:] < 0
+    expected = [*(target - T)[:3, 3], *(-turn if opposite else turn)]
+    np.testing.assert_allclose(error, expected, rtol=0, atol=1e-6)
+    assert square == pytest.approx(error @ error)
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 8])
+def test_kernel_has_the_pose_and_jacobian_of_the_generated_code(n, random_robot, interpreted):
+    """Any joints, constant links, coupling and both conventions: see `make_robot`."""
+    from armside.kinematics import Convention
+    from armside.kinematics.equations import forward_kinematics
+
+    rng = np.random.default_rng(n)
+    for convention in Convention:
+        robot, phi = random_robot(rng, n, convention), rng.uniform(-1, 1, n)
+        links, joints, prismatic, M, offset, coupled = numeric._chain(robot)
+        axes, T = np.empty((n, 6)), np.eye(4)
+        columns, J = np.empty((6, n)), np.empty((6, n))
+        numeric_kernel._forward(links, joints, M, offset, phi, axes, T)
+        numeric_kernel._jacobian(prismatic, M, coupled, axes, T, columns, J)
+        expected = interpreted(forward_kinematics.pose(robot))(phi)
+        np.testing.assert_allclose(T, expected, rtol=0, atol=1e-13)
+        expected = interpreted(forward_kinematics.jacobian(robot))(phi)
+        np.testing.assert_allclose(J, expected, rtol=0, atol=1e-13)
+
+
+def test_a_wrist_that_is_not_spherical_is_solved():
     links = list(LARGE_ROBOT.links)
     links[3] = replace(links[3], a=0.05)
     robot = Robot(links, offset=LARGE_ROBOT.offset)
-    functions = compile(robot)
     phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
-    found = inverse_numeric(robot, functions.pose(phi), start=phi + 0.3)
-    np.testing.assert_allclose(functions.pose(found), functions.pose(phi), rtol=0, atol=1e-9)
+    T = compile(robot).pose(phi)
+    found = inverse_numeric(robot, T, start=phi + 0.3)
+    np.testing.assert_allclose(compile(robot).pose(found), T, rtol=0, atol=1e-9)
 
 
-def test_numeric_fallback_says_what_remains_when_it_fails():
+def test_failure_says_what_remains_where():
     T = np.eye(4)
     T[0, 3] = 10.0
-    with pytest.raises(NotConvergedError, match="mm and"):
+    with pytest.raises(NotConvergedError, match=r"mm and .* deg remain at phi = \[") as caught:
         inverse_numeric(LARGE_ROBOT, T, start=np.full(6, 0.1))
-    with pytest.raises(ValueError, match="finite"):
-        inverse_numeric(LARGE_ROBOT, T * np.nan, start=np.zeros(6))
+    reached = compile(LARGE_ROBOT).pose(caught.value.phi)
+    remains = np.linalg.norm(reached[:3, 3] - T[:3, 3])
+    assert caught.value.distance == pytest.approx(remains, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("T", "start", "complaint"),
+    [
+        (np.eye(4) * np.nan, np.zeros(6), "T must be finite"),
+        ([np.nan, 0, 0], np.zeros(6), "T must be finite"),
+        (2 * np.eye(4), np.zeros(6), "rigid motions"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), np.zeros(6), "rigid motions"),
+        (np.eye(3)[None, None], np.zeros(6), r"got \(1, 1, 3, 3\)"),
+        (np.eye(4), np.zeros(5), r"start must have shape \(6,\), got \(5,\)"),
+        (np.eye(4), [np.inf] * 6, "start must be finite"),
+    ],
+)
+def test_bad_targets_and_starts_are_refused(T, start, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        inverse_numeric(LARGE_ROBOT, T, start)
+
+
+def test_robots_of_symbols_and_limits_of_other_robots_are_refused():
+    with pytest.raises(ValueError, match="needs a robot of numbers; robot has a"):
+        inverse_numeric(Robot([Link(a="a")]), np.eye(4), [0.0])
+    with pytest.raises(ValueError, match="limits must have 7 motors, got 6"):
+        inverse_numeric(PANDA, np.eye(4), np.zeros(7), limits=IRB1400_LIMITS)
+
+
+def test_a_slide_stays_in_its_range_on_the_way():
+    robot = Robot([Link(joint=Joint.PRISMATIC), Link(a=0.3)])
+    limits = Limits(lower=(0.0, -3.0), upper=(1.0, 3.0), speed=(1.0, 1.0))
+    T = compile(robot).pose([0.9, 2.0])
+    found = inverse_numeric(robot, T, [0.0, -1.0], limits=limits)
+    np.testing.assert_allclose(found, [0.9, 2.0], rtol=0, atol=1e-9)

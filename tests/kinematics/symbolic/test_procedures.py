@@ -48,6 +48,9 @@ def test_4_11_links_and_4_12_robot():
     assert dh.variable_link(link1, "q", 1).d == moving("q", 1)
     assert dh.variable_link(link2, "q", 2).theta == moving("q", 2)
     assert dh.variable_link(Link(0, 1, 2, 3)) == Link(0, 1, 2, 3)
+    for text, index in (("phi[2](t) - Pi/2", 2), ("phi[3](t) - phi[2](t)", 3), ("theta[4]", 4)):
+        assert dh.variable_link(Link(text)).theta == moving("q", index)
+    assert dh.variable_link(Link("theta(t)")).theta == moving("q")
 
 
 def test_4_13_link_transform():

@@ -1,0 +1,66 @@
+"""Singular configurations of any serial arm, by the rank of its Jacobian."""
+
+import numpy as np
+import pytest
+
+from armside.kinematics import IRB1400, Joint, Link, Robot, compile
+from armside.kinematics.singularity import rank_loss, regular_rank
+from armside.kinematics.symbolic.singularity import manipulability
+from armside.scripts.benchmarks.arms import PANDA, PUMA_560, STANFORD_ARM
+
+PLANAR = Robot([Link(a=0.5), Link(a=0.4), Link(a=0.3)])
+SCARA = Robot([Link(a=0.3), Link(a=0.25, alpha=np.pi), Link(joint=Joint.PRISMATIC), Link()])
+HALF = np.pi / 2
+
+
+@pytest.mark.parametrize(
+    ("robot", "rank"),
+    [(IRB1400, 6), (PUMA_560, 6), (STANFORD_ARM, 6), (PANDA, 6), (PLANAR, 3), (SCARA, 4)],
+)
+def test_regular_rank_is_what_the_structure_can_do(robot, rank):
+    assert regular_rank(robot) == rank
+
+
+def test_an_aligned_wrist_loses_one_direction_of_rotation():
+    phi = [0.3, 0.4, 0.2, 0.5, 0.0, -0.6]
+    found = rank_loss(IRB1400, phi)
+    assert found.is_singular
+    assert (found.rank, found.regular_rank) == (5, 6)
+    J = compile(IRB1400).jacobian(phi)
+    np.testing.assert_allclose(found.lost.T @ J, 0, atol=1e-12)
+    np.testing.assert_allclose(J @ found.idle, 0, atol=1e-12)
+    np.testing.assert_allclose(
+        np.abs(found.idle[:, 0]), np.sqrt([0, 0, 0, 0.5, 0, 0.5]), atol=1e-12
+    )
+
+
+def test_a_stretched_planar_arm_loses_its_own_direction():
+    """It keeps three motors, and of the plane's three directions the one across and the turn."""
+    angle = 0.3
+    found = rank_loss(PLANAR, [angle, 0.0, 0.0])
+    assert (found.rank, found.regular_rank) == (2, 3)
+    along = [np.cos(angle), np.sin(angle), 0, 0, 0, 0]
+    np.testing.assert_allclose(np.abs(found.lost.T @ along), [1.0], rtol=0, atol=1e-9)
+    assert not rank_loss(PLANAR, [angle, 0.4, 0.2]).is_singular
+
+
+def test_a_stretched_scara_loses_its_own_direction():
+    found = rank_loss(SCARA, [0.3, 0.0, 0.1, 0.2])
+    assert (found.rank, found.regular_rank) == (3, 4)
+    along = [np.cos(0.3), np.sin(0.3), 0, 0, 0, 0]
+    np.testing.assert_allclose(np.abs(found.lost.T @ along), [1.0], rtol=0, atol=1e-9)
+
+
+def test_a_redundant_arm_has_an_idle_motion_and_singularities_of_its_own():
+    regular = rank_loss(PANDA, [0.1, 0.2, 0.3, -1.5, 0.4, 1.6, 0.5])
+    assert not regular.is_singular
+    assert regular.lost.shape == (6, 0)
+    assert regular.idle.shape == (7, 1)
+    stretched = rank_loss(PANDA, [0.0, 0.0, 0.0, 0.0, 0.0, HALF, 0.0])
+    assert stretched.is_singular
+
+
+def test_manipulability_of_fewer_than_six_joints_is_zero():
+    """det(J J^T) of a 6 x 3 Jacobian."""
+    J = np.random.default_rng(0).normal(size=(4, 6, 3))
+    assert np.array_equal(manipulability(J), np.zeros(4))
