@@ -38,6 +38,10 @@ def _rotation(R: ArrayLike) -> Rotation:
     return Rotation.from_matrix(R)
 
 
+def _matrix(R: ArrayLike) -> Array:
+    return np.asarray(_rotation(R).as_matrix(), dtype=np.float64)
+
+
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     """R_{k,theta}, from an axis of any length and an angle [rad]. Thesis (3.9)."""
     scaled = _scaled("axis", axis, 3)
@@ -83,7 +87,7 @@ def from_euler_zyz(angles: ArrayLike) -> Array:
 
 def to_euler_zyz(R: ArrayLike) -> Array:
     """(phi, theta, psi) with theta in [0, pi]."""
-    R = _rotation(R).as_matrix()
+    R = _matrix(R)
     sine = np.hypot(R[..., 0, 2], R[..., 1, 2])
     phi, c, s = _first_angle(R, R[..., 1, 2], R[..., 0, 2], sine)
     psi = np.arctan2(c * R[..., 1, 0] - s * R[..., 0, 0], c * R[..., 1, 1] - s * R[..., 0, 1])
@@ -115,7 +119,7 @@ def from_roll_pitch_yaw(angles: ArrayLike) -> Array:
 
 def to_roll_pitch_yaw(R: ArrayLike) -> Array:
     """(roll, pitch, yaw) with pitch in [-pi/2, pi/2]."""
-    R = _rotation(R).as_matrix()
+    R = _matrix(R)
     cosine = np.hypot(R[..., 0, 0], R[..., 1, 0])
     roll, c, s = _first_angle(R, R[..., 1, 0], R[..., 0, 0], cosine)
     yaw = np.arctan2(s * R[..., 0, 2] - c * R[..., 1, 2], c * R[..., 1, 1] - s * R[..., 0, 1])

@@ -8,6 +8,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -172,10 +173,9 @@ def _numeric_inverse() -> list[Row]:
     for robot, limits in ARMS:
         T = compile(robot).pose(_within(robot, limits, POSES))
         start = _within(robot, limits, 1)[0]
-        calls = [lambda r=robot, T=T, s=start, b=limits: _solve(r, T, s, b)]
+        calls: list[Callable[[], Any]] = [partial(_solve, robot, T, start, limits)]
         with suppress(ImportError):
-            ik = toolbox_robot(robot, limits).ets().ik_LM
-            calls.append(lambda f=ik, T=T: [f(t, tol=TOLERANCE**2 / 2) for t in T])
+            calls.append(partial(_solve_there, toolbox_robot(robot, limits).ets().ik_LM, T))
         ours, *theirs = (seconds / POSES for seconds in interleaved(calls, repeats=5))
         name = f"{robot.name} numeric inverse{', limits' if limits else ''}, each of {POSES}"
         peer = "Robotics Toolbox" if theirs else None
@@ -186,6 +186,11 @@ def _numeric_inverse() -> list[Row]:
 def _solve(robot: Robot, T: np.ndarray, start: np.ndarray, limits: Limits | None) -> None:
     for pose in T:
         inverse_numeric(robot, pose, start, TOLERANCE, limits=limits)
+
+
+def _solve_there(ik: Callable[..., Any], T: np.ndarray) -> None:
+    for pose in T:
+        ik(pose, tol=TOLERANCE**2 / 2)
 
 
 def _within(robot: Robot, limits: Limits | None, count: int) -> np.ndarray:
