@@ -165,7 +165,7 @@ def test_a_path_says_where_it_leaves_the_reach_or_the_limits():
     narrow = replace(LARGE_ROBOT_LIMITS, upper=(*LARGE_ROBOT_LIMITS.upper[:4], 0.5, 5.0))
     phi = np.zeros((20, 6))
     phi[:, 4] = np.linspace(0.3, 0.6, 20)
-    with pytest.raises(NotConvergedError, match=r"target 14 of 20: .* beyond the joint limits"):
+    with pytest.raises(NotConvergedError, match=r"target 13 of 20: .* beyond the joint limits"):
         inverse_numeric_path(LARGE_ROBOT, compile(LARGE_ROBOT).pose(phi), phi[0], limits=narrow)
 
 
