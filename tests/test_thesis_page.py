@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from armside.scripts import cli
+from armside.scripts.shell.parser import make_app
 
 ROOT = Path(__file__).parent.parent
 COUNTS = {"K": 18, "E": 10, "L": 7, "S": 6, "X": 10, "F": 9}
@@ -37,4 +38,4 @@ def test_a_row_leads_to_what_exists(row):
     if command:
         words = shlex.split(command.strip("`"))
         assert words[0] == "armside"
-        cli.make_app(words[1]).parse_args(words[1:])
+        make_app(cli.COMMANDS, cli.load, words[1]).parse_args(words[1:])

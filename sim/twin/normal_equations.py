@@ -83,11 +83,11 @@ class Solving:
         for _ in range(_SCALINGS):
             scales = np.maximum([self.correlation * g.left(change) for g in groups], least)
             weighed = list(zip(groups, scales, strict=True))
-            whole = sum(g.information[np.ix_(seen, seen)] / s**2 for g, s in weighed)
+            whole = sum(g.information[seen[:, None], seen] / s**2 for g, s in weighed)
             whole = whole + np.diag(precision)
             gradient = sum(g.gradient[seen] / s**2 for g, s in weighed) + pull
             root = np.linalg.cholesky(whole).T
             change[seen] = lsq_linear(root, np.linalg.solve(root.T, gradient), bounds=bounds).x
         covariance = np.diag(parameters.standard_deviation**2)
-        covariance[np.ix_(seen, seen)] = np.linalg.inv(whole)
+        covariance[seen[:, None], seen] = np.linalg.inv(whole)
         return Solved(change, covariance, scales)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from armside.ilc.analysis.criterion import frequency_grid, heuristic_criterion, largest_gamma
+from armside.ilc.analysis.criterion import frequency_grid, heuristic_criterion
+from armside.ilc.analysis.limits import largest_gamma
 from armside.ilc.analysis.proposal import propose
 from armside.ilc.estimation.consistency import Whiteness, bounds, whiteness
 from armside.ilc.estimation.kalman import Smoother

@@ -126,7 +126,7 @@ def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
         (["--robot", "large", "--motion", "sequential"], "simultaneous"),
         (["--robot", "large", "--motion", "rest"], "brakes"),
         (["--cutoff", "60"], "below 50 Hz"),
-        (["--accelerometer-delay", "-1"], ">= 0 ms"),
+        (["--accelerometer-delay", "-1"], "from 0 to 500 ms"),
         (["--motion", "rest", "--on", "1"], "at least 3 s"),
     ],
 )

@@ -146,8 +146,8 @@ def test_resolved_options_say_the_temperature_of_the_model_and_no_spread_of_an_i
     [
         ("--individual -1", "individual must be >= 0"),
         ("--individual 1.5", "whole number"),
-        ("--individual nobody.toml", "nobody.toml is no file; an individual is a number >= 0 or"),
-        ("--individual .", "is no file"),
+        ("--individual nobody.toml", "nobody.toml does not exist"),
+        ("--individual .", ". is a folder, not a file"),
         ("--friction-drift -100", "friction-drift must be in (-100, 1000] %, got -100"),
         ("--friction-drift 1e308", "friction-drift must be in"),
         ("--friction-drift nan", "finite"),

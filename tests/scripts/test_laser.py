@@ -132,7 +132,7 @@ def test_six_values_make_a_law_per_motor(tmp_path):
     ("words", "said"),
     [
         ("--pose p9", "Poses: p1, p2, p3"),
-        ("--radius 3000", "1662.024 mm outside"),
+        ("--radius 2000", "694.923 mm outside"),
         ("--radius 0", "radius must be > 0"),
         ("--speed -1", "speed must be > 0"),
         ("--cutoff 125", "Nyquist"),
