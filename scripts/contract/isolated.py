@@ -24,6 +24,8 @@ ADDRESS_SPACE = 4_000_000_000
 """[bytes], beside that of the libraries: a hard limit, above the one of the contract."""
 LARGEST_FILE = 500_000_000
 """[bytes], that a line may write."""
+INTERRUPTED = 128 + signal.SIGINT
+"""What a shell calls a process that Ctrl-C ended before or after `main` could answer it."""
 LONGEST = 300.0
 """[s], in which a line must have ended, whatever it waits for."""
 
@@ -61,6 +63,8 @@ def run(
     process.start()
     process.join(LONGEST)
     status = process.exitcode
+    if status == -signal.SIGINT:
+        status = INTERRUPTED
     if process.is_alive():
         process.kill()
         process.join()
