@@ -7,21 +7,18 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..records.atomic import write_bytes
+from ..records.atomic import atomic
 
 
 @contextmanager
 def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """Stream whose content becomes the file when the block ends without an error.
-
-    Rerun itself does not notice a full disk: what is sent is collected, and written by us.
-    """
+    """Stream whose content becomes the file when the block ends without an error."""
     stream = rr.RecordingStream("armside", send_properties=False)
-    collected = stream.memory_recording()
-    try:
-        stream.send_blueprint(blueprint, make_active=False)
-        yield stream
-        content = collected.drain_as_bytes()
-    finally:
-        stream.disconnect()
-    write_bytes(path, content)
+    with atomic(path) as partial:
+        try:
+            # As the default blueprint of the file: one that is sent is not shown by the viewer.
+            stream.save(partial, default_blueprint=blueprint)
+            yield stream
+            stream.flush()
+        finally:
+            stream.disconnect()
