@@ -23,6 +23,7 @@ from sphinx.util.typing import stringify_annotation
 import armside
 from armside.arrays import Array
 from armside.scripts import cli
+from armside.scripts.shell.parser import make_app
 
 project = "armside"
 author = "the armside authors"
@@ -84,7 +85,7 @@ def help_of(name: str) -> str:
     """Text of `armside NAME --help`, without trailing blanks."""
     text = io.StringIO()
     console = Console(file=text, width=98, color_system=None)
-    cli.make_app(name).help_print([name], console=console)
+    make_app(cli.COMMANDS, cli.load, name).help_print([name], console=console)
     here = text.getvalue().replace(HERE, "armside")  # no path of this machine
     return "".join(line.rstrip() + "\n" for line in here.strip().splitlines())
 

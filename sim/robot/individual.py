@@ -224,7 +224,7 @@ def as_built(design: RobotModel, individual: Individual) -> RobotModel:
 def with_hinges(
     design: RobotModel, hinges: Collection[HiddenHinge], name: str = "hidden"
 ) -> RobotModel:
-    """Design with further elastic hinges in its structure, called `name`_0 and so on.
+    """Design with further elastic hinges in its structure, called NAME_0 and so on.
 
     Raises ModelError for a body that the design lacks, a hinge on the axis of another joint of its
     body, or a model without its parsed file.
