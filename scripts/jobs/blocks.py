@@ -15,7 +15,7 @@ import fcntl
 import json
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ import pyarrow.parquet as pq
 
 from armside.sim.records.atomic import atomic
 
-from ..shell.errors import RunFailed
+from ..shell.errors import RunFailed, one_line
 
 Row = dict[str, Any]
 """Values by column, `key` and `status` among them; binary columns hold bytes."""
@@ -55,13 +55,13 @@ class Blocks:
     def read(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Rows of all parts, sorted by key; all columns if None.
 
-        Raises OSError or pyarrow.ArrowInvalid for a part that cannot be read.
+        Raises RunFailed for a part that cannot be read.
         """
         wanted = self.schema.names if columns is None else list(columns)
         parts = sorted(self.folder.glob("part-*.parquet"))
         if not parts:
             return self.schema.empty_table().select(wanted)
-        tables = (pq.read_table(part, columns=wanted) for part in parts)
+        tables = (_read(part, wanted) for part in parts)
         return pa.concat_tables(tables, promote_options="default")
 
     def keys(self) -> set[str]:
@@ -77,9 +77,9 @@ class Blocks:
         retry_failed: rows without a result do not count as done.
 
         Raises:
-            RunFailed: the folder's file system has no locks.
+            RunFailed: the folder's file system has no locks, or the block's part is damaged and not
+                expendable.
             OSError: the folder cannot be written to.
-            pyarrow.ArrowInvalid: the block's part is damaged and not expendable.
         """
         locks = self.folder / ".locks"
         locks.mkdir(parents=True, exist_ok=True)
@@ -100,11 +100,21 @@ class Blocks:
             return block
 
     def lines(self, content: bytes) -> Iterator[Row]:
-        """Rows of a journal but for one that is still being written."""
+        """Rows of a journal but for one that is still being written, and damaged ones: they are
+        computed again."""
         binary = [field.name for field in self.schema if pa.types.is_binary(field.type)]
         for line in content[: content.rfind(b"\n") + 1].splitlines():
-            row = json.loads(line)
-            yield row | {name: base64.b64decode(row[name]) for name in binary}
+            with suppress(ValueError, KeyError, TypeError):
+                row = json.loads(line)
+                yield row | {name: base64.b64decode(row[name]) for name in binary}
+
+    def misfit(self, row: Row) -> str | None:
+        """Why a row does not fit the schema; None if it does."""
+        try:
+            pa.Table.from_pylist([row], schema=self.schema)
+        except (pa.ArrowException, ValueError, TypeError, OverflowError) as error:
+            return one_line(error)
+        return None
 
 
 class Block:
@@ -129,8 +139,11 @@ class Block:
     def add(self, row: Row) -> None:
         """Keep a row: once this returns, a killed process does not lose it.
 
-        Raises OSError, such as on a full disk.
+        Raises ValueError for a row that the schema cannot hold, which would spoil all of the block,
+        and OSError, such as on a full disk.
         """
+        if (reason := self._blocks.misfit(row)) is not None:
+            raise ValueError(f"a result cannot be kept: {reason}")
         # First: interrupted after its line is written, `close` would drop a row it does not know.
         self._rows[row["key"]] = row
         self._stale = True
@@ -163,9 +176,9 @@ class Block:
     def _stored(self) -> list[Row]:
         try:
             return pq.read_table(self._part).to_pylist() if self._part.exists() else []
-        except (pa.ArrowInvalid, OSError):
+        except (pa.ArrowException, OSError) as error:
             if not self._blocks.expendable:
-                raise
+                raise damaged(self._part, error) from error
             return []
 
     def _taken_over(self) -> list[Row]:
@@ -174,7 +187,20 @@ class Block:
         left = content(self._journal)
         if (whole := left.rfind(b"\n") + 1) < len(left):
             os.truncate(self._journal, whole)
-        return list(self._blocks.lines(left))
+        return [row for row in self._blocks.lines(left) if self._blocks.misfit(row) is None]
+
+
+def damaged(part: Path, error: Exception) -> RunFailed:
+    """The error of a part that cannot be read: which, and what to do."""
+    again = "remove it, and its rows are computed again"
+    return RunFailed(f"{part} is damaged ({one_line(error)}); {again}")
+
+
+def _read(part: Path, columns: list[str]) -> pa.Table:
+    try:
+        return pq.read_table(part, columns=columns)
+    except (pa.ArrowException, OSError) as error:
+        raise damaged(part, error) from error
 
 
 def content(journal: Path) -> bytes:

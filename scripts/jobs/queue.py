@@ -68,9 +68,9 @@ class Queue:
             `known` or `known (failed)` for rows that were there before.
 
         Raises:
-            RunFailed: the folder's file system has no locks.
+            RunFailed: the folder's file system has no locks, or a part is damaged and not
+                expendable.
             OSError: the folder cannot be written to. The rows before are kept.
-            pyarrow.ArrowInvalid: a part is damaged, and not expendable.
         """
         self._jobs: dict[str, dict[str, Job]] = {}
         for key, job in jobs.items():
@@ -128,7 +128,11 @@ class Queue:
     def _keep(self, key: str, outcome: Any) -> None:
         name, row = self.blocks.name(key), self.row(key, outcome)
         if row is not None:
-            self._ours[name].add(row)
+            try:
+                self._ours[name].add(row)
+            except ValueError as error:  # of this row alone
+                if (row := self.row(key, error)) is not None:
+                    self._ours[name].add(row)
         self._left[name] -= 1
         self._count(key, FAILED if row is None else row["status"])
 

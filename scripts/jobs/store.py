@@ -12,6 +12,7 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
+from zipfile import BadZipFile
 
 import numpy as np
 import pyarrow as pa
@@ -58,11 +59,12 @@ class Store:
         return self.blocks.part(digest(job))
 
     def holds(self, job: Job) -> bool:
-        """A complete result is there; a damaged file counts as none."""
+        """A complete result is there; a damaged file counts as none, wherever it is damaged."""
         try:
-            return pq.read_metadata(self.file(job)).num_rows == 1
-        except (OSError, pa.ArrowInvalid):
+            self.load(job)
+        except (OSError, ValueError, pa.ArrowException, BadZipFile):
             return False
+        return True
 
     def load(self, job: Job) -> Result:
         """The result of a job that is held."""

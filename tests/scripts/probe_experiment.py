@@ -1,6 +1,7 @@
 """A command that ends as it is told to, to test the command line with."""
 
 import os
+import shutil
 import signal
 import time
 from dataclasses import dataclass
@@ -28,8 +29,20 @@ class End(Enum):
     VALUE_ERROR = "value-error"
     NO_FILE = "no-file"
     INTERRUPTED = "interrupted"
+    TERMINATED = "terminated"
+    HUNG_UP = "hung-up"
+    HUNG_UP_ONLY = "hung-up-only"
+    LATE = "late"
+    REMOVED = "removed"
     KILLED = "killed"
     SLOW = "slow"
+
+
+SIGNALS = {
+    End.INTERRUPTED: signal.SIGINT,
+    End.TERMINATED: signal.SIGTERM,
+    End.HUNG_UP: signal.SIGHUP,
+}
 
 
 @options
@@ -72,13 +85,20 @@ def probe(*, cfg: ProbeCfg = ProbeCfg(), common: Common = Common()) -> None:
                 raise KeyError("elbow")
             case End.VALUE_ERROR:
                 raise ValueError("matrix is singular")
-            case End.INTERRUPTED:
-                os.kill(os.getpid(), signal.SIGINT)
+            case End.INTERRUPTED | End.TERMINATED | End.HUNG_UP:
+                os.kill(os.getpid(), SIGNALS[cfg.end])
                 time.sleep(60)
+            case End.HUNG_UP_ONLY:
+                os.kill(os.getpid(), signal.SIGHUP)
+            case End.REMOVED:
+                shutil.rmtree(folder._staging)
             case End.KILLED:
                 os.kill(os.getpid(), signal.SIGKILL)
         outcome = summary("probe", cfg, common, value=0.1, missing=float("nan"))
         (folder / "summary.json").write_text(dumps(outcome))
+    if cfg.end is End.LATE:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(60)
     report.table("Probe", ["k", "error"], [[0, 0.125], [1, 0.0625]])
     report.summary(outcome)
     if cfg.end is End.DIVERGED:
