@@ -8,7 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.laser.experiment import prepare
-from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
 from armside.sim.twin.commission import Commissioned
@@ -19,6 +19,7 @@ from armside.sim.twin.recordings import read_cut
 from armside.sim.twin.twin import design_of
 
 from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.options import LARGEST
 from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
@@ -53,6 +54,10 @@ class CommissionCfg(IndividualCfg):
             raise ValueError(f"cuts must be from 1 to {MOST}, got {self.cuts}")
         if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
             raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
+        heaviest, unit = LARGEST["payload"]
+        if self.payload is not None and self.payload > heaviest:
+            most = f"at most {heaviest:g} {unit}"
+            raise ValueError(f"payload must be {most}, got {self.payload:g}")
         if self.recordings and self.individual is not None:
             raise ValueError("recordings are of a robot of their own: leave out --individual")
 
@@ -69,9 +74,12 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         _choose(report, cfg)
         return
     with checking_input():
-        recorded = _recorded(cfg, common.seed, report)
+        check_writable(common.out or RUNS / "commission")
+        names = _kept(cfg)
+        recorded = [read_cut(path) for path in cfg.recordings if path.name in names]
+    recorded = recorded or _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
-    with report.progress("identifying", total=steps) as step, checking_input():
+    with report.progress("identifying", total=steps) as step:
         found = commissioning.commission(
             recorded, robot=cfg.robot, payload=cfg.payload, progress=step
         )
@@ -102,24 +110,28 @@ def _planned(number: int, gain: float) -> list[Any]:
     return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, gain]
 
 
-def _recorded(cfg: CommissionCfg, seed: int, report: Report) -> list[MeasuredCut]:
-    """Cuts to identify from. Raises ValueError for a name that is not among them."""
+def _kept(cfg: CommissionCfg) -> list[str]:
+    """Names of the cuts to identify from. Raises ValueError for one to leave out that is not."""
     names = [path.name for path in cfg.recordings] or [f"cut-{i + 1}" for i in range(cfg.cuts)]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
     if not (kept := [name for name in names if name not in cfg.leave_out]):
         raise ValueError("every cut is left out")
-    if cfg.recordings:
-        return [read_cut(path) for path in cfg.recordings if path.name in kept]
-    state, cuts = robot_state(cfg), []
-    with report.progress("cutting", total=len(kept)) as step:
+    return kept
+
+
+def _cut(cfg: CommissionCfg, names: list[str], seed: int, report: Report) -> list[MeasuredCut]:
+    """Cuts of the plan with these names, by the virtual robot."""
+    cuts = []
+    with report.progress("cutting", total=len(names)) as step:
         for i, planned in enumerate(plan(cfg.cuts)):
-            if names[i] not in kept:
+            if (name := f"cut-{i + 1}") not in names:
                 continue
-            cut = replace(planned, payload=cfg.payload, **state)
-            experiment = prepare(cut, seed=seed + i)
+            with checking_input():
+                cut = replace(planned, payload=cfg.payload, **robot_state(cfg))
+                experiment = prepare(cut, seed=seed + i)
             run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
-            cuts.append(measured(run, names[i]))
+            cuts.append(measured(run, name))
             step()
     return cuts
 

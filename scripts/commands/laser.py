@@ -25,7 +25,7 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     with checking_input():
         check_writable(common.out or RUNS / "laser")
         experiment, set_up = prepared(cfg, common.seed)
-        by_twin = None if cfg.twin is None else first_cut.corrected(cfg, experiment)
+    by_twin = None if cfg.twin is None else first_cut.corrected(cfg, experiment)
     start = None
     if by_twin is not None:
         start, set_up = by_twin.found.correction, by_twin.set_up

@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records.errors import InputError
 from ..robot.individual import Individual
 from .kinematic_columns import from_rest, rigid_path
 from .measured import MeasuredCut
@@ -23,7 +24,7 @@ _LARGEST_PATH_ERROR = 2e-3
 """[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
-class ImplausibleError(ValueError):
+class ImplausibleError(InputError):
     """A recording that cannot be of this robot, or not in the stated units."""
 
 

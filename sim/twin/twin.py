@@ -14,6 +14,8 @@ from armside.arrays import Array
 
 from ..cell import CELLS
 from ..laser.specification import Cut
+from ..records.errors import InputError
+from ..records.files import check_file
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload
 from ..robot.mjcf import N_AXES
@@ -29,10 +31,16 @@ FORMAT = 1
 """Of the folder; raised when an older one can no longer be read."""
 UNKNOWN = 50e-6
 """[m], held-out residual of a twin of a single cut. ESTIMATE."""
+_FARTHEST = 100.0
+"""Prior standard deviations from the design, beyond which no parameter is identified. ESTIMATE."""
+_HEAVIEST = 1e4
+"""[kg], of a tool: what the command line takes."""
+_ROUNDING = 1e-9
+"""Of a parameter, and of a covariance relative to the prior one."""
 _FILE, _COVARIANCE = "twin.json", "covariance.npy"
 
 
-class TwinError(ValueError):
+class TwinError(InputError):
     """A folder that holds no twin, or one that does not fit."""
 
 
@@ -130,32 +138,58 @@ class Twin:
             known = cls(
                 robot=content["robot"],
                 digest=content["digest"],
-                payload=content["payload"],
+                payload=None if content["payload"] is None else float(content["payload"]),
                 sensor=content["sensor"],
                 names=tuple(content["cuts"]),
                 held_out=np.array(content["held_out"], dtype=np.float64),
                 torque_residual=np.array(content["torque_residual"], dtype=np.float64),
                 friction=np.array(content["friction"], dtype=np.float64),
                 theta=np.array(list(content["parameters"].values()), dtype=np.float64),
-                covariance=np.load(folder / _COVARIANCE, allow_pickle=False),
+                covariance=_matrix(folder / _COVARIANCE),
             )
-        except (KeyError, TypeError, ValueError, OSError) as error:
+        except Exception as error:  # damaged files raise many kinds
             raise TwinError(f"{folder} is a damaged twin: {error}") from error
         known._check(folder, tuple(content["parameters"]))
         return known
 
     def _check(self, folder: Path, names: tuple[str, ...]) -> None:
-        if self.robot not in CELLS:
+        if self.robot not in tuple(CELLS):
             raise TwinError(f"{folder} is the twin of a robot {self.robot!r}, which is not known")
         if self.digest != robot_digest(self.robot):
             changed = f"the file of the robot {self.robot} has changed since: commission it again"
             raise TwinError(f"{folder} does not fit: {changed}")
+        if self.payload is not None and not 0.0 <= self.payload <= _HEAVIEST:
+            heavy = f"payload must be from 0 to {_HEAVIEST:g} kg, got {self.payload:g}"
+            raise TwinError(f"{folder} is a damaged twin: {heavy}")
         m = self.parameters.size
         if names != self.parameters.names or self.covariance.shape != (m, m):
             raise TwinError(f"{folder} was commissioned by another version: commission it again")
-        numbers = (self.theta, self.covariance, self.friction, self.torque_residual)
-        if not all(np.isfinite(values).all() for values in numbers):
-            raise TwinError(f"{folder} is a damaged twin: it holds values that are not finite")
+        if (reason := self._nonsense()) is not None:
+            raise TwinError(f"{folder} is a damaged twin: {reason}")
+
+    def _nonsense(self) -> str | None:
+        """Why these values cannot be those of a twin; None if they can."""
+        drives = (self.friction, self.torque_residual)
+        if not all(np.isfinite(values).all() for values in (self.theta, self.covariance, *drives)):
+            return "it holds values that are not finite"
+        if any(values.shape != (N_AXES,) or values.min() < 0.0 for values in drives):
+            return f"friction and torque_residual must be {N_AXES} positive values"
+        known = self.parameters
+        farthest = _FARTHEST * known.standard_deviation
+        low = np.maximum(known.lower, known.mean - farthest)
+        high = np.minimum(known.upper, known.mean + farthest)
+        if (wrong := (self.theta < low - _ROUNDING) | (self.theta > high + _ROUNDING)).any():
+            return f"{known.names[int(wrong.argmax())]} is that of no robot of this type"
+        prior = np.outer(known.standard_deviation, known.standard_deviation)
+        scaled = self.covariance / prior
+        symmetric = np.allclose(scaled, scaled.T, atol=_ROUNDING)
+        if not symmetric or np.linalg.eigvalsh(scaled).min() < 0.0:
+            return "its covariance is not symmetric and positive"
+        return None
+
+
+def _matrix(file: Path) -> Array:
+    return np.load(check_file(file), allow_pickle=False).astype(np.float64, casting="safe")
 
 
 def _content(folder: Path) -> dict[str, Any]:
@@ -163,8 +197,8 @@ def _content(folder: Path) -> dict[str, Any]:
     if not file.is_file():
         raise TwinError(f"{folder} holds no {_FILE}: `armside commission` makes a twin")
     try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, OSError) as error:
+        content = json.loads(check_file(file).read_text(encoding="utf-8"))
+    except (ValueError, OSError, RecursionError) as error:
         raise TwinError(f"{file} cannot be read: {error}") from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         found = content.get("format") if isinstance(content, dict) else None

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 INDIVIDUAL = "2001"
@@ -65,6 +66,7 @@ def test_a_run_can_be_commissioned_from_in_place_of_a_cut(armside, twin, tmp_pat
     [
         ("commission --cuts 0", "cuts must be from 1 to 10, got 0"),
         ("commission --cuts 11", "cuts must be from 1 to 10, got 11"),
+        ("commission --payload 1e308", "payload must be at most 10000 kg, got 1e+308"),
         ("commission --leave-out cut-9", "no cut 'cut-9' to leave out. Cuts: cut-1"),
         ("commission --cuts 1 --leave-out cut-1", "every cut is left out"),
         ("commission --recordings nowhere --individual 3", "leave out --individual"),
@@ -85,3 +87,37 @@ def test_a_twin_does_not_cut_for_another_robot(armside, twin):
     status, _, err = armside(f"laser --robot irb1400 --twin {twin[0]}")
     assert status == 2
     assert "the twin is of the robot large" in err
+
+
+def test_a_failure_of_the_identification_is_not_bad_input(armside, monkeypatch):
+    """Only a recording that cannot be of the robot is."""
+    from armside.sim.twin import commission
+    from armside.sim.twin.plausible import ImplausibleError
+
+    def singular(*_args, **_kwargs):
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr(commission, "identify", singular)
+    status, _, err = armside("commission --cuts 1")
+    assert (status, err.count("\n")) == (1, 1)
+    assert "failed with LinAlgError" in err
+
+    def another_robot(*_args, **_kwargs):
+        raise ImplausibleError("cut-1: another robot")
+
+    monkeypatch.setattr(commission, "identify", another_robot)
+    assert armside("commission --cuts 1") == (2, "", "armside: cut-1: another robot\n")
+
+
+def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeypatch):
+    from armside.sim.twin import twin as module
+
+    def singular(*_args, **_kwargs):
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr(module, "correct", singular)
+    status, _, err = armside(f"laser --iterations 0 --twin {twin[0]}")
+    assert (status, err.count("\n")) == (1, 1)
+    assert "failed with LinAlgError" in err
+    said = f"laser --robot irb1400 --twin {twin[0]}"
+    assert armside(said).status == 2

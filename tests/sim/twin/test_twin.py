@@ -1,6 +1,7 @@
 """A twin on disk, the corrections that it makes, and recordings that it refuses."""
 
 import json
+import os
 from dataclasses import fields, replace
 
 import numpy as np
@@ -63,6 +64,13 @@ def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
         (lambda c: c | {"digest": "0" * 16}, "has changed since"),
         (lambda c: c | {"parameters": {"a": 1.0}}, "by another version"),
         (lambda c: c | {"friction": [None] * 6}, "damaged twin"),
+        (lambda c: c | {"robot": ["large"]}, "which is not known"),
+        (lambda c: c | {"payload": "heavy"}, "damaged twin"),
+        (lambda c: c | {"payload": -1.0}, "payload must be"),
+        (lambda c: c | {"friction": [1.0, 2.0]}, "must be 6 positive values"),
+        (lambda c: c | {"friction": [1.0, -2.0, 1, 1, 1, 1]}, "must be 6 positive values"),
+        (lambda c: c | {"parameters": c["parameters"] | {"mass 3": 1e308}}, "mass 3 is that of no"),
+        (lambda c: c | {"cuts": 3}, "damaged twin"),
         (lambda c: {"format": 1}, "damaged twin"),
         (lambda c: [], "is a twin of format None"),
     ],
@@ -73,6 +81,42 @@ def test_a_twin_that_does_not_fit_is_refused(twin, tmp_path, change, said):
     file.write_text(json.dumps(change(json.loads(file.read_text()))))
     with pytest.raises(TwinError, match=said):
         Twin.load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "covariance",
+    [
+        lambda c: c[:-1],
+        lambda c: -c,
+        lambda c: c + np.triu(c, 1) + 1e-3 * np.eye(len(c), k=1),
+        lambda c: np.full_like(c, np.nan),
+        lambda c: np.array([{"a": 1}], dtype=object),
+        lambda c: c.astype(str),
+    ],
+)
+def test_a_twin_with_a_damaged_covariance_is_refused(twin, tmp_path, covariance):
+    twin.save(tmp_path)
+    np.save(tmp_path / "covariance.npy", covariance(twin.covariance), allow_pickle=True)
+    with pytest.raises(TwinError):
+        Twin.load(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["twin.json", "covariance.npy"])
+@pytest.mark.parametrize("content", [b"", b"[" * 100_000, bytes(1000), b"\x93NUMPY\x01\x00"])
+def test_a_twin_with_a_damaged_file_is_refused(twin, tmp_path, name, content):
+    twin.save(tmp_path)
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(TwinError):
+        Twin.load(tmp_path)
+
+
+def test_a_twin_of_a_pipe_is_refused_at_once(twin, tmp_path):
+    twin.save(tmp_path)
+    for name in ("covariance.npy", "twin.json"):
+        (tmp_path / name).unlink()
+        os.mkfifo(tmp_path / name)
+        with pytest.raises(TwinError):
+            Twin.load(tmp_path)
 
 
 def test_a_folder_without_a_twin_is_refused(tmp_path):
