@@ -39,31 +39,35 @@ def extended(
     start: Array,
     start_covariance: Array,
 ) -> ExtendedResult:
-    """Extended Kalman filter forwards, then Rauch-Tung-Striebel smoother backwards.
+    """Extended Kalman filter forwards, then fixed-interval smoother backwards (de Jong 1989).
 
-    y: (N, p), a row of NaN where the measurement is missing, such as between slower samples.
+    y: (N, p), NaN where a measurement is missing, such as between slower samples.
     """
     n_samples, n, p = len(y), len(start), y.shape[1]
-    filtered, ahead = np.empty((2, n_samples, n))
-    covariance, ahead_covariance, transition = np.empty((3, n_samples, n, n))
+    filtered, weighted = np.zeros((2, n_samples, n))
+    covariance, blind, transition = np.empty((3, n_samples, n, n))
     innovation, S_all = np.full((n_samples, p), np.nan), np.zeros((n_samples, p, p))
     x, P = start.copy(), start_covariance.copy()
     for i in range(n_samples):
-        if np.isfinite(y[i]).all():
-            predicted, C = measurement(i, x)
-            S = C @ P @ C.T + R
+        blind[i] = np.eye(n)
+        seen = np.flatnonzero(np.isfinite(y[i]))
+        if seen.size:
+            expected, C = measurement(i, x)
+            channels = np.ix_(seen, seen)
+            C, R_seen, e = C[seen], R[channels], y[i, seen] - expected[seen]
+            S = C @ P @ C.T + R_seen
             K = np.linalg.solve(S, C @ P).T
-            innovation[i], S_all[i] = y[i] - predicted, S
-            x = x + K @ innovation[i]
-            I_KC = np.eye(n) - K @ C
-            P = I_KC @ P @ I_KC.T + K @ R @ K.T
+            innovation[i, seen], S_all[i][channels] = e, S
+            blind[i], weighted[i] = np.eye(n) - K @ C, C.T @ np.linalg.solve(S, e)
+            x = x + K @ e
+            P = blind[i] @ P @ blind[i].T + K @ R_seen @ K.T
         filtered[i], covariance[i] = x, P
-        x, A = step(i, x)
-        P = A @ P @ A.T + Q
+        x, transition[i] = step(i, x)
+        P = transition[i] @ P @ transition[i].T + Q
         P = 0.5 * (P + P.T)
-        ahead[i], ahead_covariance[i], transition[i] = x, P, A
-    smoothed = filtered.copy()
-    for i in range(n_samples - 2, -1, -1):
-        back = np.linalg.solve(ahead_covariance[i], transition[i] @ covariance[i]).T
-        smoothed[i] += back @ (smoothed[i + 1] - ahead[i])
+    smoothed, r = np.empty_like(filtered), np.zeros(n)
+    for i in range(n_samples - 1, -1, -1):  # as in `kalman.Smoother`
+        ahead = r @ transition[i]
+        smoothed[i] = filtered[i] + covariance[i] @ ahead
+        r = weighted[i] + ahead @ blind[i]
     return ExtendedResult(filtered, covariance, smoothed, innovation, S_all)

@@ -1,11 +1,13 @@
-"""Kalman filter and fixed-interval (Rauch-Tung-Striebel) smoother of a sampled linear process.
+"""Kalman filter and fixed-interval smoother of a sampled linear process.
 
 The covariances do not depend on the data: `Smoother` computes all gains once and then costs one
-recursion forwards and one backwards a record. Missing samples are predicted; they are fixed when
-the gains are computed.
+recursion forwards and one backwards a record. Missing measurements are fixed when the gains are
+computed. The recursion backwards is that of de Jong, "Smoothing and interpolation with the
+state-space model" (1989), which inverts no covariance of a state: states may be known exactly.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -51,64 +53,107 @@ class SteadyStateFilter:
 
     @records("y", gate=as_measured)
     def __call__(self, y: Array, start: Array | None = None) -> Filtered:
-        """Innovations of y (N, p); NaN marks rows that are missing. start: (n,), 0 if None."""
+        """Innovations of y (N, p); NaN marks what is missing. start: (n,), 0 if None.
+
+        Rows with missing channels are used with the gain that P gives for the others.
+        """
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
-        e = _predict(self.process.A, self.process.C, self.gain, y, x)
+        e = _predict(self.process.A, self.process.C, self.gain, self.innovation_covariance, y, x)
         return Filtered(e, self.innovation_covariance[None])
 
     @property
-    def whitening(self) -> tuple[Array, float]:
-        """W with W S W^T = 1, and log det S."""
+    def whitening(self) -> tuple[Array, Array]:
+        """W = L^-1 with L L^T = S, and the terms 2 log L_ii of log det S, (p,)."""
         L = np.linalg.cholesky(self.innovation_covariance)
         inverse: Array = np.asarray(np.linalg.inv(L), dtype=np.float64)
-        return inverse, 2.0 * float(np.log(np.diag(L)).sum())
+        return inverse, 2.0 * np.log(np.diag(L))
 
 
 @dataclass(frozen=True, eq=False)
 class Smoother:
-    """Kalman smoother for records of N samples with the same rows missing."""
+    """Kalman smoother for records of N samples with the same measurements missing."""
 
     process: Process
     start_covariance: Array
-    """(n, n), covariance of the state before the first sample."""
+    """(n, n), covariance of the state before the first sample; 0 for what is known exactly."""
     seen: NDArray[np.bool_]
-    """(N,), False where the measurement is missing."""
-    _gains: tuple[Array, ...] = field(init=False, repr=False)
+    """(N,), or (N, p) for single channels; False where a measurement is missing."""
+    _gains: "_Gains" = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        p = self.process
-        gains = _covariances(p.A, p.Q, p.C, p.R, self.start_covariance, self.seen)
-        object.__setattr__(self, "_gains", gains)
+        one, n, p = self.process, len(self.process.A), len(self.process.C)
+        seen = np.asarray(self.seen, dtype=bool)
+        if seen.ndim not in (1, 2) or seen.shape[1:] not in ((), (p,)):
+            raise ValueError(f"seen must have shape (N,) or (N, {p}), got {seen.shape}")
+        start = np.ascontiguousarray(self.start_covariance, dtype=np.float64)
+        if start.shape != (n, n):
+            raise ValueError(f"start_covariance must have shape {(n, n)}, got {start.shape}")
+        rows = seen[:, None] if seen.ndim == 1 else seen
+        channels = np.ascontiguousarray(np.broadcast_to(rows, (len(seen), p)))
+        found = _covariances(one.A, one.Q, one.C, one.R, start, channels)
+        object.__setattr__(self, "_gains", _Gains(channels, *found))
 
     @property
     def filtered_covariance(self) -> Array:
         """(N, n, n), given the record up to each sample."""
-        return self._gains[3]
+        return self._gains.filtered
 
     @property
     def smoothed_covariance(self) -> Array:
         """(N, n, n), given the whole record."""
-        return _smoothed_covariances(self._gains[3], self._gains[4], self._gains[1])
+        known = self._gains
+        return _smoothed_covariances(
+            self.process.A, self.process.C, known.blind, known.weight, known.filtered
+        )
 
     @records("y", gate=as_measured)
     def __call__(self, y: Array, start: Array | None = None) -> Smoothed:
         """States of y (N, p). start: (n,), expected state at the first sample, 0 if None."""
-        if y.shape != (shape := (len(self.seen), len(self.process.C))):
-            raise ValueError(f"y must have shape {shape}, got {y.shape}")
-        gain, back, S, _, _ = self._gains
+        known = self._gains
+        if y.shape != known.seen.shape:
+            raise ValueError(f"y must have shape {known.seen.shape}, got {y.shape}")
+        if (lost := np.argwhere(known.seen & np.isnan(y))).size:
+            raise ValueError(f"y is missing at sample {lost[0, 0]}, channel {lost[0, 1]}: see seen")
         A, C = self.process.A, self.process.C
         x = np.zeros(len(A)) if start is None else start.copy()
-        e, filtered, predicted = _forwards(A, C, gain, np.ascontiguousarray(y), self.seen, x)
-        return Smoothed(e, S, filtered, _backwards(filtered, predicted, back))
+        e, filtered = _forwards(A, C, known.gain, np.ascontiguousarray(y), known.seen, x)
+        smoothed = _backwards(A, known.blind, known.weight, known.filtered, e, filtered)
+        return Smoothed(e, known.S, filtered, smoothed)
+
+
+class _Gains(NamedTuple):
+    """Everything that does not depend on the data, by sample."""
+
+    seen: NDArray[np.bool_]
+    gain: Array
+    """K, (N, n, p), 0 in columns of missing channels."""
+    blind: Array
+    """I - K C, (N, n, n)."""
+    weight: Array
+    """C^T S^-1, (N, n, p), 0 in columns of missing channels."""
+    S: Array
+    """(N, p, p), the identity in missing channels."""
+    filtered: Array
+    """Covariance, (N, n, n)."""
 
 
 @njit(cache=True)
-def _predict(A: Array, C: Array, K: Array, y: Array, x: Array) -> Array:  # pragma: no cover
+def _predict(
+    A: Array, C: Array, K: Array, S: Array, y: Array, x: Array
+) -> Array:  # pragma: no cover - compiled
     e = np.empty_like(y)
     for i in range(len(y)):
         e[i] = y[i] - C @ x
-        if np.isfinite(e[i]).all():
+        seen = np.isfinite(e[i])
+        if seen.all():
             x = x + K @ e[i]
+        elif seen.any():  # the most likely value of the missing innovations is S_ms S_ss^-1 e_s
+            there, missing = np.flatnonzero(seen), np.flatnonzero(~seen)
+            given = np.linalg.solve(S[there][:, there], e[i][there])
+            filled = np.zeros(len(seen))
+            filled[there] = e[i][there]
+            filled[missing] = S[missing][:, there] @ given
+            x = x + K @ filled
         x = A @ x
     return e
 
@@ -116,25 +161,27 @@ def _predict(A: Array, C: Array, K: Array, y: Array, x: Array) -> Array:  # prag
 @njit(cache=True)
 def _forwards(
     A: Array, C: Array, gain: Array, y: Array, seen: NDArray[np.bool_], x: Array
-) -> tuple[Array, Array, Array]:  # pragma: no cover - compiled
-    n_samples, n = len(y), len(A)
-    e = np.full(y.shape, np.nan)
-    filtered, predicted = np.empty((n_samples, n)), np.empty((n_samples, n))
-    for i in range(n_samples):
-        predicted[i] = x
-        if seen[i]:
-            e[i] = y[i] - C @ x
-            x = x + gain[i] @ e[i]
-        filtered[i] = x
-        x = A @ x
-    return e, filtered, predicted
+) -> tuple[Array, Array]:  # pragma: no cover - compiled
+    e, filtered = np.empty_like(y), np.empty((len(y), len(A)))
+    for i in range(len(y)):
+        left = np.where(seen[i], y[i] - C @ x, 0.0)
+        e[i] = np.where(seen[i], left, np.nan)
+        filtered[i] = x + gain[i] @ left
+        x = A @ filtered[i]
+    return e, filtered
 
 
 @njit(cache=True)
-def _backwards(filtered: Array, predicted: Array, back: Array) -> Array:  # pragma: no cover
-    smoothed = filtered.copy()
-    for i in range(len(filtered) - 2, -1, -1):
-        smoothed[i] += back[i] @ (smoothed[i + 1] - predicted[i + 1])
+def _backwards(
+    A: Array, blind: Array, weight: Array, covariance: Array, e: Array, filtered: Array
+) -> Array:  # pragma: no cover - compiled
+    """x + P A^T r_{i+1} with r_i = C^T S^-1 e_i + (I - K C)^T A^T r_{i+1}."""
+    smoothed = np.empty_like(filtered)
+    ahead = np.zeros(len(A))  # A^T r_{i+1}
+    for i in range(len(e) - 1, -1, -1):
+        smoothed[i] = filtered[i] + covariance[i] @ ahead
+        left = np.where(np.isnan(e[i]), 0.0, e[i])
+        ahead = (weight[i] @ left + ahead @ blind[i]) @ A
     return smoothed
 
 
@@ -143,32 +190,38 @@ def _covariances(
     A: Array, Q: Array, C: Array, R: Array, P: Array, seen: NDArray[np.bool_]
 ) -> tuple[Array, Array, Array, Array, Array]:  # pragma: no cover - compiled
     n_samples, n, p = len(seen), len(A), len(C)
-    gain, back = np.zeros((n_samples, n, p)), np.zeros((n_samples, n, n))
-    S_all = np.zeros((n_samples, p, p))
-    given, predicted = np.empty((n_samples, n, n)), np.empty((n_samples, n, n))
-    identity = np.eye(n)
+    gain, weight = np.zeros((n_samples, n, p)), np.zeros((n_samples, n, p))
+    blind, S_all = np.empty((n_samples, n, n)), np.empty((n_samples, p, p))
+    filtered, identity = np.empty((n_samples, n, n)), np.eye(n)
     for i in range(n_samples):
-        predicted[i] = P
-        if seen[i]:
-            PC = P @ C.T
-            S = C @ PC + R
-            K = np.ascontiguousarray(np.linalg.solve(S, np.ascontiguousarray(PC.T)).T)
-            # Joseph form: symmetric and positive in spite of rounding.
-            I_KC = identity - K @ C
-            P = I_KC @ P @ I_KC.T + K @ R @ K.T
-            gain[i], S_all[i] = K, S
-        given[i] = P
+        # A missing channel measures nothing, with noise of unit variance.
+        Ci, Ri = C.copy(), R.copy()
+        for c in np.flatnonzero(~seen[i]):
+            Ci[c], Ri[c], Ri[:, c] = 0.0, 0.0, 0.0
+            Ri[c, c] = 1.0
+        PC = P @ Ci.T
+        S = Ci @ PC + Ri
+        K = np.ascontiguousarray(np.linalg.solve(S, np.ascontiguousarray(PC.T)).T)
+        # Joseph form: symmetric and positive in spite of rounding.
+        I_KC = identity - K @ Ci
+        P = I_KC @ P @ I_KC.T + K @ Ri @ K.T
+        gain[i], blind[i], S_all[i], filtered[i] = K, I_KC, S, P
+        weight[i] = np.linalg.solve(S, Ci).T
         P = A @ P @ A.T + Q
         P = 0.5 * (P + P.T)
-        if i < n_samples - 1:
-            back[i] = np.linalg.solve(P, A @ given[i]).T
-    return gain, back, S_all, given, predicted
+    return gain, blind, weight, S_all, filtered
 
 
 @njit(cache=True)
-def _smoothed_covariances(given: Array, predicted: Array, back: Array) -> Array:  # pragma: no cover
-    smoothed = given.copy()
-    for i in range(len(given) - 2, -1, -1):
-        change = smoothed[i + 1] - predicted[i + 1]
-        smoothed[i] = given[i] + back[i] @ change @ back[i].T
+def _smoothed_covariances(
+    A: Array, C: Array, blind: Array, weight: Array, filtered: Array
+) -> Array:  # pragma: no cover - compiled
+    """P - P M P with M = A^T N_{i+1} A, N_i = C^T S^-1 C + (I - K C)^T M (I - K C)."""
+    smoothed = np.empty_like(filtered)
+    M = np.zeros_like(A)
+    for i in range(len(filtered) - 1, -1, -1):
+        smoothed[i] = filtered[i] - filtered[i] @ M @ filtered[i]
+        # Columns of missing channels of the weight are 0.
+        N = weight[i] @ C + blind[i].T @ M @ blind[i]
+        M = A.T @ (0.5 * (N + N.T)) @ A
     return smoothed

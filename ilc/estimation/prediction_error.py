@@ -13,22 +13,23 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
 _DIFFERENCE = 1e-4  # finite difference, in standard deviations of the prior
-_ACCEPTED = 0.05  # decrease of the cost that ends a search; 1 is one standard deviation
 _FIRST_STEPS, _STEPS = 8, 25  # from every start, then from the best ones
+_ROUGH, _FINE = 0.05, 1e-3  # decrease of the cost that ends them; 1 is one standard deviation
 _KEPT = 3
 
 
 class Whitened(NamedTuple):
-    """Normalised innovations S^-1/2 e (N, p), white with unit variance for a correct model, and
-    log det S of each sample.
+    """Normalised innovations L^-1 e (N, p), L L^T = S, white with unit variance for a correct
+    model, and the terms of log det S: 2 log L_ii, (p,).
     """
 
     innovation: Array
-    log_det: float
+    log_det: ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +65,14 @@ def estimate_parameters(
     Raises:
         RuntimeError: no start leads to a finite cost.
     """
-    found = [_search(model, prior, prior_sd, start, _FIRST_STEPS) for start in starts]
+    found = [_search(model, prior, prior_sd, start, _FIRST_STEPS, _ROUGH) for start in starts]
     costs = tuple(cost for _, cost in found)
     if not np.isfinite(min(costs)):
         raise RuntimeError("the prediction error is not finite at any start")
     ranked = sorted(found, key=lambda each: each[1])[:_KEPT]
-    ends = [_search(model, prior, prior_sd, theta, _STEPS) for theta, _ in ranked]
+    ends = [_search(model, prior, prior_sd, theta, _STEPS, _FINE) for theta, _ in ranked]
     theta, cost = min(ends, key=lambda each: each[1])
-    residual, J, _ = _linearised(model, prior, prior_sd, theta)
-    information = J.T @ J + np.diag(prior_sd**-2.0)
+    residual, information, _ = _linearised(model, prior, prior_sd, theta)
     covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
     gained = 1.0 - np.diag(covariance) / prior_sd**2
     return ParameterEstimate(theta, covariance, gained, cost, residual.innovation, costs)
@@ -82,37 +82,52 @@ def _cost(residual: Whitened, theta: Array, prior: Array, sd: Array) -> float:
     if np.isinf(residual.innovation).any():
         return np.inf
     e = residual.innovation[np.isfinite(residual.innovation).all(axis=1)]
-    value = np.square(e).sum() + len(e) * residual.log_det + np.square((theta - prior) / sd).sum()
+    value = (
+        np.square(e).sum()
+        + len(e) * np.sum(residual.log_det)
+        + np.square((theta - prior) / sd).sum()
+    )
     return float(value) if np.isfinite(value) else np.inf
 
 
 def _linearised(
     model: Callable[[Array], Whitened], prior: Array, sd: Array, theta: Array
 ) -> tuple[Whitened, Array, Array]:
-    """Innovations, their Jacobian (N p, m) and the gradient of half the cost (m,)."""
+    """Innovations, the information (m, m) of data and prior, and the gradient of half the cost.
+
+    The information of a Gaussian record about theta_i and theta_j is that of the mean,
+    d e^T S^-1 d e, and of the covariance, 1/2 tr(S^-1 dS S^-1 dS). The derivatives of L^-1 e hold
+    all of it but 1/4 of the squares of d 2 log L_ii.
+    """
     here = model(theta)
     seen = np.isfinite(here.innovation).all(axis=1)
-    e = here.innovation[seen].ravel()
-    J, d_log_det = np.zeros((e.size, theta.size)), np.zeros(theta.size)
+    e, log_det = here.innovation[seen].ravel(), np.atleast_1d(here.log_det)
+    J, d_log_det = np.zeros((e.size, theta.size)), np.zeros((log_det.size, theta.size))
     for i, step in enumerate(np.diag(_DIFFERENCE * sd)):
         for side in (step, -step):  # the other side where the model ends within a step
             there = model(theta + side)
             if np.isfinite(there.innovation[seen]).all():
                 J[:, i] = (there.innovation[seen].ravel() - e) / side[i]
-                d_log_det[i] = (there.log_det - here.log_det) / side[i]
+                d_log_det[:, i] = (there.log_det - log_det) / side[i]
                 break
-    gradient = J.T @ e + 0.5 * seen.sum() * d_log_det + (theta - prior) / sd**2
-    return here, J, gradient
+    n = seen.sum()
+    information = J.T @ J + 0.25 * n * d_log_det.T @ d_log_det + np.diag(sd**-2.0)
+    gradient = J.T @ e + 0.5 * n * d_log_det.sum(axis=0) + (theta - prior) / sd**2
+    return here, information, gradient
 
 
 def _search(
-    model: Callable[[Array], Whitened], prior: Array, sd: Array, start: Array, steps: int
+    model: Callable[[Array], Whitened],
+    prior: Array,
+    sd: Array,
+    start: Array,
+    steps: int,
+    enough: float,
 ) -> tuple[Array, float]:
     theta, damping = np.array(start, dtype=np.float64), 1e-2
     cost = _cost(model(theta), theta, prior, sd)
     for _ in range(steps if np.isfinite(cost) else 0):
-        _, J, gradient = _linearised(model, prior, sd, theta)
-        H = J.T @ J + np.diag(sd**-2.0)
+        _, H, gradient = _linearised(model, prior, sd, theta)
         while damping < 1e6:
             step = -np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
             tried = theta + step
@@ -124,6 +139,6 @@ def _search(
             return theta, cost
         gained, theta, cost = cost - reached, tried, reached
         damping = max(damping / 5.0, 1e-6)
-        if gained < _ACCEPTED:
+        if gained < enough:
             break
     return theta, cost

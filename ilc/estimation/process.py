@@ -36,6 +36,8 @@ class Process:
                 raise ValueError(f"{name} must have shape {shape}, got {value.shape}")
             if not np.isfinite(value).all():
                 raise ValueError(f"{name} holds values that are not finite")
+            if name in "QR" and not (np.allclose(value, value.T) and (np.diag(value) >= 0.0).all()):
+                raise ValueError(f"{name} must be symmetric, with variances >= 0, got {value}")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
 
@@ -120,25 +122,47 @@ def _run(A: Array, forcing: Array) -> Array:  # pragma: no cover - compiled
 
 _DOUBLINGS = 40  # 2^40 samples: enough for a bias with a very slow random walk
 _CONVERGED = 1e-10
+_VANISHED = 1e-3  # entries of a power of the filter's matrix at which it is known to be stable
 
 
 def steady_state_covariance(process: Process) -> Array:
     """Steady-state covariance P (n, n) of the one-step prediction error, by a doubling algorithm.
 
-    Raises RuntimeError if there is none: a state is neither observable nor stable.
+    P is the solution that makes the filter stable. From P = 0 a recursion misses it where a state
+    grows without process noise; the generalised eigenvalue problem then finds it.
+
+    Raises RuntimeError if there is none: a state is neither observable nor stable, or neither
+    driven by noise nor stable.
     """
-    R_C = np.linalg.solve(process.R, process.C)
+    try:
+        R_C = np.linalg.solve(process.R, process.C)
+    except np.linalg.LinAlgError:  # a reading without noise
+        return _stabilising(process)
     H, steps = _doubled(np.ascontiguousarray(process.A.T), process.C.T @ R_C, process.Q)
-    if steps == 0:
+    return H if steps else _stabilising(process)
+
+
+def _stabilising(process: Process) -> Array:
+    from scipy.linalg import LinAlgError, solve_discrete_are
+
+    A, C = process.A, process.C
+    try:
+        P = np.asarray(solve_discrete_are(A.T, C.T, process.Q, process.R), dtype=np.float64)
+        gain = np.linalg.solve(C @ P @ C.T + process.R, C @ P @ A.T).T
+        is_stable = np.abs(np.linalg.eigvals(A - gain @ C)).max() < 1.0
+    except (LinAlgError, ValueError):
+        is_stable, P = False, process.Q
+    if not is_stable:
         raise RuntimeError(
-            "the filter has no steady state: a state is neither observable nor stable"
+            "the filter has no steady state: a state that is not stable is not observable or not "
+            "driven by noise"
         )
-    return H
+    return P
 
 
 @njit(cache=True)
 def _doubled(A: Array, G: Array, H: Array) -> tuple[Array, int]:  # pragma: no cover - compiled
-    """P and the number of doublings, 0 without convergence.
+    """P and the number of doublings, 0 without convergence to a stable filter.
 
     P_{k+1} = Q + A (P_k^-1 + C^T R^-1 C)^-1 A^T from P_0 = 0, in steps of 1, 2, 4, ...
     """
@@ -155,8 +179,9 @@ def _doubled(A: Array, G: Array, H: Array) -> tuple[Array, int]:  # pragma: no c
         A = A @ WA
         H = H + 0.5 * (grown + grown.T)
         G = 0.5 * (G + G.T)
-        if not np.isfinite(H).all():
+        if not (np.isfinite(H).all() and np.isfinite(A).all() and np.isfinite(G).all()):
             return H, 0
-        if np.abs(grown).max() <= _CONVERGED * np.abs(H).max():
+        # A is a power of the filter's matrix, which vanishes if the filter is stable.
+        if np.abs(grown).max() <= _CONVERGED * np.abs(H).max() and np.abs(A).max() <= _VANISHED:
             return H, step
     return H, 0

@@ -10,7 +10,6 @@ from enum import Enum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from armside.arrays import Array
 from armside.ilc.estimation.kalman import Smoothed, Smoother, SteadyStateFilter
@@ -79,7 +78,7 @@ class ArmEstimator:
 
     def smoother(self, run: Run) -> Smoother:
         """Gains for the timeline of a run; computed when a timeline is first met."""
-        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.reading).all(axis=1))
+        seen = np.isfinite(run.reading)
         key = seen.tobytes()
         if key not in self._smoothers:
             process = self.model.sampled(1.0 / self.imu.rate)

@@ -8,7 +8,6 @@ cut the accelerometer alone cannot tell a micrometre.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from armside.arrays import Array
 from armside.ilc.estimation.kalman import Smoother
@@ -68,6 +67,5 @@ def kinematic_deviation(known: ArmEstimator, run: Run) -> Array:
     start = np.zeros(36)
     start[30:] = np.nanmean(left[at < REST], axis=0)
     y = np.hstack((left, np.zeros((len(left), 6))))
-    seen: NDArray[np.bool_] = np.asarray(np.isfinite(y).all(axis=1))
-    states = Smoother(Process(A=Ad, Q=Q, C=C, R=R), P, seen)(y, start)
+    states = Smoother(Process(A=Ad, Q=Q, C=C, R=R), P, np.isfinite(y))(y, start)
     return states.smoothed[:, :6] @ arm.tool_jacobian.T

@@ -1,5 +1,7 @@
 """Filters and smoothers on simulated processes with known states."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
@@ -70,6 +72,22 @@ def test_a_state_that_is_neither_seen_nor_stable_is_refused():
         steady_state_covariance(blind)
 
 
+@pytest.mark.parametrize(("growth", "expected"), [(1.1, 0.21), (1.5, 1.25), (-1.1, 0.21)])
+def test_a_state_that_grows_without_noise_is_followed(growth, expected):
+    """a^2 P R / (P + R) = P with Q = 0 and P > 0: P = (a^2 - 1) R."""
+    one = np.ones((1, 1))
+    grows = Process(A=growth * one, Q=0.0 * one, C=one, R=one)
+    assert steady_state_covariance(grows)[0, 0] == pytest.approx(expected, rel=1e-9)
+    steady = SteadyStateFilter(grows)
+    assert abs(growth * (1.0 - steady.gain[0, 0])) < 1.0
+
+
+def test_a_constant_without_noise_has_no_steady_gain():
+    one = np.ones((1, 1))
+    with pytest.raises(RuntimeError, match="has no steady state"):
+        steady_state_covariance(Process(A=one, Q=0.0 * one, C=one, R=one))
+
+
 def test_smoothing_beats_filtering_and_both_are_consistent(process, record):
     x, y = record
     smoother = Smoother(process, steady_state_covariance(process), np.ones(len(y), dtype=bool))
@@ -131,6 +149,94 @@ def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
     wiener = NonCausal(A, W, C, C)(y, STEP, R)[:, 0]
     middle = slice(200, 800)
     assert np.std(wiener[middle] - smoothed[middle]) < 0.1 * np.std(smoothed[middle])
+
+
+def test_the_smoother_is_the_mean_and_covariance_of_the_joint_gaussian():
+    """Dense: all states and readings of a short record in one vector; channels missing one by one,
+    a state known exactly at the start and one without noise.
+    """
+    rng = np.random.default_rng(4)
+    n, n_samples = 3, 7
+    one = Process(
+        A=np.array([[0.9, 0.2, 0.1], [0.0, 1.0, 0.0], [0.3, 0.0, 0.5]]),
+        Q=np.diag([0.2, 0.0, 0.1]),
+        C=rng.standard_normal((2, n)),
+        R=np.array([[0.3, 0.1], [0.1, 0.2]]),
+    )
+    P0, seen = np.diag([1.0, 0.5, 0.0]), np.ones((n_samples, 2), dtype=bool)
+    seen[2], seen[4, 0], seen[5, 1] = False, False, False
+    T, Q = np.eye(n * n_samples), np.kron(np.eye(n_samples), one.Q)
+    for i in range(1, n_samples):
+        for j in range(i):
+            power = np.linalg.matrix_power(one.A, i - j)
+            T[n * i : n * i + n, n * j : n * j + n] = power
+    Q[:n, :n] = P0
+    cov, C = T @ Q @ T.T, np.kron(np.eye(n_samples), one.C)[seen.ravel()]
+    R = np.kron(np.eye(n_samples), one.R)[np.ix_(seen.ravel(), seen.ravel())]
+    y = np.where(seen, rng.standard_normal((n_samples, 2)), np.nan)
+    K = cov @ C.T @ np.linalg.inv(C @ cov @ C.T + R)
+    smoother = Smoother(one, P0, seen)
+    found = smoother(y)
+    np.testing.assert_allclose(found.smoothed.ravel(), K @ y[seen], atol=1e-12)
+    dense = (cov - K @ C @ cov).reshape(n_samples, n, n_samples, n)
+    for i in range(n_samples):
+        np.testing.assert_allclose(smoother.smoothed_covariance[i], dense[i, :, i], atol=1e-12)
+    assert np.isnan(found.innovation).tolist() == (~seen).tolist()
+
+    full = extended(
+        lambda i, x: (one.A @ x, one.A),
+        lambda i, x: (one.C @ x, one.C),
+        y,
+        one.Q,
+        one.R,
+        np.zeros(n),
+        P0,
+    )
+    np.testing.assert_allclose(full.smoothed, found.smoothed, atol=1e-12)
+    np.testing.assert_allclose(full.filtered, found.filtered, atol=1e-12)
+
+
+def test_a_steady_filter_uses_the_channels_that_are_there():
+    """One row with one of two channels missing, in steady state: as the smoother's forward pass."""
+    rng = np.random.default_rng(5)
+    one = Process(
+        A=np.array([[0.9, 0.2], [0.0, 0.7]]),
+        Q=np.diag([0.2, 0.1]),
+        C=rng.standard_normal((2, 2)),
+        R=np.array([[0.3, 0.1], [0.1, 0.2]]),
+    )
+    y, P = rng.standard_normal((3, 2)), steady_state_covariance(one)
+    y[1, 0] = np.nan
+    steady = SteadyStateFilter(one)(y).innovation
+    exact = Smoother(one, P, np.isfinite(y))(y).innovation
+    np.testing.assert_allclose(steady, exact, atol=1e-12)  # P is exact up to the row's end
+    y[1, 1] = np.nan
+    assert abs(SteadyStateFilter(one)(y).innovation[2] - steady[2]).min() > 1e-3
+
+
+def test_a_reading_without_noise_is_followed_exactly():
+    A, exact = np.array([[0.9, 0.1], [0.0, 0.8]]), np.zeros((1, 1))
+    steady = SteadyStateFilter(Process(A=A, Q=np.eye(2), C=np.array([[1.0, 0.0]]), R=exact))
+    assert steady.gain[0, 0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "wrong"), [("Q", [[1.0, 0.5], [0.0, 1.0]]), ("R", [[-1.0]])], ids=["skew", "negative"]
+)
+def test_what_is_no_covariance_is_refused(process, field, wrong):
+    with pytest.raises(ValueError, match=f"{field} must be symmetric, with variances >= 0"):
+        replace(process, **{field: np.array(wrong)})
+
+
+def test_a_smoother_refuses_what_does_not_fit_its_measurements(process):
+    with pytest.raises(ValueError, match=r"seen must have shape \(N,\) or \(N, 1\)"):
+        Smoother(process, np.eye(2), np.ones((10, 2), dtype=bool))
+    with pytest.raises(ValueError, match=r"start_covariance must have shape \(2, 2\)"):
+        Smoother(process, np.eye(3), np.ones(10, dtype=bool))
+    y = np.zeros((10, 1))
+    y[3] = np.nan
+    with pytest.raises(ValueError, match="missing at sample 3, channel 0"):
+        Smoother(process, np.eye(2), np.ones(10, dtype=bool))(y)
 
 
 def test_a_smoother_refuses_a_record_of_another_length(process):

@@ -62,3 +62,16 @@ def test_nees_of_the_tool_covers_the_truth(records, kind, at):
     errors = np.array([T @ (getattr(s, kind)[at] - x[at]) for x, s in found])
     low, high = bounds(RECORDS, 3, CONFIDENCE)
     assert low < normalised_squared(errors, P[None]).mean() < high
+
+
+def test_a_lost_channel_costs_less_than_the_row(records):
+    """Variance of the tool after half a second without one gyro axis, and without all channels."""
+    model, smoother, _ = records
+    T, variance = model.tool[:3], []
+    for lost in ([], [5], range(6)):
+        seen = np.ones((SAMPLES, 6), dtype=bool)
+        seen[SAMPLES // 2 :, lost] = False
+        P = Smoother(smoother.process, model.start_covariance(), seen).filtered_covariance[-1]
+        variance.append(np.trace(T @ P @ T.T))
+    full, part, none = variance
+    assert full < part < 0.5 * none
