@@ -11,19 +11,25 @@ from armside.arrays import Array
 
 from .normal_equations import Solving, grouped
 from .sensitivities import Columns, Residuals
+from .tool_sensor import Channels
 
 
 def held_out(
-    solving: Solving, residuals: Sequence[Residuals], columns: Sequence[Columns]
+    solving: Solving,
+    residuals: Sequence[Residuals],
+    columns: Sequence[Columns],
+    channels: Sequence[Channels],
 ) -> tuple[Array, Array]:
-    """Root mean square of the tool's residual [m] of each cut, left out and included: (c,), (c,).
+    """Root mean square of the tool's residual of each cut, left out and included: (c,), (c,).
 
-    A single cut cannot be left out: NaN.
+    In the unit of the sensor. A single cut cannot be left out: NaN.
     """
     every = range(len(residuals))
-    whole = solving.solve(grouped(residuals, columns)).change
+    whole = solving.solve(grouped(residuals, columns, channels)).change
     without = [
-        _tool_residual(residuals[i], columns[i], _left_out(solving, residuals, columns, i))
+        _tool_residual(
+            residuals[i], columns[i], _left_out(solving, residuals, columns, channels, i)
+        )
         for i in every
     ]
     within = [_tool_residual(residuals[i], columns[i], whole) for i in every]
@@ -31,13 +37,17 @@ def held_out(
 
 
 def _left_out(
-    solving: Solving, residuals: Sequence[Residuals], columns: Sequence[Columns], i: int
+    solving: Solving,
+    residuals: Sequence[Residuals],
+    columns: Sequence[Columns],
+    channels: Sequence[Channels],
+    i: int,
 ) -> Array:
     others = [j for j in range(len(residuals)) if j != i]
     if not others:
         return np.full(solving.parameters.size, np.nan)
     return solving.solve(
-        grouped([residuals[j] for j in others], [columns[j] for j in others])
+        grouped([residuals[j] for j in others], [columns[j] for j in others], channels)
     ).change
 
 

@@ -22,6 +22,8 @@ from .normal_equations import Solving, grouped
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
 from .sensitivities import Against, Columns, Residuals
 from .simulation import Design
+from .tool_sensor import ToolSensor
+from .tracker_residuals import TRACKER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,11 +35,9 @@ class Identification:
     linearised: tuple[int, ...] = (0, 2)
     """Steps that compute sensitivities anew; the others keep the last."""
     correlation: float = 3.0
-    """Scale of residuals over their root mean square, as if samples were independent."""
+    """Scale of torque residuals over their root mean square, as if samples were independent."""
     torque_noise: float = 5e-4
     """Least scale of torque over the torque limit."""
-    tool_noise: float = 10e-6
-    """Least scale of the tool's position [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +45,11 @@ class Quality:
     """Residuals that a twin leaves of the cuts it was identified from."""
 
     scales: Array
-    """(7,): of torque residuals [N m], motor side, and of the tool [m]."""
+    """Of torque residuals [N m], motor side, and of each channel of the tool's sensor."""
     held_out: Array
     within: Array
-    """(c,) [m], root mean square of the tool's residual of each cut, left out and included."""
+    """(c,), root mean square of the tool's residual of each cut, left out and included: [m] of a
+    tracker, of an IMU over its white noise."""
     torque: Array
     """(c, 6) [N m], root mean square of the torque residual of each cut."""
 
@@ -80,6 +81,8 @@ def identify(
     cuts: Sequence[MeasuredCut],
     cfg: Identification = Identification(),
     progress: Callable[[], None] = lambda: None,
+    *,
+    sensor: ToolSensor = TRACKER,
 ) -> Identified:
     """Identify an individual from recorded cuts.
 
@@ -87,9 +90,14 @@ def identify(
     move as they should would be taken for springs.
     """
     parameters = parameters_of(design)
-    each = [Against(design, parameters, cut) for cut in cuts]
-    least = np.append(cfg.torque_noise * design.model.drives.torque_limit, cfg.tool_noise)
-    solving = Solving(parameters, parameters.mean, least, cfg.correlation)
+    each = [Against(design, parameters, cut, sensor) for cut in cuts]
+    channels = sensor.channels
+    torque_noise = cfg.torque_noise * design.model.drives.torque_limit
+    least = np.append(torque_noise, [channel.noise for channel in channels])
+    correlation = np.append(
+        np.full(N_AXES, cfg.correlation), [channel.correlation for channel in channels]
+    )
+    solving = Solving(parameters, parameters.mean, least, correlation)
     residuals, columns = list[Residuals](), list[Columns]()
     covariance, scales, last = np.diag(parameters.standard_deviation**2), least, solving
     for step in range(cfg.steps):
@@ -103,12 +111,12 @@ def identify(
                 found = against.residuals(theta)
             residuals.append(found)
             progress()
-        groups = grouped(residuals, columns)
+        groups = grouped(residuals, columns, channels)
         last = solving
         solved = solving.solve(groups[:N_AXES] if step == 0 else groups)
         solving = replace(solving, theta=theta + solved.change)
         covariance, scales = solved.covariance, solved.scales
-    without, within = held_out(last, residuals, columns)
+    without, within = held_out(last, residuals, columns, channels)
     torque = np.array([torque_rms(residual) for residual in residuals])
     quality = Quality(scales, without, within, torque)
     return Identified(parameters, solving.theta, covariance, quality)

@@ -56,14 +56,22 @@ def rigid_path(model: RobotModel, phi: Array) -> Array:
     return path
 
 
+def gear_waves(model: RobotModel, phi: Array) -> Array:
+    """(N, 6, 4, 2) [rad]: (sine, cosine) of each axis and order at motor angles phi (N, 6) [rad].
+
+    Of the amplitudes of the design.
+    """
+    amplitude, order = gear_orders(model)
+    angle = order * phi[:, :, None]
+    return amplitude[..., None] * np.stack((np.sin(angle), np.cos(angle)), axis=-1)
+
+
 def gear_error_columns(model: RobotModel, phi: Array, jacobian: Array) -> Array:
     """(N, 3, 6 * 4 * 2): tool displacement [m] for (sine, cosine) of each axis and order.
 
     Relative to the amplitudes of the design.
     """
-    amplitude, order = gear_orders(model)
-    angle = order * phi[:, :, None]
-    waves = amplitude[..., None] * np.stack((np.sin(angle), np.cos(angle)), axis=-1)
+    waves = gear_waves(model, phi)
     return (jacobian[:, :, :, None, None] * waves[:, None]).reshape(len(phi), 3, -1)
 
 

@@ -15,6 +15,7 @@ from armside.arrays import Array
 from ..robot.mjcf import N_AXES
 from .parameters import Parameters
 from .sensitivities import Columns, Residuals
+from .tool_sensor import Channels
 
 _SCALINGS = 4
 """Turns of scales and solution."""
@@ -35,15 +36,21 @@ class Group:
         return float(np.sqrt(max(self.power + quadratic, 0.0) / self.rows))
 
 
-def grouped(residuals: Sequence[Residuals], columns: Sequence[Columns]) -> list[Group]:
-    """Torque of each axis, then the tool."""
+def grouped(
+    residuals: Sequence[Residuals], columns: Sequence[Columns], channels: Sequence[Channels]
+) -> list[Group]:
+    """Torque of each axis, then the channels of the tool's sensor."""
     pairs = list(zip(residuals, columns, strict=True))
     torque = [
         _group([(c.torque[r.moving, axis], r.torque[r.moving, axis]) for r, c in pairs])
         for axis in range(N_AXES)
     ]
-    m = columns[0].tool.shape[-1]
-    return [*torque, _group([(c.tool.reshape(-1, m), r.tool.ravel()) for r, c in pairs])]
+    m, each = columns[0].tool.shape[-1], [channel.columns for channel in channels]
+    tool = [
+        _group([(c.tool[:, at].reshape(-1, m), r.tool[:, at].ravel()) for r, c in pairs])
+        for at in each
+    ]
+    return [*torque, *tool]
 
 
 def _group(parts: Sequence[tuple[Array, Array]]) -> Group:
@@ -69,19 +76,21 @@ class Solving:
     parameters: Parameters
     theta: Array
     least: Array
-    """(7,), least scales."""
-    correlation: float
+    """(g,), least scales of the groups."""
+    correlation: Array
+    """(g,), scale of residuals over their root mean square, as if samples were independent."""
 
     def solve(self, groups: Sequence[Group]) -> Solved:
         """Parameters that no group depends on keep their value."""
-        parameters, theta, least = self.parameters, self.theta, self.least[: len(groups)]
+        parameters, theta = self.parameters, self.theta
+        least, correlation = self.least[: len(groups)], self.correlation[: len(groups)]
         seen = np.flatnonzero(sum(np.diag(group.information) for group in groups) > 0.0)
         precision = parameters.standard_deviation[seen] ** -2.0
         pull = (parameters.mean - theta)[seen] * precision
         bounds = (parameters.lower - theta)[seen], (parameters.upper - theta)[seen]
         change, whole, scales = np.zeros(len(theta)), np.diag(precision), least
         for _ in range(_SCALINGS):
-            scales = np.maximum([self.correlation * g.left(change) for g in groups], least)
+            scales = np.maximum(correlation * [g.left(change) for g in groups], least)
             weighed = list(zip(groups, scales, strict=True))
             whole = sum(g.information[seen[:, None], seen] / s**2 for g, s in weighed)
             whole = whole + np.diag(precision)

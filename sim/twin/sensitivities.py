@@ -7,6 +7,7 @@ geometry by kinematics.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,10 +16,11 @@ from armside.arrays import Array
 from ..robot.effects import gear_phases
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .kinematic_columns import from_rest, gear_error_columns, jacobians
 from .measured import MeasuredCut
 from .parameters import FRICTION, SPRINGS, Parameters
-from .simulation import Design, motor_path, tool_path
+from .simulation import Design
+from .tool_sensor import Comparison, ToolSensor
+from .tracker_residuals import TRACKER
 
 _STEP = 0.05
 """Of log factors, compliances and relative amplitudes in difference quotients."""
@@ -31,7 +33,8 @@ class Residuals:
     torque: Array
     """(N, 6) [N m], motor side, measured less simulated."""
     tool: Array
-    """(N, 3) [m], beyond what the motor angles explain."""
+    """(K, C) of the tool's sensor, beyond what the motor angles explain; (N, 3) [m] of a tracker.
+    """
     moving: np.ndarray
     """(N,) bool: samples whose torque counts."""
 
@@ -43,7 +46,7 @@ class Columns:
     torque: Array
     """(N, 6, m)."""
     tool: Array
-    """(N, 3, m)."""
+    """(K, C, m)."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,11 @@ class Against:
     design: Design
     parameters: Parameters
     cut: MeasuredCut
+    sensor: ToolSensor = TRACKER
+
+    @cached_property
+    def _tool(self) -> Comparison:
+        return self.sensor.comparison(self.design.model, self.cut)
 
     def simulated(self, thetas: list[Array]) -> list[Recording]:
         """Runs of the cut by twins of several parameter vectors."""
@@ -62,45 +70,34 @@ class Against:
 
     def residuals(self, theta: Array) -> Residuals:
         """Residuals against one twin."""
-        return self._residuals(self.simulated([theta])[0], jacobians(self.design.model, self.angle))
-
-    @property
-    def angle(self) -> Array:
-        return self.cut.motor_angle
+        return self._residuals(self.simulated([theta])[0])
 
     def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
         """Residuals against one twin, and their sensitivities around it."""
         friction, rest = _friction_directions(self.parameters), _directions(self.parameters)
         variants = [theta, *(theta + _STEP * d for d in (*friction.values(), *rest.values()))]
         base, *others = self.simulated(variants)
-        kinematics = jacobians(self.design.model, self.angle)
         torque = np.zeros((*base.motor_torque.shape, self.parameters.size))
         for (first, parts), run in zip(friction, others[: len(friction)], strict=True):
             change = (run.motor_torque - base.motor_torque) / _STEP
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
-        tool = np.zeros((*base.motor_torque.shape[:1], 3, self.parameters.size))
+        residuals = self._residuals(base)
+        tool = np.zeros((*residuals.tool.shape, self.parameters.size))
         mass = self.parameters.at("mass")
         for entry, run in zip(rest, others[len(friction) :], strict=True):
-            moved = motor_path(run) - motor_path(base)
-            by_motors = np.einsum("kij,kj->ki", kinematics[0], moved)
-            tool[:, :, entry] = (tool_path(run) - tool_path(base) - from_rest(by_motors)) / _STEP
+            tool[:, :, entry] = self._tool.change(base, run) / _STEP
             if mass.start <= entry < mass.stop:
                 torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
-        errors = gear_error_columns(self.design.model, self.angle, kinematics[0])
-        tool[:, :, self.parameters.at("gear_error")] = from_rest(errors)
-        geometry = slice(
-            self.parameters.at("position").start, self.parameters.at("orientation").stop
-        )
-        tool[:, :, geometry] = from_rest(kinematics[1])
-        return self._residuals(base, kinematics), Columns(torque, tool)
+        tool[:, :, self.parameters.at("gear_error")] = self._tool.gear_errors()
+        if (geometry := self._tool.geometry()) is not None:
+            first, last = self.parameters.at("position"), self.parameters.at("orientation")
+            tool[:, :, first.start : last.stop] = geometry
+        return residuals, Columns(torque, tool)
 
-    def _residuals(self, run: Recording, kinematics: tuple[Array, Array]) -> Residuals:
-        cut, simulated = self.cut, tool_path(run)
-        by_motors = np.einsum("kij,kj->ki", kinematics[0], cut.motor_angle - motor_path(run))
-        measured = np.zeros_like(simulated) if cut.tool is None else cut.tool
-        tool = measured - simulated - from_rest(by_motors)
-        return Residuals(cut.motor_torque - run.motor_torque, tool, cut.moving)
+    def _residuals(self, run: Recording) -> Residuals:
+        torque = self.cut.motor_torque - run.motor_torque
+        return Residuals(torque, self._tool.residual(run), self.cut.moving)
 
 
 def _friction_directions(parameters: Parameters) -> dict[tuple[int, int], Array]:

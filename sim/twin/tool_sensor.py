@@ -1,0 +1,54 @@
+"""Sensors of the tool that a twin is identified from: their residuals, as the solver takes them."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from armside.arrays import Array
+
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from .measured import MeasuredCut
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Columns of a residual that share a scale."""
+
+    columns: slice
+    noise: float
+    """Least scale, in the unit of the residual."""
+    correlation: float
+    """Scale over root mean square: square root of samples over independent samples."""
+
+
+class Comparison(Protocol):
+    """One recorded cut as its tool sensor saw it, against simulations. C: all columns of it."""
+
+    def residual(self, run: Recording) -> Array:
+        """(K, C), measured less simulated, beyond what the motor angles explain."""
+        ...
+
+    def change(self, base: Recording, run: Recording) -> Array:
+        """(K, C), reading of a run less that of another, beyond what the motor angles explain."""
+        ...
+
+    def gear_errors(self) -> Array:
+        """(K, C, 48), sensitivity to relative gear errors (sine, cosine)."""
+        ...
+
+    def geometry(self) -> Array | None:
+        """(K, C, 36), sensitivity to positions and orientations; None where it is not seen."""
+        ...
+
+
+class ToolSensor(Protocol):
+    """Kind of sensor at the tool."""
+
+    @property
+    def channels(self) -> tuple[Channels, ...]:
+        """Groups of the columns of residuals."""
+        ...
+
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
+        """Comparison of a cut with runs of a design. ValueError for a cut without this sensor."""
+        ...

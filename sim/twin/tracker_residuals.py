@@ -1,0 +1,67 @@
+"""Residuals of a laser tracker: displacement of the tool from rest."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from .kinematic_columns import from_rest, gear_error_columns, jacobians
+from .measured import MeasuredCut
+from .simulation import motor_path, tool_path
+from .tool_sensor import Channels
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracker:
+    """Laser tracker as the sensor of identification."""
+
+    noise: float = 10e-6
+    """Least scale of the tool's position [m]."""
+    correlation: float = 3.0
+    """What a model leaves of a path lasts for many samples. ESTIMATE."""
+
+    @property
+    def channels(self) -> tuple[Channels, ...]:
+        return (Channels(slice(0, 3), self.noise, self.correlation),)
+
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "TrackerComparison":
+        if cut.tool is None:
+            raise ValueError(f"{cut.name} has no samples of a tracker")
+        return TrackerComparison(model, cut.motor_angle, cut.tool)
+
+
+@dataclass(frozen=True, eq=False)
+class TrackerComparison:
+    """See `Comparison`."""
+
+    model: RobotModel
+    motor_angle: Array
+    tool: Array
+
+    @cached_property
+    def _kinematics(self) -> tuple[Array, Array]:
+        return jacobians(self.model, self.motor_angle)
+
+    def residual(self, run: Recording) -> Array:
+        moved = self._by_motors(self.motor_angle - motor_path(run))
+        return self.tool - tool_path(run) - moved
+
+    def change(self, base: Recording, run: Recording) -> Array:
+        moved = self._by_motors(motor_path(run) - motor_path(base))
+        return tool_path(run) - tool_path(base) - moved
+
+    def gear_errors(self) -> Array:
+        return from_rest(gear_error_columns(self.model, self.motor_angle, self._kinematics[0]))
+
+    def geometry(self) -> Array:
+        return from_rest(self._kinematics[1])
+
+    def _by_motors(self, moved: Array) -> Array:
+        return from_rest(np.einsum("kij,kj->ki", self._kinematics[0], moved))
+
+
+TRACKER = Tracker()
