@@ -51,7 +51,7 @@ class TriadBands:
         columns, deviation = unit_errors(self.time, self.expected, self.cfg, self.triad)
         each = [band.reshape(-1, len(deviation)) for band in self._split(columns)]
         prior = np.diag(deviation**-2.0)
-        return [(A, np.linalg.solve(A.T @ A + prior, A.T)) for A in each]
+        return [(A, np.asarray(np.linalg.solve(A.T @ A + prior, A.T))) for A in each]
 
 
 def _without(band: Array, errors: Array, fit: Array) -> Array:

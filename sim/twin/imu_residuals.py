@@ -68,19 +68,23 @@ class ImuComparison:
     """On an even timeline, NaN where one is missing."""
 
     def residual(self, run: Recording) -> Array:
-        simulated = self._sampled(*_ideal(run)) + self._by_motors(self._smooth - motor_path(run))
-        return self._banded(self._reading - simulated)
+        time, ideal = _ideal(run)
+        offset = self._offset(time, ideal)
+        simulated = self._sampled(time, ideal, offset)
+        by_motors = self._by_motors(self._smooth - motor_path(run), offset)
+        return self._banded(self._reading - simulated - by_motors)
 
     def change(self, base: Recording, run: Recording) -> Array:
         (time, before), (_, after) = _ideal(base), _ideal(run)
-        by_motors = self._by_motors(motor_path(run) - motor_path(base))
-        return self._banded(self._sampled(time, after - before) - by_motors)
+        offset = self._offset(time, before)
+        by_motors = self._by_motors(motor_path(run) - motor_path(base), offset)
+        return self._banded(self._sampled(time, after - before, offset) - by_motors)
 
     def gear_errors(self) -> Array:
         waves = gear_waves(self.model, self.motor_angle)
         moved = self._kinematics.jacobian[:, :, :, None, None] * waves[:, None]
         change = self._kinematics.change(moved.reshape(*moved.shape[:2], -1))
-        return self._banded(self._sampled(self._log, change))
+        return self._banded(self._sampled(self._log, change, self._rigid_offset))
 
     def geometry(self) -> None:
         """Errors of geometry move the tool too slowly for an IMU."""
@@ -105,24 +109,28 @@ class ImuComparison:
         there = np.isfinite(reading).all(axis=1)
         return np.column_stack([np.interp(time, time[there], c[there]) for c in reading.T])
 
-    @cached_property
-    def _offset(self) -> float:
-        """Robot time less unit time [s]."""
-        expected = self._filtered(self._log, self._kinematics.reading)[:, :3]
+    def _offset(self, time: Array, ideal: Array) -> float:
+        """Robot time less unit time [s], by ideal readings (M, 6)."""
+        force = self._filtered(time, ideal)[:, :3]
         largest = self.sensor.cfg.clock_offset
-        return clock_offset(self.samples.time, self._reading[:, :3], self._log, expected, largest)
+        return clock_offset(self.samples.time, self._reading[:, :3], time, force, largest)
 
-    def _by_motors(self, moved: Array) -> Array:
+    @cached_property
+    def _rigid_offset(self) -> float:
+        """By the rigid arm: some milliseconds off where springs swing."""
+        return self._offset(self._log, self._kinematics.reading)
+
+    def _by_motors(self, moved: Array, offset: float) -> Array:
         displaced = np.einsum("kij,kj->ki", self._kinematics.jacobian, moved)
-        return self._sampled(self._log, self._kinematics.change(displaced))
+        return self._sampled(self._log, self._kinematics.change(displaced), offset)
 
-    def _sampled(self, time: Array, ideal: Array) -> Array:
+    def _sampled(self, time: Array, ideal: Array, offset: float) -> Array:
         """(K, 6, ...), readings of the unit without its errors, of ideal ones (M, 6, ...)."""
         filtered, step = self._filtered(time, ideal), float(time[1] - time[0])
-        at = np.clip(self.samples.time + self._offset, time[0], time[-1]) / step
+        at = np.clip(self.samples.time + offset, time[0], time[-1]) / step
         i = np.minimum(at.astype(int), len(time) - 2)
         fraction = (at - i).reshape(-1, *[1] * (ideal.ndim - 1))
-        return (1.0 - fraction) * filtered[i] + fraction * filtered[i + 1]
+        return np.asarray((1.0 - fraction) * filtered[i] + fraction * filtered[i + 1])
 
     def _filtered(self, time: Array, ideal: Array) -> Array:
         step = float(time[1] - time[0])
@@ -136,7 +144,8 @@ class ImuComparison:
 
     @cached_property
     def _bands(self) -> tuple[TriadBands, ...]:
-        expected, cfg = self._sampled(self._log, self._kinematics.reading), self.sensor.cfg
+        cfg, rigid = self.sensor.cfg, self._kinematics.reading
+        expected = self._sampled(self._log, rigid, self._rigid_offset)
         parts = zip(self._triads, np.split(expected, 2, axis=1), strict=True)
         time, edges = self.samples.time, self.sensor.edges
         return tuple(TriadBands(cfg, triad, edges, time, part) for triad, part in parts)

@@ -10,12 +10,10 @@ from ..instruments.imu import ImuCfg, TriadCfg
 
 _FREE = 1e3
 """Standard deviation of bias and its drift [m/s^2] or [rad/s]: nothing is known of them."""
-_CLOCK = 1e-3
-"""Standard deviation of what `clock_offset` leaves [s]. ESTIMATE."""
 _EXACT = 1e-9
 """Standard deviation of what a data sheet says to be exact."""
-_SYNCHRONISED = 10.0
-"""[Hz], below which readings are compared for the clock's offset."""
+_SYNCHRONISED = 3.0
+"""[Hz], below which readings are compared for the clock's offset: springs hardly delay them."""
 
 
 def clock_offset(
@@ -55,5 +53,7 @@ def unit_errors(time: Array, reading: Array, cfg: ImuCfg, triad: TriadCfg) -> tu
     clock = np.gradient(reading, time, axis=0)[:, :, None]
     errors = np.where(unit > 0.0, triad.scale_error, triad.misalignment).ravel()
     known = np.concatenate((np.full(3, cfg.mounting_error), errors))
-    deviation = np.concatenate((np.full(6, _FREE), np.maximum(known, _EXACT), [_CLOCK]))
+    deviation = np.concatenate(
+        (np.full(6, _FREE), np.maximum(known, _EXACT), [max(cfg.clock_offset, _EXACT)])
+    )
     return np.concatenate((bias, mounting, sensitivity, clock), axis=2), deviation

@@ -1,0 +1,138 @@
+"""Residuals of an IMU show what a twin lacks, and nothing of the unit's own errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.cut.contour import square
+from armside.sim.instruments.imu import ACCELEROMETER, GYROSCOPE, ImuCfg
+from armside.sim.laser import Cut, prepare
+from armside.sim.robot.effects import gear_phases
+from armside.sim.robot.individual import Individual
+from armside.sim.robot.virtual_robot import LOG_PERIOD
+from armside.sim.twin.imu_kinematics import imu_kinematics
+from armside.sim.twin.imu_residuals import ImuSensor
+from armside.sim.twin.measured import measured
+from armside.sim.twin.simulation import Design
+from armside.sim.twin.tracker_residuals import TRACKER
+from armside.sim.twin.unit_errors import clock_offset
+
+NOISE_FREE = ImuCfg(
+    accelerometer=replace(ACCELEROMETER, noise_density=0.0, bias_walk=0.0),
+    gyroscope=replace(GYROSCOPE, noise_density=0.0, bias_walk=0.0),
+)
+EDGES = (1.5, 3.0, 6.0, 10.0)
+
+
+@pytest.fixture(scope="module")
+def experiment():
+    return prepare(
+        Cut(
+            pose="p2",
+            contour=square(0.03, 0.0045),
+            speed=0.08,
+            individual=Individual(),
+            imu=NOISE_FREE,
+        ),
+        seed=4,
+    )
+
+
+@pytest.fixture(scope="module")
+def run(experiment):
+    return experiment.plant.run(np.zeros_like(experiment.loaded.reference))
+
+
+@pytest.fixture(scope="module")
+def comparison(experiment, run):
+    return ImuSensor(edges=EDGES).comparison(experiment.nominal, measured(run))
+
+
+def _rms(residual):
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def test_errors_of_the_unit_leave_next_to_nothing_of_its_own_run(experiment, run, comparison):
+    """Bias, clock, mounting, scale and misalignment are projected out; the twin is the robot."""
+    own = comparison.residual(run.recording)
+    imu, truth = run.imu, run.recording.truth
+    at = np.searchsorted(truth.time, np.clip(imu.time, 0.0, truth.time[-1]))
+    raw = (imu.acceleration - truth.imu_acceleration[at]) / (0.002 * np.sqrt(50.0))
+    assert np.sqrt(np.mean(raw**2)) > 1.0  # the errors are there
+    bandwidth = np.sqrt(2.0 * EDGES[-1] / 100.0)  # of white noise that the bands together pass
+    assert _rms(own) < 0.25 * bandwidth
+
+
+def test_a_softer_gear_shows(experiment, run, comparison):
+    design = Design(experiment.nominal)
+    soft = Individual(gear_stiffness=np.full(6, 0.7))
+    reference = run.recording.reference
+    (other,) = design.run([soft], reference, np.zeros_like(reference))
+    assert _rms(comparison.residual(other)) > 4.0 * _rms(comparison.residual(run.recording))
+
+
+def test_a_change_of_the_twin_changes_the_residual_by_as_much(experiment, run, comparison):
+    design, reference = Design(experiment.nominal), run.recording.reference
+    twins = [Individual(), Individual(gear_stiffness=np.full(6, 0.9))]
+    base, other = design.run(twins, reference, np.zeros_like(reference))
+    change = comparison.residual(base) - comparison.residual(other)
+    # Each residual is synchronised anew, which the projection hides to first order.
+    assert _rms(comparison.change(base, other) - change) < 0.25 * _rms(change)
+
+
+def test_channels_are_the_columns_of_the_residual(run, comparison):
+    channels = ImuSensor(edges=EDGES).channels
+    columns = np.concatenate([np.r_[channel.columns] for channel in channels])
+    assert columns.tolist() == list(range(comparison.residual(run.recording).shape[1]))
+
+
+def test_kinematic_change_is_the_difference_of_two_motions(experiment):
+    """(R, p) at phi + eps less those at phi: first order in eps, for a swinging wrist and all."""
+    time = np.arange(200) * LOG_PERIOD
+    phi = 0.3 * np.sin(2.0 * np.pi * time[:, None] * np.arange(1, 7) / 4.0) + 0.2
+    eps = 1e-6 * np.cos(2.0 * np.pi * time[:, None] * np.arange(2, 8) / 3.0)
+    before = imu_kinematics(experiment.nominal, phi, LOG_PERIOD)
+    after = imu_kinematics(experiment.nominal, phi + eps, LOG_PERIOD)
+    changed = before.change(np.einsum("kij,kj->ki", before.jacobian, eps))
+    inner = slice(4, -4)  # one-sided differences at the ends
+    difference = (after.reading - before.reading)[inner]
+    for part in (slice(0, 3), slice(3, 6)):
+        off = np.linalg.norm((changed[inner] - difference)[:, part])
+        assert off < 0.02 * np.linalg.norm(difference[:, part])
+
+
+@pytest.mark.parametrize("offset", [-0.009, 0.0, 0.0073])
+def test_the_clock_is_found_under_bias_and_mounting(offset):
+    time = np.arange(500) * 0.004
+    expected = np.column_stack([np.sin(2.0 * np.pi * f * time) for f in (1.0, 1.7, 2.3)])
+    unit_time = np.arange(2, 197) * 0.01
+    late = [np.interp(unit_time + offset, time, column) for column in expected.T]
+    mounting = np.array([[1.0, 0.02, 0.0], [-0.02, 1.0, 0.01], [0.0, -0.01, 1.0]])
+    reading = np.column_stack(late) @ mounting + np.array([0.1, -0.2, 9.8])
+    found = clock_offset(unit_time, reading, time, expected, 0.010)
+    assert abs(found - offset) < 1e-4  # [s]; at 0.5 m/s^3 of jerk far below a sensor's noise
+
+
+def test_a_cut_without_the_sensor_is_named(experiment, run):
+    cut = replace(measured(run, "cut-03"), imu=None, tool=None)
+    for sensor, lacks in ((ImuSensor(), "IMU"), (TRACKER, "tracker")):
+        with pytest.raises(ValueError, match=f"cut-03 has no samples of an? {lacks}"):
+            sensor.comparison(experiment.nominal, cut)
+
+
+def test_gear_errors_of_the_motor_show_as_their_columns_say(experiment, run, comparison):
+    """Quasi-static columns: what a slow gear error excites in the springs is left out."""
+    design = Design(experiment.nominal)
+    reference = run.recording.reference
+    sine = np.zeros((6, 4))
+    sine[0, 2] = 0.5
+    phases = gear_phases(experiment.nominal)
+    none = Individual(gear_error=np.zeros((6, 4)), gear_error_phase=-phases)
+    some = replace(none, gear_error=sine)
+    base, other = design.run([none, some], reference, np.zeros_like(reference))
+    column = comparison.gear_errors()[:, :, 2 * 2]
+    expected, seen = 0.5 * column, comparison.change(base, other)
+    below = slice(0, 6)  # 3 Hz
+    off = np.linalg.norm((seen - expected)[:, below])
+    assert off < 0.3 * np.linalg.norm(seen[:, below])
