@@ -157,7 +157,9 @@ class ImuComparison:
     @staticmethod
     def _by_triad(reading: Array, function: Callable[[int, Array], Array]) -> Array:
         parts = enumerate(np.split(reading, 2, axis=1))
-        return np.concatenate([function(i, part) for i, part in parts], axis=1)
+        return np.asarray(
+            np.concatenate([function(i, part) for i, part in parts], axis=1), np.float64
+        )
 
 
 def _ideal(run: Recording) -> tuple[Array, Array]:
