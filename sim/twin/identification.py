@@ -15,7 +15,6 @@ from armside.arrays import Array
 
 from ..robot.individual import structure_hinges
 from ..robot.mjcf import N_AXES
-from .bending import BENDING
 from .held_out import held_out
 from .measured import MeasuredCut
 from .normal_equations import Solving, grouped
@@ -24,6 +23,9 @@ from .sensitivities import Against, Columns, Residuals
 from .simulation import Design
 from .tool_sensor import ToolSensor
 from .tracker_residuals import TRACKER
+
+_BENDING = "struct_bending_"
+"""Of the names of hinges that `with_bending` adds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +74,12 @@ def torque_rms(residual: Residuals) -> Array:
 
 def parameters_of(design: Design) -> Parameters:
     """All unknown parameters of individuals of a design."""
-    n_structure = len(structure_hinges(design.model)) - len(BENDING)
-    return Parameters((*FRICTION, MASS, *tool_blocks(n_structure, len(BENDING))))
+    mj = design.model.mj
+    hinges = [mj.joint(i).name for i in structure_hinges(design.model)]
+    bending = [name for name in hinges if name.startswith(_BENDING)]
+    ordered = [name for name in hinges if name not in bending] + bending
+    blocks = tool_blocks(len(hinges) - len(bending), len(bending))
+    return Parameters((*FRICTION, MASS, *blocks), tuple(ordered.index(name) for name in hinges))
 
 
 def identify(

@@ -8,7 +8,7 @@ enters as cosine and sine relative to the amplitude of the design. The prior is 
 distribution around the design: what a data sheet of the type states.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,6 +80,9 @@ class Parameters:
     """Vector theta of named blocks."""
 
     blocks: tuple[Block, ...]
+    hinges: tuple[int, ...]
+    """Entry among (structure_stiffness, bending) of each hinge of the structure, in the order of
+    the model: the hinges that stand for bending lie between the others."""
 
     @property
     def size(self) -> int:
@@ -136,14 +139,14 @@ class Parameters:
         gear_phase: (6, 4) [rad], phases of the gear error in the robot's file, which are those of
         another individual.
         """
-        return individual(self.values(theta), gear_phase)
+        return individual(self.values(theta), self.hinges, gear_phase)
 
 
 _LOGARITHMS = (*(block.name for block in FRICTION if block.name != "ripple"), "lost_motion")
 SPRINGS = ("gear_stiffness", "structure_stiffness", "bending")
 
 
-def individual(values: Mapping[str, Array], gear_phase: Array) -> Individual:
+def individual(values: Mapping[str, Array], hinges: Sequence[int], gear_phase: Array) -> Individual:
     """Individual of named values; see `Parameters.individual`."""
     factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
     springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
@@ -154,7 +157,7 @@ def individual(values: Mapping[str, Array], gear_phase: Array) -> Individual:
         **factors,
         mass=1.0 + values["mass"],
         gear_stiffness=springs[0],
-        structure_stiffness=np.concatenate(springs[1:]),
+        structure_stiffness=np.concatenate(springs[1:])[list(hinges)],
         ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
         ripple_phase=ripple_phase,
         gear_error=np.hypot(error[..., 0], error[..., 1]),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armside.sim.robot.individual import embodied, structure_hinges
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.measured import measured
 from armside.sim.twin.sensitivities import Against
@@ -59,3 +60,23 @@ def test_a_parameter_that_nothing_depends_on_keeps_its_prior(commissioned):
     std = np.sqrt(np.diag(found.covariance))
     assert (std <= parameters.standard_deviation * (1.0 + 1e-9)).all()
     assert ((found.theta >= parameters.lower) & (found.theta <= parameters.upper)).all()
+
+
+@pytest.mark.parametrize(
+    ("block", "named"), [("bending", "struct_bending_{}"), ("structure_stiffness", None)]
+)
+def test_a_compliance_softens_its_own_hinge(twin, block, named):
+    design, parameters = twin.design, twin.parameters
+    own = [design.nominal.mj.joint(i).name for i in structure_hinges(design.nominal)]
+    stiff = embodied(design.model, individual_at(twin, parameters.mean), (), phi=np.zeros(6))
+    for k, entry in enumerate(range(*parameters.at(block).indices(parameters.size))):
+        theta = parameters.mean
+        theta[entry] = 0.5
+        soft = embodied(design.model, individual_at(twin, theta), (), phi=np.zeros(6))
+        changed = np.flatnonzero(soft.mj.jnt_stiffness != stiff.mj.jnt_stiffness)
+        (name,) = (design.model.mj.joint(i).name for i in changed)
+        assert name == (named.format(k) if named else own[k])
+
+
+def individual_at(twin, theta):
+    return twin.parameters.individual(theta, twin.gear_phase)
