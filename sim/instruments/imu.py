@@ -63,6 +63,12 @@ class TriadCfg:
         """Delay [s] of slow signals by the low-pass: sqrt(2) / (2 pi bandwidth)."""
         return float(np.sqrt(2.0) / (2.0 * np.pi * self.bandwidth))
 
+    def low_passed(self, signal: Array, step: float) -> Array:
+        """Signal (N, n) with samples every `step` [s] after the low-pass, which starts at zero."""
+        for b, a in butterworth(self.bandwidth, step, 2):
+            signal = recursion(b, a, signal)
+        return signal
+
 
 ACCELEROMETER = TriadCfg(
     noise_density=0.002,  # data sheet MT0100P, +-17 m/s^2 unit
@@ -136,9 +142,7 @@ class Triad:
         n_warm = round(WARM_UP / step)
         x = np.concatenate([np.repeat(ideal[:1], n_warm, axis=0), ideal]) @ self.sensitivity.T
         y = x + noise.from_density(rng, x.shape, self.cfg.noise_density, 1.0 / step)
-        for b, a in butterworth(self.cfg.bandwidth, step, 2):
-            y = recursion(b, a, y)
-        return y[n_warm:]
+        return self.cfg.low_passed(y, step)[n_warm:]
 
     def digitised(
         self, samples: Array, period: float, rng: np.random.Generator

@@ -49,9 +49,12 @@ class TriadBands:
     def _errors(self) -> list[tuple[Array, Array]]:
         """Of each band: columns (3 K, e) of the unit's errors, and the matrix that fits them."""
         columns, deviation = unit_errors(self.time, self.expected, self.cfg, self.triad)
-        each = [band.reshape(-1, len(deviation)) for band in self._split(columns)]
         prior = np.diag(deviation**-2.0)
-        return [(A, np.asarray(np.linalg.solve(A.T @ A + prior, A.T))) for A in each]
+        return [_fitting(band.reshape(-1, len(deviation)), prior) for band in self._split(columns)]
+
+
+def _fitting(errors: Array, prior: Array) -> tuple[Array, Array]:
+    return errors, np.asarray(np.linalg.solve(errors.T @ errors + prior, errors.T), np.float64)
 
 
 def _without(band: Array, errors: Array, fit: Array) -> Array:

@@ -7,10 +7,12 @@ kinematics makes of the difference between measured and simulated motor angles. 
 band-passes, each with a scale of its own: elasticity that a twin lacks shows at high frequencies,
 the tool moves at low ones, and an error of position counts in an acceleration with the square of
 frequency. P takes out what errors of the unit explain.
+
+Errors of geometry move the tool too slowly for an IMU: they have no sensitivities.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -20,17 +22,18 @@ from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..estimation.imu_health import repaired
 from ..estimation.observer import ENCODER_FILTER
-from ..instruments.imu import ImuCfg, ImuSamples, Triad, TriadCfg
+from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 from .imu_bands import TriadBands
 from .imu_kinematics import ImuKinematics, imu_kinematics
+from .imu_sampling import ImuSampling, halves
 from .kinematic_columns import gear_waves
 from .measured import MeasuredCut
 from .simulation import motor_path
 from .tool_sensor import Channels
-from .unit_errors import clock_offset
+from .unit_clock import clock_offset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,30 +71,27 @@ class ImuComparison:
     """On an even timeline, NaN where one is missing."""
 
     def residual(self, run: Recording) -> Array:
-        time, ideal = _ideal(run)
-        offset = self._offset(time, ideal)
-        simulated = self._sampled(time, ideal, offset)
+        ideal, step = _ideal(run)
+        offset = self._offset(ideal, step)
+        simulated = self._sampling(ideal, step, offset)
         by_motors = self._by_motors(self._smooth - motor_path(run), offset)
         return self._banded(self._reading - simulated - by_motors)
 
     def change(self, base: Recording, run: Recording) -> Array:
-        (time, before), (_, after) = _ideal(base), _ideal(run)
-        offset = self._offset(time, before)
+        (before, step), (after, _) = _ideal(base), _ideal(run)
+        offset = self._offset(before, step)
         by_motors = self._by_motors(motor_path(run) - motor_path(base), offset)
-        return self._banded(self._sampled(time, after - before, offset) - by_motors)
+        return self._banded(self._sampling(after - before, step, offset) - by_motors)
 
-    def gear_errors(self) -> Array:
+    def by_kinematics(self) -> Mapping[str, Array]:
         waves = gear_waves(self.model, self.motor_angle)
         moved = self._kinematics.jacobian[:, :, :, None, None] * waves[:, None]
         change = self._kinematics.change(moved.reshape(*moved.shape[:2], -1))
-        return self._banded(self._sampled(self._log, change, self._rigid_offset))
+        return {"gear_error": self._banded(self._sampling(change, LOG_PERIOD, self._rigid_offset))}
 
-    def geometry(self) -> None:
-        """Errors of geometry move the tool too slowly for an IMU."""
-
-    @property
-    def _log(self) -> Array:
-        return np.arange(len(self.motor_angle)) * LOG_PERIOD
+    @cached_property
+    def _sampling(self) -> ImuSampling:
+        return ImuSampling(self.sensor.cfg, self.samples.time)
 
     @cached_property
     def _smooth(self) -> Array:
@@ -109,68 +109,37 @@ class ImuComparison:
         there = np.isfinite(reading).all(axis=1)
         return np.column_stack([np.interp(time, time[there], c[there]) for c in reading.T])
 
-    def _offset(self, time: Array, ideal: Array) -> float:
+    def _offset(self, ideal: Array, step: float) -> float:
         """Robot time less unit time [s], by ideal readings (M, 6)."""
-        force = self._filtered(time, ideal)[:, :3]
+        measured, _ = halves(self._reading)
+        expected, _ = halves(self._sampling.filtered(ideal, step))
         largest = self.sensor.cfg.clock_offset
-        return clock_offset(self.samples.time, self._reading[:, :3], time, force, largest)
+        return clock_offset(self.samples.time, measured, expected, step, largest)
 
     @cached_property
     def _rigid_offset(self) -> float:
         """By the rigid arm: some milliseconds off where springs swing."""
-        return self._offset(self._log, self._kinematics.reading)
+        return self._offset(self._kinematics.reading, LOG_PERIOD)
 
     def _by_motors(self, moved: Array, offset: float) -> Array:
         displaced = np.einsum("kij,kj->ki", self._kinematics.jacobian, moved)
-        return self._sampled(self._log, self._kinematics.change(displaced), offset)
-
-    def _sampled(self, time: Array, ideal: Array, offset: float) -> Array:
-        """(K, 6, ...), readings of the unit without its errors, of ideal ones (M, 6, ...)."""
-        filtered, step = self._filtered(time, ideal), float(time[1] - time[0])
-        at = np.clip(self.samples.time + offset, time[0], time[-1]) / step
-        i = np.minimum(at.astype(int), len(time) - 2)
-        fraction = (at - i).reshape(-1, *[1] * (ideal.ndim - 1))
-        return np.asarray((1.0 - fraction) * filtered[i] + fraction * filtered[i + 1])
-
-    def _filtered(self, time: Array, ideal: Array) -> Array:
-        step = float(time[1] - time[0])
-        return self._by_triad(ideal, lambda i, part: _low_passed(self._triads[i], part, step))
-
-    def _banded(self, reading: Array) -> Array:
-        """(K, C, ...) of readings (K, 6, ...)."""
-        flat = reading.reshape(*reading.shape[:2], -1)
-        bands = self._by_triad(flat, lambda i, part: self._bands[i](part))
-        return bands.reshape(*bands.shape[:2], *reading.shape[2:])
+        return self._sampling(self._kinematics.change(displaced), LOG_PERIOD, offset)
 
     @cached_property
     def _bands(self) -> tuple[TriadBands, ...]:
-        cfg, rigid = self.sensor.cfg, self._kinematics.reading
-        expected = self._sampled(self._log, rigid, self._rigid_offset)
-        parts = zip(self._triads, np.split(expected, 2, axis=1), strict=True)
-        time, edges = self.samples.time, self.sensor.edges
+        cfg, edges, time = self.sensor.cfg, self.sensor.edges, self.samples.time
+        expected = self._sampling(self._kinematics.reading, LOG_PERIOD, self._rigid_offset)
+        parts = zip((cfg.accelerometer, cfg.gyroscope), halves(expected), strict=True)
         return tuple(TriadBands(cfg, triad, edges, time, part) for triad, part in parts)
 
-    @property
-    def _triads(self) -> tuple[TriadCfg, TriadCfg]:
-        return self.sensor.cfg.accelerometer, self.sensor.cfg.gyroscope
-
-    @staticmethod
-    def _by_triad(reading: Array, function: Callable[[int, Array], Array]) -> Array:
-        parts = enumerate(np.split(reading, 2, axis=1))
-        return np.asarray(
-            np.concatenate([function(i, part) for i, part in parts], axis=1), np.float64
-        )
+    def _banded(self, reading: Array) -> Array:
+        """(K, C, ...) of readings (K, 6, ...)."""
+        triads = zip(self._bands, halves(reading), strict=True)
+        return np.concatenate([bands(part) for bands, part in triads], axis=1)
 
 
-def _ideal(run: Recording) -> tuple[Array, Array]:
-    """Time (M,) [s], and readings (M, 6) of a twin's ideal unit."""
+def _ideal(run: Recording) -> tuple[Array, float]:
+    """Readings (M, 6) of a twin's ideal unit, and the time between them [s]."""
     truth = run.truth
-    return truth.time, np.hstack((truth.imu_acceleration, truth.imu_angular_velocity))
-
-
-def _low_passed(cfg: TriadCfg, ideal: Array, step: float) -> Array:
-    """Ideal readings (M, 3, ...) through the low-pass of a triad."""
-    flat = ideal.reshape(len(ideal), -1)
-    n = flat.shape[1]
-    exact = Triad(cfg=replace(cfg, noise_density=0.0), sensitivity=np.eye(n), bias=np.zeros(n))
-    return exact.filtered(flat, step, np.random.default_rng()).reshape(ideal.shape)
+    step = float(truth.time[1] - truth.time[0])
+    return np.hstack((truth.imu_acceleration, truth.imu_angular_velocity)), step

@@ -89,10 +89,8 @@ class Against:
             tool[:, :, entry] = self._tool.change(base, run) / _STEP
             if mass.start <= entry < mass.stop:
                 torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
-        tool[:, :, self.parameters.at("gear_error")] = self._tool.gear_errors()
-        if (geometry := self._tool.geometry()) is not None:
-            first, last = self.parameters.at("position"), self.parameters.at("orientation")
-            tool[:, :, first.start : last.stop] = geometry
+        for block, sensitive in self._tool.by_kinematics().items():
+            tool[:, :, self.parameters.at(block)] = sensitive
         return residuals, Columns(torque, tool)
 
     def _residuals(self, run: Recording) -> Residuals:

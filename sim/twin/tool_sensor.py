@@ -1,5 +1,6 @@
 """Sensors of the tool that a twin is identified from: their residuals, as the solver takes them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,12 +33,8 @@ class Comparison(Protocol):
         """(K, C), reading of a run less that of another, beyond what the motor angles explain."""
         ...
 
-    def gear_errors(self) -> Array:
-        """(K, C, 48), sensitivity to relative gear errors (sine, cosine)."""
-        ...
-
-    def geometry(self) -> Array | None:
-        """(K, C, 36), sensitivity to positions and orientations; None where it is not seen."""
+    def by_kinematics(self) -> Mapping[str, Array]:
+        """(K, C, m) for each block of parameters whose sensitivities need no simulation."""
         ...
 
 

@@ -1,5 +1,6 @@
 """Residuals of a laser tracker: displacement of the tool from rest."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -54,11 +55,15 @@ class TrackerComparison:
         moved = self._by_motors(motor_path(run) - motor_path(base))
         return tool_path(run) - tool_path(base) - moved
 
-    def gear_errors(self) -> Array:
-        return from_rest(gear_error_columns(self.model, self.motor_angle, self._kinematics[0]))
-
-    def geometry(self) -> Array:
-        return from_rest(self._kinematics[1])
+    def by_kinematics(self) -> Mapping[str, Array]:
+        jacobian, geometry = self._kinematics
+        errors = gear_error_columns(self.model, self.motor_angle, jacobian)
+        position, orientation = np.split(from_rest(geometry), 2, axis=2)
+        return {
+            "gear_error": from_rest(errors),
+            "position": position,
+            "orientation": orientation,
+        }
 
     def _by_motors(self, moved: Array) -> Array:
         return from_rest(np.einsum("kij,kj->ki", self._kinematics[0], moved))

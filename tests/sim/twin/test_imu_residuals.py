@@ -16,13 +16,13 @@ from armside.sim.twin.imu_residuals import ImuSensor
 from armside.sim.twin.measured import measured
 from armside.sim.twin.simulation import Design
 from armside.sim.twin.tracker_residuals import TRACKER
-from armside.sim.twin.unit_errors import clock_offset
+from armside.sim.twin.unit_clock import clock_offset
 
 NOISE_FREE = ImuCfg(
     accelerometer=replace(ACCELEROMETER, noise_density=0.0, bias_walk=0.0),
     gyroscope=replace(GYROSCOPE, noise_density=0.0, bias_walk=0.0),
 )
-EDGES = (1.5, 3.0, 6.0, 10.0)
+EDGES = ImuSensor().edges
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def run(experiment):
 
 @pytest.fixture(scope="module")
 def comparison(experiment, run):
-    return ImuSensor(edges=EDGES).comparison(experiment.nominal, measured(run))
+    return ImuSensor().comparison(experiment.nominal, measured(run))
 
 
 def _rms(residual):
@@ -82,7 +82,7 @@ def test_a_change_of_the_twin_changes_the_residual_by_as_much(experiment, run, c
 
 
 def test_channels_are_the_columns_of_the_residual(run, comparison):
-    channels = ImuSensor(edges=EDGES).channels
+    channels = ImuSensor().channels
     columns = np.concatenate([np.r_[channel.columns] for channel in channels])
     assert columns.tolist() == list(range(comparison.residual(run.recording).shape[1]))
 
@@ -110,7 +110,7 @@ def test_the_clock_is_found_under_bias_and_mounting(offset):
     late = [np.interp(unit_time + offset, time, column) for column in expected.T]
     mounting = np.array([[1.0, 0.02, 0.0], [-0.02, 1.0, 0.01], [0.0, -0.01, 1.0]])
     reading = np.column_stack(late) @ mounting + np.array([0.1, -0.2, 9.8])
-    found = clock_offset(unit_time, reading, time, expected, 0.010)
+    found = clock_offset(unit_time, reading, expected, 0.004, 0.010)
     assert abs(found - offset) < 0.35e-3  # [s], what the sensor's noise below 3 Hz leaves
 
 
@@ -131,7 +131,7 @@ def test_gear_errors_of_the_motor_show_as_their_columns_say(experiment, run, com
     none = Individual(gear_error=np.zeros((6, 4)), gear_error_phase=-phases)
     some = replace(none, gear_error=sine)
     base, other = design.run([none, some], reference, np.zeros_like(reference))
-    column = comparison.gear_errors()[:, :, 2 * 2]
+    column = comparison.by_kinematics()["gear_error"][:, :, 2 * 2]
     expected, seen = 0.5 * column, comparison.change(base, other)
     below = slice(0, 6)  # 3 Hz
     off = np.linalg.norm((seen - expected)[:, below])
