@@ -4,12 +4,19 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
+
+from armside.kinematics import compile, find_arm
+
+from . import twins
+
 GOOD = {
     "contour.toml": "corner = 1.5\npoints = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]\n",
     "model.json": '{"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}',
     "best.json": '{"best": {"gamma": 0.9, "delta": 3, "cutoff": 10.0}}',
     "data.csv": "time,reference_1,motor_angle_1\n"
     + "".join(f"{i * 0.004},{i * 0.001},{i * 0.00099}\n" for i in range(50)),
+    "individual.toml": "friction = [1.1, 1, 1, 0.9, 1, 1]\n",
 }
 BAD = {
     "empty.toml": "",
@@ -36,6 +43,12 @@ BAD = {
     "</worldbody></mujoco>",
     "box.xml": "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>",
     "torn.dxf": "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\n",
+    "friction.toml": "friction = [-1, nan, 1e308, 0, 1, 1]\n",
+    "axes.toml": "friction = [1.1, 1]\ngear_error = [[1, 2], [3]]\n",
+    "hinge.toml": "[[hidden]]\nbody = 'nowhere'\naxis = [0, 0, 0]\nstiffness = 2e6\ndamping = 1\n",
+    "unknown.toml": "frictions = 1\n",
+    "short.csv": "motor_angle_1,target_1_x,target_1_y,target_1_z\n0,1,1,1\n",
+    "far.csv": "motor_angle_1,target_1_x,target_1_y,target_1_z\n" + "1e308,nan,-1e308,inf\n" * 50,
     "ä 漢字.toml": "points = 1",
 }
 BYTES = {
@@ -63,7 +76,19 @@ def make(folder: Path, run: Path) -> None:
     (folder / os.fsdecode(b"undecodable-\xff.toml")).write_text("points = 1")
     (folder / "folder").mkdir()
     (folder / "locked.toml").write_text("points = 1")
+    _poses(folder / POSES)
+    twins.make(folder)
     _copies(folder, run)
+
+
+def _poses(file: Path, n: int = 60) -> None:
+    """A table of poses that `calibrate-arm --robot ur10` takes."""
+    rng = np.random.default_rng(0)
+    phi = rng.uniform(-2.0, 2.0, (n, 6))
+    points = compile(find_arm("ur10").robot).pose(phi)[:, :3, 3] + rng.normal(0.0, 1e-4, (n, 3))
+    names = [*(f"motor_angle_{i}" for i in range(1, 7)), *(f"target_1_{a}" for a in "xyz")]
+    rows = np.hstack((phi, points))
+    np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="")
 
 
 def _copies(folder: Path, run: Path) -> None:
@@ -95,7 +120,10 @@ def _copies(folder: Path, run: Path) -> None:
     (torn / "robot.xml").write_text("<mujoco>")
 
 
-READ = [*GOOD, *BAD, *BYTES, *SPARSE, "fifo.toml", "undecodable-\udcff.toml", "folder", "none.toml"]
+POSES = "poses.csv"
+NEVER = ["none.toml", "folder", "fifo.toml", "torn.toml", "damaged.mat", "damaged.h5", "torn.xml"]
+"""Names of what is no file that any command reads."""
+READ = [*GOOD, POSES, *BAD, *BYTES, *SPARSE, *NEVER, "undecodable-\udcff.toml"]
 """Names of files that are given to be read, one of which does not exist."""
 RUNS = [
     *("run", "run-empty", "run-list", "run-foo", "run-robot", "run-shape", "run-seedless"),

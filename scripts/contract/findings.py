@@ -1,5 +1,8 @@
 """Command lines that once had the wrong status, no end, or the wrong words."""
 
+from .twins import TWINS
+
+INDIVIDUALS = ("individual", "friction", "axes", "hinge", "unknown", "latin", "fifo", "none")
 LONG = "9" * 5000
 SHORT = "--iterations 0"
 _LINES = (
@@ -72,6 +75,31 @@ _LINES = (
     "laser --contour ../files/torn.dxf",
     "laser --contour ../files/fifo.toml",
     "laser --contour ../files/undecodable-\udcff.toml",
+    *(f"laser {SHORT} --twin ../files/{name}" for name in TWINS),
+    f"laser {SHORT} --robot irb1400 --twin ../files/twin",
+    f"laser {SHORT} --twin ../files/twin --model ../files/still.xml",
+    f"laser {SHORT} --twin ../files/run",
+    f"laser {SHORT} --twin /proc/self",
+    *(f"laser {SHORT} --individual ../files/{name}.toml" for name in INDIVIDUALS),
+    f"laser {SHORT} --individual {LONG}",
+    f"laser {SHORT} --temperature 1e308",
+    f"laser {SHORT} --friction-drift -100",
+    "commission --recordings ../files/data.csv",
+    "commission --recordings ../files/run-torn",
+    "commission --recordings ../files/fifo.toml",
+    "commission --recordings /dev/zero",
+    "commission --recordings ../files/run ../files/run --leave-out run",
+    "commission --cuts 1 --payload 1e308",
+    "commission --cuts 1 --individual ../files/hinge.toml",
+    "calibrate-arm ../files/fifo.toml --robot ur10",
+    "calibrate-arm /dev/zero --robot ur10",
+    "calibrate-arm ../files/large.csv --robot ur10",
+    "calibrate-arm ../files/far.csv --robot ur10",
+    "calibrate-arm ../files/short.csv --robot ur10",
+    "calibrate-arm ../files/poses.csv --robot ../files/fifo.toml",
+    "calibrate-arm ../files/poses.csv --robot /dev/zero",
+    "calibrate-arm ../files/poses.csv --robot irb1400 --harmonics 0",
+    "calibrate-arm ../files/poses.csv --robot ur10 --harmonics 0 --prior-length 1e308",
     "gallery replay --images ../files/data.csv",
     "reproduce 8.3 --out ../files",
 )

@@ -13,7 +13,10 @@ from multiprocessing.context import ForkServerContext, ForkServerProcess
 from pathlib import Path
 from typing import NamedTuple
 
-MODULES = ("laser", "imu", "identify", "compare", "replay", "convert", "measure", "design", "tune")
+MODULES = (
+    *("laser", "imu", "identify", "commission", "compare", "replay", "convert", "measure"),
+    *("design", "tune", "calibrate_arm"),
+)
 PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),
     *(f"armside.scripts.figures.{name}" for name in ("laser", "kerf", "design")),

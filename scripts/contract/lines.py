@@ -8,9 +8,10 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 import numpy as np
 
 from .. import cli
-from .files import READ, RUNS
+from .files import NEVER, POSES, READ, RUNS
 from .findings import FINDINGS
 from .options import Option, options_of
+from .twins import BAD, TWINS
 
 
 class Kind(IntEnum):
@@ -47,6 +48,8 @@ BASE: dict[str, tuple[str, ...]] = {
     "convert": ("../files/run", "--file", "a.csv"),
     "measure": ("../files/data.csv", "--gear", "1"),
     "train": ("--robots", "1", "--steps", "5"),
+    "commission": ("--recordings", "../files/run"),
+    "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
 }
 """Words that make a command short, unless an option takes their place."""
 WEIGHTS = {
@@ -67,7 +70,10 @@ INTEGERS = {
     Kind.MALFORMED: ("1.5", "abc", "nan", "inf", "1e400", "", "½", "9" * 5000),
 }
 TEXTS = {
-    Kind.ORDINARY: ("p1", "two-mass", "servo", "pose=p1", "circles", "start", "8.4", "gamma=0.5"),
+    Kind.ORDINARY: (
+        *("p1", "two-mass", "servo", "pose=p1", "circles", "start", "8.4", "gamma=0.5"),
+        *("ur10", "large", "theta_2", "cut-1"),
+    ),
     Kind.BOUNDARY: ("p9", "a b", "../files/model.json", "seed=0:2", "speed=40,", "=", "gamma="),
     Kind.ABSURD: (
         *("x" * 5000, "../files/fifo.toml", "/dev/zero", "seed=0:100000000", "\udcff", "漢字"),
@@ -90,6 +96,16 @@ OUTPUTS = {
     Kind.ABSURD: ("/dev/null", "/dev/full", "/proc/a.csv", "\udcff.csv", "../files/fifo.toml"),
     Kind.MALFORMED: ("x" * 300, "x" * 300 + ".csv", "a/" * 3000 + "b.png", ""),
 }
+
+_TOML = tuple(name for name in READ if name.endswith(".toml"))
+GIVEN: dict[str, Sequence[str]] = {
+    "": (*RUNS, *READ),
+    "--identification": (*RUNS, *NEVER),
+    "--recordings": (*RUNS, *READ),
+    "--twin": (*TWINS, "run", *NEVER),
+    "--individual": (*_TOML, *NEVER),
+}
+"""Names of what is given to be read, of positional arguments and options that say no more of it."""
 
 
 def line(seed: int) -> Line:
@@ -151,9 +167,10 @@ def _values(option: Option, kind: Kind) -> Sequence[str]:
 
 
 def _paths(option: Option, kind: Kind) -> Sequence[str]:
-    if option.role == "read" or option.name == "--individual":
-        return ["/dev/zero", *(f"../files/{name}" for name in READ)]
-    if not option.name or option.name == "--identification":
-        names = [f"../files/{name}" for name in (*RUNS, *READ)]
-        return [*names, *OUTPUTS[Kind.MALFORMED], "/dev/zero", "."]
-    return OUTPUTS[kind]
+    if option.name and option.name not in GIVEN and option.role != "read":
+        return OUTPUTS[kind]
+    given = GIVEN.get(option.name, READ)
+    if kind is Kind.MALFORMED:
+        never = [name for name in (*NEVER, *BAD) if name in given]
+        return [*(f"../files/{name}" for name in never), "/dev/zero", "x" * 300]
+    return [*(f"../files/{name}" for name in given), "/dev/zero", "."]

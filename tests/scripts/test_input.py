@@ -87,7 +87,8 @@ def test_lines_are_the_same_for_the_same_seed_and_cover_kinds_and_commands():
 
 def test_findings_name_files_that_are_made():
     from armside.scripts.contract.files import READ, RUNS
+    from armside.scripts.contract.twins import TWINS
 
     words = [word for line in FINDINGS for word in line if word.startswith("../files/")]
     named = {Path(word).name for word in words}
-    assert named <= {*READ, *RUNS}
+    assert named <= {*READ, *RUNS, *TWINS}
