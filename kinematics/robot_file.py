@@ -51,6 +51,8 @@ def read_robot(file: Path) -> Arm:
         ValueError: the file is not as described above; the message names file and field.
         OSError: the file cannot be read.
     """
+    if file.exists() and not file.is_file():
+        raise ValueError(f"{file} is no regular file")
     with file.open("rb") as content:
         text = content.read(LARGEST + 1)
     if len(text) > LARGEST:

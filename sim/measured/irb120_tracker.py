@@ -12,6 +12,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 
+from ..records.files import LARGEST_DATA, check_file
 from .pose_source import PoseSource
 
 MM = 1e-3
@@ -51,7 +52,7 @@ def _table(file: Path, columns: int) -> Array:
     if not file.is_file():
         raise ValueError(f"{file.name} is missing in {file.parent}")
     try:
-        values = np.loadtxt(file, ndmin=2)
+        values = np.loadtxt(check_file(file, LARGEST_DATA), ndmin=2)
     except ValueError as error:
         raise ValueError(f"{file.name}: {error}") from error
     if values.shape[1:] != (columns,) or not len(values):

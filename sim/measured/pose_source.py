@@ -5,6 +5,8 @@ from pathlib import Path
 
 from armside.kinematics.calibration import Measurements
 
+from ..records.files import LARGEST_DATA, check_file
+
 
 @dataclass(frozen=True, eq=False)
 class PoseSource:
@@ -33,8 +35,9 @@ def read_poses(data: Path) -> PoseSource:
             return irb120_tracker.read(data)
         tables = sorted(data.glob("measurements_*.csv"))
         if len(tables) == 1:
-            return ur10_tmac.read(tables[0])
+            return ur10_tmac.read(check_file(tables[0], LARGEST_DATA))
         names = ", ".join(table.name for table in tables)
         hint = f"; name one of {names}" if tables else ""
         raise ValueError(f"{data} is no folder of a known form{hint}")
+    check_file(data, LARGEST_DATA)
     return ur10_tmac.read(data) if ur10_tmac.recognised(data) else pose_table.read(data)

@@ -1,5 +1,6 @@
 """Robot files: what is written is read back, and what cannot be a robot is named."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -84,6 +85,12 @@ def test_what_is_no_robot_is_named_in_one_line(text, tmp_path):
         read_robot(file)
     assert WRONG[text] in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_pipe_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "arm.toml")
+    with pytest.raises(ValueError, match="is no regular file"):
+        read_robot(tmp_path / "arm.toml")
 
 
 def test_an_unknown_name_says_which_exist():

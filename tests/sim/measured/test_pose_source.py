@@ -121,3 +121,13 @@ def test_a_table_of_any_arm_is_read(tmp_path):
     (file := tmp_path / "other.csv").write_text("time,x\n0,1\n")
     with pytest.raises(ValueError, match="it needs columns motor_angle_1"):
         read_poses(file)
+
+
+@pytest.mark.parametrize("name", ["poses.csv", "series.mat"])
+def test_a_pipe_is_refused_at_once(tmp_path, name):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(ValueError, match="is no regular file"):
+        read_poses(tmp_path / name)
+    os.mkfifo(tmp_path / "measurements_a.csv")
+    with pytest.raises(ValueError, match="is no regular file"):
+        read_poses(tmp_path)
