@@ -106,7 +106,9 @@ class Blocks:
         for line in content[: content.rfind(b"\n") + 1].splitlines():
             with suppress(ValueError, KeyError, TypeError):
                 row = json.loads(line)
-                yield row | {name: base64.b64decode(row[name]) for name in binary}
+                row |= {name: base64.b64decode(row[name]) for name in binary}
+                if isinstance(row["key"], str):
+                    yield row
 
     def misfit(self, row: Row) -> str | None:
         """Why a row does not fit the schema; None if it does."""
@@ -187,7 +189,8 @@ class Block:
         left = content(self._journal)
         if (whole := left.rfind(b"\n") + 1) < len(left):
             os.truncate(self._journal, whole)
-        return [row for row in self._blocks.lines(left) if self._blocks.misfit(row) is None]
+        rows = self._blocks.lines(left)
+        return [row for row in rows if row.get("status") and self._blocks.misfit(row) is None]
 
 
 def damaged(part: Path, error: Exception) -> RunFailed:
@@ -197,8 +200,10 @@ def damaged(part: Path, error: Exception) -> RunFailed:
 
 
 def _read(part: Path, columns: list[str]) -> pa.Table:
+    """Those of the columns that a part has: one that an older version wrote lacks some."""
     try:
-        return pq.read_table(part, columns=columns)
+        there = pq.read_schema(part).names
+        return pq.read_table(part, columns=[name for name in columns if name in there])
     except (pa.ArrowException, OSError) as error:
         raise damaged(part, error) from error
 

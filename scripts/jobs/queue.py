@@ -126,15 +126,20 @@ class Queue:
             self._ours.pop(name).close()
 
     def _keep(self, key: str, outcome: Any) -> None:
-        name, row = self.blocks.name(key), self.row(key, outcome)
-        if row is not None:
-            try:
-                self._ours[name].add(row)
-            except ValueError as error:  # of this row alone
-                if (row := self.row(key, error)) is not None:
-                    self._ours[name].add(row)
-        self._left[name] -= 1
-        self._count(key, FAILED if row is None else row["status"])
+        row = self._added(key, self.row(key, outcome))
+        if isinstance(row, ValueError):  # it fits no dataset, and fails alone
+            row = self._added(key, self.row(key, row))
+        self._left[self.blocks.name(key)] -= 1
+        self._count(key, row["status"] if isinstance(row, dict) else FAILED)
+
+    def _added(self, key: str, row: Row | None) -> Row | ValueError | None:
+        """A row that is kept now, or why it cannot be."""
+        try:
+            if row is not None:
+                self._ours[self.blocks.name(key)].add(row)
+        except ValueError as error:
+            return error
+        return row
 
     def _count(self, key: str, status: str) -> None:
         self._counts[status] += 1
