@@ -1,8 +1,10 @@
 """Notes of a run: limits and faults that changed what was asked."""
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import chain
 
 
 class Cause(Enum):
@@ -53,6 +55,22 @@ def together(notes: Iterable[Note]) -> list[Note]:
     for note in notes:
         runs.setdefault(replace(note, runs=()), []).extend(note.runs)
     return [replace(note, runs=tuple(sorted(set(of)))) for note, of in runs.items()]
+
+
+def counted(notes: Iterable[Iterable[Note]], what: str) -> list[Note]:
+    """Notes of many runs: one for each cause, its first text with the number of runs.
+
+    notes: of each run. what: the runs, such as "episodes".
+    """
+    each = [list(of_run) for of_run in notes]
+    n = Counter(cause for of_run in each for cause in {note.cause for note in of_run})
+    first: dict[Cause, Note] = {}
+    for note in chain(*each):
+        first.setdefault(note.cause, note)
+    return [
+        replace(note, text=f"{note.text} (in {n[cause]} of {len(each)} {what})", runs=())
+        for cause, note in first.items()
+    ]
 
 
 def _ranges(runs: tuple[int, ...]) -> str:

@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
 from armside.sim.evaluation.recorded import CircleTurn, measure_signals, measure_table
+from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
 from armside.sim.records.signals import signals_of
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
@@ -63,11 +64,13 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
     with checking_input():
         read = read_table(file)
         if b"armside.config" in (read.schema.metadata or {}):
-            rows = measure_signals(signals_of(read, source=file.name))
+            signals = signals_of(read, source=file.name)
+            rows, said = measure_signals(signals), notes_of_signals(signals)
         else:
-            rows = measure_table(read, gears(cfg), turn(cfg))
-    outcome = summary("measure", cfg, common, file=file, iterations=rows)
+            rows, said = measure_table(read, gears(cfg), turn(cfg)), notes_of_table(read)
+    outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
     keep(outcome, common)
+    report.notes(said)
     motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
     table: list[list[Any]] = [
         [r.k, *(1e3 * float(x) for x in r.motor_inf), 1e6 * r.arm_rms, 1e6 * r.arm_maxdev]

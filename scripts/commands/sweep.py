@@ -13,7 +13,7 @@ from armside.sim.records.summary import summary
 
 from ..jobs.blocks import FAILED
 from ..jobs.cluster import RayCluster
-from ..jobs.dataset import dataset, first_error
+from ..jobs.dataset import dataset, first_error, noted
 from ..jobs.grid import parse
 from ..jobs.point import run_grid
 from ..jobs.queue import KNOWN_FAILED
@@ -90,14 +90,17 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     error = first_error(rows, keys) if n_failed else None
     asked = {"axes": list(axes), "into": rows.folder, "engine": cfg.engine}
     status, outcomes = "done" if error is None else "failed", dict(sorted(counts.items()))
-    outcome = summary(
-        "sweep", asked, common, status=status, configurations=len(points), outcomes=outcomes
-    )
+    n_noted, note = noted(rows, set(keys))
+    found = {"configurations": len(points), "outcomes": outcomes}
+    found["notes"] = [{"text": note, "configurations": n_noted}] if n_noted else []
+    outcome = summary("sweep", asked, common, status=status, **found)
     keep(outcome, common)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
     counted = ", ".join(f"{n} {status}" for status, n in outcomes.items())
     report.line(f"{len(points)} configurations: {counted}")
+    if n_noted:
+        report.line(f"Note: limits changed {n_noted} of them (column notes), mostly: {note}")
     report.line(f"Results in {rows.folder}/part-*.parquet")
     report.summary(outcome)
     if error is not None:

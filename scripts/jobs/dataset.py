@@ -1,6 +1,7 @@
 """The dataset of a sweep: one row for each configuration of `armside laser`."""
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
 from types import UnionType
@@ -31,6 +32,7 @@ def schema() -> pa.Schema:
         *options,
         ("reached_speed", pa.float64()),
         ("limits_hit", pa.int64()),
+        ("notes", pa.list_(pa.string())),
         *((name, numbers) for name in _PER_RUN),
         *((name, pa.list_(numbers)) for name in _PER_MOTOR),
         *((name, pa.string()) for name in ("version", "code")),
@@ -44,6 +46,7 @@ def measures(results: Mapping[str, Any]) -> Row:
     return {
         "reached_speed": float(results["reached_speed"]),
         "limits_hit": len(results["limits_hit"]),
+        "notes": [note.line for note in results["notes"]],
         **{name: [float(row[name]) for row in rows] for name in _PER_RUN},
         **{name: [row[name].tolist() for row in rows] for name in _PER_MOTOR},
     }
@@ -55,6 +58,14 @@ def first_error(rows: Blocks, keys: Iterable[str]) -> str | None:
     found = rows.read(["key", "status", "error"]).to_pylist()
     errors = {row["key"]: row["error"] for row in found if row["status"] == FAILED}
     return next((errors[key] for key in keys if key in errors), None)
+
+
+def noted(rows: Blocks, keys: Collection[str]) -> tuple[int, str]:
+    """Number of these configurations that have notes, and the most common first note; "" if none
+    has. Raises as `Blocks.read`."""
+    found = rows.read(["key", "notes"]).to_pylist()
+    firsts = Counter(row["notes"][0] for row in found if row["key"] in keys and row.get("notes"))
+    return firsts.total(), next((text for text, _ in firsts.most_common(1)), "")
 
 
 def _arrow(hint: Any) -> pa.DataType:

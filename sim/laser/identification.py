@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.ilc.estimation.consistency import bounds, normalised_squared
 
+from ..cut.notes import motion_notes
 from ..estimation.arm_estimator import ArmEstimator, estimator
 from ..estimation.arm_identification import Run, identify, prepared
 from ..estimation.arm_springs import SpringPrior
@@ -17,7 +18,7 @@ from ..estimation.springs_file import springs_entry
 from ..robot.individual import as_built
 from .experiment import Experiment
 from .learning import first_run
-from .notes import motion_notes, pass_notes
+from .notes import pass_notes
 from .plant import Pass
 
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..cut.timing import PathLimits
-from ..cut.tool_motion import ToolMotion
+from ..cut.notes import motion_notes
 from ..estimation.imu_health import ImuError, repaired
+from ..instruments.notes import beam
 from ..notes import Cause, Note, together
 from ..robot.limits import saturation
 from .experiment import Experiment, Iteration
@@ -25,29 +25,10 @@ def notes(experiment: Experiment, iterations: Sequence[Iteration]) -> list[Note]
     return together([*found, *_growth(iterations)])
 
 
-def motion_notes(motion: ToolMotion, limits: PathLimits) -> Iterator[Note]:
-    """Notes of a planned motion."""
-    why = {
-        "centripetal_acceleration": f"{limits.acceleration:g} m/s^2 across the path at a radius of "
-        f"{1e3 * motion.path.smallest_radius:.3g} mm",
-        "joint_speed": "speed limit of axis {axis}",
-    }
-    causes = [why[name].format(axis=axis) for name, axis, _ in motion.limits_hit if name in why]
-    if causes:
-        asked, reached = 1e3 * motion.programmed_speed, 1e3 * motion.reached_speed
-        lowered = f"the speed is lowered from {asked:.4g} to {reached:.4g} mm/s"
-        yield Note(cause=Cause.SPEED, text=f"{lowered}: {'; '.join(causes)}")
-    if any(name == "path_acceleration" for name, _, _ in motion.limits_hit):
-        ramps = f"the ramps take longer: {limits.acceleration:g} m/s^2 along the path"
-        yield Note(cause=Cause.ACCELERATION, text=ramps)
-
-
 def pass_notes(experiment: Experiment, run: Pass) -> Iterator[Note]:
     """Notes of one run."""
     yield from saturation(run.recording)
-    if not run.tracker.valid.all():
-        lost = "the laser tracker lost its beam: no error of the tool is known"
-        yield Note(cause=Cause.BEAM, text=lost)
+    yield from beam(run.tracker)
     if run.imu is None or experiment.cut.imu is None:
         return
     try:

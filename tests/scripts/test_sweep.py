@@ -317,6 +317,7 @@ def test_rows_are_what_armside_laser_finds(whole):
     found = run(LaserCfg(speed=60.0, iterations=1, position=place), 1)
     assert row["arm_rms"] == [it["arm_rms"] for it in found["iterations"]]
     assert row["motor_two"] == [it["motor_two"].tolist() for it in found["iterations"]]
+    assert row["notes"] == [note.line for note in found["notes"]]
     assert (row["status"], row["error"]) == ("done", None)
 
 
@@ -441,6 +442,33 @@ def test_failed_configurations_end_in_status_1_with_the_first_error(armside, mon
     status, out, err = armside("sweep delta=1:4 --into there --retry-failed")
     assert (status, err) == (0, "")
     assert "2 done, 1 known" in out
+
+
+def noted(point):
+    (delta,) = point.options["delta"]
+    return quick(point) | {"notes": ["the speed is lowered"] if delta > 1 else []}
+
+
+def test_limits_are_counted_at_the_end_and_noted_in_the_rows(armside, tmp_path, monkeypatch):
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(noted))
+    _, out, _ = armside("sweep delta=1:4 --into there")
+    said = "Note: limits changed 2 of them (column notes), mostly: the speed is lowered\n"
+    assert said in out
+    _, out, _ = armside("sweep delta=1:4 --into there --json")
+    assert json.loads(out)["notes"] == [{"text": "the speed is lowered", "configurations": 2}]
+    assert sorted(map(len, dataset(tmp_path / "there").read()["notes"].to_pylist())) == [0, 1, 1]
+    _, out, _ = armside("sweep delta=1 --into there")
+    assert "Note" not in out
+
+
+def test_a_dataset_of_before_notes_is_read_and_added_to(armside, tmp_path, monkeypatch):
+    monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(noted))
+    assert armside("sweep delta=1:4 --into there").status == 0
+    for part in (tmp_path / "there").glob("part-*"):
+        pq.write_table(pq.read_table(part).drop_columns(["notes"]), part)
+    status, out, _ = armside("sweep delta=1:5 --into there")
+    assert (status, "1 done, 3 known" in out) == (0, True)
+    assert "limits changed 1 of them" in out
 
 
 def failing_with(*errors):

@@ -18,7 +18,7 @@ from armside.sim.laser.learning import first_run
 from armside.sim.laser.notes import notes, pass_notes
 from armside.sim.laser.results import results
 from armside.sim.moves.notes import slower_moves
-from armside.sim.notes import Cause, Note, together
+from armside.sim.notes import Cause, Note, counted, together
 
 
 def cut_once(cut, seed=0):
@@ -158,3 +158,14 @@ def test_moves_that_stay_below_their_speed_are_said_with_what_limits_them():
     found = list(slower_moves(planned.motion))
     assert {note.text.split(": ")[1] for note in found} == set(limited)
     assert all(str(limited[note.text.split(": ")[1]]) in note.text for note in found)
+
+
+def test_notes_of_many_runs_are_counted_by_cause():
+    low = [Note(cause=Cause.SPEED, text=f"lowered to {v}", runs=(v,)) for v in (1, 2)]
+    lost = Note(cause=Cause.BEAM, text="lost")
+    found = counted([[low[0]], [], [low[1], lost, lost]], "runs")
+    assert [note.line for note in found] == [
+        "lowered to 1 (in 2 of 3 runs)",
+        "lost (in 1 of 3 runs)",
+    ]
+    assert counted([[], []], "runs") == []
