@@ -1,15 +1,14 @@
 """`armside laser`: a robot cuts a contour, ILC improves it, a laser tracker measures it."""
 
 from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import iterate
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import summary
 
 from ..cutting import first_cut
+from ..cutting.learning import prepared
 from ..cutting.options import LaserCfg
-from ..cutting.specification import prepared
 from ..figures.laser_results import show, write
 from ..shell.console import Report
 from ..shell.errors import RunFailed, checking_input
@@ -24,14 +23,13 @@ def laser(*, cfg: LaserCfg = LaserCfg(), common: Common = Common()) -> None:
     report = Report(common)
     with checking_input():
         check_writable(common.out or RUNS / "laser")
-        experiment, set_up = prepared(cfg, common.seed)
-    by_twin = None if cfg.twin is None else first_cut.corrected(cfg, experiment)
-    start = None
-    if by_twin is not None:
-        start, set_up = by_twin.found.correction, by_twin.set_up
+        job = prepared(cfg, common.seed)
+    if cfg.twin is not None:
+        job = job.by_twin_of(cfg.twin)
+    experiment, by_twin = job.experiment, job.by_twin
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
         iterations = list[Iteration]()
-        for iteration in iterate(experiment, set_up, cfg.iterations, start=start):
+        for iteration in job.iterations(cfg.iterations):
             iterations.append(iteration)
             step()
         last, repeated = iterations[-1], list[Pass]()

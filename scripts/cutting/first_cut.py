@@ -1,57 +1,76 @@
 """The first cut of a robot that has a twin: its correction, and what its run says of the twin."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+from armside.arrays import Array
 from armside.sim.laser.experiment import Experiment
-from armside.sim.laser.measures import MotorAngles, SetUp
+from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.plant import Pass
+from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.notes import Cause, Note
+from armside.sim.twin import library
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import Refreshed, refreshed
-from armside.sim.twin.measured import measured
+from armside.sim.twin.measured import measured_from
 from armside.sim.twin.twin import Twin
 
 from .options import LaserCfg
-from .specification import measure
 
 
 @dataclass(frozen=True, eq=False)
 class ByTwin:
-    """A twin, its correction, and the measure that learning goes on with."""
+    """A twin and its correction for a cut."""
 
     twin: Twin
     found: Corrected
-    set_up: SetUp
 
+    @property
+    def start(self) -> Array | None:
+        """(N, 6) [rad], arm side, correction of the first run; None where it is not trusted."""
+        return self.found.correction if self.found.trusted else None
 
-def corrected(cfg: LaserCfg, experiment: Experiment) -> ByTwin:
-    """Twin of the options, its correction, and the measure that learning goes on with.
+    def around(self, measure: Measure, experiment: Experiment) -> Measure:
+        """The measure that learning goes on with: what its sensor sees of the twin is learned."""
+        if not self.found.trusted:
+            return measure
+        if isinstance(measure, MotorAngles):
+            return replace(measure, target=self.found.motor_path)
+        if isinstance(measure, ToolPath):
+            reference = experiment.loaded.reference
+            run = self.twin.run(experiment.cut, reference, self.found.correction)
+            return replace(measure, target=run)
+        return measure
 
-    Learning from motor angles then follows the twin's motors, not the reference. Raises ValueError
-    for a folder without a twin, or one of another robot.
-    """
-    assert cfg.twin is not None
-    twin = Twin.load(cfg.twin)
-    found = twin.correction(experiment.cut)
-    chosen = measure(cfg)
-    if isinstance(chosen, MotorAngles):
-        chosen = replace(chosen, target=found.motor_path)
-    return ByTwin(twin, found, chosen.prepare(experiment))
-
-
-def outcome(by_twin: ByTwin, first: Pass, cfg: LaserCfg) -> tuple[dict[str, Any], list[Note]]:
-    """Entries of summary.json: the predicted error, and the friction that the run shows; notes."""
-    found, expected = by_twin.found, by_twin.found.prediction
-    after = refreshed(by_twin.twin, [measured(first)], cfg.payload)
-    entries = {
-        "predicted": {
+    @property
+    def predicted(self) -> dict[str, Any]:
+        """The predicted error of the first run, as summary.json has it."""
+        found, expected = self.found, self.found.prediction
+        return {
             "arm_rms": expected.expected,
             "interval": [expected.low, expected.high],
             "uncorrected": expected.uncorrected,
             "trusted": found.trusted,
             "reason": found.reason,
-        },
+        }
+
+
+def corrected(folder: Path, experiment: Experiment) -> ByTwin:
+    """Twin of a folder and its correction.
+
+    Raises ValueError for a folder without a twin, or one of another robot.
+    """
+    twin = library.stored_twin(folder)
+    return ByTwin(twin, library.learned(twin, experiment.cut))
+
+
+def outcome(by_twin: ByTwin, first: Pass, cfg: LaserCfg) -> tuple[dict[str, Any], list[Note]]:
+    """Entries of summary.json: the predicted error, and the friction that the run shows; notes."""
+    run = measured_from(first.recording, None, "first run")  # friction shows without a tracker
+    after = refreshed(by_twin.twin, [run], cfg.payload)
+    entries = {
+        "predicted": by_twin.predicted,
         "twin": {
             "folder": cfg.twin,
             "friction": after.twin.friction,
@@ -59,7 +78,7 @@ def outcome(by_twin: ByTwin, first: Pass, cfg: LaserCfg) -> tuple[dict[str, Any]
             "advice": after.advice,
         },
     }
-    return entries, notes(found, after)
+    return entries, notes(by_twin.found, after)
 
 
 def notes(found: Corrected, after: Refreshed) -> list[Note]:
@@ -76,8 +95,9 @@ def notes(found: Corrected, after: Refreshed) -> list[Note]:
 def line(predicted: dict[str, Any], rows: list[dict[str, Any]]) -> str:
     """What was predicted of the first run and what was measured, in one line."""
     low, high = (1e6 * value for value in predicted["interval"])
-    first = 1e6 * rows[0]["arm_rms"]
+    first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
+    seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
     return (
-        f"First cut by the twin: {first:.1f} um of {1e6 * predicted['uncorrected']:.0f} um without "
-        f"correction; predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um"
+        f"First cut by the twin: {seen}, {uncorrected} without correction; "
+        f"predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um"
     )

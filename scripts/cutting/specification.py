@@ -1,7 +1,6 @@
 """Specification of a cut and of its measure, in SI, from the options of `armside laser`."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -10,10 +9,7 @@ from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import Design
-from armside.sim.laser.experiment import Experiment, prepare
-from armside.sim.laser.learning import iterate
-from armside.sim.laser.measures import Measure, MotorAngles, SetUp
-from armside.sim.laser.results import results
+from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.specification import Cut, LeadIn
 
 from ..shell.effort import refuse_absurd
@@ -29,18 +25,6 @@ CORNER = 0.15
 _POLYGON = ("size", "corner")
 _OWN = {"circle": ("radius",), "square": _POLYGON, "slot": ("size", "width"), "hexagon": _POLYGON}
 _NOT_GIVEN = {"radius": RADIUS, "size": None, "width": None, "corner": None}
-
-
-def prepared(cfg: LaserCfg, seed: int) -> tuple[Experiment, SetUp]:
-    """Everything before the first run; raises ValueError for what cannot be done."""
-    experiment = prepare(cut(cfg), seed=seed)
-    return experiment, measure(cfg).prepare(experiment)
-
-
-def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
-    """Prepare, run and learn: status, limits and measures, as `results` arranges them."""
-    experiment, set_up = prepared(cfg, seed)
-    return results(experiment, list(iterate(experiment, set_up, cfg.iterations)))
 
 
 def cut(cfg: LaserCfg) -> Cut:

@@ -22,7 +22,8 @@ def dataset(folder: Path) -> Blocks:
 
 
 def schema() -> pa.Schema:
-    """Key, outcome, the options of `armside laser`, and a list over the runs for each measure."""
+    """Key, outcome, the options of `armside laser`, error that a twin predicts of the first run,
+    and a list over the runs for each measure."""
     hints = get_type_hints(LaserCfg, include_extras=False)
     options = [(f.name, _arrow(hints[f.name])) for f in fields(LaserCfg)]
     numbers = pa.list_(pa.float64())
@@ -30,6 +31,7 @@ def schema() -> pa.Schema:
         *((name, pa.string()) for name in ("key", "status", "error")),
         ("seed", pa.int64()),
         *options,
+        ("predicted", pa.float64()),
         ("reached_speed", pa.float64()),
         ("limits_hit", pa.int64()),
         ("notes", pa.list_(pa.string())),
@@ -42,8 +44,9 @@ def schema() -> pa.Schema:
 
 def measures(results: Mapping[str, Any]) -> Row:
     """The columns of a row that come from the results of a laser run."""
-    rows = results["iterations"]
+    rows, predicted = results["iterations"], results.get("predicted")
     return {
+        "predicted": None if predicted is None else predicted["arm_rms"],
         "reached_speed": float(results["reached_speed"]),
         "limits_hit": len(results["limits_hit"]),
         "notes": [note.line for note in results["notes"]],

@@ -8,8 +8,8 @@ from typing import Any
 
 from armside.sim.records.summary import plain
 
+from ..cutting.learning import run
 from ..cutting.options import LaserCfg
-from ..cutting.specification import run
 from ..shell.errors import one_line
 from .blocks import FAILED, Blocks, Row
 from .dataset import measures

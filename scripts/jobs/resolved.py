@@ -25,7 +25,7 @@ from ..cutting.specification import MM, cut, dimensions, tool_pose
 from ..shell.errors import InputError, one_line
 from .store import digest_of
 
-FILES = ("contour", "model", "identification", "individual")
+FILES = ("contour", "model", "identification", "individual", "twin")
 """Options that name a file or a folder of files, or may."""
 Content = Callable[[str, Path], str]
 """Hash of the content of an option's file."""
@@ -36,8 +36,13 @@ REMEMBERED = 4096
 def content_of(name: str, path: Path) -> str:
     """Hash of the content of an option's file, and of the files that a model includes.
 
-    Raises InputError for a model that is none, OSError for a file that cannot be read.
+    Raises InputError for a model that is none, TwinError for a folder without a twin, OSError for a
+    file that cannot be read.
     """
+    if name == "twin":
+        from armside.sim.twin.library import digest
+
+        return digest(path)
     if name == "identification":
         return _digest(path / "summary.json")
     if name == "individual":
@@ -130,7 +135,11 @@ class Resolver:
         known = self._known(tuple(options.items()))
         if known.cfg is not None:
             try:
-                cut(known.cfg)
+                asked = cut(known.cfg)
+                if known.cfg.twin is not None:
+                    from armside.sim.twin.library import stored_twin
+
+                    stored_twin(known.cfg.twin).check(asked)
             except (ValueError, OSError) as error:
                 return one_line(error)
         return known.error

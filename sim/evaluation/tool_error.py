@@ -45,7 +45,8 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
     finite = np.isfinite(points)
     if len(turn) < 3 or not finite.all():
         seen = points[finite.all(axis=1)]
-        return ToolError(rms=np.nan, maxdev=np.nan, path=seen - seen.mean(axis=0))
+        centred = seen - seen.mean(axis=0) if len(seen) else seen
+        return ToolError(rms=np.nan, maxdev=np.nan, path=centred)
     curve = motion.path.curve
     if isinstance(curve, Circle):
         path = points - _centre(points, curve.radius)

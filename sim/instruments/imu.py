@@ -5,7 +5,7 @@ bandwidth -> bias and its walk -> range -> quantisation -> samples on the unit's
 the sensor's low-pass as the signal does: 0.002 m/s^2/sqrt(Hz) through 30 Hz is 0.012 m/s^2 rms.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -215,6 +215,18 @@ def draw(cfg: ImuCfg, rng: np.random.Generator) -> Imu:
         clock_offset=float(rng.uniform(-cfg.clock_offset, cfg.clock_offset)),
         clock_drift=float(cfg.clock_drift * rng.standard_normal()),
     )
+
+
+def exact(cfg: ImuCfg) -> Imu:
+    """Unit of a kind without errors, mounted right and on the robot's clock: rate and bandwidths of
+    its data sheet alone."""
+    perfect = {"noise_density": 0.0, "bias": 0.0, "bias_walk": 0.0, "scale_error": 0.0}
+    triads = {
+        name: replace(getattr(cfg, name), **perfect, misalignment=0.0, bits=0)
+        for name in ("accelerometer", "gyroscope")
+    }
+    on_time = {"clock_offset": 0.0, "clock_drift": 0.0}
+    return draw(replace(cfg, **triads, **on_time, mounting_error=0.0), np.random.default_rng(0))
 
 
 def _draw_triad(cfg: TriadCfg, rng: np.random.Generator) -> Triad:

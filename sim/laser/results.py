@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
@@ -34,7 +36,7 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
     rows = [iteration_row(it) for it in iterations]
     for row in rows:
         for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
-            row[f"{name}_normalised"] = measures.normalise(row[name], rows[0][name])
+            row[f"{name}_normalised"] = _normalised(row[name], rows[0][name])
     motion = experiment.motion
     return {
         "status": "diverged" if iterations[-1].diverged else "done",
@@ -52,6 +54,11 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
         "beam_lost": [not bool(it.run.tracker.valid.all()) for it in iterations],
         "iterations": rows,
     }
+
+
+def _normalised(measure: Any, first: Any) -> Any:
+    """NaN where the first run was not measured: the tracker had lost its beam."""
+    return measures.normalise(measure, first) if np.isfinite(first).all() else measure * np.nan
 
 
 def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:

@@ -17,8 +17,9 @@ from ..estimation.imu_health import ImuError, repaired
 from ..estimation.nominal import NominalArm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
-from ..instruments.imu import ImuCfg
+from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
+from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Experiment
 from .measures import SetUp
@@ -57,6 +58,9 @@ class ToolPath:
     estimate: Estimate = Estimate.SMOOTHER
     imu: ImuCfg = field(default_factory=ImuCfg)
     """Kind of unit at the tool; its data sheet is known."""
+    target: Recording | None = field(default=None, compare=False, repr=False)
+    """Noise-free run of a model, such as a twin's, that is learned as the sensor sees it; the
+    programmed path if None."""
 
     def assumed(self, experiment: Experiment) -> NominalArm:
         """The assumed arm. Raises ValueError for a robot with closed loops."""
@@ -97,8 +101,14 @@ class ToolOutput:
 
     @property
     def reference(self) -> Array:
-        """(N, 6), programmed path from rest."""
-        return relative_to_start(self.experiment.motion.position)
+        """(N, 6), path to learn, from rest.
+
+        A tracker sees the tool, and learns the programmed path. An estimate is off by what its arm
+        does not have: in the run of a model as in the robot's, whose errors then show.
+        """
+        if self.measure.target is None or self.measure.source is not Source.ESTIMATE:
+            return relative_to_start(self.experiment.motion.position)
+        return self._estimate_of(self.measure.target)
 
     @property
     def law(self) -> Law:
@@ -138,6 +148,15 @@ class ToolOutput:
                     raise
         estimator, kind = self.known.estimator, measure.estimate
         return estimator(log.time, log.motor_angle, samples, kind).displacement
+
+    def _estimate_of(self, run: Recording) -> Array:
+        """Path (N, 6) that is estimated of a model's run, by a unit without errors."""
+        truth, samples = run.truth, None
+        if self.known.fault is None:
+            ideal = truth.time, truth.imu_acceleration, truth.imu_angular_velocity
+            samples = exact(self.measure.imu).measure(*ideal, np.random.default_rng(0))
+        known = replace(self.known.estimator, clock_offset=0.0, mounting=np.zeros(3))
+        return known(run.time, run.motor_angle, samples, self.measure.estimate).displacement
 
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""

@@ -15,7 +15,7 @@ from armside.arrays import Array
 
 from .measured import MeasuredCut
 from .simulation import Design
-from .twin import Twin, design_of
+from .twin import Twin
 
 _PRIOR = 0.15
 """Standard deviation of log(factor). ESTIMATE."""
@@ -53,9 +53,9 @@ class Refreshed:
 def refreshed(twin: Twin, runs: Sequence[MeasuredCut], payload: float | None = None) -> Refreshed:
     """The twin with the friction that production runs show.
 
-    payload: mass of the tool in these runs [kg]; that of the commissioning if None.
+    payload: mass of the tool in these runs [kg]; that of the robot's file if None.
     """
-    design = twin.design if payload is None else design_of(twin.robot, payload)
+    design = twin.design_with(payload)
     least = 1e-3 * design.model.drives.torque_limit
     noise = np.maximum(3.0 * twin.torque_residual, least)
     for _ in range(_TURNS):

@@ -20,6 +20,7 @@ from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload
 from ..robot.mjcf import N_AXES
 from ..robot.model import load_model
+from ..robot.recording import Recording
 from .bending import with_bending
 from .correction import Corrected, correct
 from .ensemble import members
@@ -37,7 +38,8 @@ _HEAVIEST = 1e4
 """[kg], of a tool: what the command line takes."""
 _ROUNDING = 1e-9
 """Of a parameter, and of a covariance relative to the prior one."""
-_FILE, _COVARIANCE = "twin.json", "covariance.npy"
+FILES = _FILE, _COVARIANCE = "twin.json", "covariance.npy"
+"""That a twin is read from."""
 
 
 class TwinError(InputError):
@@ -96,15 +98,26 @@ class Twin:
             TwinError: the cut is for another robot.
             ValueError: the cut cannot be made.
         """
-        if cut.cell is not CELLS[self.robot] or cut.model is not None:
-            raise TwinError(f"the twin is of the robot {self.robot}, the cut is for another")
-        payload = self.payload if cut.payload is None else cut.payload
-        design = self.design if payload == self.payload else design_of(self.robot, payload)
+        self.check(cut)
         around = members(
             self.parameters, self.theta, self.covariance, self.gear_phase, self.uncertainty
         )
         around = [replace(member, friction=self.friction) for member in around]
+        design = self.design_with(cut.payload)
         return correct(design, self.individual, around, cut, self.uncertainty)
+
+    def run(self, cut: Cut, reference: Array, correction: Array) -> Recording:
+        """Noise-free run of the twin in the robot's place; signals (N, 6) [rad], arm side."""
+        return self.design_with(cut.payload).run([self.individual], reference, correction)[0]
+
+    def design_with(self, payload: float | None) -> Design:
+        """Design with a tool of that mass [kg]; that of the robot's file if None."""
+        return self.design if payload == self.payload else design_of(self.robot, payload)
+
+    def check(self, cut: Cut) -> None:
+        """Raise TwinError for a cut of another robot."""
+        if cut.cell is not CELLS[self.robot] or cut.model is not None:
+            raise TwinError(f"the twin is of the robot {self.robot}, the cut is for another")
 
     @property
     def uncertainty(self) -> float:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from armside.scripts.cli import main
+from armside.scripts.cutting.learning import prepared, run
 from armside.scripts.cutting.options import LaserCfg
-from armside.scripts.cutting.specification import contour, cut, measure, prepared, run
+from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.shell.errors import InputError
 from armside.sim.cut.contour import Circle
@@ -22,7 +23,7 @@ def laser(out, line):
 
 
 def prepare(cfg):
-    return prepared(cfg, 0)[0]
+    return prepared(cfg, 0).experiment
 
 
 @pytest.fixture(scope="module")

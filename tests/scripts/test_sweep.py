@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from armside import assets
+from armside.scripts.cutting.learning import run
 from armside.scripts.cutting.options import LaserCfg
-from armside.scripts.cutting.specification import run
 from armside.scripts.jobs import resolved
 from armside.scripts.jobs.dataset import dataset, schema
 from armside.scripts.jobs.grid import Grid, parse

@@ -1,0 +1,62 @@
+"""Learning of a cut as the options of `armside laser` ask, from a twin's correction if they do."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from armside.arrays import Array
+from armside.sim.laser.experiment import Experiment, Iteration, prepare
+from armside.sim.laser.learning import iterate
+from armside.sim.laser.measures import Measure, SetUp
+from armside.sim.laser.results import results
+
+from .first_cut import ByTwin, corrected
+from .options import LaserCfg
+from .specification import cut, measure
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """A cut before its first run."""
+
+    experiment: Experiment
+    measure: Measure
+    set_up: SetUp
+    by_twin: ByTwin | None = None
+
+    @property
+    def start(self) -> Array | None:
+        """(N, 6) [rad], arm side, correction of the first run; None for none."""
+        return None if self.by_twin is None else self.by_twin.start
+
+    def by_twin_of(self, folder: Path) -> "Prepared":
+        """The cut with a first run that a twin corrects.
+
+        Raises InputError for a folder without a twin, or one of another robot.
+        """
+        found = corrected(folder, self.experiment)
+        measure = found.around(self.measure, self.experiment)
+        return replace(self, by_twin=found, set_up=measure.prepare(self.experiment))
+
+    def iterations(self, count: int) -> Iterator[Iteration]:
+        """Iterations k = 0 .. `count`, until done or diverged."""
+        return iterate(self.experiment, self.set_up, count, start=self.start)
+
+
+def prepared(cfg: LaserCfg, seed: int) -> Prepared:
+    """Everything before the first run but a twin; raises ValueError for what cannot be done."""
+    experiment, chosen = prepare(cut(cfg), seed=seed), measure(cfg)
+    return Prepared(experiment=experiment, measure=chosen, set_up=chosen.prepare(experiment))
+
+
+def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
+    """Prepare, run and learn: status, limits and measures, as `results` arranges them.
+
+    With a twin also `predicted`, as `armside laser` has it.
+    """
+    job = prepared(cfg, seed)
+    if cfg.twin is not None:
+        job = job.by_twin_of(cfg.twin)
+    found = results(job.experiment, list(job.iterations(cfg.iterations)))
+    return found if job.by_twin is None else found | {"predicted": job.by_twin.predicted}
