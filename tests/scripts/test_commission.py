@@ -206,7 +206,7 @@ def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeyp
         raise np.linalg.LinAlgError("Singular matrix")
 
     monkeypatch.setattr(module, "correct", singular)
-    status, _, err = armside(f"laser --iterations 0 --twin {twin[0]}")
+    status, _, err = armside(f"laser --iterations 0 --radius 6 --twin {twin[0]}")
     assert (status, err.count("\n")) == (1, 1)
     assert "failed with LinAlgError" in err
     said = f"laser --robot irb1400 --twin {twin[0]}"
