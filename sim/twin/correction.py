@@ -34,7 +34,7 @@ class Corrected:
 
 
 LARGEST_FRACTION = 0.3
-"""Predicted error over that without correction, upper end, from which on no correction is used."""
+"""Expected error over that without correction, from which on no correction is used."""
 
 
 def correct(

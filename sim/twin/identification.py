@@ -24,17 +24,14 @@ from .simulation import Design
 from .tool_sensor import ToolSensor
 from .tracker_residuals import TRACKER
 
-_BENDING = "struct_bending_"
-"""Of the names of hinges that `with_bending` adds."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Identification:
     """Options of identification."""
 
-    steps: int = 5
+    steps: int = 6
     """Of Gauss-Newton."""
-    linearised: tuple[int, ...] = (0, 2)
+    linearised: tuple[int, ...] = (0, 2, 4)
     """Steps that compute sensitivities anew; the others keep the last."""
     correlation: float = 3.0
     """Scale of torque residuals over their root mean square, as if samples were independent."""
@@ -74,12 +71,7 @@ def torque_rms(residual: Residuals) -> Array:
 
 def parameters_of(design: Design) -> Parameters:
     """All unknown parameters of individuals of a design."""
-    mj = design.model.mj
-    hinges = [mj.joint(i).name for i in structure_hinges(design.model)]
-    bending = [name for name in hinges if name.startswith(_BENDING)]
-    ordered = [name for name in hinges if name not in bending] + bending
-    blocks = tool_blocks(len(hinges) - len(bending), len(bending))
-    return Parameters((*FRICTION, MASS, *blocks), tuple(ordered.index(name) for name in hinges))
+    return Parameters((*FRICTION, MASS, *tool_blocks(len(structure_hinges(design.model)))))
 
 
 def identify(

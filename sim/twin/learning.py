@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from armside.arrays import Array
@@ -13,7 +14,7 @@ from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
 from ..evaluation.tool_error import tool_error
-from ..robot.individual import Individual, structure_hinges
+from ..robot.individual import Individual, joints
 from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
@@ -44,7 +45,8 @@ class Learned:
     correction: Array
     """(N, 6) [rad], arm side."""
     rms: Array
-    """(updates + 1,) [m], tool error inside the twin, from that without correction on."""
+    """(updates + 1,) [m], tool error inside the twin, from that without correction on. Shorter
+    where a run became unstable."""
 
     @property
     def left(self) -> float:
@@ -67,6 +69,8 @@ def learn_in_twin(
     for k in range(cfg.updates + 1):
         run = loaded.run(u)
         rms.append(twin_error(motion, run))
+        if not np.isfinite(rms[-1]):
+            break
         if rms[-1] <= min(rms):
             best = u
         if k < cfg.updates:
@@ -102,13 +106,18 @@ def twin_plant(design: Design, loaded: LoadedReference, run: Recording) -> ArmPl
     own = 0.0 if design.payload is None else design.payload - design.model.mj.body("tool").mass[0]
     cfg = NominalCfg(structure=True, payload=float(own))
     arm = nominal_arm(design.model, cfg)
-    hinges = [
-        arm.mj.joint(loaded.model.mj.joint(j).name).id for j in structure_hinges(loaded.model)
-    ]
-    arm.mj.jnt_stiffness[hinges] = loaded.model.mj.jnt_stiffness[structure_hinges(loaded.model)]
+    _copy_hinges(loaded.model.mj, arm.mj)
     arm = arm.with_springs(np.diag(mean_gear_stiffness(loaded.model, run)), arm.damping)
     still = linearised(arm, loaded.reference[0])
     return ArmPlant(robot=design.nominal or design.model, arm=still, period=LOG_PERIOD)
+
+
+def _copy_hinges(twin: mujoco.MjModel, arm: mujoco.MjModel) -> None:
+    """Give the hinges of the structure in an arm the numbers that a twin has."""
+    for joint in (*joints(twin, "struct_"), *joints(twin, "hidden_")):
+        own = arm.joint(twin.joint(joint).name).id
+        arm.jnt_axis[own], arm.jnt_pos[own] = twin.jnt_axis[joint], twin.jnt_pos[joint]
+        arm.jnt_stiffness[own] = twin.jnt_stiffness[joint]
 
 
 def mean_gear_stiffness(model: RobotModel, run: Recording) -> Array:
@@ -131,7 +140,12 @@ def tool_pose_path(run: Recording) -> Array:
 
 
 def twin_error(motion: ToolMotion, run: Recording) -> float:
-    """RMS tool error [m] of a run of a twin, as a tracker at 1 kHz would see it."""
+    """RMS tool error [m] of a run of a twin, as a tracker at 1 kHz would see it.
+
+    Infinite where the run became unstable.
+    """
     truth = run.truth
+    if not np.isfinite(truth.tool_position).all():
+        return float("inf")
     every = slice(None, None, round(1e-3 / float(truth.time[1])))
     return tool_error(motion, truth.time[every], truth.tool_position[every]).rms

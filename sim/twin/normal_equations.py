@@ -87,7 +87,8 @@ class Solving:
         seen = np.flatnonzero(sum(np.diag(group.information) for group in groups) > 0.0)
         precision = parameters.standard_deviation[seen] ** -2.0
         pull = (parameters.mean - theta)[seen] * precision
-        bounds = (parameters.lower - theta)[seen], (parameters.upper - theta)[seen]
+        lower = np.maximum(parameters.lower - theta, -parameters.step)[seen]
+        upper = np.minimum(parameters.upper - theta, parameters.step)[seen]
         change, whole, scales = np.zeros(len(theta)), np.diag(precision), least
         for _ in range(_SCALINGS):
             scales = np.maximum(correlation * [g.left(change) for g in groups], least)
@@ -96,7 +97,9 @@ class Solving:
             whole = whole + np.diag(precision)
             gradient = sum(g.gradient[seen] / s**2 for g, s in weighed) + pull
             root = np.linalg.cholesky(whole).T
-            change[seen] = lsq_linear(root, np.linalg.solve(root.T, gradient), bounds=bounds).x
+            change[seen] = lsq_linear(
+                root, np.linalg.solve(root.T, gradient), bounds=(lower, upper)
+            ).x
         covariance = np.diag(parameters.standard_deviation**2)
         covariance[seen[:, None], seen] = np.linalg.inv(whole)
         return Solved(change, covariance, scales)

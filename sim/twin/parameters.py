@@ -8,7 +8,7 @@ enters as cosine and sine relative to the amplitude of the design. The prior is 
 distribution around the design: what a data sheet of the type states.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from armside.arrays import Array
 from ..robot.drives import N_HARMONICS
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
+from .bending import DIRECTIONS, LINKS, MEAN, hinges
 
 _STIFFEST = 0.25
 """Least compliance of a spring relative to the design."""
@@ -37,6 +38,8 @@ class Block:
     lower: float = -np.inf
     upper: float = np.inf
     """Bounds, beyond which a value makes no sense or its simulation no solution."""
+    step: float = np.inf
+    """Largest change in one step of the identification, within which the tool's path is linear."""
 
     @property
     def size(self) -> int:
@@ -59,15 +62,14 @@ MASS = Block("mass", (N_AXES,), 0.02, lower=-0.1, upper=0.1)
 """Mass of each link, from the torque that carries it and from the tool."""
 
 
-def tool_blocks(n_structure: int, n_bending: int) -> tuple[Block, ...]:
-    """Parameters identified from the tool, for a design with n hinges of the structure.
-
-    n_bending: further hinges that stand for the elasticity of the links: see `bending`.
-    """
+def tool_blocks(n_structure: int) -> tuple[Block, ...]:
+    """Parameters identified from the tool, for a design with n hinges of the structure."""
+    links = len(LINKS)
     return (
         Block("gear_stiffness", (N_AXES,), 0.3, lower=_STIFFEST - 1.0, upper=2.0),
         Block("structure_stiffness", (n_structure,), 0.3, lower=_STIFFEST - 1.0, upper=2.0),
-        Block("bending", (n_bending,), 1.0, lower=_STIFFEST - 1.0, upper=5.0),
+        Block("bending", (links, len(DIRECTIONS)), 1.0, lower=-MEAN, upper=6.0, step=1.0),
+        Block("bending_place", (links,), 0.15, lower=-0.3, upper=0.3, step=0.1),
         Block("lost_motion", (N_AXES,), 0.3, lower=-1.0, upper=1.0),
         Block("gear_error", (N_AXES, N_HARMONICS, 2), 0.75),
         Block("position", (N_AXES, 3), 0.7e-3),
@@ -80,9 +82,6 @@ class Parameters:
     """Vector theta of named blocks."""
 
     blocks: tuple[Block, ...]
-    hinges: tuple[int, ...]
-    """Entry among (structure_stiffness, bending) of each hinge of the structure, in the order of
-    the model: the hinges that stand for bending lie between the others."""
 
     @property
     def size(self) -> int:
@@ -106,6 +105,11 @@ class Parameters:
     def upper(self) -> Array:
         """(m,), bounds."""
         return np.concatenate([np.full(block.size, block.upper) for block in self.blocks])
+
+    @property
+    def step(self) -> Array:
+        """(m,), largest change in one step."""
+        return np.concatenate([np.full(block.size, block.step) for block in self.blocks])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,14 +143,15 @@ class Parameters:
         gear_phase: (6, 4) [rad], phases of the gear error in the robot's file, which are those of
         another individual.
         """
-        return individual(self.values(theta), self.hinges, gear_phase)
+        return individual(self.values(theta), gear_phase)
 
 
 _LOGARITHMS = (*(block.name for block in FRICTION if block.name != "ripple"), "lost_motion")
-SPRINGS = ("gear_stiffness", "structure_stiffness", "bending")
+SPRINGS = ("gear_stiffness", "structure_stiffness")
+BENDING = ("bending", "bending_place")
 
 
-def individual(values: Mapping[str, Array], hinges: Sequence[int], gear_phase: Array) -> Individual:
+def individual(values: Mapping[str, Array], gear_phase: Array) -> Individual:
     """Individual of named values; see `Parameters.individual`."""
     factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
     springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
@@ -157,7 +162,8 @@ def individual(values: Mapping[str, Array], hinges: Sequence[int], gear_phase: A
         **factors,
         mass=1.0 + values["mass"],
         gear_stiffness=springs[0],
-        structure_stiffness=np.concatenate(springs[1:])[list(hinges)],
+        structure_stiffness=springs[1],
+        hidden=hinges(*(values[name] for name in BENDING)),
         ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
         ripple_phase=ripple_phase,
         gear_error=np.hypot(error[..., 0], error[..., 1]),

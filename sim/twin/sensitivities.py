@@ -17,7 +17,7 @@ from ..robot.effects import gear_phases
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
 from .measured import MeasuredCut
-from .parameters import FRICTION, SPRINGS, Parameters
+from .parameters import BENDING, FRICTION, SPRINGS, Parameters
 from .simulation import Design
 from .tool_sensor import Comparison, ToolSensor
 from .tracker_residuals import TRACKER
@@ -115,6 +115,6 @@ def _friction_directions(parameters: Parameters) -> dict[tuple[int, int], Array]
 
 def _directions(parameters: Parameters) -> dict[int, Array]:
     """Directions in theta, one for each mass, spring and lost motion, by their entry."""
-    blocks = [parameters.at(name) for name in ("mass", *SPRINGS, "lost_motion")]
+    blocks = [parameters.at(name) for name in ("mass", *SPRINGS, *BENDING, "lost_motion")]
     unit = np.eye(parameters.size)
     return {i: unit[i] for block in blocks for i in range(block.start, block.stop)}

@@ -1,7 +1,7 @@
 """Runs of twins: many individuals make the same cut in one rollout."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from armside.arrays import Array
 
@@ -14,6 +14,7 @@ from ..robot.recording import Recording
 from ..robot.run import LoadedReference, run_batch
 from ..robot.statics import Statics
 from ..robot.virtual_robot import VirtualRobot
+from .bending import bent
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,8 @@ class Design:
     def load(self, individual: Individual, reference: Array) -> LoadedReference:
         """A reference (N, 6) [rad] loaded into an individual of the design."""
         model = embodied(
-            self.model,
-            individual,
+            bent(self.model, individual.hidden),
+            replace(individual, hidden=()),
             available(self.model),
             phi=reference[0],
             payload=self.payload,

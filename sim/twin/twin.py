@@ -28,7 +28,7 @@ from .identification import parameters_of
 from .parameters import Parameters
 from .simulation import Design
 
-FORMAT = 1
+FORMAT = 2
 """Of the folder; raised when an older one can no longer be read."""
 UNKNOWN = 50e-6
 """[m], held-out residual of a twin of a single cut. ESTIMATE."""

@@ -16,7 +16,7 @@ from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import MOST, plan
 from armside.sim.twin.plausible import ImplausibleError, check
 from armside.sim.twin.prediction import Prediction
-from armside.sim.twin.twin import Twin, TwinError
+from armside.sim.twin.twin import FORMAT, Twin, TwinError
 
 ELSEWHERE = Cut(pose=replace(LARGE_ROBOT_POSES["p2"], position=(1.7, -0.2, 1.5)), speed=0.05)
 
@@ -71,7 +71,7 @@ def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
         (lambda c: c | {"friction": [1.0, -2.0, 1, 1, 1, 1]}, "must be 6 positive values"),
         (lambda c: c | {"parameters": c["parameters"] | {"mass 3": 1e308}}, "mass 3 is that of no"),
         (lambda c: c | {"cuts": 3}, "damaged twin"),
-        (lambda c: {"format": 1}, "damaged twin"),
+        (lambda c: {"format": FORMAT}, "damaged twin"),
         (lambda c: [], "is a twin of format None"),
     ],
 )
