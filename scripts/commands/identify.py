@@ -49,19 +49,23 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
 def _print(report: Report, outcome: dict[str, Any]) -> None:
     truth, found = outcome["truth"], outcome["parameters"]
     report.table(
-        "What one cut tells: logarithms relative to what was believed, clock in s",
+        "What one cut tells: logarithms relative to the assumed arm, clock in s",
         ["parameter", "value", "standard deviation", "told by the data"],
         [[p[k] for k in ("name", "value", "standard_deviation", "told_by_data")] for p in found],
     )
     believed, identified = truth["believed_over_true"], truth["identified_over_true"]
     report.table(
-        "Stiffness over that of the true gear (structure in series makes it effective, < 1)",
-        ["axis", "believed", "identified"],
+        "Effective stiffness of each axis, 1/diag(K^-1): torque over its own deflection, relative "
+        "to the true gear. Structure in series makes it smaller",
+        ["axis", "assumed", "identified"],
         list(zip(range(1, 1 + len(believed)), believed, identified, strict=True)),
     )
-    modes = zip(*(truth[f"{k}_modes"] for k in ("locked", "identified", "believed")), strict=True)
-    heads = ["true", "identified", "believed"]
-    report.table("Lowest modes with the motors held [Hz]", heads, list(modes))
+    keys = "locked_modes", "identified_as", "identified_modes", "believed_modes"
+    report.table(
+        "Lowest modes with the motors held [Hz]; a dash: none is identified within 10 %",
+        ["true", "identified as", "all identified", "all assumed"],
+        list(zip(*(truth[key] for key in keys), strict=True)),
+    )
     offset = outcome["springs"]["clock_offset"]
     report.line(f"Clock offset {1e3 * offset:.2f} ms, true {1e3 * truth['clock_offset']:.2f} ms")
     verdict = "white" if outcome["whiteness"]["is_white"] else "not white"

@@ -64,7 +64,7 @@ class SpringPrior:
         stiffness = (f"stiffness {i}" for i in range(1, N_AXES + 1))
         mounting = (f"mounting {axis}" for axis in "xyz")
         pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs)
-        return (*stiffness, "damping", "clock", "distrust", *mounting, *pairs)
+        return (*stiffness, "damping", "clock", "process noise", *mounting, *pairs)
 
 
 @dataclass(frozen=True, eq=False)

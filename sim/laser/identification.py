@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from armside.arrays import Array
 from armside.ilc.estimation.consistency import bounds, normalised_squared
 
 from ..cut.notes import motion_notes
@@ -20,6 +21,9 @@ from .experiment import Experiment
 from .learning import first_run
 from .notes import pass_notes
 from .plant import Pass
+
+FOUND = 0.1
+"""Largest relative distance of an identified mode from the true one that it counts as."""
 
 
 def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True) -> dict[str, Any]:
@@ -44,6 +48,8 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
 
     true_arm = arm_of(experiment)
     gear = np.diag(true_arm.stiffness)
+    modes = linearised(true_arm, rest).locked_modes()[:4]
+    found_modes = linearised(found.springs.on(arm), rest).locked_modes()
     fit, keys = found.fit, ("name", "value", "standard_deviation", "told_by_data")
     parameters = zip(found.names, fit.theta, fit.standard_deviation, fit.information, strict=True)
     return {
@@ -58,14 +64,34 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
         "consistency": _consistency(estimator(arm, found.springs, rest, imu), made, measured),
         "truth": {
             "gear_stiffness": gear,
-            "believed_over_true": np.diag(arm.stiffness) / gear,
-            "identified_over_true": np.diag(found.springs.stiffness) / gear,
+            "believed_over_true": effective(arm.stiffness) / gear,
+            "identified_over_true": effective(found.springs.stiffness) / gear,
             "clock_offset": unit.unit.clock_offset,
-            "locked_modes": linearised(true_arm, rest).locked_modes()[:4],
-            "identified_modes": linearised(found.springs.on(arm), rest).locked_modes()[:4],
+            "locked_modes": modes,
+            "identified_modes": found_modes[:4],
+            "identified_as": assigned(modes, found_modes),
             "believed_modes": linearised(arm, rest).locked_modes()[:4],
         },
     }
+
+
+def effective(stiffness: Array) -> Array:
+    """Stiffness of each axis (n,) against a torque of its own, all springs free: 1 / diag(K^-1).
+
+    The diagonal of a coupled K is the stiffness with all other axes held, which is larger.
+    """
+    return np.asarray(1.0 / np.diag(np.linalg.inv(stiffness)), dtype=np.float64)
+
+
+def assigned(true: Array, found: Array) -> list[float | None]:
+    """For each true mode the one found within `FOUND` of it, each used once; None without one."""
+    from scipy.optimize import linear_sum_assignment
+
+    apart = np.abs(np.asarray(found) / np.asarray(true)[:, None] - 1.0)
+    rows, columns = linear_sum_assignment(np.minimum(apart, 2.0 * FOUND))
+    pairs = zip(rows, columns, strict=True)
+    chosen = {i: float(found[j]) for i, j in pairs if apart[i, j] <= FOUND}
+    return [chosen.get(i) for i in range(len(true))]
 
 
 def arm_of(experiment: Experiment) -> NominalArm:
