@@ -6,7 +6,8 @@ theta, d, a, cos alpha, sin alpha of each standard link, `joints` its type (0 re
 2 fixed), and joint variables are M phi + offset. A target is T (4, 4); with `rows` 3 only its
 position counts. The error of a configuration is the six-vector (translation, rotation vector) in
 base axes that takes the tool to the target. Steps are damped least squares, the damping
-proportional to the square of the error (T. Sugihara, IEEE Trans. Robotics 27, 2011).
+proportional to the square of the error (T. Sugihara, IEEE Trans. Robotics 27, 2011). Near a
+singularity such a descent creeps along a curved valley, which a few undamped steps leave.
 """
 
 from math import atan2, cos, floor, pi, sin, sqrt
@@ -16,6 +17,8 @@ from numba import njit
 
 EXACT = 1e-12  # [m] and [rad], error that is not reduced further
 STEPS = 60  # greatest number of steps from one start
+NEAR = 1e-6  # square of the error below which undamped steps are tried
+LEAPS = 3  # of these: one along the valley, two back into it
 STALLED = 1e4  # damping at which a descent is given up: steps of 0.1 mm for an error of 1 m
 GAIN, LEAST_GAIN, FLOOR = 0.1, 1e-4, 1e-15  # damping = gain * squared error + floor
 ORTHOGONAL = 1e-6  # sum of the deviations of a rotation matrix that is accepted
@@ -179,6 +182,36 @@ def _jacobian(prismatic, M, coupled, axes, T, columns, J):
 
 
 @njit(cache=True, error_model="numpy")
+def _move(robot, target, rows, lower, upper, phi, work):
+    """Fill trial (n,) with phi and the step, within the bounds; e with its error. The square."""
+    links, joints, _, M, offset, _ = robot
+    axes, T, _, _, _, _, step, trial, e = work
+    for i in range(phi.shape[0]):
+        trial[i] = min(max(phi[i] + step[i], lower[i]), upper[i])
+    _forward(links, joints, M, offset, trial, axes, T)
+    return _error(T, target, rows, e)
+
+
+@njit(cache=True, error_model="numpy")
+def _leap(robot, target, rows, lower, upper, phi, error, work):
+    """As `_move`, by LEAPS undamped steps, whatever their errors; of phi comes the J given."""
+    _, _, prismatic, M, _, coupled = robot
+    axes, T, J, columns, A, x, step, trial, e = work
+    n, square = phi.shape[0], np.inf
+    for i in range(n):
+        trial[i] = phi[i]
+    for i in range(6):
+        e[i] = error[i]
+    for k in range(LEAPS):
+        if k > 0:
+            _jacobian(prismatic, M, coupled, axes, T, columns, J)
+        if not _step(J, e, FLOOR, rows, n, A, x, step):
+            return np.inf
+        square = _move(robot, target, rows, lower, upper, trial, work)
+    return square
+
+
+@njit(cache=True, error_model="numpy")
 def _descend(robot, target, rows, lower, upper, phi, error, work):
     """Steps from phi (n,) until its error is exact, stalls or STEPS are done; fills phi and error.
 
@@ -188,7 +221,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
     axes, T, J, columns, A, x, step, trial, e = work
     n = phi.shape[0]
     _forward(links, joints, M, offset, phi, axes, T)
-    square, gain, moved = _error(T, target, rows, error), GAIN, True
+    square, gain, moved, has_leapt = _error(T, target, rows, error), GAIN, True, False
     for _ in range(STEPS):
         if square < EXACT * EXACT:
             break
@@ -196,11 +229,15 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
             _jacobian(prismatic, M, coupled, axes, T, columns, J)
         if not _step(J, error, gain * square + FLOOR, rows, n, A, x, step):
             break
-        for i in range(n):
-            trial[i] = min(max(phi[i] + step[i], lower[i]), upper[i])
-        _forward(links, joints, M, offset, trial, axes, T)
-        new = _error(T, target, rows, e)
+        new = _move(robot, target, rows, lower, upper, phi, work)
         moved = new < square
+        if not moved and not has_leapt and square < NEAR:
+            has_leapt = True
+            new = _leap(robot, target, rows, lower, upper, phi, error, work)
+            moved = new < square
+            if not moved:  # J of phi again
+                _forward(links, joints, M, offset, phi, axes, T)
+                _jacobian(prismatic, M, coupled, axes, T, columns, J)
         if moved:
             square, gain = new, max(0.25 * gain, LEAST_GAIN)
             for i in range(n):
