@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -13,14 +14,17 @@ from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.notes import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
+from armside.sim.twin.library import stored_twin
 
 from ..cutting.effort import effort
 from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.learning import Prepared
 from ..cutting.options import LARGEST, SLOWEST
 from ..shell.console import Report, run_folder
 from ..shell.effort import refuse_absurd
@@ -51,6 +55,9 @@ class CompareCfg(IndividualCfg):
     """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
     law: Literal["inverse", "norm-optimal", "heuristic"] = "inverse"
     """Law on the arm side; the motor side has the thesis's heuristic."""
+    twin: Path | None = None
+    """Folder of `armside commission` for this robot: also cut right at the first run by this twin,
+    and learned on from the motors."""
     imu: bool = False
     """Also draw imu.png: what rate, noise and clock of the IMU buy or cost; takes minutes."""
 
@@ -84,7 +91,7 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
 
 
 def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> None:
-    """Learn each cut from the motors, an estimate, a laser tracker and the true tool.
+    """Learn each cut from the motors, an estimate, a laser tracker and the true tool; by a twin.
 
     Writes summary.json, compare.png and replay.rrd: of the first cut, unlearned and learned each
     way.
@@ -100,12 +107,17 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
         _refuse_absurd(cfg, len(todo))
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
+        if cfg.twin is not None:
+            stored_twin(cfg.twin)
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
     found: list[dict[str, list[Iteration]]] = []
     with report.progress("comparing", total=len(todo)) as step:
         for case in todo:
-            found.append(case.compared(cfg.iterations, measure))
+            of = case.compared(cfg.iterations, measure)
+            if cfg.twin is not None:
+                of["twin"] = _by_twin(case, cfg.twin, cfg.iterations)
+            found.append(of)
             step()
     rows = [row for case, of in zip(todo, found, strict=True) for row in _rows(case, of)]
     said = together(_notes(todo, found))
@@ -122,6 +134,12 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
     report.results(outcome, folder.path)
 
 
+def _by_twin(case: Case, folder: Path, iterations: int) -> list[Iteration]:
+    """First run by a twin's correction; learning goes on from the motor angles."""
+    job = Prepared.of(case.experiment(), MotorAngles()).by_twin_of(folder)
+    return list(job.iterations(iterations))
+
+
 def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
     """Notes of every cut, with its place and what it was learned from."""
     for case, of in zip(todo, found, strict=True):
@@ -136,13 +154,15 @@ def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterato
 
 def _refuse_absurd(cfg: CompareCfg, n_cases: int) -> None:
     """Raise InputError for cuts that would take too long or too much memory."""
-    runs, slowest = MEASURES * n_cases * (cfg.iterations + 1), min(cfg.speeds)
+    ways = MEASURES if cfg.twin is None else MEASURES + 1
+    runs, slowest = ways * n_cases * (cfg.iterations + 1), min(cfg.speeds)
     needs = effort(2.0 * np.pi * RADIUS, slowest * 1e-3, runs, estimated=True)
     refuse_absurd(f"{runs} runs at {slowest:g} mm/s and more", needs)
 
 
 def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, Any]]:
     reached = case.experiment().motion.reached_speed
+    uncorrected = found["motor"][0].tool.rms
     for measure, iterations in found.items():
         yield {
             "pose": case.cut.pose,
@@ -150,5 +170,6 @@ def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, A
             "reached_speed": reached,
             "measure": measure,
             "arm_rms": rms(iterations),
+            "uncorrected": uncorrected,
             "diverged": iterations[-1].diverged,
         }

@@ -25,6 +25,12 @@ class Prepared:
     set_up: SetUp
     by_twin: ByTwin | None = None
 
+    @classmethod
+    def of(cls, experiment: Experiment, measure: Measure) -> "Prepared":
+        """Without a twin. Raises ValueError for a robot that the measure cannot serve."""
+        set_up = measure.prepare(experiment)
+        return cls(experiment=experiment, measure=measure, set_up=set_up)
+
     @property
     def start(self) -> Array | None:
         """(N, 6) [rad], arm side, correction of the first run; None for none."""
@@ -46,8 +52,7 @@ class Prepared:
 
 def prepared(cfg: LaserCfg, seed: int) -> Prepared:
     """Everything before the first run but a twin; raises ValueError for what cannot be done."""
-    experiment, chosen = prepare(cut(cfg), seed=seed), measure(cfg)
-    return Prepared(experiment=experiment, measure=chosen, set_up=chosen.prepare(experiment))
+    return Prepared.of(prepare(cut(cfg), seed=seed), measure(cfg))
 
 
 def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:

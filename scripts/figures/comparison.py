@@ -12,11 +12,11 @@ from armside.sim.laser.experiment import Iteration
 
 from .laser import COLORS, MARKERS, new_figure, save
 
-NAMES = ("motor", "estimate", "tracker", "oracle")
+NAMES = ("motor", "estimate", "tracker", "oracle", "twin")
 Learned = Mapping[str, list[Iteration]]
 """Iterations by measured output."""
 TITLE = "Arm RMS (9.6) [µm] before learning, after five updates and at the end"
-COLUMNS = ("pose", "speed [mm/s]", "learned from", "k = 0", "k = 5", "last", "last / k = 0")
+COLUMNS = ("pose", "speed [mm/s]", "learned from", "k = 0", "k = 5", "last", "last / uncorrected")
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
@@ -26,7 +26,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
         rms, end = row["arm_rms"], " (diverged)" if row["diverged"] else ""
         microns = [1e6 * rms[k] for k in (0, min(5, len(rms) - 1), -1)]
         place = [row["pose"], 1e3 * row["reached_speed"], row["measure"] + end]
-        found.append([*place, *microns, rms[-1] / rms[0]])
+        found.append([*place, *microns, rms[-1] / row["uncorrected"]])
     return found
 
 
@@ -53,7 +53,7 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
     for axes in panels[:, 0]:
         axes.set_ylabel("arm RMS [µm]")
     handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper right", ncols=4, frameon=False, fontsize=8)
+    figure.legend(handles, labels, loc="upper right", ncols=len(labels), frameon=False, fontsize=8)
     save(figure, file)
 
 

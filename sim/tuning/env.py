@@ -1,6 +1,7 @@
 """`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
 
 import copy
+from os import PathLike
 from typing import Any
 
 import gymnasium
@@ -40,8 +41,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | 48:49 | commanded speed | m/s | 0 | 0.1 | linear |
     | 49:50 | iteration k | - | 0 | 10 | linear |
 
-    Errors and corrections are those of the motor shaft. Low becomes -1 and high +1; values outside
-    are clipped, values that are not finite become +1.
+    Errors and corrections are those of the motor shaft; with a twin, errors of the twin's motors.
+    Low becomes -1 and high +1; values outside are clipped, values that are not finite become +1.
 
     Reward: log(RMS before / RMS after) of the tool's circle as measured by the configured sensor,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
@@ -61,6 +62,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         iterations: int = 5,
         sealed: bool = False,
         individual: int | Drawn | Individual | None = None,
+        twin: str | PathLike[str] | None = None,
         render_mode: str | None = None,
         picture: str = "drawing",
     ) -> None:
@@ -72,6 +74,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             iterations: learning iterations of an episode, 1 to 10.
             sealed: take the sealed test seeds, and only those.
             individual: the robot of every episode, as the option of `reset`; drawn if None.
+            twin: folder of `armside commission` for that individual: the first run of an episode is
+                corrected by it, and learning goes on around its correction.
             render_mode: rgb_array or None.
             picture: drawing (circle and errors, no GL needed) or mujoco (the robot).
 
@@ -84,6 +88,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             iterations=iterations,
             sealed=sealed,
             individual=individual,
+            twin=twin,
         )
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")

@@ -11,7 +11,7 @@ from ..laser.design import Design
 from ..laser.experiment import Experiment
 from .rules import Rules
 from .sensor import RewardSensor
-from .situation import Situation, begin, restarted
+from .situation import Situation, restarted
 from .task import Task, experiment
 
 Item = TypeVar("Item")
@@ -75,7 +75,7 @@ class Objective:
         self._check = check
         self._pool = ThreadPoolExecutor(min(cores(), len(episodes)))
         try:
-            self._first = self._each(lambda e: begin(*e, rules.sensor), episodes)
+            self._first = self._each(lambda e: rules.first(*e), episodes)
         except BaseException:
             self.close()
             raise

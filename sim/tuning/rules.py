@@ -5,6 +5,7 @@ The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,10 +14,14 @@ from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
 from ..laser.design import Design
+from ..laser.experiment import Experiment
+from ..laser.specification import Cut
 from ..robot.applicable import check_applies
 from ..robot.individual import Individual
 from ..robot.model import RobotModel, load_model
 from ..robot.spread import Drawn
+from ..twin.correction import Corrected
+from ..twin.library import learned, stored_twin
 from . import observation, task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
@@ -53,6 +58,8 @@ class Rules:
     """Episodes are those of TEST_SEEDS, which are refused otherwise."""
     individual: int | Drawn | Individual | None = None
     """The robot of every episode, or its seed; drawn if None."""
+    twin: str | PathLike[str] | None = None
+    """Folder of the twin of that individual, which corrects the first run of every episode."""
     nominal: RobotModel = field(init=False, repr=False)
     """Nominal robot of the controller."""
     sensor: Sensor = field(init=False, repr=False)
@@ -71,6 +78,10 @@ class Rules:
             check_applies(self.nominal, self.individual)
         elif self.individual is not None and not isinstance(self.individual, Drawn):
             whole("individual", self.individual, 0)
+        if self.twin is not None:
+            if self.individual is None:
+                raise ValueError("a twin is of one robot: give its individual too")
+            stored_twin(self.twin).check(Cut(robot=self.robot))
 
     @property
     def cell(self) -> Cell:
@@ -112,7 +123,12 @@ class Rules:
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
         imu = RewardSensor(self.reward).imu
-        return begin(drawn, task.experiment(self.robot, self.nominal, drawn, imu), self.sensor)
+        return self.first(drawn, task.experiment(self.robot, self.nominal, drawn, imu))
+
+    def first(self, drawn: Task, experiment: Experiment) -> Situation:
+        """The first run of a task, corrected by the twin if there is one."""
+        twin = None if self.twin is None else learned(stored_twin(self.twin), experiment.cut)
+        return begin(drawn, experiment, self.sensor, twin)
 
     def design(self, action: ArrayLike) -> Design:
         """The design of an action. Raises ValueError as `design_of` does."""
@@ -161,6 +177,8 @@ class Rules:
         - motors: motor_error_two, motor_error_inf, (6,) [rad] of the shaft;
         - reward terms: rms_seen, maxdev_seen [m] as the configured sensor has them; of a step
           log_decrease, log(RMS before / RMS after), NaN where there is none;
+        - with a twin: rms_predicted [m], expected of the first run, and trusted, whether it is
+          corrected;
         - of a step: gamma, delta [samples] and cutoff [Hz], (6,) each.
         """
         drawn = situation.task
@@ -179,9 +197,16 @@ class Rules:
             "motor_error_inf": situation.inf_norm.copy(),
             "rms_seen": float(situation.measured.rms),
             "maxdev_seen": float(situation.measured.maxdev),
+            **_of_twin(situation.twin),
             **({} if score is None else {"log_decrease": score.log_decrease}),
             **({} if design is None else design.arrays()),
         }
+
+
+def _of_twin(found: Corrected | None) -> dict[str, Any]:
+    if found is None:
+        return {}
+    return {"rms_predicted": found.prediction.expected, "trusted": found.trusted}
 
 
 def _one_of(name: str, value: Any, allowed: Any) -> None:

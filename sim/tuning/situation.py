@@ -6,13 +6,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.divergence import has_diverged
+from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.measures.norms import inf_norm, two_norm
 
 from ..evaluation.tool_error import ToolError
 from ..laser.design import Design
 from ..laser.experiment import Experiment, true_tool_error
+from ..laser.learning import FROM_A_MODEL
 from ..laser.plant import Pass
+from ..twin.correction import Corrected
 from .sensor import Reading, Sensor
 from .task import Task
 
@@ -29,7 +31,7 @@ class Situation:
     correction: Array = field(repr=False)
     """u_k, (N, 6) [rad], arm side."""
     error: Array = field(repr=False)
-    """e_k, (N, 6) [rad], arm side."""
+    """e_k, (N, 6) [rad], arm side: of the reference, or of a twin's motor angles."""
     motor_error: Array = field(repr=False)
     """e_k of the motor shafts, (N, 6) [rad]."""
     two_norm: Array
@@ -42,21 +44,33 @@ class Situation:
     true: ToolError
     """Ground truth of that deviation: for evaluation only."""
     diverged: bool
+    twin: Corrected | None = field(default=None, repr=False)
+    """What a twin of the robot learned for the task; None without one."""
+
+    @property
+    def centre(self) -> Array:
+        """(N, 6) [rad], arm side, correction that learning goes around: a twin's, or zero."""
+        known = _trusted(self.twin)
+        return np.zeros_like(self.correction) if known is None else known.correction
 
 
-def begin(task: Task, experiment: Experiment, sensor: Sensor) -> Situation:
-    """Run once without learning, k = 0, and set the sensor up by it."""
-    correction = np.zeros_like(experiment.loaded.reference)
+def begin(
+    task: Task, experiment: Experiment, sensor: Sensor, twin: Corrected | None = None
+) -> Situation:
+    """Run once without learning, k = 0, corrected by a twin if there is one; set the sensor up."""
+    correction = np.zeros_like(experiment.loaded.reference) if twin is None else twin.correction
     cut = experiment.plant.run(correction)
-    return _situation(task, experiment, sensor(experiment, cut), 0, correction, cut)
+    return _situation(task, experiment, sensor(experiment, cut), 0, correction, cut, twin=twin)
 
 
 def advance(situation: Situation, design: Design) -> Situation:
     """Learn once with a design and run again."""
-    correction = design.law(situation.correction, situation.error)
+    centre = situation.centre
+    correction = centre + design.law(situation.correction - centre, situation.error)
     cut = situation.experiment.plant.run(correction)
     fixed = situation.task, situation.experiment, situation.reading
-    return _situation(*fixed, situation.k + 1, correction, cut, situation.first_norm)
+    first, twin = situation.first_norm, situation.twin
+    return _situation(*fixed, situation.k + 1, correction, cut, first, twin)
 
 
 def restarted(situation: Situation) -> Situation:
@@ -74,12 +88,19 @@ def _situation(
     correction: Array,
     cut: Pass,
     first: Array | None = None,
+    twin: Corrected | None = None,
 ) -> Situation:
-    error = cut.recording.error
+    known, log = _trusted(twin), cut.recording
+    error = log.error if known is None else known.motor_path - log.motor_angle
     motor_error = error * experiment.loaded.model.drives.gear
     norm = two_norm(motor_error)
     first = norm if first is None else first
-    norms, diverged = (norm, inf_norm(motor_error), first), has_diverged(norm, first)
+    ratio = DIVERGENCE_RATIO * (1.0 if known is None else FROM_A_MODEL)
+    norms, diverged = (norm, inf_norm(motor_error), first), has_diverged(norm, first, ratio)
     tool = reading(cut), true_tool_error(experiment.motion, cut)
     signals = correction, error, motor_error
-    return Situation(task, experiment, reading, k, *signals, *norms, *tool, diverged)
+    return Situation(task, experiment, reading, k, *signals, *norms, *tool, diverged, twin)
+
+
+def _trusted(twin: Corrected | None) -> Corrected | None:
+    return twin if twin is not None and twin.trusted else None

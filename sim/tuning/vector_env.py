@@ -8,6 +8,7 @@ Records differ in length with the speed: one common rollout would pad all to the
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from os import PathLike
 from typing import Any, TypeVar
 
 import numpy as np
@@ -47,6 +48,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         iterations: int = 5,
         sealed: bool = False,
         individual: int | Drawn | Individual | None = None,
+        twin: str | PathLike[str] | None = None,
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
@@ -70,6 +72,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             iterations=iterations,
             sealed=sealed,
             individual=individual,
+            twin=twin,
         )
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)

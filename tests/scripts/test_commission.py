@@ -92,6 +92,18 @@ def test_a_twin_that_is_not_trusted_leaves_learning_as_it_is_without(armside, tw
     assert by_twin["iterations"] == plain["iterations"]
 
 
+def test_a_comparison_has_the_twin_beside_what_is_learned_from(armside, twin, tmp_path):
+    line = f"compare --twin {twin[0]} --individual {INDIVIDUAL} --poses p1 --speeds 40"
+    status, out, _ = armside(f"{line} --iterations 1 --json --out {tmp_path / 'c'}")
+    assert status == 0
+    rows = {row["measure"]: row for row in json.loads(out)["comparisons"]}
+    assert list(rows) == ["motor", "estimate", "tracker", "oracle", "twin"]
+    assert {row["uncorrected"] for row in rows.values()} == {rows["motor"]["arm_rms"][0]}
+    first, then = rows["twin"]["arm_rms"]
+    assert first < 0.3 * rows["motor"]["arm_rms"][0]
+    assert then < first + SCATTER
+
+
 class TestSweep:
     """A twin is an option of a sweep, known by its content."""
 
@@ -162,6 +174,7 @@ def test_a_run_can_be_commissioned_from_in_place_of_a_cut(armside, twin, tmp_pat
         ("commission --recordings nowhere --individual 3", "leave out --individual"),
         ("commission --recordings nowhere", "nowhere is no recorded cut"),
         ("laser --twin nowhere", "nowhere holds no twin.json"),
+        ("compare --twin nowhere", "nowhere holds no twin.json"),
     ],
 )
 def test_bad_input_is_one_line(armside, tmp_path, monkeypatch, line, said):
