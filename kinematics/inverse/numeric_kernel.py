@@ -18,7 +18,7 @@ from numba import njit
 EXACT = 1e-12  # [m] and [rad], error that is not reduced further
 STEPS = 60  # greatest number of steps from one start
 NEAR = 1e-6  # square of the error below which undamped steps are tried
-LEAPS = 3  # of these: one along the valley, two back into it
+LEAP = 10  # greatest number of these until the error is less than before
 STALLED = 1e4  # damping at which a descent is given up: steps of 0.1 mm for an error of 1 m
 GAIN, LEAST_GAIN, FLOOR = 0.1, 1e-4, 1e-15  # damping = gain * squared error + floor
 ORTHOGONAL = 1e-6  # sum of the deviations of a rotation matrix that is accepted
@@ -193,21 +193,23 @@ def _move(robot, target, rows, lower, upper, phi, work):
 
 
 @njit(cache=True, error_model="numpy")
-def _leap(robot, target, rows, lower, upper, phi, error, work):
-    """As `_move`, by LEAPS undamped steps, whatever their errors; of phi comes the J given."""
+def _leap(robot, target, rows, lower, upper, phi, error, start, work):
+    """As `_move`, by undamped steps until the square is below the start's; J is that of phi."""
     _, _, prismatic, M, _, coupled = robot
     axes, T, J, columns, A, x, step, trial, e = work
-    n, square = phi.shape[0], np.inf
+    n, square = phi.shape[0], start
     for i in range(n):
         trial[i] = phi[i]
     for i in range(6):
         e[i] = error[i]
-    for k in range(LEAPS):
+    for k in range(LEAP):
         if k > 0:
             _jacobian(prismatic, M, coupled, axes, T, columns, J)
         if not _step(J, e, FLOOR, rows, n, A, x, step):
-            return np.inf
+            return start
         square = _move(robot, target, rows, lower, upper, trial, work)
+        if square < start:
+            break
     return square
 
 
@@ -221,7 +223,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
     axes, T, J, columns, A, x, step, trial, e = work
     n = phi.shape[0]
     _forward(links, joints, M, offset, phi, axes, T)
-    square, gain, moved, has_leapt = _error(T, target, rows, error), GAIN, True, False
+    square, gain, moved, leaps = _error(T, target, rows, error), GAIN, True, True
     for _ in range(STEPS):
         if square < EXACT * EXACT:
             break
@@ -231,10 +233,9 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
             break
         new = _move(robot, target, rows, lower, upper, phi, work)
         moved = new < square
-        if not moved and not has_leapt and square < NEAR:
-            has_leapt = True
-            new = _leap(robot, target, rows, lower, upper, phi, error, work)
-            moved = new < square
+        if not moved and leaps and square < NEAR:
+            new = _leap(robot, target, rows, lower, upper, phi, error, square, work)
+            leaps = moved = new < square
             if not moved:  # J of phi again
                 _forward(links, joints, M, offset, phi, axes, T)
                 _jacobian(prismatic, M, coupled, axes, T, columns, J)
