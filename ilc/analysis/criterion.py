@@ -55,7 +55,7 @@ class Criterion:
 
     @property
     def contraction(self) -> float:
-        """sup |Q| |1 - L T_u|: the factor by which ||e_k - e_inf|| shrinks at least."""
+        """sup |Q| |1 - L T_u|: the factor to which ||e_k - e_inf|| falls at least."""
         return float((self.q * self.learning).max())
 
     @property

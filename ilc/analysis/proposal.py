@@ -55,7 +55,7 @@ class Proposal:
 
     @property
     def contraction(self) -> float:
-        """Factor by which ||e_k - e_inf|| shrinks at least in every iteration."""
+        """Largest factor on ||e_k - e_inf|| in an iteration."""
         return self.criterion.contraction
 
     @property
@@ -81,8 +81,8 @@ class Proposal:
         )
         return (
             f"With gamma = {self.gamma:.3g}, delta = {self.delta} and a cutoff of "
-            f"{self.cutoff:.3g} Hz the distance to the final error shrinks at least by "
-            f"{self.contraction:.3g} in every iteration, to 5 % within "
+            f"{self.cutoff:.3g} Hz the distance to the final error falls at least to "
+            f"{self.contraction:.3g} of itself in every iteration, to 5 % within "
             f"{self.iterations_to_5_percent}, and {100 * self.residual(half):.2g} % of the error "
             f"at {half:.3g} Hz stays; the slowest frequency is {at:.3g} Hz, and {limit}."
         )

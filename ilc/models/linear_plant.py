@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import count, cycle
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -15,12 +15,22 @@ from .system import System, require_stable
 from .system_matrix import Model
 
 
+class Variables(NamedTuple):
+    """Outputs of one iteration, (N, n) each."""
+
+    controlled: Array
+    """z_k, free of measurement noise."""
+    measured: Array
+    """y_k."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinearPlant:
     """z_k = T_r r + T_u (u_k + C e_k) + T_w w_k, y_k = z_k + T_v v_k. Thesis (7.1), Fig 7.1.
 
-    `run` returns y_k, shape (N, n). e_k = r - y_k reaches the input in the same iteration
-    through C, the direct term of (7.4), which is feedback beside the learning.
+    `run` returns y_k, shape (N, n), and `variables` both z_k and y_k. e_k = r - y_k reaches the
+    input in the same iteration through C, the direct term of (7.4), which is feedback beside the
+    learning.
     """
 
     T_u: Model
@@ -62,15 +72,22 @@ class LinearPlant:
 
     @records("correction")
     def run(self, correction: Array, /) -> Array:
+        return self.variables(correction).measured
+
+    @records("correction")
+    def variables(self, correction: Array, /) -> Variables:
+        """z_k and y_k of the next iteration; `run` likewise goes on to the next."""
         k = next(self._iteration)
-        output = (self.T_r or self.T_u).simulate(self.reference) + self.T_u.simulate(correction)
+        z = (self.T_r or self.T_u).simulate(self.reference) + self.T_u.simulate(correction)
         if self.loads:
-            output = output + _through(self.T_w, self.loads[k % len(self.loads)])
+            z = z + _through(self.T_w, self.loads[k % len(self.loads)])
+        y = z
         if self.noise > 0.0 and self.rng is not None:
-            output = output + _through(self.T_v, self.rng.normal(0.0, self.noise, output.shape))
-        if self._loop is not None:  # y = free + T_u C (r - y)
-            output = output + self._loop.simulate(self.reference - output)
-        return output
+            y = z + _through(self.T_v, self.rng.normal(0.0, self.noise, z.shape))
+        if self._loop is not None:  # both with T_u C e, e = (r - y without it) / (1 + T_u C)
+            fed_back = self._loop.simulate(self.reference - y)
+            z, y = z + fed_back, y + fed_back
+        return Variables(z, y)
 
 
 def _through(system: Model | None, signal: Array) -> Array:

@@ -20,6 +20,7 @@ from ..jobs.store import Result
 from . import chapter5_checks as checks
 from .imu_job import ImuJob, RestJob
 from .report import Part, Read, Section
+from .toolboxes import differences
 
 Drawn = tuple[str, Sequence[str], Sequence[Check], Sequence[Table]]
 """Caption, names of figures, checks and tables of a section."""
@@ -177,16 +178,25 @@ def position(folder: Path, *runs: Result) -> Drawn:
     files = ["5.7-arm.png", "5.7-wrist.png", "5.7-simultaneous.png"]
     for file, run in zip(files, runs, strict=False):
         figures.position(folder / file, run["log_time"], run["tool"], run["tool_predicted"])
+    peers = differences()
     apart = (1e3 * np.abs(run["tool"] - run["tool_predicted"]).max(axis=0) for run in runs)
     return (
         "True position of the tool, and its position by the D-H equations from the "
         "logged motor angles: motors 1 to 3 and 4 to 6 in sequence, as in the thesis, and all "
         "at once. The thesis compares with the position that the robot system reports; here it "
         "is the ground truth, which includes the elastic deflection of gears and structure, "
-        "under gravity even at rest.",
+        "under gravity even at rest. On the angles of (5.13) the thesis compares toolboxes, and "
+        "finds differences in the magnitude of 1e-15.",
         files,
-        checks.distances(results),
-        [_grid("Tool to D-H, largest in each direction [mm]", zip(MOTIONS, apart, strict=True))],
+        [*checks.distances(results), checks.toolboxes(peers)],
+        [
+            _grid("Tool to D-H, largest in each direction [mm]", zip(MOTIONS, apart, strict=True)),
+            Table(
+                "Poses by other toolboxes on the angles of (5.13), largest difference from ours",
+                ["", "m, or entry of the rotation"],
+                [[name, "not installed" if e is None else e] for name, e in peers.items()],
+            ),
+        ],
     )
 
 

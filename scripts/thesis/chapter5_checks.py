@@ -19,6 +19,7 @@ from ..jobs.store import Result
 FROM_TCP0 = (32.0, -26.0, 90.0)  # [mm], of the IMU in the zero pose, base axes, thesis (5.1)
 COUNT = 2.0 * np.pi / (2**12 - 1)  # [rad] of the encoder, motor side, thesis 5.3.1
 COUNT_AT_TOOL = 1e3 * COUNT / 50.0 * 1.5  # [mm] at 1.5 m, by the smallest gear ratio
+SAME_POSE = 1e-14  # [m]: rounding of a product of six transforms
 ROUNDING = 1e-9  # [rad], of motor-side angles
 ELASTICITY = (
     "gears and structure are elastic, and deflect most where the rectangle's second side "
@@ -136,6 +137,13 @@ def distances(results: Mapping[str, Result]) -> list[Check]:
         band = (None, COUNT_AT_TOOL) if name == RIGID else (0.2, 1.5)
         found.append(Check(f"E07.{i}", statement, WELL, float(ours), *band, reason=reason))
     return found
+
+
+def toolboxes(differences: Mapping[str, float | None]) -> Check:
+    """Poses by other toolboxes against ours, those that are installed."""
+    largest = max(e for e in differences.values() if e is not None)
+    statement = "poses by other toolboxes on the angles of (5.13): largest difference [m]"
+    return Check("E07.5", statement, "magnitude of 1e-15", largest, high=SAME_POSE)
 
 
 def rates(result: Result) -> list[Check]:

@@ -102,6 +102,20 @@ def test_the_plant_adds_reference_correction_load_and_noise_through_their_own_sy
     np.testing.assert_allclose(plant.run(u), expected, atol=1e-12)
 
 
+def test_controlled_and_measured_variable_differ_by_the_measurement_noise():
+    """Thesis (7.1), with the direct term of (7.4): noise that is fed back reaches z too."""
+    rng = np.random.default_rng(3)
+    r, u, w = rng.standard_normal((3, 100, 1))
+    T_v, C = System([0, 0.4], [1, -0.6], T_S), System([0.3, -0.1], [1, -0.2], T_S)
+    plant = LinearPlant(
+        T_u=SYSTEM, reference=r, T_v=T_v, loads=(w,), noise=0.1, rng=np.random.default_rng(9), C=C
+    )
+    v = T_v.simulate(np.random.default_rng(9).normal(0.0, 0.1, (100, 1)))
+    z, y = plant.variables(u)
+    np.testing.assert_allclose(y - z, v, atol=1e-12)
+    np.testing.assert_allclose(z, SYSTEM.simulate(r + u + C.simulate(r - y)) + w, atol=1e-12)
+
+
 def test_the_final_error_with_a_filter_is_driven_by_reference_error_and_load():
     """Thesis (7.7): with Q = 1 both vanish."""
     n = 150

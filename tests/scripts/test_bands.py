@@ -29,7 +29,7 @@ CHAPTER_9 = {  # k = 5, 40 mm/s unless the statement says otherwise
     "b5": (0.95, 1.6), "b6": (0.0, None), "b7": (0.0, None),
     "c1": (1.05, None), "c2": (1.10, None), "c3": (1.2, None), "c4": (None, 1.0), "c5": (2, None),
     "c6": (None, 1.0),
-    "d1": (None, 0.97), "d2": (None, 0.95),
+    "d1": (None, 0.97), "d2": (None, 0.95), "d3": (None, 2.0),
     "e1": (0.9, None), "e2": (0.97, 1.03), "e3": (5.0, 7.0), "e4": (0.2, 0.65),
     "e5": (8, 8), "e6": (3, 3), "e7": (6, 6),
     "f1": (1.0, None), "f2": (0.5, None), "f3": (0.45, None), "f4": (None, 1.0), "f5": (1.0, None),
@@ -46,7 +46,7 @@ CHAPTER_5 = {
     "E05.1": (0.399, 0.401), "E05.2": (0.499, 0.501), "E05.3": (0.5, 10.0), "E05.4": (2.0, 10.0),
     "E06.1": (0.495, 0.505), "E06.2": (0.99, 1.01), "E06.3": (None, 1e-3),
     "E07.1": (0.2, 1.5), "E07.2": (0.2, 1.5), "E07.3": (0.2, 1.5),
-    "E07.4": (None, COUNT / 50.0 * 1.5),
+    "E07.4": (None, COUNT / 50.0 * 1.5), "E07.5": (None, 1e-14),
     "E08.1": (None, 0.025), "E08.2": (None, 0.15),
     "E09.1": (None, 0.15), "E09.2": (5.0, 10.0), "E09.3": (None, 1.0), "E09.4": (None, 1e-3),
     "E10.1": (None, 0.8), "E10.2": (None, 1.0), "E10.3": (2, None), "E10.4": (3.0, None),
@@ -199,6 +199,14 @@ def test_numbers_of_the_arm_side_are_those_of_their_statements(results):
             "d2": other["p2"]["arm_rms"][5] / base["p2"]["arm_rms"][5],
         }
     )
+
+
+def test_shifts_are_compared_motor_by_motor(results):
+    base, other = (each["p1"] for each in results)
+    ratio = base["motor_inf"][5] / other["motor_inf"][5]
+    (check,) = bands.shift_motor({1: base, 2: other})
+    assert check.ours == pytest.approx(np.maximum(ratio, 1.0 / ratio).max())
+    assert "motors 3 and 5" in check.reason
 
 
 def test_numbers_without_learning_compare_one_speed_with_another(results):
@@ -413,6 +421,7 @@ def checks_5(imu_result):
         *chapter5.one_at_a_time(turned, turned, np.array([1.0, 3.0]), np.array([4.0, 5.0])),
         *chapter5.all_at_once(r),
         *chapter5.distances(four),
+        chapter5.toolboxes({"another toolbox": 1e-15, "not installed": None}),
         *chapter5.rates(r),
         *chapter5.accelerations(r),
         *chapter5.windows(r),
@@ -454,6 +463,7 @@ def test_numbers_of_chapter_5_are_those_of_their_statements(checks_5, imu_result
             "E07.2": 0.4,
             "E07.3": 0.5,
             "E07.4": 6e-3,
+            "E07.5": 1e-15,
             "E08.1": 0.02,
             "E08.2": 0.1,
             "E09.1": 0.1,

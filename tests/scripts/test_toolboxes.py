@@ -9,6 +9,8 @@ from armside import kinematics
 from armside.kinematics import IRB1400
 from armside.kinematics.symbolic import procedures as dh
 from armside.scripts.benchmarks.peers import pinocchio_functions, toolbox_robot
+from armside.scripts.thesis import chapter5_checks
+from armside.scripts.thesis.toolboxes import MUJOCO, differences, motor_angles
 from armside.sim.cell import CELLS
 from armside.sim.robot.model import load_model
 
@@ -65,3 +67,13 @@ def test_mujoco_s_kinematics_of_the_closed_chain_agree(angles, exact):
         tool = data.site("tool0")
         assert tool.xpos == pytest.approx(T[:3, 3], abs=TOLERANCE)
         assert tool.xmat.reshape(3, 3) == pytest.approx(T[:3, :3], abs=TOLERANCE)
+
+
+def test_the_report_compares_the_toolboxes_on_the_angles_of_the_thesis(angles):
+    assert motor_angles() == pytest.approx(angles, abs=1e-15)
+    found = differences()
+    largest = found[MUJOCO]
+    assert largest is not None
+    assert largest <= TOLERANCE
+    assert chapter5_checks.toolboxes(found).holds
+    assert not chapter5_checks.toolboxes({**found, "another": 2e-14}).holds

@@ -177,7 +177,8 @@ def shifts_motor(results: Results, file: Path) -> Drawn:
         "Motor errors for shifts from 1 to 8 samples. The thesis finds the differences rather "
         "small. Motors 4 and 6, whose response the criterion describes, learn fastest with a shift "
         "near their delay and end alike; the slower motors 3 and 5 profit from any further sample.",
-        tables=[Table("Error at k = 5, (9.5)", ["δ", *figures.MOTORS], rows)],
+        bands.shift_motor(results),
+        [Table("Error at k = 5, (9.5)", ["δ", *figures.MOTORS], rows)],
     )
 
 
