@@ -35,8 +35,10 @@ def friction(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> No
     data = cut.motor_torque - run.motor_torque + simulated
     figure = new_figure(9.6, 5.4)
     panels = figure.subplots(2, 3)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.11, top=0.86, wspace=0.28, hspace=0.42)
-    figure.suptitle(f"Friction of {cut.name}: measured, and the twin's curve", x=0.02, ha="left")
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.11, top=0.84, wspace=0.28, hspace=0.42)
+    title = "Friction of {}: measured, and the twin's curve of steady sliding.\n{}"
+    before = "Near zero speed the bristles give way first: points lie beside the curve."
+    figure.suptitle(title.format(cut.name, before), x=0.02, ha="left", fontsize=10)
     for i, axes in enumerate(panels.flat):
         on = cut.moving
         axes.plot(speed[on, i], data[on, i], ".", ms=2, color=COLORS[5], label="measured")
@@ -47,7 +49,8 @@ def friction(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> No
             axes.set_ylabel("torque [N m]")
         if i >= 3:
             axes.set_xlabel("motor speed [rad/s]")
-    panels.flat[0].legend(frameon=False, loc="upper left", markerscale=4)
+    handles, labels = panels.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper right", ncols=2, frameon=False, markerscale=4)
     save(figure, file)
 
 
@@ -58,7 +61,7 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 
 
 def residuals(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> None:
-    """What is left of each cut's tool path: by the design, by a twin of the others, by the twin."""
+    """RMS of the tool's path that is left of each cut: by design, twin of the others, twin."""
     twin, quality = found.twin, found.identified.quality
     before = [
         _rms(Against(twin.design, twin.parameters, cut).residuals(twin.parameters.mean).tool)
@@ -69,19 +72,25 @@ def residuals(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> N
         ("twin of the other cuts", quality.held_out, COLORS[4]),
         ("twin", quality.within, COLORS[0]),
     )
-    figure = new_figure(max(4.8, 0.8 * len(cuts) + 2.4), 4.0)
+    width = max(6.0, 0.9 * len(cuts) + 1.2)
+    figure = new_figure(width, 4.0)
     axes = figure.add_subplot()
-    figure.subplots_adjust(left=0.14, right=0.985, bottom=0.14, top=0.78)
-    figure.suptitle("Tool path that is not explained", x=0.02, ha="left")
+    figure.subplots_adjust(left=0.7 / width, right=1.0 - 0.1 / width, bottom=0.13, top=0.8)
+    title = "Motion of the tool beyond that of its motors: what a model does not explain"
+    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
     place = np.arange(len(cuts))
     for i, (label, values, color) in enumerate(bars):
         heights = 1e6 * np.asarray(values)
-        axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
-    axes.set_yscale("log")
+        bars_of = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
+        axes.bar_label(bars_of, [_whole(height) for height in heights], fontsize=7, padding=1)
     axes.set_ylabel("RMS [µm]")
     axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
-    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
     save(figure, file)
+
+
+def _whole(microns: float) -> str:
+    return f"{microns:.0f}" if np.isfinite(microns) else ""
 
 
 def _rms(path: Array) -> float:

@@ -18,6 +18,8 @@ COLOURS = 256
 """Size of a picture's palette: drawings lose nothing by it."""
 DRAWING_TIME = 120.0
 """Longest wait for the browser to draw the replay on the CPU [s]."""
+HOUSE = ((-10.0, -6.0), (10.0, -6.0), (10.0, 6.0), (0.0, 9.0), (-10.0, 6.0))
+"""[mm], corners of the part in docs/examples/house.toml."""
 LAYOUT_TIME = 4.0
 """Wait for the browser to lay out the text as well [s]."""
 
@@ -96,7 +98,22 @@ def _is_drawn(png: bytes) -> bool:
     return bool(min(drawn) > 500)
 
 
+def first_cut(_run: Path, file: Path) -> None:
+    """A part that a robot never cut: uncorrected, by its twin of four cuts, and after learning."""
+    from armside.sim.cell import TOOL_QUATERNION, ToolPose
+    from armside.sim.cut.polyline import rounded
+    from armside.sim.laser.specification import Cut
+    from armside.sim.robot.spread import Drawn
+
+    from .first_cut import draw
+
+    place = ToolPose((1.6, 0.35, 1.4), TOOL_QUATERNION)
+    part = Cut(pose=place, contour=rounded(1e-3 * np.array(HOUSE), 1.5e-3), speed=0.040)
+    draw(file, part, Drawn(1004), cuts=4)
+
+
 PICTURES: Mapping[str, Callable[[Path, Path], object]] = {
+    "first-cut": first_cut,
     "circles": lambda run, file: shutil.copy(run / "circles.png", file),
     "errors": lambda run, file: shutil.copy(run / "errors.png", file),
     "picture": picture,

@@ -21,6 +21,8 @@ REFERENCE = "#9A9A9A"
 SHOWN_DEVIATION = 0.6
 """Largest magnified deviation in `circles.png`, relative to the shape's half-width."""
 MOST_PANELS = 12
+SHORT = 10
+"""Letters of a panel's name that leave room for its numbers in the same line."""
 
 
 def circles(
@@ -31,14 +33,16 @@ def circles(
     rms: Sequence[float | None],
     maxdev: Sequence[float | None],
     title: str = "Tool path at every iteration",
-    iterations: Sequence[int] | None = None,
+    names: Sequence[str] | None = None,
+    label: str = "measured",
 ) -> None:
     """Reference and measured path, a panel per iteration, deviations magnified. Thesis Fig 9.10.
 
     reference: (M, 2) closed path [m] in the plane of the shape, moved to the origin.
     measured: for each iteration k, (M_k, 2) [m], registered to the reference.
     rms, maxdev: for each iteration [m], written above its panel.
-    iterations: k of each measured path; 0, 1, 2 ... if None.
+    names: of each measured path; k = 0, k = 1 ... if None.
+    label: of the paths in the legend.
     All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
     Points that are not finite (a lost beam, a run that diverged) leave a gap.
     """
@@ -53,18 +57,20 @@ def circles(
     reach = 1.06 * _largest([closed, *magnified])
     scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
-    names = range(len(measured)) if iterations is None else iterations
+    if names is None:
+        names = [f"k = {k}" for k in range(len(measured))]
     shown = _panels(len(measured))
-    figure, panels = _panel_grid(len(shown))
+    between = "\n" if max(map(len, names)) > SHORT else "    "
+    figure, panels = _panel_grid(len(shown), n_lines=1 + between.count("\n"))
     figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
     for axes, k in zip(panels, shown, strict=True):
         axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
-        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"measured, {scale}")
+        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"{label}, {scale}")
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
         numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
-        axes.set_title(f"k = {names[k]}    {numbers}", fontsize=9)
+        axes.set_title(f"{names[k]}{between}{numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
     save(figure, file)
@@ -123,9 +129,10 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def _panel_grid(n_panels: int) -> tuple[Figure, list[Axes]]:
-    """Square panels, placed by hand [inch]: a layout engine would draw everything twice."""
-    side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.7
+def _panel_grid(n_panels: int, n_lines: int = 1) -> tuple[Figure, list[Axes]]:
+    """Square panels below titles of `n_lines`, placed by hand [inch]: a layout engine would draw
+    everything twice."""
+    side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.53 + 0.17 * n_lines
     n_columns = min(3, n_panels)
     n_rows = -(-n_panels // n_columns)
     width = left + n_columns * side + (n_columns - 1) * gap + right

@@ -7,7 +7,7 @@ import numpy as np
 
 from .identification import Identification, Identified, identify
 from .measured import MeasuredCut
-from .plausible import ImplausibleError, check_all
+from .plausible import ImplausibleError, check
 from .twin import Twin, design_of, robot_digest
 
 _OUTLIER = 5.0
@@ -47,7 +47,8 @@ def commission(
     if not cuts:
         raise ValueError("commissioning needs one recorded cut or more")
     design = design_of(robot, payload)
-    check_all(design, cuts)
+    for cut in cuts:
+        check(design, cut)
     found = identify(design, cuts, cfg, progress)
     _check_agreement(cuts, found)
     twin = Twin(

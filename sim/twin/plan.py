@@ -19,7 +19,7 @@ from ..laser.experiment import prepare
 from ..laser.specification import Cut
 from ..robot.mjcf import N_AXES
 from .identification import Identification, parameters_of
-from .measured import MeasuredCut
+from .measured import MeasuredCut, measured
 from .sensitivities import Against
 from .simulation import Design, motor_path, tool_path
 
@@ -57,6 +57,12 @@ def plan(count: int) -> tuple[Cut, ...]:
     if not 1 <= count <= MOST:
         raise ValueError(f"cuts must be from 1 to {MOST}, got {count}")
     return tuple(CANDIDATES[i] for i in _ORDER[:count])
+
+
+def recorded(cut: Cut, name: str, seed: int) -> MeasuredCut:
+    """Record of an uncorrected cut by the virtual robot. Raises ValueError as `prepare`."""
+    experiment = prepare(cut, seed=seed)
+    return measured(experiment.plant.run(np.zeros_like(experiment.loaded.reference)), name)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Checks of recorded cuts against the nominal robot, before anything is identified from them."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from armside.arrays import Array
@@ -28,16 +26,25 @@ class ImplausibleError(InputError):
     """A recording that cannot be of this robot, or not in the stated units."""
 
 
-def check(design: Design, cut: MeasuredCut, nominal_torque: Array) -> None:
-    """Raise ImplausibleError for a cut that the nominal robot could not have made.
+def check(design: Design, cut: MeasuredCut) -> None:
+    """Raise ImplausibleError for a cut that the nominal robot could not have made."""
+    _check_numbers(cut)
+    _check_motors(cut)
+    if cut.tool is not None:
+        _check_tool(design, cut, cut.tool)
+    _check_torque(cut, design.run([Individual()], cut.reference, cut.correction)[0].motor_torque)
 
-    nominal_torque: (N, 6) [N m], of the nominal robot with the same reference.
-    """
-    signals = ("reference", "correction", "motor_angle", "motor_torque", "tool")
-    for name in signals:
+
+def _check_numbers(cut: MeasuredCut) -> None:
+    for name in ("reference", "correction", "motor_angle", "motor_torque", "tool"):
         values = getattr(cut, name)
         if values is not None and not np.isfinite(values).all():
             raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
+
+
+def _check_motors(cut: MeasuredCut) -> None:
+    if not cut.moving.any():
+        raise ImplausibleError(f"{cut.name}: the reference never moves")
     error = np.abs(cut.motor_angle - cut.reference - cut.correction).max(axis=0)
     axis = int(error.argmax())
     if error[axis] > _LARGEST_ERROR:
@@ -45,23 +52,11 @@ def check(design: Design, cut: MeasuredCut, nominal_torque: Array) -> None:
             f"{cut.name}: motor {axis + 1} is up to {error[axis]:.3g} rad from its reference: "
             "another robot, or another unit"
         )
-    on = cut.moving
-    nominal = nominal_torque[on]
-    gain = float(np.vdot(nominal, cut.motor_torque[on]) / np.vdot(nominal, nominal))
-    low, high = _TORQUE_GAIN
-    if not low < gain < high:
-        raise ImplausibleError(
-            f"{cut.name}: motor_torque is {gain:.3g} times that of the nominal robot; "
-            "it must be in N m of the motor, before the gear"
-        )
-    if cut.tool is not None:
-        _check_tool(design, cut)
 
 
-def _check_tool(design: Design, cut: MeasuredCut) -> None:
-    assert cut.tool is not None
+def _check_tool(design: Design, cut: MeasuredCut, tool: Array) -> None:
     path = rigid_path(design.model, cut.motor_angle)
-    off = float(np.abs(cut.tool - from_rest(path)).max())
+    off = float(np.abs(tool - from_rest(path)).max())
     if off > _LARGEST_PATH_ERROR:
         raise ImplausibleError(
             f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put it: "
@@ -76,8 +71,14 @@ def _check_tool(design: Design, cut: MeasuredCut) -> None:
             )
 
 
-def check_all(design: Design, cuts: Sequence[MeasuredCut]) -> None:
-    """`check` of each cut; raises for the first that fails."""
-    for cut in cuts:
-        run = design.run([Individual()], cut.reference, cut.correction)[0]
-        check(design, cut, run.motor_torque)
+def _check_torque(cut: MeasuredCut, nominal: Array) -> None:
+    """nominal: (N, 6) [N m], of the nominal robot with the same reference."""
+    on = cut.moving
+    nominal = nominal[on]
+    gain = float(np.vdot(nominal, cut.motor_torque[on]) / np.vdot(nominal, nominal))
+    low, high = _TORQUE_GAIN
+    if not low < gain < high:
+        raise ImplausibleError(
+            f"{cut.name}: motor_torque is {gain:.3g} times that of the nominal robot; "
+            "it must be in N m of the motor, before the gear"
+        )

@@ -37,6 +37,8 @@ def read_cut(source: Path) -> MeasuredCut:
         table = read_table(file)
     except (OSError, ValueError, pa.ArrowInvalid) as error:
         raise InputError(f"{source} is no recorded cut: {error}") from error
+    if table.num_rows == 0:
+        raise InputError(f"{source} is no recorded cut: it has no rows")
     if "k" in table.column_names:
         table = table.filter(pc.field("k") == pc.scalar(table["k"][0].as_py()))
     try:

@@ -143,8 +143,8 @@ def test_a_recording_that_cannot_be_is_named(twin, passes, change, said):
     cut = measured(passes[0], "cut-7")
     bad = replace(cut, **change(cut))
     with pytest.raises(ImplausibleError, match=f"cut-7: .*{said}"):
-        check(twin.design, bad, passes[0].recording.motor_torque)
-    check(twin.design, cut, passes[0].recording.motor_torque)
+        check(twin.design, bad)
+    check(twin.design, cut)
 
 
 def test_a_measured_cut_holds_no_ground_truth(passes):
