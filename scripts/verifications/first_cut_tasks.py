@@ -59,22 +59,29 @@ def tasks(count: int, seed: int) -> list[tuple[str, Cut]]:
 
 
 def tasks_beyond(count: int, seed: int) -> list[Cut]:
-    """Cuts beyond what a twin was commissioned with: faster, sharper, farther, heavier."""
+    """Cuts beyond what a twin was commissioned with: faster, smaller, farther, heavier.
+
+    So far that drives reach their limits and gears do not leave their lost motion: where a twin is
+    only a little off its range, nothing ends badly and a guard has nothing to find.
+    """
     rng = np.random.default_rng(seed)
     found = list[Cut]()
     while len(found) < count:
         ((_, cut),) = tasks(1, int(rng.integers(2**31)))
-        more = rng.random(4) < 0.5
+        more = rng.random(4) < 0.4
         if more[0]:
-            limits = PathLimits(acceleration=float(rng.uniform(2.0, 8.0)))
-            cut = replace(cut, speed=float(rng.uniform(0.1, 0.2)), limits=limits)
+            limits = PathLimits(acceleration=float(rng.uniform(2.0, 16.0)))
+            cut = replace(cut, speed=float(rng.uniform(0.1, 0.7)), limits=limits)
         if more[1]:
-            cut = replace(cut, contour=Circle(float(rng.uniform(0.001, 0.003))))
+            radius = float(np.exp(rng.uniform(np.log(2e-4), np.log(3e-3))))
+            cut = replace(
+                cut, contour=Circle(radius), speed=float(rng.uniform(0.1, 1.0) * cut.speed)
+            )
         if more[2]:
-            place = rng.uniform((1.0, -1.2, 0.5), (2.5, 1.2, 2.3))
+            place = rng.uniform((0.8, -1.6, 0.3), (2.7, 1.6, 2.5))
             cut = replace(cut, pose=ToolPose(_triple(place), cut.tool_pose.quaternion))
         if more[3]:
-            cut = replace(cut, payload=float(rng.uniform(1.0, 120.0)))
+            cut = replace(cut, payload=float(rng.uniform(1.0, 250.0)))
         if more.any() and _can_be_made(cut):
             found.append(cut)
     return found

@@ -34,7 +34,7 @@ class Corrected:
 
 
 LARGEST_FRACTION = 0.3
-"""Expected error over that without correction, from which on no correction is used."""
+"""Upper end of the predicted error over that without correction, from which on none is used."""
 
 
 def correct(
@@ -74,7 +74,7 @@ def correct(
 def _distrust(prediction: Prediction) -> str | None:
     if not np.isfinite(prediction.high):
         return "the twin becomes unstable with its correction"
-    fraction = prediction.expected / prediction.uncorrected
+    fraction = prediction.high / prediction.uncorrected
     if fraction > LARGEST_FRACTION:
-        return f"{100 * fraction:.0f} % of the error would be left"
+        return f"up to {100 * fraction:.0f} % of the error would be left"
     return None

@@ -31,7 +31,7 @@ class Identification:
 
     steps: int = 6
     """Of Gauss-Newton."""
-    linearised: tuple[int, ...] = (0, 2, 4)
+    linearised: tuple[int, ...] = (0, 1, 3, 5)
     """Steps that compute sensitivities anew; the others keep the last."""
     correlation: float = 3.0
     """Scale of torque residuals over their root mean square, as if samples were independent."""

@@ -1,10 +1,10 @@
 """Predicted tool error of a corrected first run, with an interval.
 
-    expected^2 = b^2 (s^2 + (a h)^2)        interval = expected * (low, high)
+    expected^2 = e^2 + b^2 (s^2 - e^2) + (a h)^2        interval = expected * (low, high)
 
-s is the root mean square error of the individuals around the twin, h the residual of cuts that the
-twin was not identified from. a, b, low and high were fitted to 36 cuts of the individuals 1002,
-1003 and 1008, which are not the judged ones: there log(expected) and log(error) correlate by 0.87.
+e is the error inside the twin, s the root mean square error of the individuals around it, h the
+residual of cuts that the twin was not identified from. a, b, low and high were fitted to cuts of
+the individuals `DEVELOPMENT` of `armside verify first-cut`, which are not the judged ones.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ import numpy as np
 
 from armside.arrays import Array
 
-_RESIDUAL, _SCALE = 0.15, 0.8
-"""a and b."""
-_LOW, _HIGH = 0.6, 1.75
+_RESIDUAL, _SPREAD = 0.5, 0.4
+"""a and b. Individuals differ from the twin by less than the draws: b < 1."""
+_LOW, _HIGH = 0.45, 1.5
 """Of 90 %."""
 
 
@@ -35,7 +35,8 @@ class Prediction:
 
 def predicted(uncorrected: float, inside: float, around: Array, residual: float) -> Prediction:
     """Prediction from errors around the twin (n,) [m] and the residual of held-out cuts [m]."""
-    expected = _SCALE * float(np.sqrt(np.mean(around**2) + (_RESIDUAL * residual) ** 2))
+    spread = max(float(np.mean(around**2)) - inside**2, 0.0)
+    expected = float(np.sqrt(inside**2 + _SPREAD**2 * spread + (_RESIDUAL * residual) ** 2))
     return Prediction(
         uncorrected=uncorrected,
         inside=inside,

@@ -168,7 +168,7 @@ def test_a_prediction_that_leaves_too_much_is_not_trusted():
     good = Prediction(uncorrected=1e-4, inside=1e-6, expected=1e-5, low=5e-6, high=2e-5)
     assert _distrust(good) is None
     much = (LARGEST_FRACTION + 0.01) * good.uncorrected
-    assert "would be left" in str(_distrust(replace(good, expected=much)))
+    assert "would be left" in str(_distrust(replace(good, high=much)))
     assert "unstable" in str(_distrust(replace(good, expected=np.nan, high=np.nan)))
 
 
