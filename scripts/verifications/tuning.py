@@ -11,6 +11,7 @@ import numpy as np
 
 from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.evaluation.interval import mean_interval
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.evaluation import Episode, Policy, always, evaluate
@@ -22,7 +23,6 @@ from ..studies.tuned_design import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"
 DATA_SEED = 1  # seed of the experiments that models are identified from
-NORMAL_95 = 1.96  # standard errors to either side of a mean
 TWICE = 10  # iterations, twice the budget that was searched and trained with
 SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
 
@@ -107,8 +107,8 @@ def _against(one: np.ndarray, other: np.ndarray) -> str:
     """Geometric mean of one over the other in the same episodes, its interval, and episodes won."""
     if one is other:
         return "-"
-    gain, error = _paired(one, other)
-    mean, low, high = np.exp(gain.mean() + error * np.array([0.0, -NORMAL_95, NORMAL_95]))
+    gain = one - other
+    mean, low, high = np.exp([gain.mean(), *mean_interval(gain)])
     won = int((gain < 0.0).sum())
     return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
 
