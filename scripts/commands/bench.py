@@ -16,7 +16,10 @@ from ..shell.console import Report, keep
 from ..shell.options import Common
 from ..shell.registry import unknown
 
-BENCHMARKS = ("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start")
+BENCHMARKS = (
+    *("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start"),
+    "commission",
+)
 """A new benchmark is a name here and two lines in `load`."""
 
 COLUMNS = ("", "ours", "peer", "theirs", "ours / theirs")
@@ -45,6 +48,8 @@ def load(name: str) -> Callable[[], Sequence[Row]]:
             from ..benchmarks.sweep import sweep as benchmark
         case "start":
             from ..benchmarks.start import start as benchmark
+        case "commission":
+            from ..benchmarks.commission import commission as benchmark
         case _:
             raise unknown("benchmark", name, BENCHMARKS)
     return benchmark

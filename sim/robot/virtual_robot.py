@@ -5,7 +5,7 @@ run, servo included, is one call of `mujoco.rollout` with no Python in the step 
 """
 
 import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -26,6 +26,19 @@ LOG_PERIOD = 0.004
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
+@dataclass(frozen=True, eq=False)
+class Commanded:
+    """What a controller makes of a reference, whichever individual it drives; arm side."""
+
+    reference: Array
+    """(N, 6) [rad], at the log rate."""
+    position: Array
+    velocity: Array
+    """(M, 6) [rad] and [rad/s], the reference at each physics step."""
+    torque: Array
+    """(M, 6) [N m], feedforward."""
+
+
 class VirtualRobot:
     """A robot individual with its controller. `load` a reference, then run it repeatedly."""
 
@@ -42,20 +55,27 @@ class VirtualRobot:
         self._nominal = nominal or self._statics
         self._ratio = substeps(model.timestep, log_period)
 
-    def load(self, reference: Array, *, motors_on_at: float = 0.0) -> LoadedReference:
+    def commanded(self, reference: Array) -> Commanded:
+        """The controller's part of `load`. Raises ValueError as it does for a reference."""
+        reference = checked_signal(reference, "reference")
+        position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
+        torque = self._feedforward(reference, velocity)
+        return Commanded(reference, position, velocity, torque)
+
+    def load(self, reference: Array | Commanded, *, motors_on_at: float = 0.0) -> LoadedReference:
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
         Args:
             reference: (N, 6) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
+                Or what the controller of another individual of the same robot made of it.
             motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
 
         Raises ValueError for a wrong shape, values that are not finite, a robot without the brakes
         asked for, or a load at the tool that its drives cannot hold.
         """
-        reference = checked_signal(reference, "reference")
+        asked = reference if isinstance(reference, Commanded) else self.commanded(reference)
         model, drives = self.model, self.model.drives
-        position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
-        torque = self._feedforward(reference, velocity)
+        position, velocity, torque = asked.position, asked.velocity, asked.torque
         hinge_speed = drives.velocity_feedforward * velocity
         if model.gear_error is not None:
             # The servo brings the measured angle q - epsilon(q) to the reference.
@@ -63,7 +83,7 @@ class VirtualRobot:
             position = position + model.gear_error(position)
         start = self._statics.equilibrium(position[0])
         _check_holds(model, start.holding_torque)
-        torque += start.holding_torque - _ripple(model, start.qpos) - torque[0]
+        torque = torque + (start.holding_torque - _ripple(model, start.qpos) - torque[0])
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
             model = _braked_at(model, position[0])
@@ -74,7 +94,7 @@ class VirtualRobot:
             model=model,
             log_period=self.log_period,
             ratio=self._ratio,
-            reference=reference,
+            reference=asked.reference,
             controls=motor_controls(model, position, hinge_speed, torque),
             powered=powered,
             initial_state=_initial_state(model.mj, start.qpos),

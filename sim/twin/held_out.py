@@ -9,48 +9,27 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .normal_equations import Solving, grouped
-from .sensitivities import Columns, Residuals
-from .tool_sensor import Channels
+from .normal_equations import Compared, Solving, together
 
 
-def held_out(
-    solving: Solving,
-    residuals: Sequence[Residuals],
-    columns: Sequence[Columns],
-    channels: Sequence[Channels],
-) -> tuple[Array, Array]:
+def held_out(solving: Solving, cuts: Sequence[Compared]) -> tuple[Array, Array]:
     """Root mean square of the tool's residual of each cut, left out and included: (c,), (c,).
 
     In the unit of the sensor. A single cut cannot be left out: NaN.
     """
-    every = range(len(residuals))
-    whole = solving.solve(grouped(residuals, columns, channels)).change
-    without = [
-        _tool_residual(
-            residuals[i], columns[i], _left_out(solving, residuals, columns, channels, i)
-        )
-        for i in every
-    ]
-    within = [_tool_residual(residuals[i], columns[i], whole) for i in every]
+    whole = solving.solve(together(cuts)).change
+    without = [_tool_residual(cut, _left_out(solving, cuts, cut)) for cut in cuts]
+    within = [_tool_residual(cut, whole) for cut in cuts]
     return np.array(without), np.array(within)
 
 
-def _left_out(
-    solving: Solving,
-    residuals: Sequence[Residuals],
-    columns: Sequence[Columns],
-    channels: Sequence[Channels],
-    i: int,
-) -> Array:
-    others = [j for j in range(len(residuals)) if j != i]
+def _left_out(solving: Solving, cuts: Sequence[Compared], cut: Compared) -> Array:
+    others = [other for other in cuts if other is not cut]
     if not others:
         return np.full(solving.parameters.size, np.nan)
-    return solving.solve(
-        grouped([residuals[j] for j in others], [columns[j] for j in others], channels)
-    ).change
+    return solving.solve(together(others)).change
 
 
-def _tool_residual(residual: Residuals, columns: Columns, change: Array) -> float:
-    left = residual.tool - columns.tool @ change
+def _tool_residual(cut: Compared, change: Array) -> float:
+    left = cut.residuals.tool - cut.columns.tool @ change
     return float(np.sqrt(np.mean(np.sum(left**2, axis=1))))

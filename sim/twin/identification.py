@@ -7,22 +7,29 @@ samples and must not count as if it were noise.
 """
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 
 from armside.arrays import Array
 
+from ..cores import cores
 from ..robot.individual import structure_hinges
 from ..robot.mjcf import N_AXES
 from .held_out import held_out
 from .measured import MeasuredCut
-from .normal_equations import Solving, grouped
+from .normal_equations import Compared, Solving, compared, together
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
-from .sensitivities import Against, Columns, Residuals
+from .sensitivities import Against, Residuals
 from .simulation import Design
 from .tool_sensor import ToolSensor
 from .tracker_residuals import TRACKER
+
+_AT_ONCE = 4
+"""Cuts at most, whose simulations and equations are under way: what is Python in one goes on while
+the physics of others runs. Each takes 0.15 GB."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,25 +103,21 @@ def identify(
         np.full(N_AXES, cfg.correlation), [channel.correlation for channel in channels]
     )
     solving = Solving(parameters, parameters.mean, least, correlation)
-    residuals, columns = list[Residuals](), list[Columns]()
-    covariance, scales, last = np.diag(parameters.standard_deviation**2), least, solving
-    for step in range(cfg.steps):
-        theta = solving.theta
-        residuals = []
-        for i, against in enumerate(each):
-            if step in cfg.linearised:
-                found, sensitive = against.linearised(theta)
-                columns[i : i + 1] = [sensitive]
-            else:
-                found = against.residuals(theta)
-            residuals.append(found)
-            progress()
-        groups = grouped(residuals, columns, channels)
-        last = solving
-        solved = solving.solve(groups[:N_AXES] if step == 0 else groups)
-        solving = replace(solving, theta=theta + solved.change)
-        covariance, scales = solved.covariance, solved.scales
-    without, within = held_out(last, residuals, columns, channels)
-    torque = np.array([torque_rms(residual) for residual in residuals])
+    found, last = list[Compared](), solving
+    covariance, scales = np.diag(parameters.standard_deviation**2), least
+    with ThreadPoolExecutor(min(cores(), _AT_ONCE)) as pool:
+        for step in range(cfg.steps):
+            anew = step in cfg.linearised
+            known = [None] * len(each) if anew else [cut.columns for cut in found]
+            found = list[Compared]()
+            for cut in pool.map(compared, each, repeat(solving.theta), known):
+                found.append(cut)
+                progress()
+            groups, last = together(found), solving
+            solved = solving.solve(groups[:N_AXES] if step == 0 else groups)
+            solving = replace(solving, theta=solving.theta + solved.change)
+            covariance, scales = solved.covariance, solved.scales
+    without, within = held_out(last, found)
+    torque = np.array([torque_rms(cut.residuals) for cut in found])
     quality = Quality(scales, without, within, torque)
     return Identified(parameters, solving.theta, covariance, quality)

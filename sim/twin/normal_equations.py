@@ -6,6 +6,8 @@ explain lasts for many samples and must not count as if it were noise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -14,8 +16,7 @@ from armside.arrays import Array
 
 from ..robot.mjcf import N_AXES
 from .parameters import Parameters
-from .sensitivities import Columns, Residuals
-from .tool_sensor import Channels
+from .sensitivities import Against, Columns, Residuals
 
 _SCALINGS = 4
 """Turns of scales and solution."""
@@ -30,34 +31,55 @@ class Group:
     power: float
     rows: int
 
+    def __add__(self, other: "Group") -> "Group":
+        """Normal equations of the residuals of both."""
+        return Group(
+            self.information + other.information,
+            self.gradient + other.gradient,
+            self.power + other.power,
+            self.rows + other.rows,
+        )
+
     def left(self, change: Array) -> float:
         """Root mean square of the residual after a change of theta."""
         quadratic = change @ self.information @ change - 2.0 * change @ self.gradient
         return float(np.sqrt(max(self.power + quadratic, 0.0) / self.rows))
 
 
-def grouped(
-    residuals: Sequence[Residuals], columns: Sequence[Columns], channels: Sequence[Channels]
-) -> list[Group]:
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """One cut against a twin: residuals, their sensitivities, and both as normal equations."""
+
+    residuals: Residuals
+    columns: Columns
+    groups: Sequence[Group]
     """Torque of each axis, then the channels of the tool's sensor."""
-    pairs = list(zip(residuals, columns, strict=True))
+
+
+def compared(against: Against, theta: Array, columns: Columns | None) -> Compared:
+    """A cut against the twin of theta, with sensitivities from before, or anew if None."""
+    if columns is None:
+        residuals, columns = against.linearised(theta)
+    else:
+        residuals = against.residuals(theta)
+    on, m = residuals.moving, columns.tool.shape[-1]
     torque = [
-        _group([(c.torque[r.moving, axis], r.torque[r.moving, axis]) for r, c in pairs])
-        for axis in range(N_AXES)
+        _group(columns.torque[on, axis], residuals.torque[on, axis]) for axis in range(N_AXES)
     ]
-    m, each = columns[0].tool.shape[-1], [channel.columns for channel in channels]
     tool = [
-        _group([(c.tool[:, at].reshape(-1, m), r.tool[:, at].ravel()) for r, c in pairs])
-        for at in each
+        _group(columns.tool[:, at].reshape(-1, m), residuals.tool[:, at].ravel())
+        for at in (channel.columns for channel in against.sensor.channels)
     ]
-    return [*torque, *tool]
+    return Compared(residuals, columns, [*torque, *tool])
 
 
-def _group(parts: Sequence[tuple[Array, Array]]) -> Group:
-    information = sum(A.T @ A for A, _ in parts)
-    gradient = sum(A.T @ b for A, b in parts)
-    power, rows = sum(float(b @ b) for _, b in parts), sum(len(b) for _, b in parts)
-    return Group(np.asarray(information), np.asarray(gradient), power, rows)
+def together(cuts: Sequence[Compared]) -> list[Group]:
+    """Normal equations of several cuts."""
+    return [reduce(add, groups) for groups in zip(*(cut.groups for cut in cuts), strict=True)]
+
+
+def _group(A: Array, b: Array) -> Group:
+    return Group(A.T @ A, A.T @ b, float(b @ b), len(b))
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,18 @@ class Design:
 
     def load(self, individual: Individual, reference: Array) -> LoadedReference:
         """A reference (N, 6) [rad] loaded into an individual of the design."""
+        return self._load_all([individual], reference)[0]
+
+    def _load_all(
+        self, individuals: Sequence[Individual], reference: Array
+    ) -> list[LoadedReference]:
+        """As `load`; the controller, which is the same for all, computes its part once."""
+        nominal = Statics(self.nominal or self.model)
+        robots = [self._robot(individual, nominal, reference) for individual in individuals]
+        commanded = robots[0].commanded(reference)
+        return [robot.load(commanded) for robot in robots]
+
+    def _robot(self, individual: Individual, nominal: Statics, reference: Array) -> VirtualRobot:
         model = embodied(
             bent(self.model, individual.hidden),
             replace(individual, hidden=()),
@@ -36,13 +48,13 @@ class Design:
             phi=reference[0],
             payload=self.payload,
         )
-        return VirtualRobot(model, nominal=Statics(self.nominal or self.model)).load(reference)
+        return VirtualRobot(model, nominal=nominal)
 
     def run(
         self, individuals: Sequence[Individual], reference: Array, correction: Array
     ) -> list[Recording]:
         """Noise-free runs of the same cut by several individuals, on all cores."""
-        loaded = [self.load(individual, reference) for individual in individuals]
+        loaded = self._load_all(individuals, reference)
         n = len(loaded)
         return run_batch(loaded, [correction] * n, [None] * n, threads=min(n, cores()))
 
