@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import compile, find_arm
 
 from . import twins
@@ -77,8 +78,23 @@ def make(folder: Path, run: Path) -> None:
     (folder / "folder").mkdir()
     (folder / "locked.toml").write_text("points = 1")
     _poses(folder / POSES)
+    _matlab(folder)
+    robot = Path(LARGE_ROBOT_XML).read_text(encoding="utf-8")
+    for name, change in MODELS.items():
+        (folder / name).write_text(robot.replace(*change, 1), encoding="utf-8")
     twins.make(folder)
     _copies(folder, run)
+
+
+def _matlab(folder: Path) -> None:
+    """Tables whose columns are no real numbers, or whose iterations are none."""
+    from scipy.io import savemat
+
+    n = 50
+    columns = {"time": np.arange(n) * 0.004, "reference_1": np.ones(n), "motor_angle_1": np.ones(n)}
+    savemat(folder / "complex.mat", columns | {"motor_angle_1": np.full(n, 1j)})
+    for name, k in {"nan-k.mat": np.nan, "huge-k.mat": 1e300, "half-k.mat": 0.5}.items():
+        savemat(folder / name, columns | {"k": np.full(n, k)})
 
 
 def _poses(file: Path, n: int = 60) -> None:
@@ -121,9 +137,18 @@ def _copies(folder: Path, run: Path) -> None:
 
 
 POSES = "poses.csv"
+MATLAB = ["complex.mat", "nan-k.mat", "huge-k.mat", "half-k.mat"]
+MODELS = {
+    "massless.xml": ('mass="', 'mass="-'),
+    "massive.xml": ('mass="', 'mass="1e300'),
+    "nan.xml": ('name="speed_limit" data="', 'name="speed_limit" data="nan '),
+    "backwards.xml": ('name="gear_ratio" data="', 'name="gear_ratio" data="-'),
+    "unstable.xml": ('stiffness="', 'stiffness="-'),
+}
+"""What is another text in a copy of the large robot, and which."""
 NEVER = ["none.toml", "folder", "fifo.toml", "torn.toml", "damaged.mat", "damaged.h5", "torn.xml"]
 """Names of what is no file that any command reads."""
-READ = [*GOOD, POSES, *BAD, *BYTES, *SPARSE, *NEVER, "undecodable-\udcff.toml"]
+READ = [*GOOD, POSES, *BAD, *BYTES, *MATLAB, *MODELS, *SPARSE, *NEVER, "undecodable-\udcff.toml"]
 """Names of files that are given to be read, one of which does not exist."""
 RUNS = [
     *("run", "run-empty", "run-list", "run-foo", "run-robot", "run-shape", "run-seedless"),

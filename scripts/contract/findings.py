@@ -1,5 +1,6 @@
 """Command lines that once had the wrong status, no end, or the wrong words."""
 
+from .files import MATLAB, MODELS
 from .twins import TWINS
 
 INDIVIDUALS = ("individual", "friction", "axes", "hinge", "unknown", "latin", "fifo", "none")
@@ -43,6 +44,8 @@ _LINES = (
     "measure ../files/damaged.mat",
     "measure ../files/damaged.h5",
     "measure ../files/damaged.parquet",
+    *(f"measure ../files/{name} --gear 1" for name in MATLAB),
+    "measure ../files/run",
     "measure ../files/large.csv",
     "measure ../files/large.h5",
     "replay ../files/run-foo --save a.rrd",
@@ -51,6 +54,7 @@ _LINES = (
     "replay ../files/run-seedless --save a.rrd",
     "replay ../files/run-nameless --save a.rrd",
     "replay ../files/run --save /proc/a.rrd",
+    "replay ../files/run --save none/a.rrd",
     "replay ../files/run --save /dev/full",
     "convert ../files/run-nameless --file a.csv",
     "convert ../files/run-torn --file a.csv",
@@ -72,7 +76,10 @@ _LINES = (
     "calibrate --generations 999999999",
     "view --model ../files/still.xml",
     "laser --model ../files/still.xml",
+    *(f"laser {SHORT} --model ../files/{name}" for name in MODELS),
     "laser --contour ../files/torn.dxf",
+    "laser --contour ../files/large.toml",
+    "imu --program ../files/large.toml",
     "laser --contour ../files/fifo.toml",
     "laser --contour ../files/undecodable-\udcff.toml",
     *(f"laser {SHORT} --twin ../files/{name}" for name in TWINS),

@@ -14,6 +14,8 @@ PATIENCE = 60.0
 LONG = frozenset({"bench", "calibrate", "compare", "gallery", "identify", "reproduce", "verify"})
 """Commands that may take minutes, and are interrupted without having broken the contract."""
 NOT_A_NUMBER = re.compile(r"(?<![\w./-])[-+]?(nan|inf|infinity)(?![\w./-])", re.IGNORECASE)
+WAITING = re.compile(r"^armside: waiting for .*\n", re.MULTILINE)
+"""Said on stderr after seconds, as on a busy machine."""
 RULES = (
     "no traceback",
     "the status is 0, 1, 2 or 130",
@@ -33,7 +35,7 @@ def broken(line: Line, outcome: Outcome, left: list[str], patience: float) -> li
     left: names of what it has left in its folder. patience: [s] of the processor, after which
     it got Ctrl-C; less than PATIENCE breaks no rule.
     """
-    status, out, err = outcome.status, outcome.out, outcome.err
+    status, out, err = outcome.status, outcome.out, WAITING.sub("", outcome.err)
     ran_on = outcome.interrupted and patience >= PATIENCE
     found = {
         RULES[0]: "Traceback" in out + err,

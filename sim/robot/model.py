@@ -12,6 +12,7 @@ from armside.arrays import Array
 from .drives import Drives, GearError, read_drives
 from .linkage import passive_joints
 from .mjcf import AXES, N_AXES, ModelError, axis_actuators, has, numeric, require_names
+from .plausible import refuse_implausible, refuse_negative_mass
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +82,7 @@ def robot_model(spec: mujoco.MjSpec) -> RobotModel:
 
 def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
     require_names(mj)
+    refuse_implausible(mj)
     motor = _dofs(mj, "motor")
     sensors = map(mj.sensor, range(mj.nsensor))
     return RobotModel(
@@ -101,6 +103,7 @@ def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
 def _parsed(path: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
+        refuse_negative_mass(spec)
         return spec, spec.compile()
     except ValueError as error:
         first_line = str(error).strip().splitlines()[0]

@@ -52,6 +52,12 @@ def test_the_contract_notices_each_way_to_break_it(rule, kind, changes, left):
     assert RULES[rule] in broken(asked, GOOD._replace(**changes), left, 60.0)
 
 
+def test_a_line_may_say_what_it_waits_for():
+    slow = GOOD._replace(status=0, err="armside: waiting for storage 'x'\n")
+    assert not broken(Line(("tune",), Kind.ABSURD), slow, [], 60.0)
+    assert broken(Line(("tune",), Kind.ABSURD), slow._replace(err=slow.err + "more\n"), [], 60.0)
+
+
 @pytest.mark.parametrize("text", ["financial", "banana", "Infineon", "runs/nan.csv", "info"])
 def test_a_word_is_not_taken_for_a_number(text):
     done = GOOD._replace(status=0, err="", out=text)
