@@ -9,6 +9,7 @@ import os
 import resource
 import signal
 import sys
+from collections.abc import Callable
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from pathlib import Path
 from typing import NamedTuple
@@ -56,13 +57,19 @@ def server() -> ForkServerContext:
 
 
 def run(
-    context: ForkServerContext, words: tuple[str, ...], folder: Path, patience: float
+    context: ForkServerContext,
+    words: tuple[str, ...],
+    folder: Path,
+    patience: float,
+    fault: Callable[[], None] | None = None,
 ) -> Outcome:
-    """Run a command line in an empty folder, whose parent gets what it prints.
+    """Run a command line in a folder, whose parent gets what it prints.
 
-    patience: [s] of the processor, after which it gets Ctrl-C.
+    patience: [s] of the processor, after which it gets Ctrl-C. fault: called in its process before
+    it begins.
     """
-    process: ForkServerProcess = context.Process(target=_main, args=(words, str(folder), patience))
+    args = (words, str(folder), patience, fault)
+    process: ForkServerProcess = context.Process(target=_main, args=args)
     process.start()
     process.join(LONGEST)
     status = process.exitcode
@@ -82,7 +89,9 @@ def _read(folder: Path, name: str) -> str:
     return ""
 
 
-def _main(words: tuple[str, ...], folder: str, patience: float) -> None:
+def _main(
+    words: tuple[str, ...], folder: str, patience: float, fault: Callable[[], None] | None
+) -> None:
     os.environ.pop("DISPLAY", None)
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{folder}.{name}", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
@@ -100,6 +109,8 @@ def _main(words: tuple[str, ...], folder: str, patience: float) -> None:
     from .. import cli
     from ..shell.interrupts import SIGNALS
 
+    if fault is not None:
+        fault()
     sys.argv = ["armside", *words]
     status = cli.main()
     signal.setitimer(signal.ITIMER_PROF, 0.0)

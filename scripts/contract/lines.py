@@ -52,6 +52,8 @@ BASE: dict[str, tuple[str, ...]] = {
     "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
 }
 """Words that make a command short, unless an option takes their place."""
+FOR_EVER = ("--web",)
+"""Options that ask to go on until Ctrl-C, without work by which a limit could be kept."""
 WEIGHTS = {
     **{"laser": 5.0, "measure": 3.0, "sweep": 3.0, "design": 2.0, "replay": 2.0, "convert": 2.0},
     **dict.fromkeys(("bench", "calibrate", "gallery", "reproduce", "two-mass", "verify"), 0.5),
@@ -116,7 +118,7 @@ def line(seed: int) -> Line:
     names = list(cli.COMMANDS)
     weights = np.array([WEIGHTS.get(name, 1.0) for name in names])
     name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
-    known = options_of(cli.load(name))
+    known = [option for option in options_of(cli.load(name)) if option.name not in FOR_EVER]
     n = min(len(known), int(rng.choice([1, 2, 3], p=[0.5, 0.35, 0.15])))
     kinds = [Kind(int(k)) for k in rng.choice(4, n, p=[0.1, 0.15, 0.4, 0.35])]
     kinds[0] = max(kinds[0], Kind.BOUNDARY)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from armside.sim.evaluation.check import Check, Table
-from armside.sim.records.atomic import write_whole
+from armside.sim.records.atomic import remove_stale, write_whole
 from armside.sim.records.run_folder import check_destination
 from armside.sim.records.summary import dumps, plain
 
@@ -59,15 +59,17 @@ class ReportFolder:
     def __init__(self, path: Path) -> None:
         """Raises InputError unless the folder is new, empty, or an earlier report of ours."""
         self.path = path
+        remove_stale(path)  # of a process that was killed before its marker was there
         if not (path.is_dir() and _is_report(path)):
             check_destination(path)
         self.results, self.figures = path / RESULTS, path / FIGURES
 
     def begin(self, config: Any) -> None:
         """Make the folder and its marker: from here on an interrupted report can be resumed."""
-        self.figures.mkdir(parents=True, exist_ok=True)
-        (self.path / SECTIONS).mkdir(exist_ok=True)
+        self.path.mkdir(parents=True, exist_ok=True)
         write_whole(self.path / MARKER, dumps({"kind": KIND, "status": "begun", "config": config}))
+        self.figures.mkdir(exist_ok=True)
+        (self.path / SECTIONS).mkdir(exist_ok=True)
 
     def keep(self, section: Section) -> None:
         """Keep a section, in place of one of the same id."""
