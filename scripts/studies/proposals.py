@@ -46,7 +46,8 @@ def new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
             return self._of_trial.sample_independent(study, trial, param_name, param_distribution)
 
         def after_trial(self, study: Any, trial: Any, state: Any, values: Any) -> None:
-            self._of_trial.after_trial(study, trial, state, values)
+            if hasattr(self, "_of_trial"):  # none before a dead process's trial is given up
+                self._of_trial.after_trial(study, trial, state, values)
 
     return PerTrial()
 

@@ -77,15 +77,25 @@ def reaching(storage: str) -> Iterator[None]:
 @contextmanager
 def using(storage: str) -> Iterator[None]:
     """Work with an open storage: one that is lost on the way becomes RunFailed."""
+    try:
+        yield
+    except Exception as error:
+        if (lost := _lost(error)) is None:
+            raise
+        raise RunFailed(
+            f"storage {redacted(storage)!r} failed: {_reason(lost)}; it keeps finished trials"
+        ) from error
+
+
+def _lost(error: BaseException | None) -> BaseException | None:
+    """The storage's error that an error is, or was raised while handling: Optuna ends a trial in
+    a block of `finally`, which fails in its own way without a storage."""
     from optuna.exceptions import StorageInternalError
     from sqlalchemy.exc import SQLAlchemyError
 
-    try:
-        yield
-    except (SQLAlchemyError, StorageInternalError) as error:
-        raise RunFailed(
-            f"storage {redacted(storage)!r} failed: {_reason(error)}; it keeps finished trials"
-        ) from error
+    while error is not None and not isinstance(error, (SQLAlchemyError, StorageInternalError)):
+        error = error.__cause__ or error.__context__
+    return error
 
 
 def connect(storage: str) -> "optuna.storages.RDBStorage":

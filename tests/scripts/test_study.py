@@ -104,6 +104,30 @@ def test_the_thesis_design_is_tried_again_once_its_process_is_silent(tmp_path, m
     assert study.ask().suggest_float("gamma", 0.0, 1.0) == 0.9
 
 
+DIES = """
+import os, sys
+from armside.scripts.studies.processes import own_mark
+from armside.scripts.studies.storage import PROCESS
+from armside.scripts.studies.study import open_study
+trial = open_study(sys.argv[1], "a", {}, sampler="tpe", pruner="none", seed=0).ask()
+trial.suggest_float("gamma", 0.0, 1.0)
+trial.set_user_attr(PROCESS, own_mark())
+os.kill(os.getpid(), 9)
+"""
+
+
+@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
+def test_the_design_of_a_killed_process_is_tried_again_at_once(tmp_path, monkeypatch):
+    url = f"sqlite:///{tmp_path}/a.db"
+    assert subprocess.run([sys.executable, "-c", DIES, url], check=False).returncode == -9
+    study = open_study(url, "a", {}, sampler="tpe", pruner="none", seed=0)
+    (dead,) = study.trials
+    monkeypatch.setattr(time, "sleep", lambda _: pytest.fail("it is not waited for"))
+    studies.give_up_dead(study)
+    assert [t.state.name for t in study.trials] == ["FAIL", "WAITING"]
+    assert study.ask().suggest_float("gamma", 0.0, 1.0) == dead.params["gamma"]
+
+
 def test_each_motor_has_its_own_parameters():
     trial = optuna.create_study(sampler=optuna.samplers.RandomSampler(seed=0)).ask()
     design = suggest(trial, Motors.EACH)
@@ -136,16 +160,39 @@ def test_what_is_waited_for_is_said_and_then_what_was_wrong(armside, tmp_path, m
     assert "storage 'sqlite:///a.db' does not answer: database is locked" in wrong
 
 
-def test_a_storage_that_is_lost_is_one_line(armside, tmp_path, monkeypatch):
+def drop_table(file):
+    with closing(sqlite3.connect(file)) as database:
+        database.execute("DROP TABLE trials")
+
+
+def overwrite(file):
+    file.write_bytes(b"no database" * 1000)
+
+
+def remove(file):
+    file.unlink()
+    file.mkdir()
+
+
+LOST = {
+    drop_table: "no such table: trials",
+    overwrite: "file is not a database",
+    remove: "unable to open database file",
+}
+
+
+@pytest.mark.parametrize("lose", LOST)
+def test_a_storage_that_is_lost_is_one_line(armside, tmp_path, monkeypatch, lose):
     def lost(study, *_, **__):
-        with closing(sqlite3.connect(tmp_path / "a.db")) as database:
-            database.execute("DROP TABLE trials")
+        lose(tmp_path / "a.db")
+        study._storage.remove_session()
+        study._storage._backend.engine.dispose()
         study.get_trials()
 
     monkeypatch.setattr(tune, "search", lost)
     status, _, err = armside(f"tune {QUICK} --storage sqlite:///a.db")
     assert status == 1
-    assert "storage 'sqlite:///a.db' failed: no such table: trials" in err
+    assert f"storage 'sqlite:///a.db' failed: {LOST[lose]}" in err
     assert err.count("\n") == 1
 
 
@@ -281,3 +328,22 @@ def test_two_processes_share_one_study_in_postgresql(postgres, tmp_path):
     assert sorted(t.number for t in known) == list(range(len(known)))
     tried = [tuple(sorted(t.params.items())) for t in trials]
     assert len(set(tried)) >= len(tried) - 1  # both may have begun with the thesis's design
+
+
+def test_a_server_that_goes_away_in_mid_study_is_one_line(postgres, tmp_path):
+    """Its finished trials stay in it."""
+    command = [sys.executable, "-m", "armside.scripts.cli", "tune", *QUICK.split(), "--quiet"]
+    command += ["--trials", "1000", "--study", "a", "--storage", postgres]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as running:
+        storage = optuna.storages.RDBStorage(postgres)
+        for _ in range(600):
+            if any(study.n_trials > 2 for study in optuna.get_all_study_summaries(storage)):
+                break
+            time.sleep(0.1)
+        storage.engine.dispose()
+        (mark,) = Path(postgres.partition("host=")[2]).glob("**/postmaster.pid")
+        os.kill(int(mark.read_text().split()[0]), signal.SIGQUIT)
+        _, err = running.communicate(timeout=120)
+    assert running.returncode == 1
+    assert (err[:9], err.count("\n")) == ("armside: ", 1)
+    assert "it keeps finished trials" in err
