@@ -66,6 +66,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
                 new_best=lambda trial: new_best(report, trial, sensor),
             )
         outcomes, found = studies.outcomes(study), studies.results(study)
+        found["notes"] = [*objective.notes, *studies.notes_of_best(study)]
     outcome = summary("tune", replace(cfg, storage=redacted(cfg.storage)), common, **found)
     if not outcome["bests"]:
         n = sum(outcome.complete for outcome in outcomes)
@@ -77,6 +78,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         figures.history(folder / "history.png", outcomes, sensor=sensor.label)
         if outcome["importance"]:
             figures.importance(folder / "importance.png", outcome["importance"])
+    report.notes(found["notes"])
     tables(report, outcome, folder.path)
     report.summary(outcome)
 

@@ -64,16 +64,17 @@ def measure(cfg: LaserCfg) -> Measure:
     Raises InputError where the folder of an identification holds none, or one of another robot or
     place.
     """
+    springs = None
+    if cfg.identification is not None:
+        from armside.sim.estimation.springs_file import read_springs
+
+        springs = read_springs(cfg.identification, cfg.robot, tool_pose(cfg).position)
     if cfg.measure == "motor":
         return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
     from armside.sim.estimation.commissioning import Commissioning, OnFault
-    from armside.sim.estimation.springs_file import read_springs
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
     from armside.sim.laser.tool_measure import Source, ToolPath
 
-    springs = None
-    if cfg.identification is not None:
-        springs = read_springs(cfg.identification, cfg.robot, tool_pose(cfg).position)
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
     return ToolPath(

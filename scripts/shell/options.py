@@ -30,13 +30,16 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 
 def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
-    """Convert the words of one option; refuse floats that are not finite and rounded integers."""
+    """Convert the words of one option; refuse floats that are not finite, rounded integers, and
+    an empty path, which would be the working folder."""
     value = convert(type_, tokens)
     for leaf, token in zip(_leaves(value), tokens, strict=False):
         if isinstance(leaf, float) and not math.isfinite(leaf):
             raise ValueError(f"must be a finite number, got {token.value}")
         if type(leaf) is int and "." in token.value and float(token.value) != leaf:
             raise ValueError(f"must be a whole number, got {token.value}")
+        if isinstance(leaf, Path) and not token.value:
+            raise ValueError("must name a file or a folder, got an empty text")
     return value
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from armside.sim.records.summary import plain
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import WORST, Objective, Ratio
 
@@ -30,6 +31,8 @@ def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
         if hopeless:
             break
     trial.set_user_attr(studies.TRUE, ratio.true)
+    if ratio.notes:
+        trial.set_user_attr(studies.NOTES, plain(ratio.notes))
     if hopeless:
         raise optuna.TrialPruned
     return ratio.measured

@@ -7,9 +7,11 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.laser.design import Design
+from armside.sim.notes import Cause, Note
 from armside.sim.tuning.action import VARIABLES, Motors, Scale
 from armside.sim.tuning.objective import WORST
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 TRUE = "ratio_true"
 """User attribute of a trial: the ground truth of its objective."""
+NOTES = "notes"
+"""User attribute of a trial: limits that its last runs touched."""
 CONFIG_TIMEOUT = 2.0
 """[s], for the process that has made a study to write what it tunes."""
 
@@ -198,6 +202,15 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
         if value(trial) < (value(found[-1]) if found else WORST):
             found.append(trial)
     return found
+
+
+def notes_of_best(study: "optuna.Study") -> list[Note]:
+    """Limits that the runs with the best design touched."""
+    stored = [trial.user_attrs.get(NOTES, []) for trial in bests(study)[-1:]]
+    return [
+        Note(cause=Cause(one["cause"]), text=f"with the best design {one['text']}")
+        for one in chain(*stored)
+    ]
 
 
 def results(study: "optuna.Study") -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..records.errors import InputError
+from ..records.files import check_file
 from .arm_springs import Springs
 
 _SHAPES: Mapping[str, tuple[int, ...]] = {
@@ -42,9 +43,9 @@ def read_springs(folder: Path, robot: str, position: Sequence[float]) -> Springs
     """
     file = folder / "summary.json"
     try:
-        stored = json.loads(file.read_text(encoding="utf-8"))
+        stored = json.loads(check_file(file).read_text(encoding="utf-8"))
         springs, known = stored["springs"], str(stored["config"]["robot"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{folder} holds no identification of armside identify") from error
     if known != robot:
         raise InputError(f"{folder} was identified on robot {known}, not on {robot}")

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..cores import cores
+from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..laser.experiment import Experiment
+from ..notes import Note, counted
 from .rules import Rules
 from .sensor import RewardSensor
 from .situation import Situation, restarted
@@ -19,6 +21,7 @@ Result = TypeVar("Result")
 
 WORST = 1e3
 """Ratio of a design that diverges: no finite one is that bad."""
+_EPISODES = "episodes"
 POLL = 0.1
 """[s], between two calls of `check` while threads work."""
 
@@ -31,6 +34,8 @@ class Ratio(NamedTuple):
 
     measured: float
     true: float
+    notes: tuple[Note, ...] = ()
+    """Limits that the last run of the episodes touched."""
 
 
 class Episode(NamedTuple):
@@ -86,6 +91,12 @@ class Objective:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def notes(self) -> list[Note]:
+        """Notes of the episodes before learning: of their motions, and of their first runs."""
+        each = ((*_motion(s.experiment), *s.notes) for s in self._first)
+        return counted(each, _EPISODES)
+
     def ratios(self, design: Design) -> Iterator[Ratio]:
         """The ratio after each iteration; WORST, and the last, once any episode diverged."""
         situations = [restarted(situation) for situation in self._first]
@@ -114,7 +125,12 @@ class Objective:
             return Ratio(WORST, WORST)
         pairs = list(zip(situations, self._first, strict=True))
         measured = mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs)
-        return Ratio(measured, mean_ratio((s.true.rms, first.true.rms) for s, first in pairs))
+        true = mean_ratio((s.true.rms, first.true.rms) for s, first in pairs)
+        return Ratio(measured, true, tuple(counted((s.notes for s in situations), _EPISODES)))
+
+
+def _motion(experiment: Experiment) -> Iterator[Note]:
+    return motion_notes(experiment.motion, experiment.cut.limits)
 
 
 def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:

@@ -10,10 +10,13 @@ from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.measures.norms import inf_norm, two_norm
 
 from ..evaluation.tool_error import ToolError
+from ..instruments.notes import beam
 from ..laser.design import Design
 from ..laser.experiment import Experiment, true_tool_error
 from ..laser.learning import FROM_A_MODEL
 from ..laser.plant import Pass
+from ..notes import Note
+from ..robot.limits import saturation
 from ..twin.correction import Corrected
 from .sensor import Reading, Sensor
 from .task import Task
@@ -46,6 +49,8 @@ class Situation:
     diverged: bool
     twin: Corrected | None = field(default=None, repr=False)
     """What a twin of the robot learned for the task; None without one."""
+    notes: tuple[Note, ...] = ()
+    """Limits that the run touched, and a beam that was lost."""
 
     @property
     def centre(self) -> Array:
@@ -99,7 +104,8 @@ def _situation(
     norms, diverged = (norm, inf_norm(motor_error), first), has_diverged(norm, first, ratio)
     tool = reading(cut), true_tool_error(experiment.motion, cut)
     signals = correction, error, motor_error
-    return Situation(task, experiment, reading, k, *signals, *norms, *tool, diverged, twin)
+    notes = (*saturation(log), *beam(cut.tracker))
+    return Situation(task, experiment, reading, k, *signals, *norms, *tool, diverged, twin, notes)
 
 
 def _trusted(twin: Corrected | None) -> Corrected | None:

@@ -241,3 +241,10 @@ def test_a_piped_run_prints_its_table_and_no_progress(armside):
     status, out, err = armside("probe")
     assert (status, err) == (0, "")
     assert "0.0625" in out
+
+
+@pytest.mark.parametrize(
+    "line", ["laser --out=", "sweep gamma=1 --into=", "laser --contour=", "convert run --file="]
+)
+def test_an_empty_path_is_not_the_working_folder(bad_input, line):
+    bad_input(line, "must name a file or a folder, got an empty text")

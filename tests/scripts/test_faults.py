@@ -1,14 +1,17 @@
 """What a command leaves behind when something outside of it goes wrong: docs/faults.md."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from armside.sim.records.atomic import STAGED, remove_stale, staged
 
+ROOT = Path(__file__).parents[2]
 INTERRUPTIONS = {
     "interrupted": (130, signal.SIGINT),
     "terminated": (143, signal.SIGTERM),
@@ -165,3 +168,11 @@ def test_of_several_processes_that_want_one_folder_one_gets_it_whole(armside_pro
     assert sum(end.status == 0 for end in ends) == 1
     assert all(end.err.count("\n") == 1 for end in ends if end.status)
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_each_promise_of_the_page_has_the_tests_that_it_names():
+    page = (ROOT / "docs/faults.md").read_text(encoding="utf-8")
+    written = "".join(file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("*.py"))
+    named = set(re.findall(r"`(test_\w+)`", page))
+    assert len(named) > 20
+    assert not [name for name in named if f"def {name}(" not in written]

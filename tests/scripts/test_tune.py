@@ -424,3 +424,23 @@ def test_without_optuna_the_extra_is_named(armside, monkeypatch, tmp_path):
     assert (status, out) == (2, "")
     assert err == "armside: armside tune needs Optuna: pip install 'armside[tuning]'\n"
     assert not list(tmp_path.iterdir())
+
+
+def test_a_limit_that_changed_what_was_asked_is_noted(armside):
+    fast = QUICK.replace("--speed 60", "--speed 100")
+    status, out, _ = armside(f"tune {fast} --trials 1 --json")
+    assert status == 0
+    (note,) = json.loads(out)["notes"]
+    assert note["cause"] == "speed"
+    assert "from 100 to 80.62 mm/s" in note["text"]
+    assert note["text"].endswith("(in 1 of 1 episodes)")
+
+
+def test_limits_that_the_best_design_touches_are_noted():
+    study = optuna.create_study()
+    for value, text in ((0.5, "drives saturate"), (0.4, "speed limit is reached"), (0.9, "worse")):
+        stored = [{"cause": "saturation", "text": text, "runs": []}]
+        study.add_trial(optuna.trial.create_trial(value=value, user_attrs={studies.NOTES: stored}))
+    (note,) = studies.notes_of_best(study)
+    assert note.line == "with the best design speed limit is reached"
+    assert studies.notes_of_best(optuna.create_study()) == []
