@@ -104,13 +104,15 @@ def test_an_iteration_learns_from_the_last_correction_and_its_arm_side_error(mon
         error=e,
         motor_error=100.0 * e,
         first_norm="first",
+        centre=np.full((4, 6), 0.25),
+        twin="twin",
     )
     made = []
     monkeypatch.setattr(situation, "_situation", lambda *given: made.append(given))
     situation.advance(now, SimpleNamespace(law=lambda u, e: u + 0.5 * e))
     assert ran[0] == pytest.approx(u + 0.5 * e)
-    ((_, _, _, k, correction, cut, first),) = made
-    assert (k, cut, first) == (3, "cut", "first")
+    ((_, _, _, k, correction, cut, first, twin),) = made
+    assert (k, cut, first, twin) == (3, "cut", "first", "twin")
     assert correction is ran[0]
 
 
