@@ -1,6 +1,6 @@
-"""Readings of an ideal IMU at the tool from kinematics, every spring at zero.
+"""Specific force at the site `imu` from kinematics, every spring at zero.
 
-    f = R^T (p'' - g)        a change:  df = R^T (dp'' - dtheta x (p'' - g)),   dw = R^T dtheta'
+    f = R^T (p'' - g)        a change:  df = R^T (dp'' - dtheta x (p'' - g))
 
 with the displacement dp and the small rotation dtheta of the housing, in base axes.
 """
@@ -27,31 +27,22 @@ class ImuKinematics:
     """(N, 3, 3)."""
     force: Array
     """(N, 3) [m/s^2], p'' - g, base axes."""
-    turning: Array
-    """(N, 3) [rad/s], base axes."""
 
     @property
     def reading(self) -> Array:
-        """(N, 6): specific force [m/s^2] and angular velocity [rad/s], in the housing's axes."""
-        return self._housing(self.force, self.turning)
+        """(N, 3) [m/s^2], specific force in the housing's axes."""
+        return self._in_housing(self.force)
 
-    def change(self, moved: Array) -> Array:
-        """(N, 6, ...), change of the reading by displacements and rotations (N, 6, ...)."""
-        rotation = moved[:, 3:]
-        rate = np.gradient(moved, self.period, axis=0)
-        pulled = np.gradient(rate[:, :3], self.period, axis=0)
-        tilted = np.einsum("abc,kb...,kc->ka...", _CROSS, rotation, self.force)
-        return self._housing(pulled - tilted, rate[:, 3:])
+    def change(self, phi: Array) -> Array:
+        """(N, 3, ...) [m/s^2], change of the reading by motor angles (N, 6, ...) [rad]."""
+        moved = np.einsum("kij,kj...->ki...", self.jacobian, phi)
+        rate = np.gradient(moved[:, :3], self.period, axis=0)
+        force = self.force.reshape(*self.force.shape, *[1] * (moved.ndim - 2))
+        tilted = np.cross(moved[:, 3:], force, axis=1)
+        return self._in_housing(np.gradient(rate, self.period, axis=0) - tilted)
 
-    def _housing(self, force: Array, turning: Array) -> Array:
-        parts = [np.einsum("kba,kb...->ka...", self.R_base_imu, v) for v in (force, turning)]
-        return np.concatenate(parts, axis=1)
-
-
-_CROSS = np.zeros((3, 3, 3))
-for _i in range(3):
-    _CROSS[_i, (_i + 1) % 3, (_i + 2) % 3] = 1.0
-    _CROSS[_i, (_i + 2) % 3, (_i + 1) % 3] = -1.0
+    def _in_housing(self, vector: Array) -> Array:
+        return np.asarray(np.einsum("kba,kb...->ka...", self.R_base_imu, vector))
 
 
 def imu_kinematics(model: RobotModel, phi: Array, period: float) -> ImuKinematics:
@@ -69,7 +60,5 @@ def imu_kinematics(model: RobotModel, phi: Array, period: float) -> ImuKinematic
         jacobian[k] = whole[:, model.motor]
         position[k] = data.site_xpos[site]
         rotation[k] = data.site_xmat[site].reshape(3, 3)
-    rate = np.gradient(phi, period, axis=0)
-    turning = np.einsum("kij,kj->ki", jacobian[:, 3:], rate)
     pulled = np.gradient(np.gradient(position, period, axis=0), period, axis=0)
-    return ImuKinematics(period, jacobian, rotation, pulled - mj.opt.gravity, turning)
+    return ImuKinematics(period, jacobian, rotation, pulled - mj.opt.gravity)

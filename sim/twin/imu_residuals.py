@@ -1,14 +1,13 @@
-"""Residuals of an IMU at the tool, in bands of frequency.
+"""Residuals of an IMU at the tool: readings of its accelerometer, less what a twin explains.
 
-    residual = P B (reading - L s - by motors)
+    residual = P Q (reading - L s - by motors) / noise
 
 s is the ideal reading of a twin, L the low-pass and the sampling of the unit, "by motors" what
-kinematics makes of the difference between measured and simulated motor angles. B is a bank of
-band-passes, each with a scale of its own: elasticity that a twin lacks shows at high frequencies,
-the tool moves at low ones, and an error of position counts in an acceleration with the square of
-frequency. P takes out what errors of the unit explain.
+kinematics makes of the difference between measured and simulated motor angles. Q is a low-pass: no
+twin is right above it. P takes out what errors of the unit explain.
 
-Errors of geometry move the tool too slowly for an IMU: they have no sensitivities.
+Errors of geometry move the tool too slowly for an accelerometer: they have no sensitivities. The
+gyroscope is left out: at 5 Hz the tool's motion is 30 times smaller to it, in its own noise.
 """
 
 from collections.abc import Mapping
@@ -23,36 +22,33 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..estimation.imu_health import repaired
 from ..estimation.observer import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples
+from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .imu_bands import TriadBands
 from .imu_kinematics import ImuKinematics, imu_kinematics
-from .imu_sampling import ImuSampling, halves
 from .kinematic_columns import gear_waves
 from .measured import MeasuredCut
 from .simulation import motor_path
 from .tool_sensor import Channels
 from .unit_clock import clock_offset
+from .unit_errors import unit_errors
+from .unit_sampling import UnitSampling
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSensor:
-    """IMU as the sensor of identification."""
+    """IMU as the sensor of identification. Residuals are in units of its white noise."""
 
     cfg: ImuCfg = field(default_factory=ImuCfg)
     """Kind of unit, as its data sheet has it."""
-    edges: tuple[float, ...] = (1.5, 3.0, 6.0, 10.0)
-    """Upper edges of the bands [Hz]."""
+    cutoff: float = 10.0
+    """[Hz], of Q."""
 
     @property
     def channels(self) -> tuple[Channels, ...]:
-        """Bands of the accelerometer, then of the gyroscope, in units of white noise."""
-        independent = np.tile(np.diff(self.edges, prepend=0.0) * 2.0 / self.cfg.rate, 2)
-        return tuple(
-            Channels(slice(3 * i, 3 * i + 3), 1.0, float(1.0 / np.sqrt(fraction)))
-            for i, fraction in enumerate(independent)
-        )
+        independent = 2.0 * self.cutoff / self.cfg.rate
+        return (Channels(slice(0, 3), 1.0, float(1.0 / np.sqrt(independent))),)
 
     def comparison(self, model: RobotModel, cut: MeasuredCut) -> "ImuComparison":
         if cut.imu is None:
@@ -73,25 +69,27 @@ class ImuComparison:
     def residual(self, run: Recording) -> Array:
         ideal, step = _ideal(run)
         offset = self._offset(ideal, step)
-        simulated = self._sampling(ideal, step, offset)
-        by_motors = self._by_motors(self._smooth - motor_path(run), offset)
-        return self._banded(self._reading - simulated - by_motors)
+        by_motors = self._kinematics.change(self._smooth - motor_path(run))
+        expected = self._sampling(ideal, step, offset)
+        expected += self._sampling(by_motors, LOG_PERIOD, offset)
+        return self._cleaned(self._reading - expected)
 
     def change(self, base: Recording, run: Recording) -> Array:
         (before, step), (after, _) = _ideal(base), _ideal(run)
         offset = self._offset(before, step)
-        by_motors = self._by_motors(motor_path(run) - motor_path(base), offset)
-        return self._banded(self._sampling(after - before, step, offset) - by_motors)
+        by_motors = self._kinematics.change(motor_path(run) - motor_path(base))
+        change = self._sampling(after - before, step, offset)
+        return self._cleaned(change - self._sampling(by_motors, LOG_PERIOD, offset))
 
     def by_kinematics(self) -> Mapping[str, Array]:
-        waves = gear_waves(self.model, self.motor_angle)
-        moved = self._kinematics.jacobian[:, :, :, None, None] * waves[:, None]
-        change = self._kinematics.change(moved.reshape(*moved.shape[:2], -1))
-        return {"gear_error": self._banded(self._sampling(change, LOG_PERIOD, self._rigid_offset))}
+        waves = gear_waves(self.model, self.motor_angle).reshape(-1, N_AXES, 1, 8)
+        each = (np.eye(N_AXES)[:, :, None] * waves).reshape(-1, N_AXES, N_AXES * 8)
+        change = self._kinematics.change(each)
+        return {"gear_error": self._cleaned(self._sampling(change, LOG_PERIOD, self._rigid_offset))}
 
     @cached_property
-    def _sampling(self) -> ImuSampling:
-        return ImuSampling(self.sensor.cfg, self.samples.time)
+    def _sampling(self) -> UnitSampling:
+        return UnitSampling(self.sensor.cfg.accelerometer, self.samples.time)
 
     @cached_property
     def _smooth(self) -> Array:
@@ -103,43 +101,41 @@ class ImuComparison:
 
     @cached_property
     def _reading(self) -> Array:
-        """(K, 6); missing samples are interpolated."""
-        time = self.samples.time
-        reading = np.hstack((self.samples.acceleration, self.samples.angular_velocity))
+        """(K, 3) [m/s^2]; missing samples are interpolated."""
+        time, reading = self.samples.time, self.samples.acceleration
         there = np.isfinite(reading).all(axis=1)
         return np.column_stack([np.interp(time, time[there], c[there]) for c in reading.T])
 
     def _offset(self, ideal: Array, step: float) -> float:
-        """Robot time less unit time [s], by ideal readings (M, 6)."""
-        measured, _ = halves(self._reading)
-        expected, _ = halves(self._sampling.filtered(ideal, step))
-        largest = self.sensor.cfg.clock_offset
-        return clock_offset(self.samples.time, measured, expected, step, largest)
+        """Robot time less unit time [s], by ideal readings (M, 3)."""
+        expected, largest = self._sampling.filtered(ideal, step), self.sensor.cfg.clock_offset
+        return clock_offset(self.samples.time, self._reading, expected, step, largest)
 
     @cached_property
     def _rigid_offset(self) -> float:
         """By the rigid arm: some milliseconds off where springs swing."""
         return self._offset(self._kinematics.reading, LOG_PERIOD)
 
-    def _by_motors(self, moved: Array, offset: float) -> Array:
-        displaced = np.einsum("kij,kj->ki", self._kinematics.jacobian, moved)
-        return self._sampling(self._kinematics.change(displaced), LOG_PERIOD, offset)
+    def _cleaned(self, reading: Array) -> Array:
+        """P Q of readings (K, 3, ...), in units of white noise."""
+        low = self._low_passed(reading).reshape(3 * len(reading), -1)
+        errors, fit = self._errors
+        return (low - errors @ (fit @ low)).reshape(reading.shape)
 
     @cached_property
-    def _bands(self) -> tuple[TriadBands, ...]:
-        cfg, edges, time = self.sensor.cfg, self.sensor.edges, self.samples.time
-        expected = self._sampling(self._kinematics.reading, LOG_PERIOD, self._rigid_offset)
-        parts = zip((cfg.accelerometer, cfg.gyroscope), halves(expected), strict=True)
-        return tuple(TriadBands(cfg, triad, edges, time, part) for triad, part in parts)
+    def _errors(self) -> tuple[Array, Array]:
+        """Columns (3 K, e) of the unit's errors, and the matrix that fits them."""
+        columns, deviation = unit_errors(self.samples.time, self._reading, self.sensor.cfg)
+        A = self._low_passed(columns).reshape(-1, len(deviation))
+        return A, np.asarray(np.linalg.solve(A.T @ A + np.diag(deviation**-2.0), A.T), np.float64)
 
-    def _banded(self, reading: Array) -> Array:
-        """(K, C, ...) of readings (K, 6, ...)."""
-        triads = zip(self._bands, halves(reading), strict=True)
-        return np.concatenate([bands(part) for bands, part in triads], axis=1)
+    def _low_passed(self, reading: Array) -> Array:
+        cfg = self.sensor.cfg
+        noise = cfg.accelerometer.noise_density * np.sqrt(0.5 * cfg.rate)
+        smooth = ZeroPhaseButterworth(self.sensor.cutoff, 1.0 / cfg.rate)
+        return smooth(reading.reshape(len(reading), -1) / noise).reshape(reading.shape)
 
 
 def _ideal(run: Recording) -> tuple[Array, float]:
-    """Readings (M, 6) of a twin's ideal unit, and the time between them [s]."""
-    truth = run.truth
-    step = float(truth.time[1] - truth.time[0])
-    return np.hstack((truth.imu_acceleration, truth.imu_angular_velocity)), step
+    """Readings (M, 3) [m/s^2] of a twin's ideal accelerometer, and the time between them [s]."""
+    return run.truth.imu_acceleration, float(run.truth.time[1] - run.truth.time[0])
