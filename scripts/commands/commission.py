@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
@@ -16,6 +17,8 @@ from armside.sim.twin.identification import Identification
 from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
 from armside.sim.twin.recordings import read_cut
+from armside.sim.twin.sensors import SENSORS, Measure
+from armside.sim.twin.tool_sensor import Scale
 from armside.sim.twin.twin import design_of
 
 from ..cutting.individual import IndividualCfg, robot_state
@@ -36,8 +39,8 @@ class CommissionCfg(IndividualCfg):
     """Robot. A twin of the IRB1400 is not made yet: its arm closes a chain."""
     cuts: int = 4
     """Number of cuts, 1 to 10, from a plan that is chosen by what they identify."""
-    measure: Literal["tracker"] = "tracker"
-    """Sensor at the tool."""
+    measure: Measure = "tracker"
+    """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""
     recordings: Annotated[tuple[Path, ...], _SEVERAL] = ()
@@ -76,12 +79,12 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     with checking_input():
         check_writable(common.out or RUNS / "commission")
         names = _kept(cfg)
-        recorded = [read_cut(path) for path in cfg.recordings if path.name in names]
+        recorded = [read_cut(path, cfg.measure) for path in cfg.recordings if path.name in names]
     recorded = recorded or _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
     with report.progress("identifying", total=steps) as step:
         found = commissioning.commission(
-            recorded, robot=cfg.robot, payload=cfg.payload, progress=step
+            recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
     outcome = summary("commission", cfg, common, **_results(found))
     with RunFolder("commission", seed=common.seed, out=common.out) as folder:
@@ -89,7 +92,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
-    _show(report, outcome)
+    _show(report, outcome, SENSORS[cfg.measure].scale)
     report.results(outcome, folder.path)
 
 
@@ -128,7 +131,8 @@ def _cut(cfg: CommissionCfg, names: list[str], seed: int, report: Report) -> lis
             if (name := f"cut-{i + 1}") not in names:
                 continue
             with checking_input():
-                cut = replace(planned, payload=cfg.payload, **robot_state(cfg))
+                imu = ImuCfg() if cfg.measure == "imu" else None
+                cut = replace(planned, payload=cfg.payload, imu=imu, **robot_state(cfg))
                 experiment = prepare(cut, seed=seed + i)
             run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
             cuts.append(measured(run, name))
@@ -161,10 +165,12 @@ def _results(found: Commissioned) -> dict[str, Any]:
     }
 
 
-def _show(report: Report, outcome: dict[str, Any]) -> None:
-    rows = [[c["name"], 1e6 * c["within"], _um(c["held_out"])] for c in outcome["cuts"]]
+def _show(report: Report, outcome: dict[str, Any], scale: Scale) -> None:
+    rows = [
+        [c["name"], _on(scale, c["within"]), _on(scale, c["held_out"])] for c in outcome["cuts"]
+    ]
     columns = ["cut", "in the identification", "held out"]
-    report.table("What the twin leaves of the tool's path [µm]", columns, rows)
+    report.table(f"What the twin leaves of the {scale.quantity} [{scale.unit}]", columns, rows)
     unknown, every = outcome["not_identified"], len(outcome["parameters"])
     kinds = sorted({name.split(" ")[0] for name in unknown})
     report.line(
@@ -173,5 +179,5 @@ def _show(report: Report, outcome: dict[str, Any]) -> None:
     )
 
 
-def _um(value: float | None) -> float | str:
-    return "-" if value is None else 1e6 * value
+def _on(scale: Scale, value: float | None) -> float | str:
+    return "-" if value is None else scale.factor * value

@@ -12,6 +12,7 @@ from armside.sim.twin.commission import Commissioned
 from armside.sim.twin.friction_step import friction_constants, lugre
 from armside.sim.twin.measured import MeasuredCut
 from armside.sim.twin.sensitivities import Against
+from armside.sim.twin.sensors import SENSORS
 
 from .laser import COLORS, INK, new_figure, save
 
@@ -61,10 +62,12 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 
 
 def residuals(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> None:
-    """RMS of the tool's path that is left of each cut: by design, twin of the others, twin."""
-    twin, quality = found.twin, found.identified.quality
+    """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
+    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.measure]
     before = [
-        _rms(Against(twin.design, twin.parameters, cut).residuals(twin.parameters.mean).tool)
+        _rms(
+            Against(twin.design, twin.parameters, cut, sensor).residuals(twin.parameters.mean).tool
+        )
         for cut in cuts
     ]
     bars = (
@@ -76,22 +79,27 @@ def residuals(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> N
     figure = new_figure(width, 4.0)
     axes = figure.add_subplot()
     figure.subplots_adjust(left=0.7 / width, right=1.0 - 0.1 / width, bottom=0.13, top=0.8)
-    title = "Motion of the tool beyond that of its motors: what a model does not explain"
+    scale = sensor.scale
+    title = (
+        f"{scale.quantity.capitalize()} beyond that of its motors: what a model does not explain"
+    )
     figure.suptitle(title, x=0.02, ha="left", fontsize=10)
     place = np.arange(len(cuts))
     for i, (label, values, color) in enumerate(bars):
-        heights = 1e6 * np.asarray(values)
+        heights = scale.factor * np.asarray(values)
         bars_of = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
-        axes.bar_label(bars_of, [_whole(height) for height in heights], fontsize=7, padding=1)
-    axes.set_ylabel("RMS [µm]")
+        axes.bar_label(bars_of, [_short(height) for height in heights], fontsize=7, padding=1)
+    axes.set_ylabel(f"RMS [{scale.unit}]")
     axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
     save(figure, file)
 
 
-def _whole(microns: float) -> str:
-    return f"{microns:.0f}" if np.isfinite(microns) else ""
+def _short(height: float) -> str:
+    if not np.isfinite(height):
+        return ""
+    return f"{height:.0f}" if height >= 10.0 else f"{height:.1f}"
 
 
-def _rms(path: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum(path**2, axis=1))))
+def _rms(residual: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum(residual**2, axis=1))))

@@ -19,7 +19,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
-from ..estimation.imu_health import repaired
+from ..estimation.imu_health import ImuError, repaired
 from ..estimation.observer import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.mjcf import N_AXES
@@ -29,11 +29,20 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .imu_kinematics import ImuKinematics, imu_kinematics
 from .kinematic_columns import gear_waves
 from .measured import MeasuredCut
+from .plausible import ImplausibleError
 from .simulation import motor_path
-from .tool_sensor import Channels
+from .tool_sensor import Channels, Scale
 from .unit_clock import clock_offset
 from .unit_errors import unit_errors
 from .unit_sampling import UnitSampling
+
+_DISPLACEMENT = 20e-6
+"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
+_REST = 10
+"""Samples before the arm moves: 0.1 s."""
+_LARGEST_TILT = 0.1
+"""Of gravity, by which a reading at rest may differ from the nominal robot's: mounting errors are a
+tenth of it. ESTIMATE."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,9 +59,28 @@ class ImuSensor:
         independent = 2.0 * self.cutoff / self.cfg.rate
         return (Channels(slice(0, 3), 1.0, float(1.0 / np.sqrt(independent))),)
 
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "ImuComparison":
+    @property
+    def scale(self) -> Scale:
+        return Scale("acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0)
+
+    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.imu is None:
-            raise ValueError(f"{cut.name} has no samples of an IMU")
+            raise ImplausibleError(f"{cut.name} has no samples of an IMU")
+        try:
+            rest = np.nanmean(repaired(cut.imu, self.cfg).acceleration[:_REST], axis=0)
+        except ImuError as error:
+            raise ImplausibleError(f"{cut.name}: {error}") from error
+        still = cut.motor_angle[:1].repeat(3, axis=0)
+        expected = imu_kinematics(model, still, LOG_PERIOD).reading[0]
+        off = float(np.linalg.norm(rest - expected) / np.linalg.norm(expected))
+        if off > _LARGEST_TILT:
+            raise ImplausibleError(
+                f"{cut.name}: the IMU reads {_vector(rest)} m/s^2 at rest, where gravity is "
+                f"{_vector(expected)}: another mounting, or another unit"
+            )
+
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "ImuComparison":
+        assert cut.imu is not None
         return ImuComparison(self, model, cut.motor_angle, repaired(cut.imu, self.cfg))
 
 
@@ -139,3 +167,7 @@ class ImuComparison:
 def _ideal(run: Recording) -> tuple[Array, float]:
     """Readings (M, 3) [m/s^2] of a twin's ideal accelerometer, and the time between them [s]."""
     return run.truth.imu_acceleration, float(run.truth.time[1] - run.truth.time[0])
+
+
+def _vector(values: Array) -> str:
+    return f"[{', '.join(f'{value:.3g}' for value in values)}]"

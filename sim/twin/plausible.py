@@ -6,39 +6,32 @@ from armside.arrays import Array
 
 from ..records.errors import InputError
 from ..robot.individual import Individual
-from .kinematic_columns import from_rest, rigid_path
 from .measured import MeasuredCut
 from .simulation import Design
+from .tool_sensor import ToolSensor
 
 _LARGEST_ERROR = 0.02
 """[rad], of a motor from its reference: ten times what a cut at full speed shows. ESTIMATE."""
 _TORQUE_GAIN = 0.6, 1.6
 """Measured torque over that of the nominal robot, least squares over all axes. Friction differs by
 a third between robots, units by more. ESTIMATE."""
-_LARGEST_OFFSET = 0.03
-"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
-it, a flange adapter is more. ESTIMATE."""
-_LARGEST_PATH_ERROR = 2e-3
-"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
 class ImplausibleError(InputError):
     """A recording that cannot be of this robot, or not in the stated units."""
 
 
-def check(design: Design, cut: MeasuredCut) -> None:
+def check(design: Design, cut: MeasuredCut, sensor: ToolSensor) -> None:
     """Raise ImplausibleError for a cut that the nominal robot could not have made."""
     _check_numbers(cut)
     _check_motors(cut)
-    if cut.tool is not None:
-        _check_tool(design, cut, cut.tool)
+    sensor.check(design.model, cut)
     _check_torque(cut, design.run([Individual()], cut.reference, cut.correction)[0].motor_torque)
 
 
 def _check_numbers(cut: MeasuredCut) -> None:
-    for name in ("reference", "correction", "motor_angle", "motor_torque", "tool"):
-        values = getattr(cut, name)
-        if values is not None and not np.isfinite(values).all():
+    for name in ("reference", "correction", "motor_angle", "motor_torque"):
+        if not np.isfinite(getattr(cut, name)).all():
             raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
 
 
@@ -52,23 +45,6 @@ def _check_motors(cut: MeasuredCut) -> None:
             f"{cut.name}: motor {axis + 1} is up to {error[axis]:.3g} rad from its reference: "
             "another robot, or another unit"
         )
-
-
-def _check_tool(design: Design, cut: MeasuredCut, tool: Array) -> None:
-    path = rigid_path(design.model, cut.motor_angle)
-    off = float(np.abs(tool - from_rest(path)).max())
-    if off > _LARGEST_PATH_ERROR:
-        raise ImplausibleError(
-            f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put it: "
-            "another robot, or another unit"
-        )
-    if cut.rest is not None:
-        away = float(np.linalg.norm(cut.rest - path[0]))
-        if away > _LARGEST_OFFSET:
-            raise ImplausibleError(
-                f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
-                "it: another flange, or another base frame"
-            )
 
 
 def _check_torque(cut: MeasuredCut, nominal: Array) -> None:

@@ -1,10 +1,13 @@
 """Recorded cuts on disk: tables of the form of `signals.parquet`, made by a robot or by us.
 
 Columns reference_1..6, motor_angle_1..6 [rad, arm side], motor_torque_1..6 [N m, motor side] at
-250 Hz, tracker_x, tracker_y, tracker_z [m, base axes]; correction_1..6 [rad] where there was any.
-Columns of the ground truth are not read.
+250 Hz; correction_1..6 [rad] where there was any; tracker_x, tracker_y, tracker_z [m, base axes] or
+imu_acceleration_x..z [m/s^2], imu_angular_velocity_x..z [rad/s] in axes of the site `imu`, in rows
+whose time is the sensor's own. Columns of the ground truth are not read.
 """
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,22 +16,32 @@ import pyarrow.compute as pc
 
 from armside.arrays import Array
 
+from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..records.errors import InputError
 from ..records.tables import read_table
 from ..robot.mjcf import AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .measured import MeasuredCut, tracked
+from .sensors import Measure
 
 _SIGNALS = "signals.parquet"
 _LOG = ("reference", "motor_angle", "motor_torque")
 _TRACKER = ("tracker_x", "tracker_y", "tracker_z")
+_ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
+_RATE = tuple(f"imu_angular_velocity_{c}" for c in "xyz")
+_SENSORS: Mapping[Measure, tuple[str, ...]] = {
+    "tracker": _TRACKER,
+    "imu": (*_ACCELERATION, *_RATE),
+}
 _CLOCK = 1e-6
 """[s], by which instants of the log may differ from its rate."""
 
 
-def read_cut(source: Path) -> MeasuredCut:
+def read_cut(source: Path, measure: Measure = "tracker") -> MeasuredCut:
     """The first run of a folder of `armside laser`, or of a table of recorded data.
+
+    measure: sensor of the tool that is read.
 
     Raises InputError where columns are missing, rates differ, or the beam was lost.
     """
@@ -42,14 +55,14 @@ def read_cut(source: Path) -> MeasuredCut:
     if "k" in table.column_names:
         table = table.filter(pc.field("k") == pc.scalar(table["k"][0].as_py()))
     try:
-        return _cut(table, source.name)
+        return _cut(table, source.name, measure)
     except (KeyError, ValueError) as error:
         text = error.args[0] if error.args else error
         raise InputError(f"{source} is no recorded cut: {text}") from error
 
 
-def _cut(table: pa.Table, name: str) -> MeasuredCut:
-    needed = ["time", *(f"{signal}_{i}" for signal in _LOG for i in AXES), *_TRACKER]
+def _cut(table: pa.Table, name: str, measure: Measure) -> MeasuredCut:
+    needed = ["time", *(f"{signal}_{i}" for signal in _LOG for i in AXES), *_SENSORS[measure]]
     if missing := [column for column in needed if column not in table.column_names]:
         raise ValueError(f"it lacks the column {missing[0]}")
     log = _rows(table, "reference_1")
@@ -59,22 +72,41 @@ def _cut(table: pa.Table, name: str) -> MeasuredCut:
     signals = {signal: _stack(log, signal) for signal in _LOG}
     given = f"correction_{AXES[0]}" in table.column_names
     correction = _stack(log, "correction") if given else np.zeros_like(signals["reference"])
-    seen = _rows(table, "tracker_x")
-    position = np.stack([_numbers(seen, column) for column in _TRACKER], axis=1)
-    own = _numbers(seen, "time")
-    if len(own) < 2:
-        raise ValueError("it has no samples of a laser tracker")
-    valid = np.asarray(np.isfinite(position).all(axis=1))
-    samples = TrackerSamples(time=own - time[0], position=position, valid=valid)
-    tool, rest = tracked(time - time[0], samples, name)
-    return MeasuredCut(
+    cut = MeasuredCut(
         name=name,
         reference=signals["reference"],
         correction=correction,
         motor_angle=signals["motor_angle"],
         motor_torque=signals["motor_torque"],
-        tool=tool,
-        rest=rest,
+        tool=None,
+    )
+    if measure == "imu":
+        return replace(cut, imu=_imu(table, float(time[0])))
+    tool, rest = _tracked(table, time, name)
+    return replace(cut, tool=tool, rest=rest)
+
+
+def _tracked(table: pa.Table, time: Array, name: str) -> tuple[Array, Array]:
+    seen = _rows(table, "tracker_x")
+    position = _columns(seen, _TRACKER)
+    own = _numbers(seen, "time")
+    if len(own) < 2:
+        raise ValueError("it has no samples of a laser tracker")
+    valid = np.asarray(np.isfinite(position).all(axis=1))
+    samples = TrackerSamples(time=own - time[0], position=position, valid=valid)
+    return tracked(time - time[0], samples, name)
+
+
+def _imu(table: pa.Table, start: float) -> ImuSamples:
+    """Samples on the unit's clock, less the robot's time at the start of the log."""
+    seen, cfg = _rows(table, _ACCELERATION[0]), ImuCfg()
+    acceleration, rate = _columns(seen, _ACCELERATION), _columns(seen, _RATE)
+    return ImuSamples(
+        time=_numbers(seen, "time") - start,
+        acceleration=acceleration,
+        angular_velocity=rate,
+        acceleration_clipped=np.abs(acceleration) >= cfg.accelerometer.range,
+        angular_velocity_clipped=np.abs(rate) >= cfg.gyroscope.range,
     )
 
 
@@ -86,5 +118,9 @@ def _numbers(table: pa.Table, name: str) -> Array:
     return np.array(table[name].to_numpy(), dtype=np.float64)
 
 
+def _columns(table: pa.Table, names: Sequence[str]) -> Array:
+    return np.stack([_numbers(table, name) for name in names], axis=1)
+
+
 def _stack(table: pa.Table, signal: str) -> Array:
-    return np.stack([_numbers(table, f"{signal}_{i}") for i in AXES], axis=1)
+    return _columns(table, [f"{signal}_{i}" for i in AXES])

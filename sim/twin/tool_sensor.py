@@ -38,14 +38,35 @@ class Comparison(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Scale:
+    """Scale that residuals of a sensor are shown on."""
+
+    quantity: str
+    unit: str
+    factor: float
+    """Shown value over that of the residual."""
+    displacement: float
+    """Displacement of the tool [m] that a residual of one stands for."""
+    unsuspicious: float
+    """Residual below which no cut is called corrupt. ESTIMATE."""
+
+
 class ToolSensor(Protocol):
     """Kind of sensor at the tool."""
+
+    @property
+    def scale(self) -> Scale: ...
 
     @property
     def channels(self) -> tuple[Channels, ...]:
         """Groups of the columns of residuals."""
         ...
 
+    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
+        """Raise ImplausibleError for a cut without this sensor, or against the nominal robot."""
+        ...
+
     def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
-        """Comparison of a cut with runs of a design. ValueError for a cut without this sensor."""
+        """Comparison of a cut, which has this sensor, with runs of a design."""
         ...

@@ -10,10 +10,17 @@ from armside.arrays import Array
 
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from .kinematic_columns import from_rest, gear_error_columns, jacobians
+from .kinematic_columns import from_rest, gear_error_columns, jacobians, rigid_path
 from .measured import MeasuredCut
+from .plausible import ImplausibleError
 from .simulation import motor_path, tool_path
-from .tool_sensor import Channels
+from .tool_sensor import Channels, Scale
+
+_LARGEST_OFFSET = 0.03
+"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
+it, a flange adapter is more. ESTIMATE."""
+_LARGEST_PATH_ERROR = 2e-3
+"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,9 +36,31 @@ class Tracker:
     def channels(self) -> tuple[Channels, ...]:
         return (Channels(slice(0, 3), self.noise, self.correlation),)
 
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "TrackerComparison":
+    @property
+    def scale(self) -> Scale:
+        return Scale("motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6)
+
+    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.tool is None:
-            raise ValueError(f"{cut.name} has no samples of a tracker")
+            raise ImplausibleError(f"{cut.name} has no samples of a laser tracker")
+        if not np.isfinite(cut.tool).all():
+            raise ImplausibleError(f"{cut.name}: tool holds values that are not finite")
+        path = rigid_path(model, cut.motor_angle)
+        off = float(np.abs(cut.tool - from_rest(path)).max())
+        if off > _LARGEST_PATH_ERROR:
+            raise ImplausibleError(
+                f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put "
+                "it: another robot, or another unit"
+            )
+        away = 0.0 if cut.rest is None else float(np.linalg.norm(cut.rest - path[0]))
+        if away > _LARGEST_OFFSET:
+            raise ImplausibleError(
+                f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
+                "it: another flange, or another base frame"
+            )
+
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "TrackerComparison":
+        assert cut.tool is not None
         return TrackerComparison(model, cut.motor_angle, cut.tool)
 
 

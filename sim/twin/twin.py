@@ -63,7 +63,8 @@ class Twin:
     covariance: Array = field(repr=False)
     """(m, m)."""
     held_out: Array
-    """(c,) [m], residual of each commissioning cut, left out of the identification."""
+    """(c,) [m], residual of each commissioning cut, left out of the identification; by an IMU the
+    displacement that it stands for."""
     torque_residual: Array
     """(6,) [N m], motor side, root mean square over the commissioning cuts."""
     names: tuple[str, ...]

@@ -163,9 +163,22 @@ def test_a_run_can_be_commissioned_from_in_place_of_a_cut(armside, twin, tmp_pat
     assert found[0]["parameters"] == found[1]["parameters"]
 
 
+def test_an_imu_takes_the_place_of_the_tracker(armside, tmp_path):
+    line = f"commission --measure imu --individual {INDIVIDUAL} --cuts 1 --out {tmp_path / 'twin'}"
+    status, out, _ = armside(line)
+    assert status == 0
+    assert "What the twin leaves of the acceleration of the tool [× noise]" in out
+    summary = json.loads((tmp_path / "twin" / "summary.json").read_text())
+    assert summary["cuts"][0]["within"] < 2.0  # white noise below 10 Hz alone leaves 0.8
+    assert "gear_stiffness 1" not in summary["not_identified"]
+    assert {"position 1 1", "orientation 6 3"} <= set(summary["not_identified"])
+    assert json.loads((tmp_path / "twin" / "twin.json").read_text())["sensor"] == "imu"
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
+        ("commission --measure laser", "Choose from"),
         ("commission --cuts 0", "cuts must be from 1 to 10, got 0"),
         ("commission --cuts 11", "cuts must be from 1 to 10, got 11"),
         ("commission --payload 1e308", "payload must be at most 10000 kg, got 1e+308"),

@@ -14,8 +14,8 @@ from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.imu_kinematics import imu_kinematics
 from armside.sim.twin.imu_residuals import ImuSensor
 from armside.sim.twin.measured import measured
+from armside.sim.twin.plausible import ImplausibleError
 from armside.sim.twin.simulation import Design
-from armside.sim.twin.tracker_residuals import TRACKER
 from armside.sim.twin.unit_clock import clock_offset
 
 NOISE_FREE = ImuCfg(
@@ -111,11 +111,28 @@ def test_the_clock_is_found_under_bias_and_mounting(offset):
     assert abs(found - offset) < 0.35e-3  # [s], what the sensor's noise below 3 Hz leaves
 
 
-def test_a_cut_without_the_sensor_is_named(experiment, run):
-    cut = replace(measured(run, "cut-03"), imu=None, tool=None)
-    for sensor, lacks in ((ImuSensor(), "IMU"), (TRACKER, "tracker")):
-        with pytest.raises(ValueError, match=f"cut-03 has no samples of an? {lacks}"):
-            sensor.comparison(experiment.nominal, cut)
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: {"imu": None}, "has no samples of an IMU"),
+        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration / 9.82)}, "another unit"),
+        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration[:, [1, 2, 0]])}, "mounting"),
+        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration * np.nan)}, "not finite"),
+        (
+            lambda c: {"imu": _with(c, time=c.imu.time[np.r_[1, 0, 2 : len(c.imu.time)]])},
+            "out of order",
+        ),
+    ],
+)
+def test_an_imu_that_contradicts_the_robot_is_named(experiment, run, change, said):
+    cut = measured(run, "cut-03")
+    with pytest.raises(ImplausibleError, match=f"cut-03.*{said}"):
+        ImuSensor().check(experiment.nominal, replace(cut, **change(cut)))
+    ImuSensor().check(experiment.nominal, cut)
+
+
+def _with(cut, **changes):
+    return replace(cut.imu, **changes)
 
 
 def test_gear_errors_of_the_motor_show_as_their_columns_say(experiment, run):

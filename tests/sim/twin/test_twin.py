@@ -16,6 +16,7 @@ from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import MOST, plan
 from armside.sim.twin.plausible import ImplausibleError, check
 from armside.sim.twin.prediction import Prediction
+from armside.sim.twin.tracker_residuals import TRACKER
 from armside.sim.twin.twin import FORMAT, Twin, TwinError
 
 ELSEWHERE = Cut(pose=replace(LARGE_ROBOT_POSES["p2"], position=(1.7, -0.2, 1.5)), speed=0.05)
@@ -135,6 +136,8 @@ def test_a_twin_corrects_its_own_robot_only(twin):
         (lambda c: {"motor_torque": c.motor_torque * 240.0}, "in N m of the motor"),
         (lambda c: {"motor_torque": c.motor_torque * np.nan}, "not finite"),
         (lambda c: {"motor_angle": np.rad2deg(c.motor_angle)}, "rad from its reference"),
+        (lambda c: {"tool": None}, "has no samples of a laser tracker"),
+        (lambda c: {"tool": c.tool * np.nan}, "not finite"),
         (lambda c: {"tool": c.tool * 1e3}, "from where the motor angles put it"),
         (lambda c: {"rest": c.rest + np.array([0.0, 0.0, 0.1])}, "another flange"),
     ],
@@ -142,9 +145,9 @@ def test_a_twin_corrects_its_own_robot_only(twin):
 def test_a_recording_that_cannot_be_is_named(twin, passes, change, said):
     cut = measured(passes[0], "cut-7")
     bad = replace(cut, **change(cut))
-    with pytest.raises(ImplausibleError, match=f"cut-7: .*{said}"):
-        check(twin.design, bad)
-    check(twin.design, cut)
+    with pytest.raises(ImplausibleError, match=f"cut-7.*{said}"):
+        check(twin.design, bad, TRACKER)
+    check(twin.design, cut, TRACKER)
 
 
 def test_a_measured_cut_holds_no_ground_truth(passes):

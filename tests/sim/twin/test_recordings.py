@@ -1,0 +1,71 @@
+"""Recorded cuts in tables: what was written is what is read, whichever sensor was at the tool."""
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser import Cut, prepare
+from armside.sim.records.errors import InputError
+from armside.sim.twin.measured import measured
+from armside.sim.twin.recordings import read_cut
+
+START = 3.25
+"""[s], of the robot's clock at the first row."""
+
+
+@pytest.fixture(scope="module")
+def run():
+    experiment = prepare(Cut(imu=ImuCfg()), seed=3)
+    return experiment.plant.run(np.zeros_like(experiment.loaded.reference))
+
+
+@pytest.fixture
+def table(run):
+    """Rows of the log, then rows of the IMU at its own instants."""
+    log, imu = run.recording, run.imu
+    columns = {"time": log.time + START}
+    for name in ("reference", "motor_angle", "motor_torque"):
+        values = getattr(log, name)
+        columns |= {f"{name}_{i + 1}": values[:, i] for i in range(6)}
+    readings = {"time": imu.time + START}
+    for name in ("acceleration", "angular_velocity"):
+        values = getattr(imu, name)
+        readings |= {f"imu_{name}_{c}": values[:, i] for i, c in enumerate("xyz")}
+    return pa.concat_tables([pa.table(columns), pa.table(readings)], promote_options="default")
+
+
+def test_an_imu_is_read_on_its_own_clock(run, table, tmp_path):
+    pq.write_table(table, tmp_path / "cut.parquet")
+    read, expected = read_cut(tmp_path / "cut.parquet", "imu"), measured(run).imu
+    assert read.imu is not None
+    assert read.tool is None
+    assert np.allclose(read.imu.time, expected.time, atol=1e-12, rtol=0.0)
+    for name in ("acceleration", "angular_velocity", "acceleration_clipped"):
+        assert np.array_equal(getattr(read.imu, name), getattr(expected, name))
+    assert np.array_equal(read.motor_torque, run.recording.motor_torque)
+
+
+@pytest.mark.parametrize(
+    ("measure", "lost", "said"),
+    [
+        ("tracker", "time", "lacks the column time"),
+        ("tracker", "none", "lacks the column tracker_x"),
+        ("imu", "imu_acceleration_y", "lacks the column imu_acceleration_y"),
+        ("imu", "imu_angular_velocity_z", "lacks the column imu_angular_velocity_z"),
+    ],
+)
+def test_a_table_without_a_column_is_named(table, tmp_path, measure, lost, said):
+    kept = [name for name in table.column_names if name != lost]
+    pq.write_table(table.select(kept), tmp_path / "cut.parquet")
+    with pytest.raises(InputError, match=f"cut.parquet is no recorded cut: it {said}"):
+        read_cut(tmp_path / "cut.parquet", measure)
+
+
+def test_lost_samples_of_an_imu_are_missing_rows(run, table, tmp_path):
+    n = len(run.recording.time)
+    pq.write_table(table.take([*range(n), *range(n + 4, len(table))]), tmp_path / "cut.parquet")
+    read = read_cut(tmp_path / "cut.parquet", "imu")
+    assert len(read.imu.time) == len(run.imu.time) - 4
+    assert read.imu.time[0] == pytest.approx(run.imu.time[4], abs=1e-12)
