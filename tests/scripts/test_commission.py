@@ -167,7 +167,7 @@ def test_an_imu_takes_the_place_of_the_tracker(armside, tmp_path):
     line = f"commission --measure imu --individual {INDIVIDUAL} --cuts 1 --out {tmp_path / 'twin'}"
     status, out, _ = armside(line)
     assert status == 0
-    assert "What the twin leaves of the acceleration of the tool [× noise]" in out
+    assert "What the twin leaves of the acceleration of the tool [× noise]" in " ".join(out.split())
     summary = json.loads((tmp_path / "twin" / "summary.json").read_text())
     assert summary["cuts"][0]["within"] < 2.0  # white noise below 10 Hz alone leaves 0.8
     assert "gear_stiffness 1" not in summary["not_identified"]
