@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, shift_response
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.identification import first_order
-from armside.ilc.identification.arx import fit_arx
+from armside.ilc.identification.arx import ArxFit, fit_arx
 from armside.ilc.identification.first_order import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
@@ -25,7 +25,7 @@ POSES = ("p1", "p2")  # positions of estimation and of validation
 DELAYS = range(3, 9)  # [samples], of the tables
 LAW = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
 """The law that the data are learned with."""
-_MODEL = ("delay", "pole", "static gain", "delay and lag", "fit p1", "fit p2")
+_MODEL = ("delay", "pole", "static gain", "delay and lag", "fit p1", "fit p2", "warnings")
 
 Data = Mapping[str, Mapping[float, Result]]
 """Pose: speed [mm/s]: result."""
@@ -90,11 +90,16 @@ def _response_figure(file: Path, data: Data, model: System) -> None:
     figures.simulated(file, SAMPLE_TIME, cases)
 
 
-def _row(model: FirstOrderModel, data: Data, motors: tuple[int, ...]) -> list[float]:
+def _row(model: FirstOrderModel, data: Data, motors: tuple[int, ...]) -> list[float | str]:
     """A model as in `_MODEL`, validated at p2."""
     validation = fit_of(model.system, *bands.learning_signals(data["p2"], motors))
     dynamics = (model.delay, model.pole, model.static_gain, model.total_delay)
-    return [*dynamics, model.fit, validation]
+    return [*dynamics, model.fit, validation, _said(model)]
+
+
+def _said(fit: FirstOrderModel | ArxFit) -> str:
+    """Reasons not to believe a fit, a dash without any."""
+    return "; ".join(fit.warnings) or "-"
 
 
 def _delay_table(data: Data) -> Table:
@@ -119,9 +124,10 @@ def _arx_table(data: Data) -> Table:
     for nk in DELAYS:
         fit = fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk)
         fits = (_simulated_fit(fit.system, *signals) for signals in (p1, p2))
-        rows.append([nk, float(-fit.coefficients[0]), fit.system.static_gain, *fits])
+        rows.append([nk, float(-fit.coefficients[0]), fit.system.static_gain, *fits, _said(fit)])
     title = "ARX with one pole, motors 4 and 6: estimated at p1, simulated at p1 and p2"
-    return Table(title, ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]"], rows)
+    columns = ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]", "warnings"]
+    return Table(title, columns, rows)
 
 
 def _simulated_fit(system: System, u: Array, y: Array) -> float:
