@@ -50,3 +50,11 @@ def test_numbers_written_into_a_bending_design_are_those_of_a_new_one():
 def test_a_design_keeps_its_links_where_nothing_is_said_of_them():
     design = with_bending(load_model(LARGE_ROBOT_XML))
     assert bent(design, ()) is design
+
+
+def test_the_hinges_are_damped_as_those_of_the_file():
+    plain = load_model(LARGE_ROBOT_XML)
+    own = joints(plain.mj, "struct_")
+    time = plain.mj.dof_damping[plain.mj.jnt_dofadr[own]] / plain.mj.jnt_stiffness[own]
+    for hinge in hinges(np.zeros((3, 4)), np.zeros(3)):
+        assert time.min() < hinge.damping / hinge.stiffness < time.max()

@@ -1,0 +1,53 @@
+"""What a prediction says of a first run, and when its correction is not used."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.twin.correction import _distrust
+from armside.sim.twin.prediction import Prediction, predicted
+
+INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
+
+
+def test_a_twin_that_is_the_robot_is_off_by_what_it_leaves_itself():
+    found = predicted(1e-4, INSIDE, np.full(8, INSIDE), 0.0)
+    assert found.expected == pytest.approx(INSIDE)
+    assert found.low < found.expected < found.high
+    assert found.low > 0.0
+
+
+@pytest.mark.parametrize(
+    ("inside", "around", "residual"),
+    [(2.0, 1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 1.0, 2.0)],
+    ids=["inside", "around", "residual"],
+)
+def test_each_sign_of_a_wrong_twin_raises_the_expected_error(inside, around, residual):
+    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL)
+    after = predicted(1e-4, inside * INSIDE, around * AROUND, residual * RESIDUAL)
+    assert after.expected > 1.05 * before.expected
+
+
+def test_expected_errors_have_the_unit_of_what_they_are_made_of():
+    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL)
+    after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, 3.0 * RESIDUAL)
+    assert after.expected == pytest.approx(3.0 * before.expected)
+    assert after.high == pytest.approx(3.0 * before.high)
+
+
+def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
+    good = Prediction(uncorrected=1e-4, inside=1e-6, expected=2e-5, low=1e-5, high=2.99e-5)
+    assert _distrust(good) is None
+    assert "up to 30 % of the error would be left" in str(_distrust(replace(good, high=3.01e-5)))
+
+
+@pytest.mark.parametrize("end", [np.nan, np.inf])
+def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
+    bad = Prediction(uncorrected=1e-4, inside=1e-6, expected=end, low=end, high=end)
+    assert "unstable" in str(_distrust(bad))
+
+
+def test_one_unstable_individual_around_a_twin_is_enough():
+    found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), RESIDUAL)
+    assert "unstable" in str(_distrust(found))
