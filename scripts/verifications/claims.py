@@ -55,6 +55,8 @@ def _load(name: str) -> Function:
             from .irb1400_laser import laser as claim
         case "first-cut":
             from .first_cut import first_cut as claim
+        case "first-cut-imu":
+            from .first_cut_imu import first_cut_imu as claim
         case "imu-twin":
             from .imu_twin import imu_twin as claim
         case "laser-irb1400-design":
@@ -69,7 +71,7 @@ _SEEDS = {
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
-    **{"first-cut": 6, "imu-twin": 2},
+    **{"first-cut": 6, "first-cut-imu": 6, "imu-twin": 2},
     **{"laser-irb1400": 20, "laser-irb1400-design": 20},
 }
 """A new claim is one entry here and two lines in `_load`."""

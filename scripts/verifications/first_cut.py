@@ -12,7 +12,6 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.sim.evaluation.check import Check, Table, all_hold
-from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.specification import Cut
@@ -36,7 +35,6 @@ BAD, GOOD = 0.30, 0.15
 COLUMNS = (
     *("individual", "hidden hinges"),
     *(f"{n} cuts: {what}" for n in COUNTS for what in ("median left", "worst left")),
-    *("IMU: median left", "IMU: worst left"),
     *("worse than without", "inside the interval", "drift: median left", "with feedback"),
     *("bad ones flagged", "good ones flagged", "commissioning [s]", "correction [s]"),
 )
@@ -50,8 +48,6 @@ class Found:
     hinges: int
     left: dict[int, Array]
     """(30,) by the count of cuts."""
-    by_imu: Array
-    """(30,), ten cuts, with an IMU in place of the tracker."""
     inside: Array
     """(30,) bool, ten cuts: the error was in the predicted interval."""
     drift: Array
@@ -83,12 +79,11 @@ def individual(
     """Commission twins of one individual from several counts of cuts, and judge them."""
     robot = Drawn(number)
     runs = [
-        _cut(replace(cut, individual=robot, imu=ImuCfg()), seed)
-        for seed, cut in enumerate(plan(max(counts)))
+        made(replace(cut, individual=robot), seed) for seed, cut in enumerate(plan(max(counts)))
     ]
     cuts = [measured(run, f"cut-{i + 1}") for i, (_, run) in enumerate(runs)]
     chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
-    plain = [_left_alone(cut, robot) for cut in chosen]
+    plain = [left_alone(cut, robot) for cut in chosen]
     started, twins = time.perf_counter(), dict[int, Twin]()
     seconds = 0.0
     for count in counts:
@@ -96,25 +91,24 @@ def individual(
         seconds = seconds or time.perf_counter() - started
     left, inside, took = dict[int, Array](), np.empty(0, dtype=bool), list[float]()
     for count, twin in twins.items():
-        errors, predictions, each = _first_runs(twin, robot, chosen)
+        errors, predictions, each = first_runs(twin, robot, chosen)
         took.extend(each)
         left[count] = errors / plain
         if count == max(counts):
             low, high = np.array([(p.prediction.low, p.prediction.high) for p in predictions]).T
             inside = (low <= errors) & (errors <= high)
-    by_imu = _first_runs(commission(cuts, measure="imu").twin, robot, chosen)[0] / plain
     best = twins[max(counts)]
     drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:n_drift]]
     without, feedback = _after_drift(best, robot, drifted)
     beyond, flagged = _beyond(best, robot, tasks_beyond(n_beyond, GUARD_SEED + number))
     hinges = len(robot.of(best.design.nominal or best.design.model).hidden)
     return Found(
-        *(number, hinges, left, by_imu, inside, without, feedback, beyond, flagged),
+        *(number, hinges, left, inside, without, feedback, beyond, flagged),
         *(seconds, float(np.median(took))),
     )
 
 
-def _first_runs(
+def first_runs(
     twin: Twin, robot: Drawn, cuts: Sequence[Cut]
 ) -> tuple[Array, list[Corrected], list[float]]:
     """True tool RMS (n,) [m] of first runs, their corrections, and the seconds these took."""
@@ -127,7 +121,7 @@ def _first_runs(
     return np.array(errors), corrections, seconds
 
 
-def _cut(cut: Cut, seed: int, correction: Array | None = None) -> tuple[Cut, Pass]:
+def made(cut: Cut, seed: int, correction: Array | None = None) -> tuple[Cut, Pass]:
     experiment = prepare(cut, seed=seed)
     zero = np.zeros_like(experiment.loaded.reference)
     return cut, experiment.plant.run(zero if correction is None else correction)
@@ -141,18 +135,18 @@ def _error(cut: Cut, robot: Drawn, correction: Array | None) -> float:
     return true_tool_error(experiment.motion, run).rms
 
 
-def _left_alone(cut: Cut, robot: Drawn) -> float:
+def left_alone(cut: Cut, robot: Drawn) -> float:
     return _error(cut, robot, None)
 
 
 def _after_drift(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, Array]:
     """Left of cuts after friction has changed: by the old twin, and after feedback of two runs."""
-    plain = np.array([_left_alone(cut, robot) for cut in cuts])
+    plain = np.array([left_alone(cut, robot) for cut in cuts])
     corrections = [twin.correction(cut).correction for cut in cuts]
     without = [_error(cut, robot, u) for cut, u in zip(cuts, corrections, strict=True)]
     production: list[MeasuredCut] = []
     for i in range(min(N_FEEDBACK, len(cuts))):
-        _, run = _cut(replace(cuts[i], individual=robot), JUDGED_SEED + i, corrections[i])
+        _, run = made(replace(cuts[i], individual=robot), JUDGED_SEED + i, corrections[i])
         production.append(measured(run))
     after = refreshed(twin, production).twin if production else twin
     again = [_error(cut, robot, after.correction(cut).correction) for cut in cuts]
@@ -163,20 +157,19 @@ def _beyond(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, np.nd
     left, flagged = [], []
     for cut in cuts:
         corrected = twin.correction(cut)
-        left.append(_error(cut, robot, corrected.learned) / _left_alone(cut, robot))
+        left.append(_error(cut, robot, corrected.learned) / left_alone(cut, robot))
         flagged.append(not corrected.trusted)
     return np.array(left), np.array(flagged, dtype=bool)
 
 
 def _row(found: Found) -> tuple[object, ...]:
-    each = (*found.left.values(), found.by_imu)
-    pairs = [(np.median(left), left.max()) for left in each]
+    pairs = [(np.median(left), left.max()) for left in found.left.values()]
     bad, good = _bad(found), _good(found)
     return (
         found.number,
         found.hinges,
         *(float(value) for pair in pairs for value in pair),
-        sum(int((left > 1.0).sum()) for left in each),
+        sum(int((left > 1.0).sum()) for left in found.left.values()),
         float(found.inside.mean()),
         float(np.median(found.drift)),
         float(np.median(found.feedback)),
@@ -198,8 +191,7 @@ def _good(found: Found) -> np.ndarray:
 def verdicts(found: Sequence[Found]) -> list[Check]:
     """Verdicts on all individuals together."""
     every = {n: np.concatenate([one.left[n] for one in found]) for n in COUNTS}
-    by_imu = np.concatenate([one.by_imu for one in found])
-    better = np.concatenate([*every.values(), by_imu]) <= 1.0
+    better = np.concatenate([*every.values()]) <= 1.0
     inside = np.concatenate([one.inside for one in found])
     drift, feedback = (np.concatenate([getattr(one, x) for one in found]) for x in _DRIFTS)
     flagged = np.concatenate([one.flagged for one in found])
@@ -208,8 +200,6 @@ def verdicts(found: Sequence[Found]) -> list[Check]:
         Check("", "ten cuts: median left", "", float(np.median(every[10])), high=0.06),
         Check("", "ten cuts: worst left", "", float(every[10].max()), high=0.15),
         Check("", "four cuts: median left", "", float(np.median(every[4])), high=0.08),
-        Check("", "IMU and motors alone: median left", "", float(np.median(by_imu)), high=0.10),
-        Check("", "IMU and motors alone: worst left", "", float(by_imu.max()), high=0.25),
         all_hold("no first cut is worse than without correction", better),
         Check("", "friction +10 %: median left", "", float(np.median(drift)), high=0.10),
         Check("", "with feedback of two cuts", "", float(np.median(feedback)), high=0.06),

@@ -1,0 +1,89 @@
+"""The claims of `armside verify first-cut-imu`: first cuts by a twin that no tracker has seen.
+
+Individuals and tasks are those of `first_cut`; ten cuts, IMU and motors alone.
+"""
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.robot.spread import Drawn
+from armside.sim.twin.commission import commission
+from armside.sim.twin.measured import measured
+from armside.sim.twin.plan import MOST, plan
+
+from ..jobs.workers import Workers
+from .first_cut import N_TASKS, first_runs, left_alone, made
+from .first_cut_tasks import JUDGED, JUDGED_SEED, tasks
+
+COLUMNS = (
+    *("individual", "hidden hinges", "median left", "worst left", "worse than without"),
+    *("inside the interval", "commissioning [s]"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Results of one individual."""
+
+    number: int
+    hinges: int
+    left: Array
+    """(30,)."""
+    inside: Array
+    """(30,) bool: the error was in the predicted interval."""
+    seconds: float
+
+
+def first_cut_imu(seeds: Iterable[int]) -> Table:
+    """Six individuals, three with hidden hinges; thirty unseen tasks each."""
+    numbers = [JUDGED[seed % len(JUDGED)] for seed in seeds]
+    with Workers() as workers:
+        found = workers.map(individual, numbers)
+    title = "First cuts by a twin, commissioned by IMU and motors"
+    return Table(title, COLUMNS, [_row(one) for one in found], verdicts(found))
+
+
+def individual(number: int, n_cuts: int = MOST, n_tasks: int = N_TASKS) -> Found:
+    """Commission one individual by IMU and motors, and judge its first cuts."""
+    robot = Drawn(number)
+    cuts = []
+    for i, cut in enumerate(plan(n_cuts)):
+        _, run = made(replace(cut, individual=robot, imu=ImuCfg()), i)
+        cuts.append(measured(run, f"cut-{i + 1}"))
+    started = time.perf_counter()
+    twin = commission(cuts, measure="imu").twin
+    seconds = time.perf_counter() - started
+    chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
+    errors, corrections, _ = first_runs(twin, robot, chosen)
+    low, high = np.array([(c.prediction.low, c.prediction.high) for c in corrections]).T
+    return Found(
+        number=number,
+        hinges=len(robot.of(twin.design.nominal or twin.design.model).hidden),
+        left=errors / [left_alone(cut, robot) for cut in chosen],
+        inside=(low <= errors) & (errors <= high),
+        seconds=seconds,
+    )
+
+
+def _row(found: Found) -> tuple[object, ...]:
+    left = found.left
+    return (
+        *(found.number, found.hinges, float(np.median(left)), float(left.max())),
+        *(int((left > 1.0).sum()), float(found.inside.mean()), found.seconds),
+    )
+
+
+def verdicts(found: Sequence[Found]) -> list[Check]:
+    """Verdicts on all individuals together. Coverage is reported, not judged."""
+    left = np.concatenate([one.left for one in found])
+    return [
+        Check("", "median left", "", float(np.median(left)), high=0.10),
+        Check("", "worst left", "", float(left.max()), high=0.25),
+        all_hold("no first cut is worse than without correction", left <= 1.0),
+    ]
