@@ -29,7 +29,7 @@ from .tracker_residuals import TRACKER
 
 _AT_ONCE = 4
 """Cuts at most, whose simulations and equations are under way: what is Python in one goes on while
-the physics of others runs. Each takes 0.15 GB."""
+the physics of others runs. ESTIMATE of what keeps the cores of a small machine busy."""
 
 
 @dataclass(frozen=True, kw_only=True)

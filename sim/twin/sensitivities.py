@@ -6,6 +6,7 @@ less that of the motor angles, to springs, lost motion and masses by simulation,
 geometry by kinematics.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +25,8 @@ from .tracker_residuals import TRACKER
 
 _STEP = 0.05
 """Of log factors, compliances and relative amplitudes in difference quotients."""
+_BATCH = 12
+"""Runs in memory at once, each at the rate of the physics."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,30 +65,33 @@ class Against:
     def _tool(self) -> Comparison:
         return self.sensor.comparison(self.design.model, self.cut)
 
-    def simulated(self, thetas: list[Array]) -> list[Recording]:
-        """Runs of the cut by twins of several parameter vectors."""
+    def simulated(self, thetas: Sequence[Array]) -> Iterator[Recording]:
+        """Runs of the cut by twins of several parameter vectors, a batch in memory at a time."""
         phases = gear_phases(self.design.model)
-        twins = [self.parameters.individual(theta, phases) for theta in thetas]
-        return self.design.run(twins, self.cut.reference, self.cut.correction)
+        for start in range(0, len(thetas), _BATCH):
+            batch = thetas[start : start + _BATCH]
+            twins = [self.parameters.individual(theta, phases) for theta in batch]
+            yield from self.design.run(twins, self.cut.reference, self.cut.correction)
 
     def residuals(self, theta: Array) -> Residuals:
         """Residuals against one twin."""
-        return self._residuals(self.simulated([theta])[0])
+        return self._residuals(next(self.simulated([theta])))
 
     def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
         """Residuals against one twin, and their sensitivities around it."""
         friction, rest = _friction_directions(self.parameters), _directions(self.parameters)
         variants = [theta, *(theta + _STEP * d for d in (*friction.values(), *rest.values()))]
-        base, *others = self.simulated(variants)
+        runs = self.simulated(variants)
+        base = next(runs)
         torque = np.zeros((*base.motor_torque.shape, self.parameters.size))
-        for (first, parts), run in zip(friction, others[: len(friction)], strict=True):
+        for (first, parts), run in zip(friction, runs, strict=False):
             change = (run.motor_torque - base.motor_torque) / _STEP
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
         residuals = self._residuals(base)
         tool = np.zeros((*residuals.tool.shape, self.parameters.size))
         mass = self.parameters.at("mass")
-        for entry, run in zip(rest, others[len(friction) :], strict=True):
+        for entry, run in zip(rest, runs, strict=True):
             tool[:, :, entry] = self._tool.change(base, run) / _STEP
             if mass.start <= entry < mass.stop:
                 torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
