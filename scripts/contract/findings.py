@@ -54,6 +54,7 @@ _LINES = (
     "replay ../files/run-seedless --save a.rrd",
     "replay ../files/run-nameless --save a.rrd",
     "replay ../files/run --save /proc/a.rrd",
+    "reproduce 8.3 --out /proc/none",
     "replay ../files/run --save none/a.rrd",
     "replay ../files/run --save /dev/full",
     "convert ../files/run-nameless --file a.csv",

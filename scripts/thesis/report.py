@@ -10,7 +10,7 @@ import numpy as np
 
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.records.atomic import remove_stale, write_whole
-from armside.sim.records.run_folder import check_destination
+from armside.sim.records.run_folder import check_destination, check_shared_folder
 from armside.sim.records.summary import dumps, plain
 
 from ..jobs.store import Job, Result
@@ -62,6 +62,7 @@ class ReportFolder:
         remove_stale(path)  # of a process that was killed before its marker was there
         if not (path.is_dir() and _is_report(path)):
             check_destination(path)
+            check_shared_folder(path)
         self.results, self.figures = path / RESULTS, path / FIGURES
 
     def begin(self, config: Any) -> None:
