@@ -238,7 +238,7 @@ def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
     monkeypatch.setattr(Rules, "advance", broken)
     with pytest.raises(RuntimeError), _objective(payload=40.0, episodes=2) as objective:
         next(objective.ratios(THESIS))
-    monkeypatch.setattr(tuning_objective, "begin", broken)
+    monkeypatch.setattr(Rules, "first", broken)
     with pytest.raises(RuntimeError):
         _objective(payload=40.0, episodes=2)
     assert set(threading.enumerate()) == known
