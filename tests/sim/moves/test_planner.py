@@ -194,6 +194,15 @@ def test_a_corner_stays_within_its_zone_and_leaves_the_rest_of_the_lines():
     assert not np.all((on_first | on_second)[~outside])
 
 
+@pytest.mark.parametrize("speeds", [(0.03, 0.3), (0.3, 0.03)])
+def test_a_corner_is_taken_at_the_slower_of_its_two_speeds(speeds):
+    p, _ = tool(plan(line(B, speeds[0], zone=0.02), line(C, speeds[1])))
+    speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / STEP
+    near = np.linalg.norm(p[1:] - B, axis=1) < 0.015
+    assert near.any()
+    assert speed[near].max() < 1.02 * min(speeds)
+
+
 def test_through_a_corner_acceleration_is_continuous():
     motion = plan(line(B, 0.3, zone=0.02), joints(*START, fraction=0.3))
     _, acceleration = rates(motion)
