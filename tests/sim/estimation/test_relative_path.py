@@ -39,3 +39,9 @@ def test_the_assumed_stiffness_is_wrong_by_up_to_what_is_stated():
     assert len(np.unique(factors)) == factors.size  # each axis and seed its own
     again = np.diag(assumed_arm(robot, 0.3, 7).stiffness) / right
     assert np.array_equal(again, factors[7])
+
+
+def test_an_assumption_without_error_has_no_sign():
+    robot = load_model(assets.LARGE_ROBOT_XML)
+    plus, minus = (assumed_arm(robot, error, seed=0).stiffness for error in (0.0, -0.0))
+    assert np.array_equal(plus, minus)
