@@ -4,7 +4,6 @@ The modes were found with an independent prototype of the same data.
 """
 
 from dataclasses import replace
-from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -18,7 +17,8 @@ from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
 from armside.sim.robot.virtual_robot import VirtualRobot
 
-LOG_PERIOD = 0.004
+from .irb1400_motion import at_rest_pose, brisk_motion
+
 G = 9.82
 
 
@@ -30,29 +30,6 @@ def full():
 @pytest.fixture(scope="module")
 def rigid():
     return load_model(variant(assets.IRB1400_XML, Flexibility.RIGID))
-
-
-def at_rest_pose(model, phi):
-    """Kinematics of the model with its springs at zero."""
-    data = mujoco.MjData(model.mj)
-    data.qpos[:] = model.posture @ phi
-    mujoco.mj_forward(model.mj, data)
-    return data
-
-
-def through(waypoints, seconds):
-    """Log-rate reference that visits the rows of `waypoints`, at rest at each."""
-    n = round(seconds / LOG_PERIOD)
-    ramp = (1.0 - np.cos(np.pi * np.arange(n) / n))[:, None] / 2.0
-    legs = [a + ramp * (b - a) for a, b in pairwise(waypoints)]
-    rest = np.tile(waypoints[-1], (25, 1))
-    return np.concatenate((np.tile(waypoints[0], (25, 1)), *legs, rest))
-
-
-def brisk_motion():
-    """One second that uses all axes: up to 1.3 rad/s on the main axes, 5 rad/s^2."""
-    there = np.array([0.4, 0.35, -0.25, 0.6, 0.5, -0.7])
-    return through(np.array([np.zeros(6), there, np.zeros(6)]), 0.5)
 
 
 def imu_position(truth):

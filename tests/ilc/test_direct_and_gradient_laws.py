@@ -16,22 +16,11 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix, adjoint, largest_gain
 from armside.ilc.models.two_mass import TwoMassLoop
 
+from .signals import bump, error_norms
+
 T_S = 0.004
 T_MOTOR = TwoMassLoop().T_motor
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-N = 90
-
-
-def error_norms(plant, law, reference, iterations, **options):
-    trials = learn(plant, law, reference, iterations, divergence_ratio=np.inf, **options)
-    return np.array([two_norm(trial.error)[0] for trial in trials])
-
-
-def bump(n=N, columns=1):
-    """A record that begins and ends at rest."""
-    t = np.linspace(0, 1, n)
-    shape = np.exp(-(((t - 0.45) / 0.12) ** 2)) - 0.5 * np.exp(-(((t - 0.6) / 0.05) ** 2))
-    return shape[:, None] * np.arange(1, columns + 1)
 
 
 # Direct term, D-type, several motors

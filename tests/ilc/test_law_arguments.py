@@ -17,16 +17,10 @@ from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
+from .signals import bump
+
 T_S = 0.004
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-N = 90
-
-
-def bump(n=N, columns=1):
-    """A record that begins and ends at rest."""
-    t = np.linspace(0, 1, n)
-    shape = np.exp(-(((t - 0.45) / 0.12) ** 2)) - 0.5 * np.exp(-(((t - 0.6) / 0.05) ** 2))
-    return shape[:, None] * np.arange(1, columns + 1)
 
 
 @dataclass(frozen=True)

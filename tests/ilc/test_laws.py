@@ -20,20 +20,14 @@ from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
+from .signals import N, bump
+
 T_S = 0.004
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-N = 90
 
 
 def low_pass(cutoff=20.0, edge=Edge.REST):
     return ZeroPhaseButterworth(cutoff, T_S, edge=edge)
-
-
-def bump(n=N, columns=1):
-    """A record that begins and ends at rest."""
-    t = np.linspace(0, 1, n)
-    shape = np.exp(-(((t - 0.45) / 0.12) ** 2)) - 0.5 * np.exp(-(((t - 0.6) / 0.05) ** 2))
-    return shape[:, None] * np.arange(1, columns + 1)
 
 
 @st.composite

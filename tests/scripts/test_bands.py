@@ -18,6 +18,8 @@ from armside.sim.calibration import bands
 from armside.sim.calibration.search import MARGIN, MARGINS, outside
 from armside.sim.evaluation.check import Check
 
+from .verdicts import assert_band
+
 POSES = ("p1", "p2", "p3")
 CHAPTER_9 = {  # k = 5, 40 mm/s unless the statement says otherwise
     "a1": (None, 0.10), "a2": (None, 0.02), "a3": (14, None), "a4": (None, 0.30),
@@ -33,19 +35,6 @@ CHAPTER_9 = {  # k = 5, 40 mm/s unless the statement says otherwise
     "f6": (None, 0.03),
     "g1": (0.10, 0.35),
 }  # fmt: skip
-
-
-def assert_band(check, low, high):
-    """The ends of a check, and its verdict on both sides of each."""
-    # ends of a computed band are sums: equal to rounding
-    assert (check.low is None, check.high is None) == (low is None, high is None), check.id
-    for end, stated, outwards in ((check.low, low, -1.0), (check.high, high, 1.0)):
-        if end is None:
-            continue
-        assert end == pytest.approx(stated, rel=1e-12, abs=1e-15), check.id
-        assert replace(check, ours=end).holds, check.id
-        beyond = np.nextafter(end, outwards * np.inf)
-        assert not replace(check, ours=beyond).holds, check.id
 
 
 # Chapter 9

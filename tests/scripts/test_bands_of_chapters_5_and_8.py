@@ -1,13 +1,13 @@
 """Bands of chapters 5 and 8 have their ends where the thesis says: see `test_bands`."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from armside.scripts.figures import two_mass as two_mass_figures
 from armside.scripts.thesis import chapter5_checks as chapter5
 from armside.scripts.thesis.entries import ENTRIES
+
+from .verdicts import assert_band
 
 COUNT = 1e3 * 2.0 * np.pi / (2**12 - 1)  # [mrad] of the motor, thesis 5.3.1
 CHAPTER_5 = {
@@ -54,19 +54,6 @@ CHAPTER_8 = {
     "S06.9": around(2.04878 / 1.0285, 4e-3 * 2.04878 / 1.0285),
     "S06.10": around(0.1555, 1e-4), "S06.11": around(0.1456, 1e-4),
 }  # fmt: skip
-
-
-def assert_band(check, low, high):
-    """The ends of a check, and its verdict on both sides of each."""
-    # ends of a computed band are sums: equal to rounding
-    assert (check.low is None, check.high is None) == (low is None, high is None), check.id
-    for end, stated, outwards in ((check.low, low, -1.0), (check.high, high, 1.0)):
-        if end is None:
-            continue
-        assert end == pytest.approx(stated, rel=1e-12, abs=1e-15), check.id
-        assert replace(check, ours=end).holds, check.id
-        beyond = np.nextafter(end, outwards * np.inf)
-        assert not replace(check, ours=beyond).holds, check.id
 
 
 def ours(checks):

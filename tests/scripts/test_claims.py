@@ -15,19 +15,7 @@ from armside.scripts.verifications import (
 )
 from armside.scripts.verifications.claims import CLAIMS
 
-CLOSE = 1e-3
-"""Relative distance of a fed value from its bar."""
-
-
-def failing(table):
-    return [v.statement for v in table.verdicts if not v.holds]
-
-
-def fails_by_itself(found, words):
-    """One statement fails, the one with these words."""
-    assert len(found) == 1, found
-    assert words in found[0], found
-
+from .verdicts import CLOSE, failing, fails_by_itself
 
 FULL_INSTANCES = {
     "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100,

@@ -13,15 +13,7 @@ from armside.scripts.verifications import (
 from armside.sim.laser.design import THESIS
 from armside.sim.robot.effects import Effect
 
-
-def failing(table):
-    return [v.statement for v in table.verdicts if not v.holds]
-
-
-def fails_by_itself(found, words):
-    """One statement fails, the one with these words."""
-    assert len(found) == 1, found
-    assert words in found[0], found
+from .verdicts import failing, fails_by_itself
 
 
 def learned_on_irb1400(monkeypatch, changed):
