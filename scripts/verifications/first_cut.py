@@ -12,15 +12,15 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
-from armside.sim.laser.plant import Pass
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import refreshed
 from armside.sim.twin.measured import MeasuredCut, measured
-from armside.sim.twin.plan import plan
+from armside.sim.twin.plan import plan, recorded
 from armside.sim.twin.twin import Twin
 
 from ..jobs.workers import Workers
@@ -78,10 +78,7 @@ def individual(
 ) -> Found:
     """Commission twins of one individual from several counts of cuts, and judge them."""
     robot = Drawn(number)
-    runs = [
-        made(replace(cut, individual=robot), seed) for seed, cut in enumerate(plan(max(counts)))
-    ]
-    cuts = [measured(run, f"cut-{i + 1}") for i, (_, run) in enumerate(runs)]
+    cuts = commissioning_cuts(robot, max(counts))
     chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
     plain = [left_alone(cut, robot) for cut in chosen]
     started, twins = time.perf_counter(), dict[int, Twin]()
@@ -121,10 +118,12 @@ def first_runs(
     return np.array(errors), corrections, seconds
 
 
-def made(cut: Cut, seed: int, correction: Array | None = None) -> tuple[Cut, Pass]:
-    experiment = prepare(cut, seed=seed)
-    zero = np.zeros_like(experiment.loaded.reference)
-    return cut, experiment.plant.run(zero if correction is None else correction)
+def commissioning_cuts(robot: Drawn, count: int, imu: ImuCfg | None = None) -> list[MeasuredCut]:
+    """Recorded cuts of the plan, by an individual that may carry an IMU."""
+    return [
+        recorded(replace(cut, individual=robot, imu=imu), f"cut-{i + 1}", i)
+        for i, cut in enumerate(plan(count))
+    ]
 
 
 def _error(cut: Cut, robot: Drawn, correction: Array | None) -> float:
@@ -136,6 +135,7 @@ def _error(cut: Cut, robot: Drawn, correction: Array | None) -> float:
 
 
 def left_alone(cut: Cut, robot: Drawn) -> float:
+    """True tool RMS [m] of a run without correction."""
     return _error(cut, robot, None)
 
 
@@ -146,8 +146,8 @@ def _after_drift(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, 
     without = [_error(cut, robot, u) for cut, u in zip(cuts, corrections, strict=True)]
     production: list[MeasuredCut] = []
     for i in range(min(N_FEEDBACK, len(cuts))):
-        _, run = made(replace(cuts[i], individual=robot), JUDGED_SEED + i, corrections[i])
-        production.append(measured(run))
+        experiment = prepare(replace(cuts[i], individual=robot), seed=JUDGED_SEED + i)
+        production.append(measured(experiment.plant.run(corrections[i])))
     after = refreshed(twin, production).twin if production else twin
     again = [_error(cut, robot, after.correction(cut).correction) for cut in cuts]
     return np.array(without) / plain, np.array(again) / plain

@@ -5,7 +5,7 @@ Individuals and tasks are those of `first_cut`; ten cuts, IMU and motors alone.
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,11 +14,10 @@ from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
-from armside.sim.twin.measured import measured
-from armside.sim.twin.plan import MOST, plan
+from armside.sim.twin.plan import MOST
 
 from ..jobs.workers import Workers
-from .first_cut import N_TASKS, first_runs, left_alone, made
+from .first_cut import N_TASKS, commissioning_cuts, first_runs, left_alone
 from .first_cut_tasks import JUDGED, JUDGED_SEED, tasks
 
 COLUMNS = (
@@ -52,10 +51,7 @@ def first_cut_imu(seeds: Iterable[int]) -> Table:
 def individual(number: int, n_cuts: int = MOST, n_tasks: int = N_TASKS) -> Found:
     """Commission one individual by IMU and motors, and judge its first cuts."""
     robot = Drawn(number)
-    cuts = []
-    for i, cut in enumerate(plan(n_cuts)):
-        _, run = made(replace(cut, individual=robot, imu=ImuCfg()), i)
-        cuts.append(measured(run, f"cut-{i + 1}"))
+    cuts = commissioning_cuts(robot, n_cuts, ImuCfg())
     started = time.perf_counter()
     twin = commission(cuts, measure="imu").twin
     seconds = time.perf_counter() - started

@@ -22,11 +22,11 @@ from armside.sim.laser.specification import Cut
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
-from armside.sim.twin.measured import measured
-from armside.sim.twin.plan import MOST, plan
+from armside.sim.twin.plan import MOST
 from armside.sim.twin.simulation import tool_path
 from armside.sim.twin.twin import Twin
 
+from .first_cut import commissioning_cuts
 from .first_cut_tasks import DEVELOPMENT, DEVELOPMENT_SEED, tasks
 
 N_TASKS = 12
@@ -83,11 +83,7 @@ def imu_twin(seeds: Iterable[int]) -> Table:
 
 def commissioned(robot: Drawn) -> Twin:
     """Twin of ten cuts by IMU and motors."""
-    cuts = []
-    for seed, cut in enumerate(plan(MOST)):
-        experiment = prepare(replace(cut, individual=robot, imu=ImuCfg()), seed=seed)
-        run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
-        cuts.append(measured(run, f"cut-{seed + 1}"))
+    cuts = commissioning_cuts(robot, MOST, ImuCfg())
     return commission(cuts, measure="imu").twin
 
 

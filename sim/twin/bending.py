@@ -27,6 +27,7 @@ _STIFFEST = 0.25
 """Least compliance relative to 1/k: what bends less than that does not show."""
 
 DIRECTIONS = np.deg2rad([0.0, 45.0, 90.0, 135.0])
+"""Of bending, in the plane across a link [rad]: from the first of its two axes on."""
 
 Vector = tuple[float, float, float]
 
@@ -68,7 +69,9 @@ LINKS = (
 )
 """Of the large robot; places are in the axes of each body."""
 MIDDLE = 0.5
+"""Place of the design's hinges, as a fraction of the link."""
 MEAN = 0.5
+"""Compliance about each direction in the design: two of four make 1/k about every axis."""
 
 
 def hinges(compliance: Array, place: Array) -> tuple[HiddenHinge, ...]:

@@ -3,8 +3,9 @@
     expected^2 = e^2 + b^2 (s^2 - e^2) + (a h)^2        interval = expected * (low, high)
 
 e is the error inside the twin, s the root mean square error of the individuals around it, h the
-residual of cuts that the twin was not identified from. a, b, low and high were fitted to cuts of
-the individuals `DEVELOPMENT` of `armside verify first-cut`, which are not the judged ones.
+residual of cuts that the twin was not identified from. a, b, low and high were fitted to twelve
+cuts each of seven individuals among `DEVELOPMENT` of `armside verify first-cut`, which are not the
+judged ones: 1001, 1002, 1004, 1005, 1008, 1011 and 1012.
 """
 
 from dataclasses import dataclass
