@@ -64,7 +64,8 @@ def lines(seeds: Iterable[int]) -> Table:
         own = counts.setdefault(name if len(name) < 20 else "none", Counter())
         own[f"{one.outcome.status}"] += 1
         for rule in one.broken:
-            wrong[rule].append(shlex.join(one.line.words)[:200])
+            words = shlex.join(one.line.words)[:200]
+            wrong[rule].append(f"{words} (status {one.outcome.status})")
     statuses = ("0", "1", "2", "130")
     rows = [
         (name, own.total(), *(own[status] for status in statuses))

@@ -21,9 +21,12 @@ MODULES = (
 PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),
     *(f"armside.scripts.figures.{name}" for name in ("laser", "kerf", "design")),
-    *("armside.sim.replay.scene", "armside.sim.records.tables", "matplotlib.pyplot", "optuna"),
+    *("armside.sim.records.tables", "matplotlib.pyplot", "optuna"),
     *("armside.scripts.contract.isolated", "armside.ilc.analysis.proposal"),
 )
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
+"""Environment in which those libraries start no threads: a fork copies locks, not their holders.
+Rerun's start at its import, which is why it is not among them."""
 ADDRESS_SPACE = 4_000_000_000
 """[bytes], beside that of the libraries: a hard limit, above the one of the contract."""
 LARGEST_FILE = 500_000_000
@@ -53,6 +56,7 @@ def server() -> ForkServerContext:
     """The context whose processes are forked from a server with all libraries."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(PRELOADED))
+    os.environ.update(ONE_THREAD)
     return context
 
 

@@ -11,7 +11,12 @@ LARGEST = 2_000_000_000
 """[bytes], resident."""
 PATIENCE = 60.0
 """[s] of the processor, for a line that was not asked to take longer."""
-LONG = frozenset({"bench", "calibrate", "compare", "gallery", "identify", "reproduce", "verify"})
+LONG = frozenset(
+    {
+        *("bench", "calibrate", "commission", "compare", "gallery", "identify", "reproduce"),
+        "verify",
+    }
+)
 """Commands that may take minutes, and are interrupted without having broken the contract."""
 NOT_A_NUMBER = re.compile(r"(?<![\w./-])[-+]?(nan|inf|infinity)(?![\w./-])", re.IGNORECASE)
 WAITING = re.compile(r"^armside: waiting for .*\n", re.MULTILINE)

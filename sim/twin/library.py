@@ -7,6 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from ..laser.specification import Cut
+from ..records.files import check_file
 from .correction import Corrected
 from .twin import FILES, Twin, TwinError
 
@@ -19,8 +20,8 @@ def digest(folder: str | PathLike[str]) -> str:
     hashed = sha256()
     try:
         for name in FILES:
-            hashed.update(sha256((Path(folder) / name).read_bytes()).digest())
-    except OSError:
+            hashed.update(sha256(check_file(Path(folder) / name).read_bytes()).digest())
+    except (ValueError, OSError):
         Twin.load(folder)  # says what is missing
         raise TwinError(f"{folder} cannot be read") from None
     return hashed.hexdigest()

@@ -12,6 +12,7 @@ from armside.sim.cut.contour import slot, square
 from armside.sim.laser import Cut
 from armside.sim.laser.experiment import true_tool_error
 from armside.sim.twin.drift import refreshed
+from armside.sim.twin.library import stored_twin
 from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import MOST, plan
 from armside.sim.twin.plausible import ImplausibleError, check
@@ -126,8 +127,9 @@ def test_a_twin_of_a_pipe_is_refused_at_once(twin, tmp_path):
     for name in ("covariance.npy", "twin.json"):
         (tmp_path / name).unlink()
         os.mkfifo(tmp_path / name)
-        with pytest.raises(TwinError):
-            Twin.load(tmp_path)
+        for load in (Twin.load, stored_twin):
+            with pytest.raises(TwinError):
+                load(tmp_path)
 
 
 def test_a_folder_without_a_twin_is_refused(tmp_path):
