@@ -20,10 +20,12 @@ from armside.sim.laser.specification import Cut
 
 DEVELOPMENT = tuple(range(1001, 1013))
 """Individuals on which settings were chosen, with tasks of the seed 77."""
-JUDGED = (909, 940, 874, 841, 129, 177)
+JUDGED = (506, 31, 192, 804, 321, 478)
 """Individuals that judge: the first three without and the first three with hidden hinges among
-numbers below 1000, in the order of `numpy.random.default_rng(20261122).permutation(1000)`."""
-JUDGED_SEED, GUARD_SEED, DEVELOPMENT_SEED = 20261122, 20261123, 77
+numbers below 1000, in the order of `numpy.random.default_rng(20261205).permutation(1000)`."""
+JUDGED_SEED, GUARD_SEED, DEVELOPMENT_SEED = 20261205, 20261206, 77
+SEEN = (909, 940, 874, 841, 129, 177)
+"""Individuals that judged before the prediction was fitted anew, and judge no longer."""
 
 _SHAPES: dict[str, Callable[[float], ClosedCurve]] = {
     "circle": lambda size: Circle(0.5 * size),
