@@ -7,10 +7,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from armside.sim.records.run_folder import check_shared_folder
 from armside.sim.records.summary import summary
 
 from ..figures.gallery import PICTURES, shrink
 from ..shell.console import Report, keep
+from ..shell.errors import checking_input
 from ..shell.options import Common, Folder, options
 from ..shell.registry import unknown
 
@@ -42,7 +44,8 @@ def gallery(
         if name not in PICTURES:
             raise unknown("picture", name, PICTURES)
     chosen = list(names or PICTURES)
-    cfg.images.mkdir(parents=True, exist_ok=True)
+    with checking_input():
+        check_shared_folder(cfg.images)
     made, drawing = dict[str, int](), report.progress("drawing", total=len(chosen))
     with tempfile.TemporaryDirectory(prefix="armside-") as folder, drawing as step:
         run = Path(folder) / "run"
@@ -50,6 +53,7 @@ def gallery(
         for name in chosen:
             raw = Path(folder) / f"{name}.png"
             PICTURES[name](run, raw)
+            cfg.images.mkdir(parents=True, exist_ok=True)
             made[name] = shrink(raw, cfg.images / f"{name}.png")
             step()
     sizes = [(name, size // 1000) for name, size in made.items()]

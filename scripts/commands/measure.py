@@ -1,10 +1,12 @@
 """`armside measure`: measures of recorded data, of a stored run or of any other robot."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import pyarrow as pa
 from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
@@ -67,7 +69,7 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
             signals = signals_of(read, source=file.name)
             rows, said = measure_signals(signals), notes_of_signals(signals)
         else:
-            rows, said = measure_table(read, gears(cfg), turn(cfg)), notes_of_table(read)
+            rows, said = measure_table(read, gears(cfg, read), turn(cfg)), notes_of_table(read)
     outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
     keep(outcome, common)
     report.notes(said)
@@ -89,9 +91,17 @@ def _missing(cfg: MeasureCfg) -> str:
     return f"{tool}; a motor without samples has no error"
 
 
-def gears(cfg: MeasureCfg) -> np.ndarray:
-    """Gear ratios given, or those of the robot."""
-    return np.array(cfg.gear) if cfg.gear else load_model(CELLS[cfg.robot].xml).drives.gear
+def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
+    """Gear ratios given, or those of the robot. Raises ValueError if it has other motors."""
+    if cfg.gear:
+        return np.array(cfg.gear)
+    gear, names = load_model(CELLS[cfg.robot].xml).drives.gear, table.column_names
+    motors = sum(re.fullmatch(r"reference_\d+", name) is not None for name in names)
+    if 0 < motors != len(gear):
+        raise ValueError(
+            f"the data have {motors} motors and the robot {cfg.robot} has {len(gear)}: give --gear"
+        )
+    return gear
 
 
 def turn(cfg: MeasureCfg) -> CircleTurn | None:

@@ -102,6 +102,8 @@ def _section(file: Path) -> Section:
             entry["ours"] = np.nan if entry["ours"] is None else entry["ours"]
         checks = [Check(**entry) for entry in raw.pop("checks")]
         tables = [Table(**entry) for entry in raw.pop("tables")]
+        if outside := [name for name in raw["figures"] if Path(name).name != name]:
+            raise ValueError(f"figure {outside[0]!r} is not in the folder of figures")
         return Section(**raw, checks=checks, tables=tables)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{file} is not a section of a report: {error}") from error

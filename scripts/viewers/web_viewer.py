@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 from urllib.parse import quote, urlsplit
 
 from ..shell.errors import InputError, RunFailed
@@ -97,6 +97,14 @@ def _read(address: str) -> Answer:
         return answer.read(), headers
 
 
+class _Server(ThreadingHTTPServer):
+    """A browser may leave in the middle of an answer: that is no error."""
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+
 class WebViewer:
     """Web viewer with one replay in it, served until closed.
 
@@ -108,7 +116,7 @@ class WebViewer:
     def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
         pages: dict[str, Answer] = {}
         try:
-            self._server = ThreadingHTTPServer((LOOPBACK, port), _handler(pages, telemetry))
+            self._server = _Server((LOOPBACK, port), _handler(pages, telemetry))
         except OSError as error:
             advice = "choose another with --port, or 0 for any free one"
             text = f"port {port} is in use or not allowed ({error.strerror}); {advice}"

@@ -159,7 +159,8 @@ def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
     ("words", "said"),
     [
         ("measure missing.csv", "missing.csv"),
-        ("measure mine.csv", "columns are missing: reference_3"),
+        ("measure mine.csv", "the data have 2 motors and the robot large has 6: give --gear"),
+        ("measure mine.csv --gear 1 1 1", "columns are missing: reference_3"),
         ("measure mine.csv --gear 1", "more motors than the 1 gears"),
         ("measure mine.csv --gear 1 0", "gear ratios must be > 0"),
         ("measure mine.csv --radius 0", "radius must be > 0"),

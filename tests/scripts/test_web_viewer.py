@@ -1,0 +1,58 @@
+"""The web viewer's server, without Rerun behind it."""
+
+import socket
+import struct
+import threading
+import time
+
+import pytest
+
+from armside.scripts.viewers import web_viewer
+
+LARGE = b"x" * 50_000_000
+"""More than the buffers between server and browser hold."""
+PAGES = {"/large": (LARGE, {}), "/wrong": ("text in place of bytes", {})}
+
+
+@pytest.fixture
+def viewer(tmp_path, monkeypatch):
+    monkeypatch.setattr(web_viewer, "viewer_pages", lambda replay: PAGES)
+    (tmp_path / "a.rrd").write_bytes(b"")
+    viewer = web_viewer.WebViewer(tmp_path / "a.rrd", port=0)
+    thread = threading.Thread(target=viewer.serve)
+    thread.start()
+    yield viewer
+    viewer.close()
+    thread.join()
+
+
+def leave_in_mid_answer(viewer, path):
+    """Ask for a page, read the beginning of the answer, and reset the connection."""
+    port = viewer._server.server_port
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as browser:
+        browser.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+        assert browser.recv(10).startswith(b"HTTP/")
+        browser.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+
+
+def answering():
+    return [t for t in threading.enumerate() if "process_request_thread" in t.name]
+
+
+def wait_for_the_answers():
+    deadline = time.monotonic() + 20.0
+    while answering() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not answering()
+
+
+def test_a_browser_that_leaves_is_no_error(viewer, capsys):
+    leave_in_mid_answer(viewer, "/large")
+    wait_for_the_answers()
+    assert capsys.readouterr().err == ""
+
+
+def test_a_fault_of_the_server_is_shown(viewer, capsys):
+    leave_in_mid_answer(viewer, "/wrong")
+    wait_for_the_answers()
+    assert "TypeError" in capsys.readouterr().err
