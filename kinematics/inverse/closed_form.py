@@ -1,13 +1,16 @@
-"""Inverse kinematics in closed form: every branch of an elbow arm with a spherical wrist.
+"""Inverse kinematics in closed form: every branch of two kinds of arm with six revolute axes.
 
-Thesis (2.7)-(2.10). Solutions are motor angles phi, so a coupling is solved for as well. Branches
-are numbered 4 shoulder + 2 elbow + wrist, each 0 or 1: the shoulder facing the target or facing
-away, the elbow angle positive or negative, the wrist regular or flipped.
+They are elbow arms with a spherical wrist, thesis (2.7)-(2.10), and arms whose axes 2, 3 and 4 are
+parallel, as Universal Robots builds them; a robot's kind follows from its Denavit-Hartenberg
+numbers. The wrist centre is where axes 5 and 6 meet. Solutions are motor angles phi, so a coupling
+is solved for as well. Branches are numbered 4 shoulder + 2 elbow + wrist, each 0 or 1: the shoulder
+facing the target or facing away, the elbow angle positive or negative, the wrist regular or flipped
+(with parallel axes: the sine of theta5 positive or negative).
 """
 
 from dataclasses import dataclass
 from enum import IntFlag
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +22,10 @@ from armside.arrays import Array
 from ..cache import cached_module
 from ..dh import Robot
 from ..limits import Limits
+from .parallel_arm import ParallelArm, has_parallel_axes, parallel_arm
+from .six_axes import ClosedArm, UnsolvableGeometryError
 from .targets import check_rigid
-from .wrist_arm import WristArm, wrist_arm
+from .wrist_arm import wrist_arm
 
 
 class Singularity(IntFlag):
@@ -33,7 +38,25 @@ class Singularity(IntFlag):
     ELBOW = 2
     """The arm is stretched or folded: two elbow branches coincide."""
     WRIST = 4
-    """Axes 4 and 6 align: only a combination of theta4 and theta6 is determined."""
+    """Axes 4 and 6 align. Of a spherical wrist only a combination of theta4 and theta6 is
+    determined, and theta4 is free. With axes 2, 3 and 4 parallel, axis 6 is parallel to all of them
+    and theta6 is free; where the arm does not reach the target with its reference value, it takes
+    the nearest value with which the arm, then stretched or folded, does."""
+
+
+@lru_cache(maxsize=64)
+def solvable_arm(robot: Robot) -> ClosedArm:
+    """Constants of the closed form of a robot's kind.
+
+    Raises:
+        UnsolvableGeometryError: there is none; says which parameter stands in the way.
+    """
+    try:
+        return wrist_arm(robot)
+    except UnsolvableGeometryError:
+        if has_parallel_axes(robot):
+            return parallel_arm(robot)
+        raise
 
 
 class UnreachableError(ValueError):
@@ -71,11 +94,11 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
         UnreachableError: a target has no solution; says its distance from the workspace.
         UnsolvableGeometryError: the robot is of another kind.
     """
-    arm = wrist_arm(robot)
+    arm = solvable_arm(robot)
     W, single = _targets(arm, T)
     n, g, theta_start = len(W), arm.geometry, arm.M @ _configuration(reference) + arm.constant
     phi, flags, outside = np.empty((n, 8, 6)), np.empty((n, 8), dtype=np.int8), np.empty(n)
-    _kernel().solve_all(W, g, arm.M_inverse, arm.constant, theta_start, phi, flags, outside)
+    _kernel(arm).solve_all(W, g, arm.M_inverse, arm.constant, theta_start, phi, flags, outside)
     _raise_unreachable(robot, outside)
     exists = flags >= 0
     phi[~exists] = np.nan
@@ -121,7 +144,7 @@ def inverse_path(
         start: shape (6,), the first solution is the nearest to it (to zero by default).
         limits: ranges of the first solution; leaving them later is an error.
     """
-    arm = wrist_arm(robot)
+    arm = solvable_arm(robot)
     W, single = _targets(arm, T)
     if single:
         raise ValueError(f"T must have shape (N, 4, 4), got {np.shape(T)}; see inverse_nearest")
@@ -131,7 +154,7 @@ def inverse_path(
     T = np.asarray(T, dtype=np.float64)
     path[0] = inverse_nearest(robot, T[0], start, limits)
     outside, flag = np.zeros(len(W)), np.zeros(len(W), dtype=np.int8)
-    _kernel().follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
+    _kernel(arm).follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
     _raise_unreachable(robot, outside)
     if limits is not None and not (inside := limits.contain(path)).all():
         k = int(np.argmin(inside))
@@ -141,9 +164,22 @@ def inverse_path(
     return path
 
 
+def _kernel(arm: ClosedArm) -> Any:
+    return _module("parallel" if isinstance(arm, ParallelArm) else "wrist")
+
+
 @cache
-def _kernel() -> Any:
-    return cached_module("inverse", "", Path(__file__).with_name("kernel.py").read_text)
+def _module(kind: str) -> Any:
+    """The loops of `kernel` compiled with the branches of a kind."""
+
+    def text() -> str:
+        kernel, loops = (
+            Path(__file__).with_name(name).read_text(encoding="utf-8")
+            for name in (f"{kind}_kernel.py", "kernel.py")
+        )
+        return kernel + loops.replace("from .wrist_kernel import branches\n", "")
+
+    return cached_module(f"inverse_{kind}", "", text)
 
 
 def _unwrapped(robot: Robot, phi: Array) -> Array:
@@ -159,7 +195,7 @@ def _configuration(phi: ArrayLike | None) -> Array:
     return start
 
 
-def _targets(arm: WristArm, T: ArrayLike) -> tuple[Array, bool]:
+def _targets(arm: ClosedArm, T: ArrayLike) -> tuple[Array, bool]:
     """Checked targets as transforms from the arm's base to just after Rot_z(theta6)."""
     T = np.asarray(T, dtype=np.float64)
     if T.ndim not in (2, 3) or T.shape[-2:] != (4, 4):

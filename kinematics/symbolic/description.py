@@ -14,7 +14,8 @@ from ..dh import Robot
 from ..equations.chain import exact_parameters
 from ..expressions.exact import Expression, SymbolicMatrix, exact
 from ..expressions.symbols import symbol
-from ..inverse.wrist_arm import UnsolvableGeometryError, wrist_arm
+from ..inverse.six_axes import UnsolvableGeometryError
+from ..inverse.wrist_arm import wrist_arm
 from .procedures import at, matrix_t
 from .singularity import SingularConditions, conditions
 

@@ -17,6 +17,7 @@ from armside.kinematics import (
     IRB1400,
     IRB1400_IMU,
     LARGE_ROBOT,
+    UR10,
     Body,
     InertialModel,
     Limits,
@@ -44,7 +45,7 @@ ARMS = ((PUMA_560, None), (STANFORD_ARM, STANFORD_LIMITS), (PANDA, None), (PANDA
 def kinematics() -> Sequence[Row]:
     """Rows of the benchmark; peers that are not installed are left out."""
     singles = [*_single_calls(), *_into_given_arrays()]
-    inverse = [_inverse(), *_numeric_inverse(), *_numeric_paths()]
+    inverse = [*_inverse(), *_numeric_inverse(), *_numeric_paths()]
     return [*singles, *_batches(), *_dynamics(), *inverse, *_symbolic(), _first_use()]
 
 
@@ -158,10 +159,16 @@ def _looping(function: Callable[..., Any]) -> Callable[..., None]:
     return loop
 
 
-def _inverse() -> Row:
-    T = compile(LARGE_ROBOT).pose(_random(PATH, 6))
-    seconds = interleaved([lambda: inverse_branches(LARGE_ROBOT, T)])[0]
-    return Row(f"LARGE_ROBOT inverse, all branches, {PATH} poses", seconds)
+def _inverse() -> list[Row]:
+    """Closed forms: a spherical wrist, and beside it three parallel axes."""
+    robots, phi = (LARGE_ROBOT, UR10), _random(PATH, 6)
+    calls = [partial(inverse_branches, robot, compile(robot).pose(phi)) for robot in robots]
+    wrist, parallel = interleaved(calls)
+    what = f"inverse, all branches, {PATH} poses"
+    return [
+        Row(f"LARGE_ROBOT {what}", wrist),
+        Row(f"UR10 {what}", parallel, "LARGE_ROBOT's spherical wrist", wrist),
+    ]
 
 
 def _numeric_inverse() -> list[Row]:
