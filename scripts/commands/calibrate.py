@@ -6,10 +6,11 @@ from pathlib import Path
 from armside import assets
 from armside.sim.calibration.parameters import differing, rewrite
 from armside.sim.calibration.search import START, checks, evaluate, score, search
+from armside.sim.cell import LARGE_CELL
 from armside.sim.records.atomic import write_whole
 from armside.sim.records.files import check_file
 from armside.sim.records.summary import summary
-from armside.sim.robot.model import load_model
+from armside.sim.robot.cell_model import cell_model
 
 from ..jobs.workers import Workers
 from ..shell.console import Report, keep
@@ -47,7 +48,7 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
     refuse_absurd(f"{cfg.generations} generations", OF_A_GENERATION * cfg.generations)
     with checking_input():
         check_file(cfg.file)
-        present = load_model(cfg.file)
+        present = cell_model(LARGE_CELL, cfg.file)
     trim, differs = None, []
     if cfg.generations == 0:
         found = checks(present)

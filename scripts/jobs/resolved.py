@@ -16,8 +16,9 @@ import mujoco
 from armside.sim.cell import CELLS, ToolPose
 from armside.sim.records.files import check_file
 from armside.sim.records.summary import plain
+from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.effects import Effect, available
-from armside.sim.robot.mjcf import scalar
+from armside.sim.robot.mjcf import ModelError, scalar
 from armside.sim.robot.model import load_model
 
 from ..cutting.options import LaserCfg
@@ -136,6 +137,10 @@ class Resolver:
         if known.cfg is not None:
             try:
                 asked = cut(known.cfg)
+                if known.cfg.model is not None:
+                    content = self._content("model", known.cfg.model)
+                    if wrong := _geometry_error(known.cfg.robot, known.cfg.model, content):
+                        return wrong
                 if known.cfg.twin is not None:
                     from armside.sim.twin.library import stored_twin
 
@@ -177,6 +182,16 @@ def _of_model(source: Path, content: str) -> dict[str, float | None]:
         "payload": float(model.mj.body_mass[tool]) if tool >= 0 else None,
         "temperature": scalar(model.mj, "gear_temperature") if warm else None,
     }
+
+
+@cache
+def _geometry_error(robot: str, source: Path, content: str) -> str:
+    """Why a file is no model of the robot; empty if it is one. content: of that file."""
+    try:
+        cell_model(CELLS[robot], source)
+    except ModelError as error:
+        return one_line(error)
+    return ""
 
 
 def _digest(file: Path) -> str:

@@ -8,8 +8,9 @@ import mujoco
 
 from ..cell import CELLS, Cell
 from ..instruments.imu import ImuCfg
+from ..robot.cell_model import cell_model
 from ..robot.flexibility import Flexibility, variant, without
-from ..robot.model import RobotModel, load_model
+from ..robot.model import RobotModel
 from .processing import ProcessingCfg
 
 RobotName = Literal["irb1400", "large"]
@@ -40,7 +41,7 @@ class RobotSetup:
 
     def model(self) -> RobotModel:
         """Virtual hardware, compiled."""
-        model = load_model(variant(self.cell.xml, self.flexibility))
+        model = cell_model(self.cell, variant(self.cell.xml, self.flexibility))
         if self.torque_feedforward:
             return model
         return replace(model, drives=replace(model.drives, torque_feedforward=0.0))

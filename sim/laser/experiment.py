@@ -14,11 +14,11 @@ from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..notes import Note
 from ..robot.applicable import check_applies
+from ..robot.cell_model import cell_model
 from ..robot.effects import available
-from ..robot.forward_kinematics import check_kinematics
 from ..robot.individual import Individual, embodied, with_payload
-from ..robot.mjcf import N_AXES, ModelError
-from ..robot.model import RobotModel, load_model
+from ..robot.mjcf import N_AXES
+from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
 from ..robot.spread import Drawn, Spread
 from ..robot.statics import Statics
@@ -89,7 +89,7 @@ def prepare(
     drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
-    design = _design(cut) if nominal is None else nominal
+    design = cell_model(cut.cell, cut.model) if nominal is None else nominal
     carrying = design if cut.payload is None else with_payload(design, cut.payload)
     known = carrying if cut.payload_known else design
     if cut.friction_feedforward is not None:
@@ -134,18 +134,6 @@ def _individual(cut: Cut, rng: np.random.Generator, design: RobotModel) -> Indiv
     else:
         check_applies(design, individual)
     return individual
-
-
-def _design(cut: Cut) -> RobotModel:
-    """The robot's model; a file in place of the cell's own must have its kinematics."""
-    if cut.model is None:
-        return load_model(cut.cell.xml)
-    model = load_model(cut.model)
-    try:
-        check_kinematics(model, cut.cell.robot, cut.cell.limits)
-    except ModelError as error:
-        raise ModelError(f"{cut.model}: {error}") from error
-    return model
 
 
 def evaluated(

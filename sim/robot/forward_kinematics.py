@@ -1,8 +1,4 @@
-"""Forward kinematics of an MJCF against the Denavit-Hartenberg model of its controller.
-
-The controller plans with the D-H table. A model of another geometry runs all the same, and cuts
-beside the place.
-"""
+"""Forward kinematics of an MJCF against the Denavit-Hartenberg model of its controller."""
 
 import mujoco
 import numpy as np
@@ -11,32 +7,12 @@ from armside import kinematics
 from armside.arrays import Array
 from armside.kinematics import Limits, Robot
 
-from .mjcf import ModelError
+from .linkage import Linkage
 from .model import RobotModel
 
 CONFIGURATIONS = 100
-POSITION = 1e-5
-"""Largest difference of the tool's position [m]: what a program resolves."""
-ROTATION = 1e-5
-"""Largest difference of its orientation [rad]."""
-
-
-def check_kinematics(model: RobotModel, robot: Robot, limits: Limits) -> None:
-    """Raise ModelError unless the tool of the MJCF is where the D-H model has it.
-
-    Compared in the zero pose and at random motor angles within their ranges; the message has the
-    largest difference and its place.
-    """
-    phi = configurations(limits)
-    position, rotation = differences(model, robot, phi)
-    if (position <= POSITION).all() and (rotation <= ROTATION).all():
-        return
-    worst = int(np.argmax(position / POSITION + rotation / ROTATION))
-    angles = ", ".join(f"{a:.1f}" for a in np.rad2deg(phi[worst]))
-    raise ModelError(
-        f"the model is no {robot.name}: its tool is {1e3 * position[worst]:.4g} mm and "
-        f"{np.rad2deg(rotation[worst]):.3f} deg off the D-H model at motor angles ({angles}) deg"
-    )
+"""Random motor angles that are drawn; those within the limits are compared."""
+TOOL = "tool0"
 
 
 def configurations(limits: Limits) -> Array:
@@ -46,17 +22,34 @@ def configurations(limits: Limits) -> Array:
     return np.vstack((np.zeros(len(limits.lower)), drawn[limits.contain(drawn)]))
 
 
-def differences(model: RobotModel, robot: Robot, phi: Array) -> tuple[Array, Array]:
-    """Distance [m] and rotation angle [rad], (K,) each, between both tools at angles (K, 6)."""
-    T_base_tool = kinematics.compile(robot).pose(np.ascontiguousarray(phi))
-    data, site = mujoco.MjData(model.mj), model.mj.site("tool0").id
-    position, rotation = np.empty((2, len(phi)))
+def site_poses(model: RobotModel, phi: Array, site: str = TOOL) -> tuple[Array, Array]:
+    """(K, 4, 4) base to site at motor angles (K, n) with every spring at zero, and (K,) [m], how
+    far the cuts of closed chains are open there."""
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    index, linkage = mj.site(site).id, Linkage(model.mj)
+    T, opening = np.tile(np.eye(4), (len(phi), 1, 1)), np.zeros(len(phi))
     for i, q in enumerate(phi @ model.posture.T):
         data.qpos[:] = q
-        mujoco.mj_kinematics(model.mj, data)
-        R = data.site_xmat[site].reshape(3, 3)
-        position[i] = np.linalg.norm(data.site_xpos[site] - T_base_tool[i, :3, 3])
-        # |R - R'| = sqrt(8) sin(angle / 2), exact for small angles too.
-        apart = np.linalg.norm(R - T_base_tool[i, :3, :3]) / np.sqrt(8.0)
-        rotation[i] = 2.0 * np.arcsin(min(float(apart), 1.0))
-    return position, rotation
+        mujoco.mj_kinematics(mj, data)
+        T[i, :3, 3] = data.site_xpos[index]
+        T[i, :3, :3] = data.site_xmat[index].reshape(3, 3)
+        if not linkage.is_open:
+            opening[i] = np.abs(linkage.gap(data)).max()
+    return T, opening
+
+
+def between(T: Array, other: Array) -> tuple[Array, Array]:
+    """Distance [m] and rotation angle [rad], (K,) each, between poses (K, 4, 4)."""
+    position = np.linalg.norm(T[:, :3, 3] - other[:, :3, 3], axis=1)
+    # |R - R'| = sqrt(8) sin(angle / 2), exact for small angles too.
+    apart = np.linalg.norm(T[:, :3, :3] - other[:, :3, :3], axis=(1, 2)) / np.sqrt(8.0)
+    return position, 2.0 * np.arcsin(np.minimum(apart, 1.0))
+
+
+def differences(
+    model: RobotModel, robot: Robot, phi: Array, site: str = TOOL
+) -> tuple[Array, Array]:
+    """Distance [m] and rotation angle [rad], (K,) each, between a site and the last frame of the
+    D-H model at motor angles (K, n)."""
+    T_base_tool = kinematics.compile(robot).pose(np.ascontiguousarray(phi))
+    return between(site_poses(model, phi, site)[0], T_base_tool)

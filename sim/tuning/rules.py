@@ -17,8 +17,9 @@ from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
 from ..robot.applicable import check_applies
+from ..robot.cell_model import cell_model
 from ..robot.individual import Individual
-from ..robot.model import RobotModel, load_model
+from ..robot.model import RobotModel
 from ..robot.spread import Drawn
 from ..twin.correction import Corrected
 from ..twin.library import learned, stored_twin
@@ -73,7 +74,7 @@ class Rules:
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
         object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor(self.robot))
-        object.__setattr__(self, "nominal", load_model(self.cell.xml))
+        object.__setattr__(self, "nominal", cell_model(self.cell))
         if isinstance(self.individual, Individual):
             check_applies(self.nominal, self.individual)
         elif self.individual is not None and not isinstance(self.individual, Drawn):

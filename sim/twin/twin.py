@@ -16,10 +16,10 @@ from ..cell import CELLS
 from ..laser.specification import Cut
 from ..records.errors import InputError
 from ..records.files import check_file
+from ..robot.cell_model import cell_model
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload
 from ..robot.mjcf import N_AXES
-from ..robot.model import load_model
 from ..robot.recording import Recording
 from .bending import with_bending
 from .correction import Corrected, correct
@@ -222,7 +222,7 @@ def _content(folder: Path) -> dict[str, Any]:
 
 def design_of(robot: str, payload: float | None) -> Design:
     """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
-    plain = load_model(CELLS[robot].xml)
+    plain = cell_model(CELLS[robot])
     nominal = plain if payload is None else with_payload(plain, payload)
     return Design(with_bending(plain), payload=payload, nominal=nominal)
 
