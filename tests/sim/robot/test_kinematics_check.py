@@ -14,7 +14,6 @@ from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.forward_kinematics import configurations, differences, site_poses
 from armside.sim.robot.individual import with_payload
 from armside.sim.robot.kinematics_check import (
-    POSITION,
     ROTATION,
     check_kinematics,
     first_axis,
@@ -108,10 +107,10 @@ def test_a_tool_that_is_rotated_where_it_stands_is_refused():
     assert "0 mm and 1 deg off" in refusal(spec)
 
 
-@pytest.mark.parametrize("part", [0.5, 2.0])
-def test_the_tolerance_is_where_it_is_stated(part):
-    spec = moved_site("tool0", part * POSITION, 0.0, 0.0)
-    if part > 1.0:
+@pytest.mark.parametrize("distance", [0.5e-6, 2e-6])
+def test_half_a_micrometre_passes_and_two_do_not(distance):
+    spec = moved_site("tool0", distance, 0.0, 0.0)
+    if distance > 1e-6:
         refusal(spec)
     else:
         check(robot_model(spec))
