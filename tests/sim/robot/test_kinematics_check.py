@@ -119,7 +119,7 @@ def test_half_a_micrometre_passes_and_two_do_not(distance):
 def test_a_right_angle_of_five_digits_is_beyond_the_tolerance_of_rotation():
     spec, half = parsed(), 0.5 * (1.5708 - 0.5 * np.pi)
     assert 2.0 * half > ROTATION
-    spec.site("imu").quat = [np.cos(half), np.sin(half), 0.0, 0.0]
+    spec.site("imu").quat = np.array([np.cos(half), np.sin(half), 0.0, 0.0])
     assert "the site imu is 0 mm and 0.0002105 deg off" in refusal(spec)
 
 
