@@ -1,0 +1,168 @@
+"""Chains of lines and arcs in a plane, with corners, open or closed."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from ..cut.contour import chord
+
+MM = 1e-3
+SAGITTA = 1e-6
+"""Largest distance between an arc and the polygon that stands for it [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Elements from point to point, each a line or an arc of at most half a turn."""
+
+    points: Array
+    """(K + 1, 2) [m]."""
+    bulge: Array
+    """(K,), tangent of a quarter of each element's angle: 0 for a line, above 0 turns left."""
+
+    @property
+    def closed(self) -> bool:
+        return bool(np.array_equal(self.points[0], self.points[-1]))
+
+    @cached_property
+    def angle(self) -> Array:
+        """(K,) [rad], by which each element turns."""
+        return 4.0 * np.arctan(self.bulge)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """(K,) [m]."""
+        return self._chord_length / np.sinc(self.angle / (2.0 * np.pi))
+
+    @cached_property
+    def curvature(self) -> Array:
+        """(K,) [1/m]."""
+        return self.angle / self.lengths
+
+    @cached_property
+    def heading(self) -> Array:
+        """(K,) [rad], direction of each element at its start."""
+        dx, dy = np.diff(self.points, axis=0).T
+        return np.arctan2(dy, dx) - self.angle / 2.0
+
+    @property
+    def length(self) -> float:
+        return float(self.lengths.sum())
+
+    @cached_property
+    def ends(self) -> Array:
+        """(K + 1,) [m], arc length at each of the points."""
+        return np.concatenate([[0.0], np.cumsum(self.lengths)])
+
+    @property
+    def area(self) -> float:
+        """Enclosed area [m^2], above 0 if counter-clockwise."""
+        (x, y), (u, v) = self.points[:-1].T, self.points[1:].T
+        half = self.angle / 2.0
+        radius = np.divide(self._chord_length / 2.0, np.sin(half), where=half != 0.0, out=0 * half)
+        return float(0.5 * np.sum(x * v - u * y + radius**2 * (self.angle - np.sin(self.angle))))
+
+    @cached_property
+    def kinks(self) -> Array:
+        """(K,) [rad], change of direction from the end of the element before to each start.
+
+        That of the first element is from the last one; 0 in an open chain.
+        """
+        before = np.roll(self.heading + self.angle, 1)
+        kink = np.pi - np.mod(np.pi - (self.heading - before), 2.0 * np.pi)
+        if not self.closed:
+            kink[0] = 0.0
+        return kink
+
+    @property
+    def reversed(self) -> "Chain":
+        return Chain(self.points[::-1], -self.bulge[::-1])
+
+    def point(self, s: ArrayLike) -> Array:
+        """Points (..., 2) at arc lengths s [m] from 0 to `length`."""
+        element, along = self._locate(s)
+        step = chord(along, self.curvature[element], self.heading[element])
+        return self.points[element] + step
+
+    def direction(self, s: ArrayLike) -> Array:
+        """Headings [rad] at arc lengths s [m]."""
+        element, along = self._locate(s)
+        return self.heading[element] + self.curvature[element] * along
+
+    def part(self, first: float, last: float) -> "Chain":
+        """The chain between two arc lengths [m]."""
+        inside = (self.ends > first + 1e-9) & (self.ends < last - 1e-9)
+        cuts = np.concatenate([[first], self.ends[inside], [last]])
+        element, _ = self._locate(0.5 * (cuts[:-1] + cuts[1:]))
+        bulge = np.tan(self.curvature[element] * np.diff(cuts) / 4.0)
+        return Chain(self.point(cuts), bulge)
+
+    def polygon(self, sagitta: float = SAGITTA) -> Array:
+        """Points (N, 2) of an inscribed polygon; the last one repeats the first if closed."""
+        bend = np.abs(self.curvature)
+        step = np.sqrt(8.0 * sagitta / np.maximum(bend, 1e-12))
+        parts = np.maximum(1, np.ceil(self.lengths / step)).astype(int)
+        pieces = [np.arange(n) / n for n in parts]
+        s = np.concatenate([e + length * p for e, length, p in self._rows(pieces)])
+        return np.vstack([self.point(s), self.points[-1:]])
+
+    def _rows(self, pieces: list[Array]) -> Iterable[tuple[float, float, Array]]:
+        return zip(self.ends[:-1], self.lengths, pieces, strict=True)
+
+    def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
+        at = np.asarray(s, dtype=np.float64)
+        element = np.searchsorted(self.ends, at, side="right") - 1
+        element = np.clip(element, 0, len(self.bulge) - 1).astype(np.int64)
+        return element, at - self.ends[element]
+
+    @cached_property
+    def _chord_length(self) -> Array:
+        return np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+
+
+def line(*points: ArrayLike) -> Chain:
+    """Straight lines from point to point."""
+    return Chain(np.array(points, dtype=np.float64), np.zeros(len(points) - 1))
+
+
+def arc(centre: ArrayLike, radius: float, start: float, angle: float) -> Chain:
+    """Arc from an angle `start` [rad] on by `angle`, above 0 counter-clockwise."""
+    parts = max(1, int(np.ceil(abs(angle) / np.pi - 1e-9)))
+    at = start + angle * np.linspace(0.0, 1.0, parts + 1)
+    points = np.asarray(centre) + radius * np.stack([np.cos(at), np.sin(at)], axis=1)
+    if abs(abs(angle) - 2.0 * np.pi) < 1e-12:
+        points[-1] = points[0]
+    return Chain(points, np.full(parts, np.tan(angle / parts / 4.0)))
+
+
+def polyline(points: Array, bulge: Array) -> Chain:
+    """Chain of points (K + 1, 2) and any bulges (K,), arcs above half a turn divided."""
+    pieces = [Chain(points[i : i + 2], bulge[i : i + 1]) for i in range(len(bulge))]
+    return joined([_halved(p) if abs(p.bulge[0]) > 1.0 + 1e-9 else p for p in pieces])
+
+
+def joined(chains: Iterable[Chain]) -> Chain:
+    """Chains one after the other, each start at the end of the one before."""
+    every = list(chains)
+    points = np.vstack([every[0].points, *(c.points[1:] for c in every[1:])])
+    return Chain(points, np.concatenate([c.bulge for c in every]))
+
+
+def _halved(one: Chain) -> Chain:
+    """Two arcs of half the angle: the middle of a chord c is its bulge times c / 2 away."""
+    (a, b), bulge = one.points, one.bulge[0]
+    right = np.array([b[1] - a[1], a[0] - b[0]])
+    middle = 0.5 * (a + b) + 0.5 * bulge * right
+    half = np.tan(np.arctan(bulge) / 2.0)
+    return Chain(np.array([a, middle, b]), np.array([half, half]))
+
+
+def place(point: ArrayLike) -> str:
+    """A point [m] as it is said in messages."""
+    x, y = np.round(np.asarray(point) / MM, 2) + 0.0
+    return f"({x:g}, {y:g}) mm"

@@ -1,0 +1,144 @@
+"""A part: its outline, holes and open cuts, told apart and checked."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.validation import explain_validity
+
+from armside.arrays import Array
+
+from .chain import MM, Chain, place
+from .joining import Joined
+
+SAGITTA = 2e-6
+"""Of the polygons that contours are compared by [m]."""
+
+
+class Kind(Enum):
+    """Kind of a contour by its place in the part."""
+
+    OUTLINE = "outline"
+    """The material is inside; cut last."""
+    HOLE = "hole"
+    """The scrap is inside."""
+    OPEN = "open"
+    """A cut along a line, scrap on neither side."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contour:
+    """One contour of a part, counter-clockwise if closed."""
+
+    kind: Kind
+    chain: Chain = field(repr=False)
+    name: str
+    """Its entities."""
+    layer: str
+    depth: int
+    """Number of contours around it."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Contours in the coordinates of the drawing."""
+
+    contours: tuple[Contour, ...]
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def box(self) -> Array:
+        """(2, 2) [m], lower left and upper right corner."""
+        points = np.vstack([contour.chain.polygon() for contour in self.contours])
+        return np.array([points.min(axis=0), points.max(axis=0)])
+
+    @property
+    def middle(self) -> Array:
+        """(2,) [m], of the box around it."""
+        return self.box.mean(axis=0)
+
+
+def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
+    """Contours told apart by what contains them; the largest is the outline.
+
+    Raises ValueError for chains that cross themselves or each other, or lie outside the outline.
+    """
+    if not chains:
+        raise ValueError("there is nothing to cut")
+    closed = [c for c in chains if c.chain.closed]
+    if not closed:
+        raise ValueError(f"no contour is closed; {_open_at(chains[0])}")
+    lines = [shapely.LineString(c.chain.polygon(SAGITTA)) for c in chains]
+    for chain, drawn in zip(chains, lines, strict=True):
+        _check_simple(chain, drawn)
+    _check_apart(chains, lines)
+    areas = [
+        shapely.Polygon(drawn) if chain.chain.closed else None
+        for chain, drawn in zip(chains, lines, strict=True)
+    ]
+    depth = _depths(lines, areas)
+    outer = int(np.argmax([0.0 if area is None else area.area for area in areas]))
+    for i, (chain, level) in enumerate(zip(chains, depth, strict=True)):
+        if i != outer and level == 0:
+            at = place(chain.chain.point(0.0))
+            raise ValueError(
+                f"{chain.name} at {at} lies outside the outline, {chains[outer].name}; "
+                "a drawing has one part"
+            )
+    return Part(tuple(_contour(c, d) for c, d in zip(chains, depth, strict=True)), notes)
+
+
+def _contour(chain: Joined, depth: int) -> Contour:
+    kind, drawn = Kind.OPEN, chain.chain
+    if drawn.closed:
+        kind = Kind.HOLE if depth % 2 else Kind.OUTLINE
+        drawn = drawn if drawn.area > 0.0 else drawn.reversed
+    return Contour(kind=kind, chain=drawn, name=chain.name, layer=chain.layer, depth=depth)
+
+
+def _check_simple(chain: Joined, drawn: Any) -> None:
+    if shapely.is_simple(drawn):
+        return
+    reason = explain_validity(shapely.Polygon(drawn)) if chain.chain.closed else ""
+    at = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
+    where = f" at {place([float(v) for v in at])}" if len(at) == 2 else _own_crossing(drawn)
+    raise ValueError(f"{chain.name} crosses itself{where}")
+
+
+def _own_crossing(drawn: Any) -> str:
+    """Place where an open line meets itself: a node of its own noding that it passes twice."""
+    parts = list(shapely.node(drawn).geoms)
+    inner = {tuple(drawn.coords[0]), tuple(drawn.coords[-1])}
+    for one, _ in pairwise(parts):
+        if tuple(one.coords[-1]) not in inner:
+            return f" at {place(one.coords[-1])}"
+    return ""
+
+
+def _check_apart(chains: list[Joined], lines: list[Any]) -> None:
+    tree = shapely.STRtree(lines)
+    pairs = tree.query(lines, predicate="intersects").T
+    for i, j in pairs[pairs[:, 0] < pairs[:, 1]]:
+        common = lines[i].intersection(lines[j])
+        at = place(shapely.get_coordinates(common)[0])
+        how = "lie on each other" if common.length > 10 * SAGITTA else "cross or touch"
+        raise ValueError(f"{chains[i].name} and {chains[j].name} {how} at {at}")
+
+
+def _depths(lines: list[Any], areas: list[Any]) -> list[int]:
+    """Number of closed contours around each."""
+    around = [i for i, area in enumerate(areas) if area is not None]
+    tree = shapely.STRtree([areas[i] for i in around])
+    inside, container = tree.query(lines, predicate="within")
+    counted = np.array(around)[container] != inside
+    return np.bincount(inside[counted], minlength=len(lines)).tolist()
+
+
+def _open_at(chain: Joined) -> str:
+    first, last = chain.chain.points[[0, -1]]
+    gap = np.linalg.norm(last - first) / MM
+    return f"{chain.name} ends {gap:.4g} mm apart at {place(first)} and {place(last)}"

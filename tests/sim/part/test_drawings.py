@@ -1,0 +1,193 @@
+"""Whole drawings are read; what is wrong with a bad one is said in one line, with its place."""
+
+import numpy as np
+import pytest
+from ezdxf import units
+
+from armside.sim.part.chain import Chain
+from armside.sim.part.drawn import Reading, Unit
+from armside.sim.part.file import read_part
+from armside.sim.part.part import Kind
+
+from .drawings import bracket, flange, frame, new, save
+
+INKSCAPE = """<?xml version="1.0" encoding="UTF-8" standalone="no"?>
+<!-- Created with Inkscape (http://www.inkscape.org/) -->
+<svg width="120mm" height="80mm" viewBox="0 0 120 80" version="1.1" id="svg5"
+   xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
+   xmlns:sodipodi="http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd"
+   xmlns="http://www.w3.org/2000/svg">
+  <sodipodi:namedview id="namedview7" pagecolor="#ffffff" inkscape:document-units="mm" />
+  <defs id="defs2" />
+  <g inkscape:label="Cut" inkscape:groupmode="layer" id="layer1" transform="translate(10,10)">
+    <path style="fill:none;stroke:#000000;stroke-width:0.265" id="path1" sodipodi:nodetypes="cc"
+       d="m 5,0 h 90 a 5,5 0 0 1 5,5 v 50 a 5,5 0 0 1 -5,5 H 5
+           A 5,5 0 0 1 0,55 V 5 A 5,5 0 0 1 5,0 z"/>
+    <circle cx="20" cy="30" r="6" id="path2" />
+    <g id="g1" transform="rotate(90,50,30)"><ellipse cx="50" cy="30" rx="8" ry="4" id="path3" /></g>
+    <rect width="12" height="20" x="74" y="20" ry="2" id="rect1" />
+    <path id="path4" d="m 60,50 c 2,-4 8,-4 10,0 q -5,6 -10,0 z" />
+  </g>
+  <g inkscape:label="Notes" inkscape:groupmode="layer" id="layer2">
+    <text x="5" y="5" id="text1"><tspan id="tspan1">M6</tspan></text>
+  </g>
+</svg>
+"""
+
+
+def read(document, folder, **reading):
+    return read_part(save(document, folder), Reading(**reading))
+
+
+def areas(part, kind):
+    return sorted(1e6 * c.chain.area for c in part.contours if c.kind is kind)
+
+
+def test_a_bracket_has_its_outline_and_ten_openings_and_names_the_text(tmp_path):
+    part = read(bracket(new()), tmp_path, layers=("cut",))
+    (outline,) = areas(part, Kind.OUTLINE)
+    assert outline == pytest.approx(300.0 * 200.0 - (4.0 - np.pi) * 15.0**2, abs=1e-6)
+    holes = areas(part, Kind.HOLE)
+    assert len(holes) == 10
+    np.testing.assert_allclose(holes[:8], 25.0 * np.pi, rtol=1e-9)
+    assert holes[8] == pytest.approx(40.0 * 12.0 + 36.0 * np.pi, rel=1e-9)
+    assert part.notes == ("layer NOTES is not cut: 1 entity",)
+    np.testing.assert_allclose(1e3 * part.middle, [150.0, 100.0], atol=1e-6)
+
+
+def test_the_text_of_the_bracket_is_refused_where_all_layers_are_cut(tmp_path):
+    with pytest.raises(ValueError, match=r"part.dxf: TEXT #.* on layer NOTES cannot be cut"):
+        read(bracket(new()), tmp_path)
+
+
+def test_a_layer_that_does_not_exist_is_named_with_those_that_do(tmp_path):
+    with pytest.raises(ValueError, match=r"no layer 'KUT'. Layers: 0, CUT, Defpoints, NOTES"):
+        read(bracket(new()), tmp_path, layers=("KUT",))
+
+
+def test_a_layer_that_is_off_is_not_cut_and_said(tmp_path):
+    document = bracket(new())
+    document.layers.get("NOTES").off()
+    assert read(document, tmp_path).notes == ("layer NOTES is not cut: 1 entity",)
+
+
+def test_a_flange_has_its_bore_and_24_holes(tmp_path):
+    assert len(areas(read(flange(new()), tmp_path), Kind.HOLE)) == 25
+
+
+def test_a_drawing_in_inches_is_read_in_metres(tmp_path):
+    part = read(flange(new(unit=units.IN)), tmp_path)
+    assert areas(part, Kind.OUTLINE) == pytest.approx([np.pi * 2540.0**2], rel=1e-9)
+
+
+def test_an_svg_of_inkscape_has_its_shapes_the_right_way_up(tmp_path):
+    file = tmp_path / "part.svg"
+    file.write_text(INKSCAPE)
+    part = read_part(file, Reading(layers=("Cut",)))
+    rounded = (4.0 - np.pi) / 4.0
+    (outline,) = areas(part, Kind.OUTLINE)
+    assert outline == pytest.approx(6000.0 - 100.0 * rounded, rel=1e-9)
+    expected = sorted([36.0 * np.pi, 32.0 * np.pi, 240.0 - 16.0 * rounded])
+    np.testing.assert_allclose(areas(part, Kind.HOLE)[1:], expected, atol=0.02)
+    ellipse = next(c for c in part.contours if "path3" in c.name).chain
+    np.testing.assert_allclose(1e3 * np.ptp(ellipse.polygon(), axis=0), [8.0, 16.0], atol=2e-3)
+    small = next(c for c in part.contours if "path4" in c.name).chain
+    assert 1e3 * small.points[:, 1].max() < -55.0, "low in the picture, and y points up"
+    with pytest.raises(ValueError, match="text #text1 on layer Notes cannot be cut"):
+        read_part(file)
+    file.write_text(INKSCAPE.replace('width="120mm"', 'width="120"'))
+    with pytest.raises(ValueError, match=r"unit is in doubt: its width is 120, .*--units mm or"):
+        read_part(file, Reading(layers=("Cut",)))
+    again = read_part(file, Reading(layers=("Cut",), unit=Unit.MILLIMETRE))
+    assert areas(again, Kind.OUTLINE) == pytest.approx([outline])
+
+
+def test_a_contour_in_toml_is_a_part(tmp_path):
+    (tmp_path / "c.toml").write_text("corner = 2\npoints = [[0, 0], [20, 0], [20, 10], [0, 10]]")
+    area = 200.0 - 4.0 * (4.0 - np.pi)
+    assert areas(read_part(tmp_path / "c.toml"), Kind.OUTLINE) == pytest.approx([area])
+
+
+def draw_gap(space, gap):
+    for a, b in [((20, 10), (40, 10)), ((40, 10), (40, 20)), ((40, 20), (20, 10 + gap))]:
+        space.add_line(a, b)
+
+
+def test_ends_within_the_tolerance_are_joined(tmp_path):
+    document = new()
+    frame(document.modelspace())
+    draw_gap(document.modelspace(), 0.04)
+    assert areas(read(document, tmp_path), Kind.HOLE) == pytest.approx([100.0], rel=1e-2)
+
+
+BAD = {
+    "open by 0.3 mm": (
+        lambda s: draw_gap(s, 0.3),
+        r"the contour is open by 0.3 mm at \(20, 10(\.3)?\) mm, between LINE #\w+ and LINE #\w+",
+    ),
+    "crosses itself": (
+        lambda s: s.add_lwpolyline([(10, 10), (30, 30), (30, 10), (10, 30)], close=True),
+        r"LWPOLYLINE #\w+ crosses itself at \(20, 20\) mm",
+    ),
+    "two that cross": (
+        lambda s: (s.add_circle((20, 20), 5.0), s.add_circle((26, 20), 5.0)),
+        r"CIRCLE #\w+ and CIRCLE #\w+ cross or touch at \(23, (16|24)\) mm",
+    ),
+    "one on another": (
+        lambda s: (s.add_circle((20, 20), 5.0), s.add_circle((20, 20), 5.0)),
+        r"CIRCLE #\w+ and CIRCLE #\w+ lie on each other at",
+    ),
+    "hole outside": (
+        lambda s: s.add_circle((150, 20), 5.0),
+        r"CIRCLE #\w+ at \(155, 20\) mm lies outside the outline, LINE #\w+ and 3 more",
+    ),
+    "no length": (
+        lambda s: s.add_line((7, 8), (7, 8)),
+        r"LINE #\w+ has zero length at \(7, 8\) mm",
+    ),
+    "three ends": (
+        lambda s: [s.add_line((20, 20), end) for end in ((30, 20), (20, 30), (15, 15))],
+        r"more than two ends meet at \(20, 20\) mm: those of LINE #\w+, LINE #\w+, LINE #\w+",
+    ),
+    "not flat": (lambda s: s.add_line((7, 8, 0), (9, 8, 1)), r"not drawn in the x-y plane"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_drawing_is_refused_in_one_line_with_its_place(case, tmp_path):
+    draw, said = BAD[case]
+    document = new()
+    frame(document.modelspace())
+    draw(document.modelspace())
+    with pytest.raises(ValueError, match=rf"^part\.dxf: .*{said}") as caught:
+        read(document, tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("unit", [0, units.M], ids=["no unit", "metres of a part in mm"])
+def test_a_unit_in_doubt_is_refused_unless_it_is_said(unit, tmp_path):
+    document = flange(new(unit=unit))
+    with pytest.raises(ValueError, match=r"unit.*say --units mm or --units inch"):
+        read(document, tmp_path)
+    assert read(document, tmp_path, unit=Unit.MILLIMETRE).box[1, 0] == pytest.approx(0.1)
+
+
+def test_units_that_contradict_each_other_are_refused(tmp_path):
+    document = flange(new(unit=units.IN))
+    document.header["$MEASUREMENT"] = 1
+    with pytest.raises(ValueError, match=r"\$INSUNITS says .*, \$MEASUREMENT says metric"):
+        read(document, tmp_path)
+
+
+def test_what_is_no_drawing_is_said(tmp_path):
+    for name in ("a.dxf", "a.svg"):
+        (tmp_path / name).write_text("hello")
+        with pytest.raises(ValueError, match=rf"^{name}: this is no (DXF|SVG) drawing"):
+            read_part(tmp_path / name)
+
+
+def test_area_and_length_of_arcs_hold_against_their_polygon():
+    chain = Chain(np.array([[0, 0], [3, 0], [3, 2], [0, 0.0]]), np.array([0.3, -0.6, 0.0]))
+    x, y = chain.polygon(1e-10).T
+    assert chain.area == pytest.approx(0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]), rel=1e-6)
+    assert chain.length == pytest.approx(np.hypot(np.diff(x), np.diff(y)).sum(), rel=1e-6)
