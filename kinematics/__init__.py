@@ -28,6 +28,7 @@ from .inverse.closed_form import inverse_path as inverse_path
 from .inverse.numeric import NotConvergedError as NotConvergedError
 from .inverse.numeric import inverse_numeric as inverse_numeric
 from .inverse.numeric import inverse_numeric_path as inverse_numeric_path
+from .inverse.path_failure import Cause as Cause
 from .inverse.six_axes import UnsolvableGeometryError as UnsolvableGeometryError
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits

@@ -19,6 +19,7 @@ from ..cache import cached_module
 from ..dh import Joint, Robot
 from ..limits import Limits
 from ..links import standard_links
+from .path_failure import Cause, joint_jump, limit_passed
 from .targets import refuse_motion
 
 _RESTARTS = 100
@@ -28,18 +29,32 @@ _TYPES = {Joint.REVOLUTE: 0, Joint.PRISMATIC: 1, Joint.FIXED: 2}
 class NotConvergedError(ValueError):
     """No configuration found for target `index`: `distance` [m] and `angle` [rad] remain at `phi`.
 
-    Both are zero where solutions exist only beyond the joint limits.
+    Both are zero where solutions exist only beyond the joint limits, or past a jump. Along a path
+    `cause` says what stands in the way.
     """
 
-    def __init__(self, robot: Robot, index: int, count: int, phi: Array, error: Array) -> None:
-        self.index, self.phi = index, phi
+    def __init__(
+        self,
+        robot: Robot,
+        index: int,
+        count: int,
+        phi: Array,
+        error: Array,
+        cause: Cause | None = None,
+        reason: str = "",
+    ) -> None:
+        self.index, self.phi, self.cause = index, phi, cause
         self.distance, self.angle = (float(np.linalg.norm(part)) for part in (error[:3], error[3:]))
         where = f"target {index} of {count}: " if count > 1 else ""
         missing = f"{self.distance * 1e3:.3g} mm and {np.degrees(self.angle):.3g} deg remain"
-        if not error.any():
+        if not error.any() and cause is not Cause.SINGULARITY:
             missing = "solutions were found beyond the joint limits only, the last"
+        elif not error.any():
+            missing = "only a jump leads on,"
         at = f"phi = {np.round(phi, 4).tolist()} rad"
-        super().__init__(f"{where}no configuration of {robot.name} found: {missing} at {at}")
+        because = f" ({cause.value}: {reason})" if cause else ""
+        found = f"no configuration of {robot.name} found: {missing} at {at}"
+        super().__init__(f"{where}{found}{because}")
 
 
 def inverse_numeric(
@@ -96,6 +111,10 @@ def inverse_numeric_path(
 ) -> Array:
     """Configurations along a sequence of targets, shape (N, n), each started from the one before.
 
+    One compiled call. The branch of the start is kept; a revolute joint that would turn by 90 deg
+    from one target to the next ends the path. Redundant arms move least, and where a motor would
+    pass its limit it stays there and the others make the motion.
+
     Args:
         T: poses (N, 4, 4) or positions (N, 3) [m].
         start: shape (n,) [rad]; the first configuration is searched from it.
@@ -103,7 +122,8 @@ def inverse_numeric_path(
         limits: ranges that every configuration is in.
 
     Raises:
-        NotConvergedError: the first target that is not reached; says what error remains where.
+        NotConvergedError: the first target that is not reached; says what error remains where, and
+            the cause: the motor and its limit, a singularity on the way, or the reach.
     """
     targets, rows, single = _targets(T)
     if single:
@@ -117,9 +137,31 @@ def inverse_numeric_path(
     k = _kernel().follow(_chain(robot), targets, rows, ranges, tolerance, path, error)
     if k < len(path):
         error[rows:] = 0.0
-        remains = error if np.abs(error).max() > tolerance else np.zeros(6)
-        raise NotConvergedError(robot, int(k), len(path), path[k], remains)
+        if np.abs(error).max() <= tolerance:
+            error[:] = 0.0
+        target = targets[k] if rows == 6 else targets[k, :3, 3]
+        cause, reason = _cause(robot, target, path[k - 1 : k + 1], error, limits)
+        raise NotConvergedError(robot, int(k), len(path), path[k], error, cause, reason)
     return path
+
+
+def _cause(
+    robot: Robot, target: Array, last: Array, error: Array, limits: Limits | None
+) -> tuple[Cause, str]:
+    """Cause of a target that does not follow; last (2, n): solution before it, configuration."""
+    before, phi = last
+    if not error.any():
+        passed = limits and limit_passed(phi, limits, _kernel().SLACK)
+        if passed:
+            return Cause.LIMIT, passed
+        return Cause.SINGULARITY, joint_jump(robot, before, phi)
+    try:
+        inverse_numeric(robot, target, before, limits=limits)
+    except NotConvergedError as elsewhere:
+        if elsewhere.distance or elsewhere.angle:
+            return Cause.REACH, "no start leads to the target"
+        return Cause.LIMIT, "it is reached beyond the limits only"
+    return Cause.SINGULARITY, "the target is reached in another branch only"
 
 
 @cache

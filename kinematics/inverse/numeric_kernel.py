@@ -24,6 +24,7 @@ GAIN, LEAST_GAIN, FLOOR = 0.1, 1e-4, 1e-15  # damping = gain * squared error + f
 ORTHOGONAL = 1e-6  # sum of the deviations of a rotation matrix that is accepted
 SLACK = 1e-9  # [rad] or [m] beyond a limit that counts as rounding
 TURN = 2.0 * pi
+JUMP = pi / 2.0  # [rad] from one target of a path to the next that is another branch
 
 FOUND, OPEN, OUTSIDE = 0, 1, 2
 """Outcomes of a target: solved, an error remains, solved only beyond the limits."""
@@ -182,6 +183,15 @@ def _jacobian(prismatic, M, coupled, axes, T, columns, J):
 
 
 @njit(cache=True, error_model="numpy")
+def _hold(lower, upper, J):
+    """Take motors whose bounds coincide out of J."""
+    for j in range(J.shape[1]):
+        if lower[j] == upper[j]:
+            for i in range(6):
+                J[i, j] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
 def _move(robot, target, rows, lower, upper, phi, work):
     """Fill trial (n,) with phi and the step, within the bounds; e with its error. The square."""
     links, joints, _, M, offset, _ = robot
@@ -205,6 +215,7 @@ def _leap(robot, target, rows, lower, upper, phi, error, start, work):
     for k in range(LEAP):
         if k > 0:
             _jacobian(prismatic, M, coupled, axes, T, columns, J)
+            _hold(lower, upper, J)
         if not _step(J, e, FLOOR, rows, n, A, x, step):
             return start
         square = _move(robot, target, rows, lower, upper, trial, work)
@@ -229,6 +240,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
             break
         if moved:
             _jacobian(prismatic, M, coupled, axes, T, columns, J)
+            _hold(lower, upper, J)
         if not _step(J, error, gain * square + FLOOR, rows, n, A, x, step):
             break
         new = _move(robot, target, rows, lower, upper, phi, work)
@@ -239,6 +251,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
             if not moved:  # J of phi again
                 _forward(links, joints, M, offset, phi, axes, T)
                 _jacobian(prismatic, M, coupled, axes, T, columns, J)
+                _hold(lower, upper, J)
         if moved:
             square, gain = new, max(0.25 * gain, LEAST_GAIN)
             for i in range(n):
@@ -373,6 +386,61 @@ def search(robot, turns, targets, rows, starts, ranges, tolerance, nearest, phi,
                 phi[k], error[k] = trial, e
 
 
+@njit(cache=True, error_model="numpy")
+def _most_beyond(phi, lower, upper):
+    """The motor that is furthest beyond its range; -1 if all are within."""
+    worst, furthest = -1, SLACK
+    for i in range(phi.shape[0]):
+        beyond = max(phi[i] - upper[i], lower[i] - phi[i])
+        if beyond > furthest:
+            worst, furthest = i, beyond
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def _within_ranges(robot, target, rows, ranges, tolerance, before, phi, error, low, high, work):
+    """Solve a target from `before` (n,), with motors held at the limits that they would pass.
+
+    True if that succeeds. Otherwise phi and error are those of the motion without limits.
+    """
+    lower, upper, combinations, least, most = ranges
+    n = phi.shape[0]
+    low[:], high[:] = -np.inf, np.inf
+    free, remains = np.empty(n), np.empty(6)
+    for attempt in range(n):
+        phi[:] = before
+        for i in range(n):
+            if low[i] == high[i]:
+                phi[i] = low[i]
+        _descend(robot, target, rows, low, high, phi, error, work)
+        if attempt == 0:
+            free[:], remains[:] = phi, error
+        if not _is_solved(error, rows, tolerance):
+            break
+        if _within(phi, lower, upper, combinations, least, most):
+            return True
+        worst = _most_beyond(phi, lower, upper)
+        if worst < 0 or low[worst] == high[worst]:
+            break
+        bound = upper[worst] if phi[worst] > upper[worst] else lower[worst]
+        low[worst] = high[worst] = bound
+    phi[:], error[:] = free, remains
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def _jumps(robot, before, phi):
+    """True if a revolute joint turns by JUMP or more."""
+    _, _, prismatic, M, _, _ = robot
+    for j in range(phi.shape[0]):
+        turn = 0.0
+        for k in range(phi.shape[0]):
+            turn += M[j, k] * (phi[k] - before[k])
+        if not prismatic[j] and abs(turn) >= JUMP:
+            return True
+    return False
+
+
 @njit(
     f"i8({_ROBOT}, f8[:,:,::1], i8, {_RANGES}, f8, f8[:,::1], f8[::1])",
     cache=True,
@@ -382,17 +450,17 @@ def search(robot, turns, targets, rows, starts, ranges, tolerance, nearest, phi,
 def follow(robot, targets, rows, ranges, tolerance, path, error):
     """Solutions of targets 1.. into path (N, n), each from the one before; path[0] is given.
 
-    Returns the number of targets that are solved within the ranges; of the first that is not, path
-    and error (6,) have the configuration.
+    Returns the number of targets that are solved within the ranges, without a jump; of the first
+    that is not, path and error (6,) have the configuration.
     """
-    lower, upper, combinations, least, most = ranges
     n = path.shape[1]
-    low, high, work = np.full(n, -np.inf), np.full(n, np.inf), _work(n)
+    low, high, work = np.empty(n), np.empty(n), _work(n)
     for k in range(1, targets.shape[0]):
-        path[k] = path[k - 1]
-        _descend(robot, targets[k], rows, low, high, path[k], error, work)
-        if not _is_solved(error, rows, tolerance):
+        before, phi = path[k - 1], path[k]
+        if not _within_ranges(
+            robot, targets[k], rows, ranges, tolerance, before, phi, error, low, high, work
+        ):
             return k
-        if not _within(path[k], lower, upper, combinations, least, most):
+        if _jumps(robot, before, phi):
             return k
     return targets.shape[0]

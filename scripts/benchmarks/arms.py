@@ -1,8 +1,20 @@
 """Well-known arms that numeric inverse kinematics is measured on."""
 
+from dataclasses import replace
 from math import pi
 
-from armside.kinematics import Convention, Joint, Limits, Link, Robot
+import numpy as np
+
+from armside.kinematics import (
+    LARGE_ROBOT,
+    LARGE_ROBOT_LIMITS,
+    Convention,
+    Joint,
+    Limits,
+    Link,
+    Robot,
+    compile,
+)
 from armside.kinematics.limits import degrees
 
 _HALF = pi / 2
@@ -58,3 +70,23 @@ PANDA_LIMITS = Limits(
     upper=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
     speed=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
 )
+
+# ESTIMATE: axes 4 and 5 are 50 mm apart, as in arms with an offset wrist: no closed form.
+OFFSET_WRIST = Robot(
+    [replace(link, a=0.05) if i == 4 else link for i, link in enumerate(LARGE_ROBOT.links, 1)],
+    offset=LARGE_ROBOT.offset,
+    name="LARGE_ROBOT with an offset wrist",
+)
+CIRCLES = (
+    (OFFSET_WRIST, LARGE_ROBOT_LIMITS, (0.2, -0.3, 0.2, 0.3, 0.8, -0.4)),
+    (PANDA, PANDA_LIMITS, (0.3, 0.2, 0.1, -1.8, 0.2, 1.9, 0.4)),
+)
+"""Arms without a closed form, limits, and the configuration [rad] that a circle starts at."""
+
+
+def circle(robot: Robot, start: tuple[float, ...], count: int = 1000) -> np.ndarray:
+    """Poses (count, 4, 4) of a circle of 100 mm diameter in the base's xy plane, no rotation."""
+    T = np.repeat(compile(robot).pose(start)[None], count, axis=0)
+    t = np.linspace(0, 2 * pi, count)
+    T[:, :2, 3] += 0.05 * np.stack([np.cos(t) - 1, np.sin(t)], axis=-1)
+    return T

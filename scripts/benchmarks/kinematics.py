@@ -30,7 +30,15 @@ from armside.kinematics import (
     inverse_numeric_path,
 )
 
-from .arms import PANDA, PANDA_LIMITS, PUMA_560, STANFORD_ARM, STANFORD_LIMITS
+from .arms import (
+    CIRCLES,
+    PANDA,
+    PANDA_LIMITS,
+    PUMA_560,
+    STANFORD_ARM,
+    STANFORD_LIMITS,
+    circle,
+)
 from .peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
 from .timing import Row, interleaved
 
@@ -207,7 +215,7 @@ def _within(robot: Robot, limits: Limits | None, count: int) -> np.ndarray:
 
 
 def _numeric_paths() -> list[Row]:
-    """A path of 1,000 poses, one compiled call."""
+    """Paths of 1,000 poses, one compiled call each: a change of all joints, and a circle."""
     rows = []
     for robot, limits in ARMS:
         first, last = _within(robot, limits, 2)
@@ -215,6 +223,11 @@ def _numeric_paths() -> list[Row]:
         T = compile(robot).pose(phi)
         (seconds,) = interleaved([lambda r=robot, T=T, s=first: inverse_numeric_path(r, T, s)])
         rows.append(Row(f"{robot.name} numeric inverse along 1000 poses", seconds))
+    for robot, limits, start in CIRCLES:
+        T = circle(robot, start)
+        call = partial(inverse_numeric_path, robot, T, start, limits=limits)
+        axes = f"{robot.name}, {robot.n_joints} axes"
+        rows.append(Row(f"{axes}: 1000 poses of a 100 mm circle, limits", interleaved([call])[0]))
     return rows
 
 
