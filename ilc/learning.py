@@ -17,6 +17,21 @@ from .records import as_record, as_samples
 Result = TypeVar("Result")
 
 
+@dataclass(frozen=True, eq=False)
+class LoopState:
+    """Everything that the trials after a trial depend on, the plant apart."""
+
+    k: int
+    correction: Array
+    """u_k, shape (N, n)."""
+    error: Array
+    """e_k, shape (N, n)."""
+    memory: Any
+    """Of the law, before the update that follows the trial."""
+    first_size: Array
+    """(n,) sizes of the first error, by which divergence is judged."""
+
+
 @dataclass(frozen=True)
 class Trial(Generic[Result]):
     """One repetition of the task: u_k, the measured y_k and e_k = r - y_k. Thesis (9.2).
@@ -33,12 +48,23 @@ class Trial(Generic[Result]):
     """Whatever the plant returned."""
     diverged: bool = False
     """True for the last trial of a loop that had to stop."""
+    memory: Any = None
+    """Of the law, before the update that follows."""
+    first_size: Array | None = None
+    """(n,) sizes of the first error of the loop."""
 
     def __post_init__(self) -> None:
         for name in ("correction", "output", "error"):
             values = np.array(getattr(self, name))
             values.setflags(write=False)
             object.__setattr__(self, name, values)
+
+    @property
+    def state(self) -> LoopState:
+        """State from which `learn` goes on after this trial. ValueError if it has none."""
+        if self.first_size is None:
+            raise ValueError("this trial was not made by `learn`: it has no state to go on from")
+        return LoopState(self.k, self.correction, self.error, self.memory, self.first_size)
 
 
 def learn(
@@ -50,6 +76,7 @@ def learn(
     output_of: Callable[[Result], Any] = np.asarray,
     first_correction: Array | None = None,
     first_result: Result | None = None,
+    resume: LoopState | None = None,
     size_of: Callable[[Array], Array] = two_norm,
     divergence_ratio: float = DIVERGENCE_RATIO,
 ) -> Iterator[Trial[Result]]:
@@ -60,6 +87,8 @@ def learn(
         output_of: reads y, shape (N, n), from the plant's result.
         first_correction: u_0, zero if not given.
         first_result: of the run with u_0, where that has been made already.
+        resume: state after an earlier trial k; the trials are then k + 1 .. k + iterations, the
+            same as those of one loop if the plant is in the same state.
         size_of: sizes of an error (N, n) that `divergence_ratio` applies to; 2-norms of columns.
         divergence_ratio: see `has_diverged`.
 
@@ -75,16 +104,23 @@ def learn(
     if not divergence_ratio > 0.0:
         raise ValueError(f"divergence_ratio must be > 0, got {divergence_ratio}")
     law.check(*reference.shape)
-    if first_correction is None:
-        first_correction = np.zeros_like(reference)
-    first_correction = as_record(first_correction, "first_correction")
-    if first_correction.shape != reference.shape:
+    if resume is not None and (first_correction is not None or first_result is not None):
+        raise ValueError("resume takes neither first_correction nor first_result")
+    given = first_correction if resume is None else resume.correction
+    name = "first_correction" if resume is None else "the correction to resume from"
+    start = np.zeros_like(reference) if given is None else as_record(given, name)
+    if start.shape != reference.shape:
         needed = f"the shape {reference.shape} of the reference"
-        raise ValueError(f"first_correction must have {needed}, got {first_correction.shape}")
+        raise ValueError(f"{name} must have {needed}, got {start.shape}")
 
     def trials() -> Iterator[Trial[Result]]:
-        correction, memory, first_size = first_correction, None, None
-        for k in range(iterations + 1):
+        correction, memory, first_size, first = start, None, None, 0
+        if resume is not None:
+            first, first_size = resume.k + 1, resume.first_size
+            if iterations:
+                correction, memory = law.step(correction, resume.error, resume.memory)
+        last = iterations if resume is None else resume.k + iterations
+        for k in range(first, last + 1):
             made = first_result if k == 0 else None
             result = plant.run(correction) if made is None else made
             output = _checked(output_of(result), reference)
@@ -94,8 +130,8 @@ def learn(
             diverged = not np.isfinite(error).all() or (
                 k > 0 and has_diverged(size, first_size, divergence_ratio)
             )
-            yield Trial(k, correction, output, error, result, diverged)
-            if diverged or k == iterations:
+            yield Trial(k, correction, output, error, result, diverged, memory, first_size)
+            if diverged or k == last:
                 return
             correction, memory = law.step(correction, error, memory)
 

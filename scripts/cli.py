@@ -20,6 +20,7 @@ COMMANDS = {
     "measure": "Measure recorded data, a run's or your own.",
     "gallery": "Make the pictures of the docs again.",
     "two-mass": "Regenerate chapter 8: a flexible joint learns.",
+    "learn": "Compare learning laws on any plant, your own too.",
     "design": "Propose gain, shift and cutoff for a model.",
     "tune": "Search the design of the learning law with Optuna.",
     "train": "Learn a policy that chooses designs (extra [learn]).",
@@ -60,6 +61,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.gallery import gallery as command
         case "two-mass":
             from .commands.two_mass import two_mass as command
+        case "learn":
+            from .commands.learn import learn as command
         case "design":
             from .commands.design import design as command
         case "tune":

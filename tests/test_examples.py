@@ -22,6 +22,7 @@ def example(name):
 def test_there_are_no_examples_that_nobody_runs():
     assert {f.name for f in EXAMPLES.iterdir() if f.suffix in (".py", ".toml")} == {
         "own_law.py",
+        "laws.py",
         "own_data.py",
         "own_robot.py",
         "own_path.py",

@@ -1,29 +1,102 @@
-"""JSON file with a model of T_u."""
+"""File with a model of T_u: a transfer function or a state space, in JSON or MATLAB's MAT."""
 
 import json
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from armside.arrays import Array
+
+from .discretise import state_space_to_system
 from .system import System
+from .system_matrix import Model, SystemMatrix
+
+STATE_SPACE = ("A", "B", "C")
+MOST_STATES = 200
 
 
-def read_model(file: Path) -> System:
+def read_model(file: Path) -> Model:
     """T_u from `{"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}`.
 
-    b, a: coefficients in powers of q^-1; or num, den: in descending powers of q (or z). Raises
-    ValueError with the name of the file and the reason.
+    b, a: coefficients in powers of q^-1; or num, den: in descending powers of q (or z); or A, B, C
+    and perhaps D of a discrete state space, with as many outputs as inputs. A MAT file (up to
+    version 7) holds variables of the same names.
+
+    Raises ValueError with the name of the file and the reason.
     """
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise ValueError(f"{file} is not a readable JSON file: {error}") from error
-    if not isinstance(content, dict):
-        raise ValueError(f"{file} must hold an object with sample_time, b and a")
-    keys = ("b", "a") if "b" in content else ("num", "den")
+    content = _mat(file) if file.suffix.lower() == ".mat" else _json(file)
+    kinds = [keys for keys in (("b", "a"), ("num", "den"), STATE_SPACE) if keys[0] in content]
+    keys = kinds[0] if kinds else ("b", "a")
     missing = [key for key in ("sample_time", *keys) if key not in content]
     if missing:
-        raise ValueError(f"{file} lacks {', '.join(missing)}; it needs sample_time, b and a")
-    build = System if keys == ("b", "a") else System.from_z
+        forms = "b and a, num and den, or A, B, C"
+        raise ValueError(f"{file} lacks {', '.join(missing)}; it needs sample_time and {forms}")
     try:
+        if keys == STATE_SPACE:
+            return _state_space(content)
+        build = System if keys == ("b", "a") else System.from_z
         return build(content[keys[0]], content[keys[1]], content["sample_time"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{file}: {error}") from error
+
+
+def read_system(file: Path) -> System:
+    """As `read_model`, for a model with one input and one output."""
+    model = read_model(file)
+    if not isinstance(model, System):
+        n = len(model.entries)
+        raise ValueError(f"{file}: the model must have one input and one output, got {n}")
+    return model
+
+
+def _json(file: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        raise ValueError(f"{file} is not a readable JSON file: {error}") from error
+    if not isinstance(content, dict):
+        raise ValueError(f"{file} must hold an object with sample_time, b and a")
+    return content
+
+
+def _mat(file: Path) -> dict[str, Any]:
+    from scipy.io import loadmat
+
+    try:
+        found = loadmat(file)
+    except Exception as error:  # scipy raises many kinds for a damaged file
+        raise ValueError(f"{file} is not a readable MAT file: {error}") from error
+    arrays = {name: value for name, value in found.items() if not name.startswith("__")}
+    flat = {name: np.ravel(value) for name, value in arrays.items() if name not in "ABCD"}
+    if (time := flat.get("sample_time")) is not None:
+        if time.size != 1 or time.dtype.kind not in "biuf":
+            raise ValueError(f"{file}: sample_time must be one number")
+        return arrays | flat | {"sample_time": float(time[0])}
+    return arrays | flat
+
+
+def _state_space(content: dict[str, Any]) -> Model:
+    A, B, C = (np.array(content[name], dtype=np.float64, ndmin=2) for name in STATE_SPACE)
+    n = len(A)
+    B = B.T if B.shape != (n, B.shape[1]) and B.shape[1] == n and len(B) == 1 else B
+    D = np.array(content.get("D", np.zeros((len(C), B.shape[1]))), dtype=np.float64, ndmin=2)
+    if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (len(C), B.shape[1]):
+        shapes = ", ".join(str(matrix.shape) for matrix in (A, B, C, D))
+        raise ValueError(f"A, B, C, D do not fit each other: {shapes}")
+    if len(C) != B.shape[1]:
+        raise ValueError(f"as many outputs as inputs are needed, got {len(C)} and {B.shape[1]}")
+    if n > MOST_STATES:
+        raise ValueError(f"at most {MOST_STATES} states are taken, got {n}")
+    if not all(np.isfinite(matrix).all() for matrix in (A, B, C, D)):
+        raise ValueError("A, B, C, D must be finite")
+    rows = [
+        tuple(_entry(A, B[:, [j]], C[[i]], D[i, j], content["sample_time"]) for j in range(len(C)))
+        for i in range(len(C))
+    ]
+    return rows[0][0] if len(rows) == 1 else SystemMatrix(tuple(rows))
+
+
+def _entry(A: Array, B: Array, C: Array, D: float, sample_time: float) -> System:
+    strictly_proper = state_space_to_system(A, B, C, sample_time)
+    return System(strictly_proper.b + D * strictly_proper.a, strictly_proper.a, sample_time)

@@ -45,7 +45,7 @@ class DesignCfg:
 
 def load(name: str) -> "System":
     """The named model, or the one in a file. Raises ValueError."""
-    from armside.ilc.models.model_file import read_model
+    from armside.ilc.models.model_file import read_system
     from armside.ilc.models.system import System
     from armside.ilc.models.two_mass import TwoMassLoop
 
@@ -57,7 +57,7 @@ def load(name: str) -> "System":
         return System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)  # type: ignore[arg-type]
     if name == "" or not Path(name).exists():
         raise ValueError(f"no model {name!r}: give a JSON file or one of {', '.join(BUILT_IN)}")
-    return read_model(check_file(Path(name), LARGEST_MODEL))
+    return read_system(check_file(Path(name), LARGEST_MODEL))
 
 
 def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:

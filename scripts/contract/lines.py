@@ -38,6 +38,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),
     "two-mass": ("--figure", "8.3"),
+    "learn": ("--iterations", "1", "--samples", "50"),
     "tune": ("--trials", "1", "--episodes", "1", "--iterations", "1", "--pose", "p1"),
     "sweep": ("iterations=0",),
     "calibrate": ("--generations", "0"),

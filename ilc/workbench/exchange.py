@@ -1,0 +1,73 @@
+"""Learning by hand in a folder: `u_k.csv` out, `y_k.csv` in, run by run.
+
+The folder itself is the state. A person runs the task with u_k and puts the log beside it;
+corrections are computed again from the logs, so an experiment may be interrupted at any point.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..by_hand import ByHand
+from ..laws.law import Law
+from .csv_signal import read_signal, write_signal
+
+
+@dataclass(frozen=True, eq=False)
+class Folder:
+    """Files of an experiment by hand."""
+
+    path: Path
+    sample_time: float
+    """[s] of reference and corrections."""
+
+    def correction(self, k: int) -> Path:
+        return self.path / f"u_{k}.csv"
+
+    def output(self, k: int) -> Path:
+        return self.path / f"y_{k}.csv"
+
+    def advance(self, law: Law, reference: Array, iterations: int) -> ByHand:
+        """Read all logs that are there, k = 0 .. `iterations`, and write the next correction.
+
+        The state's `k` is the run that is waited for; `iterations` + 1 when all are done.
+
+        Raises ValueError for a log that cannot be used, or corrections of another law.
+        """
+        state = ByHand(law=law, reference=reference)
+        memory, correction = None, state.correction
+        outputs: list[Array] = []
+        corrections = [correction]
+        for k in range(iterations + 1):
+            self._offer(k, corrections[k])
+            if not self.output(k).exists():
+                break
+            outputs.append(self._log(k, reference))
+            error = reference - outputs[k]
+            correction, memory = law.step(corrections[k], error, memory)
+            corrections.append(correction)
+        return replace(state, outputs=tuple(outputs), corrections=tuple(corrections))
+
+    def _offer(self, k: int, correction: Array) -> None:
+        """Write u_k, or see that the one there is this one."""
+        file = self.correction(k)
+        if not file.exists():
+            waiting = file.with_name(f".{file.name}.part")
+            write_signal(waiting, correction, self.sample_time, "u")
+            waiting.replace(file)
+            return
+        there = read_signal(file).values
+        if there.shape != correction.shape or not np.array_equal(there, correction):
+            other = "of another law, reference or log; give the same again, or a new folder"
+            raise ValueError(f"{file} is a correction {other}")
+
+    def _log(self, k: int, reference: Array) -> Array:
+        log = read_signal(self.output(k))
+        values = log.at(len(reference), self.sample_time)
+        if values.shape[1] != reference.shape[1]:
+            shapes = f"{reference.shape[1]} columns of output, got {values.shape[1]}"
+            raise ValueError(f"{self.output(k)} must have {shapes}")
+        return values

@@ -1,0 +1,101 @@
+"""Code of a user's own, `file.py:Name`; an error in it is one line with file, line and error."""
+
+import importlib.util
+import inspect
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from .words import unknown_name
+
+LARGEST_FILE = 10_000_000
+"""[bytes], of a user's Python file."""
+_NUMBER = count()
+
+
+class OwnCodeError(RuntimeError):
+    """An error that a user's own code raised."""
+
+
+@contextmanager
+def in_code_of(file: Path) -> Iterator[None]:
+    """Whatever the block raises in code of that file becomes OwnCodeError.
+
+    The line named is the innermost one of the file itself; a call into a library counts there.
+    """
+    try:
+        yield
+    except OwnCodeError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise OwnCodeError(f"{file}{_line(error, file)}: {_said(error)}") from error
+
+
+def _line(error: BaseException, file: Path) -> str:
+    whole = str(file.absolute())
+    if isinstance(error, SyntaxError) and error.filename == whole:
+        return f", line {error.lineno}"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == whole]
+    return f", line {lines[-1]}" if lines else ""
+
+
+def _said(error: BaseException) -> str:
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def load(file: Path, name: str) -> Any:
+    """Run a Python file and return what it calls `name`; every call runs it anew.
+
+    Raises ValueError for a file or name that is not there, OwnCodeError for what the file raises.
+    """
+    if not file.is_file():
+        raise ValueError(f"{file} is no Python file")
+    if file.stat().st_size > LARGEST_FILE:
+        raise ValueError(f"{file} is larger than {LARGEST_FILE / 1e6:.0f} MB")
+    title = f"armside_own_{next(_NUMBER)}"
+    spec = importlib.util.spec_from_file_location(title, file.absolute())
+    if spec is None or spec.loader is None:
+        raise ValueError(f"{file} is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[title] = module  # a dataclass looks its module up there
+    with in_code_of(file):
+        spec.loader.exec_module(module)
+    if not hasattr(module, name):
+        public = [each for each in vars(module) if not each.startswith("_")]
+        raise ValueError(f"{file}: {unknown_name('name', name, public)}")
+    return getattr(module, name)
+
+
+def built(found: Any, file: Path, offered: Mapping[str, Any], parameters: Mapping[str, Any]) -> Any:
+    """The object itself, or what a class or function makes of the offered values it asks for.
+
+    offered: values that it receives if it has parameters of these names. parameters: of the
+    command line, which it must take.
+    """
+    if not callable(found):
+        if parameters:
+            raise ValueError(f"{file}: an object takes no parameters, got {', '.join(parameters)}")
+        return found
+    takes = _parameters(found)
+    if takes is not None and (wrong := [name for name in parameters if name not in takes]):
+        raise ValueError(f"{file}: {unknown_name('parameter', wrong[0], takes)}")
+    given = {name: value for name, value in offered.items() if takes and name in takes}
+    with in_code_of(file):
+        return found(**(given | dict(parameters)))
+
+
+def _parameters(function: Callable[..., Any]) -> list[str] | None:
+    """Names of the parameters; None where all are taken or they cannot be known."""
+    try:
+        found = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(each.kind is inspect.Parameter.VAR_KEYWORD for each in found):
+        return None
+    return [each.name for each in found]

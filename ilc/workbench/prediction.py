@@ -1,0 +1,86 @@
+"""Convergence that a model predicts for a law: criterion, lifted iteration, and each error."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..analysis.criterion import criterion, frequency_grid, heuristic_criterion
+from ..analysis.lifted import LiftedIteration
+from ..laws.heuristic import Heuristic
+from ..laws.law import FirstOrder, Law
+from ..laws.norm_optimal import NormOptimal
+from ..models.system import System
+from ..models.system_matrix import Model
+from .laws import MEASURING, build_law
+from .setting import Setting
+from .words import Words
+
+MOST_LIFTED = 400
+"""Numbers of a record up to which its matrices are built: a second."""
+LARGEST = 1e30
+"""Predicted error relative to the first at which a prediction of divergence ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Predicted convergence of one law; None where it is not known."""
+
+    contraction: float | None
+    """sup |Q (1 - L T_u)| on infinite records: ||e_k - e_inf|| shrinks at least by it if < 1."""
+    spectral_radius: float | None
+    """Of the lifted iteration on the finite record: below 1 it converges in the end."""
+    errors: Array
+    """(K + 1,) predicted ||e_k||, from the measured e_0 and without further noise."""
+
+
+def predict(law: str, setting: Setting, first_error: Array, iterations: int) -> Prediction:
+    """Prediction of the law with the setting's model, for learning from u = 0.
+
+    first_error: e_0, shape (N, n). The errors follow e_k = e_0 - T_u u_k, the lifted iteration.
+    """
+    T_u = setting.T_u("a prediction")
+
+    def simulated(correction: Array) -> Array:
+        return setting.reference - first_error + T_u.simulate(correction)
+
+    built = build_law(law, replace(setting, experiment=simulated))
+    errors = _errors(built, T_u, first_error, iterations)
+    if Words.parse(law).name in MEASURING:  # L is measured, not stated
+        return Prediction(None, None, errors)
+    return Prediction(_contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
+
+
+def _errors(law: Law, T_u: Model, first_error: Array, iterations: int) -> Array:
+    errors = [first_error]
+    correction, memory = np.zeros_like(first_error), None
+    for _ in range(iterations):
+        if not np.abs(errors[-1]).max() < LARGEST * max(np.abs(first_error).max(), 1e-300):
+            break
+        correction, memory = law.step(correction, errors[-1], memory)
+        errors.append(first_error - T_u.simulate(correction))
+    norms = np.full(iterations + 1, np.nan)
+    norms[: len(errors)] = [np.linalg.norm(error) for error in errors]
+    return norms
+
+
+def _contraction(law: Law, T_u: Model) -> float | None:
+    """Criterion (7.5) for first-order laws with known responses."""
+    if isinstance(law, Heuristic):
+        return heuristic_criterion(T_u, law.gamma, law.delta, law.Q).contraction
+    omega = frequency_grid()
+    if isinstance(law, NormOptimal) and isinstance(T_u, System) and isinstance(law.T_u, System):
+        Q, L = law.responses(omega)
+        return criterion(T_u.response(omega), L, np.abs(Q), omega).contraction
+    if isinstance(law, FirstOrder) and isinstance(T_u, System):
+        L, Q = law.L.response(omega), law.Q.response(omega)
+        return criterion(T_u.response(omega), L, Q, omega).contraction
+    return None
+
+
+def _spectral_radius(law: Law, setting: Setting, T_u: Model) -> float | None:
+    known = isinstance(law, (Heuristic, FirstOrder))
+    if not known or setting.reference.size > MOST_LIFTED:
+        return None
+    return LiftedIteration.build(T_u, law, setting.n_samples, setting.n_columns).spectral_radius

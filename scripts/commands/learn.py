@@ -1,0 +1,141 @@
+"""`armside learn`: any plant, several laws, one table and one figure."""
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from armside.sim.records.run_folder import RUNS, check_writable
+from armside.sim.records.summary import summary
+
+from ..shell.console import Report, run_folder
+from ..shell.errors import RunFailed, checking_input
+from ..shell.options import Common
+from ..workbench.earlier import Earlier, earlier
+from ..workbench.options import LearnCfg
+
+if TYPE_CHECKING:
+    from armside.ilc.workbench.compare import LawRun
+    from armside.ilc.workbench.task import Task
+
+
+def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
+    """Compare learning laws on any plant, with the convergence that its model predicts.
+
+    Writes convergence.png, a correction a law as CSV, state.npz (for --from) and summary.json.
+    """
+    from armside.ilc.workbench.own import OwnCodeError
+
+    from ..workbench.plants import is_folder, named_task
+
+    report = Report(common)
+    try:
+        with checking_input():
+            check_writable(common.out or RUNS / "learn")
+            cfg, common, before = earlier(cfg, common)
+            by_hand = is_folder(cfg)
+            task = None if by_hand else named_task(cfg, common.seed)
+            if task is not None:
+                _check_laws(cfg, task, before)
+        if task is None:
+            _by_hand(cfg, common, report)
+            return
+        runs = _runs(cfg, common, task, before, report)
+    except OwnCodeError as error:
+        raise RunFailed(str(error)) from error
+    _finish(cfg, common, report, runs, task.sample_time, before)
+
+
+def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
+    """Build each law once before any work is done."""
+    from armside.ilc.workbench.compare import setting_of
+    from armside.ilc.workbench.laws import build_law
+
+    for law in cfg.laws:
+        build_law(law, setting_of(task))
+        start = None if before is None else before.correction(law)
+        if start is not None and start.shape != task.reference.shape:
+            shapes = f"{start.shape}, this task needs {task.reference.shape}"
+            raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
+        if before is not None and before.continues and cfg.iterations < 1:
+            raise ValueError("a run that is continued needs at least one iteration")
+
+
+def _runs(
+    cfg: LearnCfg, common: Common, task: "Task", before: Earlier | None, report: Report
+) -> "list[LawRun]":
+    from armside.ilc.workbench.compare import run_law
+
+    cases = [
+        (law, noise, repetition)
+        for law in cfg.laws
+        for noise in cfg.noise
+        for repetition in range(cfg.repeats)
+    ]
+    found = list[Any]()
+    with report.progress("learning", total=len(cases) * (cfg.iterations + 1)) as step:
+        for law, noise, repetition in cases:
+            found.append(
+                run_law(
+                    task,
+                    law,
+                    cfg.iterations,
+                    seed=common.seed,
+                    noise=noise,
+                    repetition=repetition,
+                    resume=None if before is None else before.state(law, noise, repetition),
+                    start=None if before is None else before.correction(law),
+                    step=step,
+                )
+            )
+    return found
+
+
+def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
+    from ..workbench.by_hand import Session
+
+    with checking_input():
+        session = Session.begin(cfg)
+        state = session.advance()
+        until = time.monotonic() + cfg.wait
+        while state.k <= cfg.iterations and time.monotonic() < until:
+            time.sleep(min(0.2, cfg.wait))
+            state = session.advance()
+    if state.k <= cfg.iterations:
+        report.line(session.request(state.k))
+        report.summary(summary("learn", cfg, common, status="waiting", k=state.k))
+        return
+    _finish(cfg, common, report, [session.result(state)], session.folder.sample_time, None)
+
+
+def _finish(
+    cfg: LearnCfg,
+    common: Common,
+    report: Report,
+    runs: "list[LawRun]",
+    sample_time: float,
+    before: Earlier | None,
+) -> None:
+    from ..figures.convergence import draw_convergence
+    from ..workbench import results
+
+    diverged = [run.law for run in runs if run.diverged]
+    outcome = summary(
+        "learn",
+        cfg,
+        common,
+        status="diverged" if diverged else "done",
+        started_from=None if before is None else before.entry,
+        laws=results.rows(runs),
+    )
+    title = Path(cfg.plant).name if "/" in cfg.plant else cfg.plant
+    with run_folder(outcome, common) as folder:
+        draw_convergence(folder / "convergence.png", title, runs)
+        notes = results.write(folder, runs, sample_time)
+    if before is not None:
+        report.line(before.line)
+    results.show(report, title, runs)
+    for note in notes:
+        report.line(f"Note: {note}")
+    report.results(outcome, folder.path)
+    if diverged:
+        raise RunFailed(f"learning diverged with {', '.join(dict.fromkeys(diverged))}")

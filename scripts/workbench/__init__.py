@@ -1,0 +1,1 @@
+"""Options, plants and results of `armside learn`."""

@@ -1,0 +1,107 @@
+"""An earlier run of `armside learn` as a start: continued, or its corrections taken over."""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from armside.arrays import Array
+from armside.ilc.workbench.state import RunState, read_states
+from armside.sim.records.stored_run import read_run
+
+from ..shell.errors import InputError
+from ..shell.options import Common
+from .options import LearnCfg
+from .results import STATE, key
+
+FREE = ("iterations", "start", "wait")
+"""Options that a continued run need not share with the earlier one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Earlier:
+    """States of an earlier run and whether this one continues it."""
+
+    folder: Path
+    states: Mapping[str, RunState | None]
+    continues: bool
+    changed: tuple[str, ...] = ()
+    """Options that differ from the earlier run's."""
+
+    def state(self, law: str, noise: float, repetition: int) -> RunState | None:
+        """State to continue; None where the run starts anew. InputError if it was not kept."""
+        if not self.continues:
+            return None
+        found = self.states.get(key(law, noise, repetition))
+        if found is None:
+            raise InputError(f"{self.folder} kept no state of {law}: it cannot be continued")
+        return found
+
+    def correction(self, law: str) -> Array | None:
+        """u of the last run with the same law, or else with the first; None when continued."""
+        if self.continues:
+            return None
+        kept = {each: state for each, state in self.states.items() if state is not None}
+        same = [state for each, state in kept.items() if each.startswith(f"{law} | ")]
+        first = (same or list(kept.values()))[:1]
+        return first[0].loop.correction if first else None
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """Entry of `summary.json`: what the run started from."""
+        how = "continued" if self.continues else "started from its correction"
+        return {"run": str(self.folder), "how": how, "changed": list(self.changed)}
+
+    @property
+    def line(self) -> str:
+        """The same in a sentence."""
+        if self.continues:
+            return f"Goes on from the last run of {self.folder}"
+        return f"Starts from the correction of {self.folder}; changed: {', '.join(self.changed)}"
+
+
+def earlier(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Earlier | None]:
+    """Options with those of the earlier run where none were given, and its states.
+
+    Raises InputError for a folder that is no run of `armside learn`, or without states.
+    """
+    if cfg.start is None:
+        return cfg, common, None
+    run = read_run(cfg.start)
+    if run.experiment != "learn":
+        raise InputError(f"{cfg.start} is a run of {run.experiment}, not of learn")
+    stored = run.summary["config"]
+    merged = {each.name: _option(cfg, each, stored) for each in fields(cfg)}
+    try:
+        result = replace(cfg, **merged)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{cfg.start}: its options cannot be used: {error}") from error
+    seed = common.seed or stored.get("seed", 0)
+    changed = [
+        name
+        for name, value in merged.items()
+        if name not in FREE and name in stored and value != _typed(value, stored[name])
+    ]
+    changed += ["seed"] if seed != stored.get("seed", seed) else []
+    states = read_states(run.file(STATE))
+    if not any(states.values()):
+        raise InputError(f"{cfg.start} kept no state to start from")
+    found = Earlier(folder=cfg.start, states=states, continues=not changed, changed=tuple(changed))
+    return result, replace(common, seed=seed), found
+
+
+def _option(cfg: LearnCfg, field: Any, stored: Mapping[str, Any]) -> Any:
+    """The option as given, or that of the earlier run if it was left at its default."""
+    given = getattr(cfg, field.name)
+    default = field.default if field.default is not MISSING else None
+    if field.name in FREE or given != default or field.name not in stored:
+        return given
+    return _typed(given, stored[field.name], field.name)
+
+
+def _typed(like: Any, stored: Any, name: str = "") -> Any:
+    if isinstance(stored, list):
+        return tuple(stored)
+    if stored is not None and (isinstance(like, Path) or name == "model"):
+        return Path(stored)
+    return stored

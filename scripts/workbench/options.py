@@ -1,0 +1,65 @@
+"""Options of `armside learn`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..shell.options import FileToRead, options
+
+MOST = {"iterations": 10_000, "samples": 100_000, "repeats": 1000}
+"""Largest values: beyond them a comparison takes hours."""
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class LearnCfg:
+    """Plant, laws and task."""
+
+    plant: str = "two-mass"
+    """two-mass[:k=4,coulomb=0.01] (joint of chapter 8), large or irb1400[:pose=p2,speed=60] (the
+    robots, options of laser), a model's file (JSON, MAT), file.py:Name (a System, a model of
+    control, or an object with run(correction)), or a folder that a person exchanges files in."""
+    laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
+    """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,
+    d-type, gradient, inverse, norm-optimal, constrained, adaptive, high-order, periodic,
+    disturbance-observer, model-free, splines."""
+    iterations: int = 10
+    """Updates; one run more."""
+    reference: str = ""
+    """step, ramp, or a CSV file with a column for each output, and perhaps one named time [s]
+    [default: that of the plant, or step]."""
+    samples: int = 400
+    """Length of a step or ramp."""
+    sample_time: float | None = None
+    """[s], where the plant does not state it."""
+    model: FileToRead = None
+    """Model that laws and prediction assume, JSON or MAT [default: that of the plant]."""
+    noise: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (0.0,)
+    """Standard deviations of white noise on the measured output, each a comparison."""
+    repeats: int = 1
+    """Repetitions with other noise; the table shows the mean."""
+    wait: float = 0.0
+    """Seconds to wait for each log in a folder, before leaving it for later."""
+    start: Annotated[Path | None, Parameter(name="--from")] = None
+    """Folder of an earlier run. Options not given are that run's; with none changed learning goes
+    on where it ended, otherwise it starts from its corrections."""
+
+    def __post_init__(self) -> None:
+        for name, most in MOST.items():
+            least = 0 if name == "iterations" else 1
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(f"{name} must be {least} to {most}, got {getattr(self, name)}")
+        if not self.laws or not self.noise:
+            raise ValueError("at least one law and one noise level are needed")
+        if (work := len(self.laws) * len(self.noise) * self.repeats * self.iterations) > 10**6:
+            raise ValueError(f"at most a million runs can be asked for, got {work}")
+        if len(set(self.laws)) < len(self.laws) or len(set(self.noise)) < len(self.noise):
+            raise ValueError("each law and each noise level can be given once")
+        if min(self.noise) < 0.0 or max(self.noise) > 1e100:
+            raise ValueError(f"noise must be 0 to 1e100, got {self.noise}")
+        if self.sample_time is not None and not 1e-9 <= self.sample_time <= 1e6:
+            raise ValueError(f"sample_time must be 1e-9 to 1e6 s, got {self.sample_time:g}")
+        if not 0.0 <= self.wait <= 1e7:
+            raise ValueError(f"wait must be 0 to 1e7 s, got {self.wait:g}")

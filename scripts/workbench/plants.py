@@ -1,0 +1,85 @@
+"""The task that the option --plant names."""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from armside.ilc.workbench.words import Words, number, unknown_name
+from armside.sim.records.files import check_file
+
+from ..shell.effort import Effort, refuse_absurd
+from .options import LearnCfg
+
+if TYPE_CHECKING:
+    from armside.ilc.workbench.task import Task
+
+ROBOTS = ("large", "irb1400")
+NAMES = ("two-mass", *ROBOTS, "FILE.json", "FILE.mat", "file.py:Name", "a folder")
+LARGEST_MODEL = 1_000_000
+"""[bytes], of a model's file."""
+SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
+"""[s] for each number of a run's record, the law included, rounded up."""
+OF_ROBOT = ("pose", "speed", "radius", "payload", "shape", "size", "plane", "friction_spread")
+"""Options of `armside laser` that a plant's words may set."""
+
+
+def named_task(cfg: LearnCfg, seed: int) -> "Task":
+    """Everything before the first run. Raises ValueError or OwnCodeError."""
+    from armside.ilc.models.model_file import read_model
+    from armside.ilc.workbench import plants
+
+    words = Words.parse(cfg.plant)
+    model = None if cfg.model is None else read_model(check_file(cfg.model, LARGEST_MODEL))
+    record = plants.Record(
+        reference=cfg.reference,
+        n_samples=cfg.samples,
+        sample_time=cfg.sample_time,
+        model=model,
+    )
+    if words.file:
+        task = plants.own_plant(words, record, seed)
+    elif words.name == "two-mass":
+        task = plants.joint(words, record)
+    elif words.name in ROBOTS:
+        task = _robot(words, cfg, record, seed)
+    else:
+        task = plants.model_task(_model_file(cfg.plant), record)
+    runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)
+    each = SECONDS_ROBOT if words.name in ROBOTS else SECONDS_LINEAR
+    what = f"{runs} runs of {task.reference.size} numbers"
+    refuse_absurd(what, Effort(seconds=runs * task.reference.size * each))
+    return task
+
+
+def is_folder(cfg: LearnCfg) -> bool:
+    """The plant is run by hand, files exchanged in a folder."""
+    try:
+        return bool(cfg.plant) and Path(cfg.plant).is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _model_file(plant: str) -> Path:
+    if "\0" in plant or not plant or not Path(plant).exists():
+        raise ValueError(unknown_name("plant", plant, NAMES))
+    return check_file(Path(plant), LARGEST_MODEL)
+
+
+def _robot(words: Words, cfg: LearnCfg, record: Any, seed: int) -> "Task":
+    from armside.sim.laser.learning_task import learning_task
+
+    from ..cutting.options import LaserCfg
+    from ..cutting.specification import cut
+
+    if cfg.reference or cfg.sample_time is not None:
+        raise ValueError("a robot's reference is its cut: leave --reference and --sample-time out")
+    values: dict[str, Any] = {"robot": words.name}
+    types = {each.name: each.type for each in fields(LaserCfg)}
+    for key, text in words.parameters.items():
+        if key not in OF_ROBOT:
+            raise ValueError(unknown_name("parameter", key, OF_ROBOT))
+        numeric = types[key] in (float, float | None)
+        values[key] = float(number(text, key)) if numeric else text
+    asked = LaserCfg(**values, iterations=cfg.iterations)
+    made = cut(asked)
+    return learning_task(made, seed=seed, name=words.text, model=record.model)

@@ -1,0 +1,109 @@
+"""`armside learn`: comparisons, continuations, plants by hand, and its errors."""
+
+import json
+
+import numpy as np
+import pytest
+
+from armside.scripts.cli import main
+
+LAG = {"sample_time": 0.01, "b": [0, 0.1], "a": [1, -0.9]}
+OWN = """
+def half(u, e):
+    return u + 0.5 * e
+
+def broken(u, e):
+    return u + e["all"]
+"""
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lag.json").write_text(json.dumps(LAG))
+    (tmp_path / "own.py").write_text(OWN)
+    return tmp_path
+
+
+def read(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+SIX = ("heuristic:gamma=0.5,delta=1", "gradient", "inverse", "norm-optimal", "high-order")
+
+
+@pytest.mark.parametrize("plant", ["lag.json", "two-mass", "large:radius=2,speed=80"])
+def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys):
+    words = ["learn", "--plant", plant, "--laws", *SIX, "own.py:half", "--iterations", "1"]
+    assert main([*words, "--samples", "80", "--out", "a"]) == 0
+    table = capsys.readouterr().out
+    assert max(map(len, table.splitlines())) <= 80
+    for law in ("heuristic", *SIX[1:], "own.py"):
+        assert law in table
+    found = read(place / "a")["laws"]
+    assert len(found) == 6
+    assert all(len(each["predicted"]["error_two"]) == 2 for each in found)
+    assert (place / "a" / "convergence.png").stat().st_size > 10_000
+    assert len(list((place / "a").glob("correction-*.csv"))) == 6
+
+
+def test_a_robot_goes_on_bit_for_bit_and_says_so(place):
+    robot = ["learn", "--plant", "large:radius=2,speed=80", "--seed", "4", "--quiet"]
+    assert main([*robot, "--iterations", "2", "--out", "two"]) == 0
+    assert main([*robot, "--iterations", "1", "--out", "one"]) == 0
+    assert main(["learn", "--from", "one", "--iterations", "1", "--quiet", "--out", "more"]) == 0
+    more, two = read(place / "more"), read(place / "two")
+    assert more["started_from"]["how"] == "continued"
+    assert more["laws"][0]["error_two"] == two["laws"][0]["error_two"][2:]
+    assert more["laws"][0]["arm_rms"] == two["laws"][0]["arm_rms"][2:]
+
+
+def test_another_law_starts_from_the_correction(place):
+    words = ["learn", "--plant", "lag.json", "--quiet"]
+    assert main([*words, "--laws", "gradient", "--iterations", "3", "--out", "a"]) == 0
+    words = ["learn", "--from", "a", "--laws", "own.py:half", "--iterations", "1", "--quiet"]
+    assert main([*words, "--out", "b"]) == 0
+    first, then = read(place / "a"), read(place / "b")
+    assert then["started_from"]["changed"] == ["laws"]
+    assert then["laws"][0]["error_two"][0] == first["laws"][0]["error_two"][-1]
+
+
+def test_a_folder_asks_for_each_log_and_ends_with_the_results(place, capsys):
+    hand = place / "hand"
+    hand.mkdir()
+    rows = "\n".join(f"{i / 100!r},{min(i / 20, 1.0)!r}" for i in range(40))
+    (hand / "reference.csv").write_text("time,r\n" + rows)
+    words = ["learn", "--plant", "hand", "--laws", "own.py:half", "--iterations", "1"]
+    for k in range(2):
+        assert main([*words, "--out", "a"]) == 0
+        assert f"u_{k}.csv" in capsys.readouterr().out
+        assert not (place / "a").exists()
+        u = np.loadtxt(hand / f"u_{k}.csv", delimiter=",", skiprows=1)
+        np.savetxt(hand / f"y_{k}.csv", u, delimiter=",")
+        (hand / f"y_{k}.csv").write_text("time,y\n" + (hand / f"y_{k}.csv").read_text())
+    assert main([*words, "--out", "a"]) == 0
+    assert len(read(place / "a")["laws"][0]["error_two"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "message"),
+    [
+        ("--plant lag.jsn", 2, "Unknown plant 'lag.jsn'"),
+        ("--plant lag.json --laws herustic", 2, "Unknown law 'herustic'"),
+        ("--plant lag.json --laws own.py:third", 2, "Unknown name 'third'"),
+        ("--plant lag.json --laws own.py:broken", 1, "own.py, line 6: IndexError"),
+        ("--plant lag.json --laws heuristic:gamma=30,cutoff=40", 1, "diverged with heuristic"),
+        ("--plant large:pose=p9", 2, "p9"),
+        ("--plant large --reference step", 2, "a robot's reference is its cut"),
+        ("--plant lag.json --model own.py", 2, "own.py is not a readable JSON"),
+        ("--noise -1", 2, "noise must be"),
+        ("--from nowhere", 2, "nowhere is no folder"),
+        ("--plant .", 2, "no reference"),
+    ],
+)
+def test_bad_input_and_failures_are_one_line(words, status, message, place, capsys):
+    assert main(["learn", "--iterations", "2", *words.split(), "--out", "out"]) == status
+    said = capsys.readouterr().err
+    assert message in said
+    assert len(said.splitlines()) == 1
+    assert (place / "out").exists() == ("diverged" in message)
