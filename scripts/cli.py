@@ -26,6 +26,7 @@ COMMANDS = {
     "train": "Learn a policy that chooses designs (extra [learn]).",
     "sweep": "Run the laser experiment over a grid of its options.",
     "model": "Describe a robot: D-H table, reach, singularities.",
+    "robot": "Check a robot model against its D-H table and drives.",
     "export": "Write a robot's equations as code, or the robot as URDF.",
     "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
@@ -73,6 +74,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.sweep import sweep as command
         case "model":
             from .commands.model import model as command
+        case "robot":
+            from .commands.robot import robot as command
         case "export":
             from .commands.export import export as command
         case "bench":

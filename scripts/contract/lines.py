@@ -47,6 +47,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "gallery": ("circles",),
     "reproduce": ("8.3",),
     "convert": ("../files/run", "--file", "a.csv"),
+    "robot": ("check",),
     "measure": ("../files/data.csv", "--gear", "1"),
     "train": ("--robots", "1", "--steps", "5"),
     "commission": ("--recordings", "../files/run"),
@@ -125,14 +126,14 @@ def line(seed: int) -> Line:
     kinds[0] = max(kinds[0], Kind.BOUNDARY)
     chosen = [known[int(i)] for i in rng.choice(len(known), n, replace=False)]
     drawn = [_words(option, kind, rng) for option, kind in zip(chosen, kinds, strict=True)]
-    positional = any(not option.name for option in chosen)
-    base = _base(name, {option.name for option in chosen}, positional)
+    first = next((option for option in known if not option.name), None)
+    base = _base(name, {option.name for option in chosen}, positional=first in chosen)
     words = (name, *base, *(word for words in drawn for word in words))
     return Line(words, max(kinds))
 
 
 def _base(name: str, given: set[str], positional: bool) -> tuple[str, ...]:
-    """The words of BASE whose options are not given, or that are positional if none is given."""
+    """The words of BASE whose options are not given; positional: the first positional is given."""
     kept, words = list[str](), BASE.get(name, ())
     option = ""
     for word in words:

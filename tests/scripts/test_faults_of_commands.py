@@ -26,6 +26,7 @@ COMMANDS = {
     "tune": "tune --trials 1 --episodes 1 --iterations 1 --pose p1 --out a",
     "sweep": "sweep iterations=0 --workers 1 --into a",
     "model": "model --plot --out a",
+    "robot": "robot check --out a",
     "export": "export --out a",
     "calibrate-arm": f"calibrate-arm ../files/{files.POSES} --robot ur10 --harmonics 0 --out a",
     "reproduce": "reproduce 8.3 --out a",

@@ -1,0 +1,175 @@
+"""Examination of a robot model: geometry, limits, drives, masses and modes, each with a verdict."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+
+from ..cell import Cell
+from ..robot.forward_kinematics import between, configurations, site_poses
+from ..robot.kinematics_check import POSITION, ROTATION, first_axis
+from ..robot.linkage import LARGEST_GAP
+from ..robot.model import RobotModel
+from ..robot.modes import natural_frequencies
+from ..robot.statics import Statics
+from .check import Check
+
+HIGHEST_MODE = 0.3
+"""Largest product of frequency [Hz] and time step [s], beyond which an explicit integrator is
+unstable."""
+LOWEST_MODE = 1.0
+"""[Hz], motors locked; an arm that is softer has a spring without stiffness. ESTIMATE."""
+ROUNDING = 5e-5
+"""Of ranges [rad] and speeds [rad/s], which stand in the files with four decimals."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agreement:
+    """Greatest difference between one site of the MJCF and the last frame of its D-H model."""
+
+    site: str
+    position: float
+    """[m]."""
+    rotation: float
+    """[rad]."""
+    at: Array
+    """(n,) [rad], motor angles of the greatest difference."""
+
+
+@dataclass(frozen=True)
+class Examination:
+    """Numbers of a robot model beside the cell whose D-H model its controller has."""
+
+    model: RobotModel
+    cell: Cell
+
+    @cached_property
+    def configurations(self) -> Array:
+        """(K, n) [rad], the zero pose and random motor angles within the limits."""
+        return configurations(self.cell.limits)
+
+    @cached_property
+    def agreements(self) -> tuple[Agreement, ...]:
+        """Of tool and IMU."""
+        return self._agreement("tool0", self.cell.robot), self._agreement("imu", self.cell.with_imu)
+
+    def _agreement(self, site: str, robot: kinematics.Robot) -> Agreement:
+        phi = self.configurations
+        T, expected = site_poses(self.model, phi, site)[0], kinematics.compile(robot).pose(phi)
+        position, rotation = between(T, expected)
+        worst = int(np.argmax(position / POSITION + rotation / ROTATION))
+        distance, angle = float(position.max()), float(rotation.max())
+        return Agreement(site=site, position=distance, rotation=angle, at=phi[worst])
+
+    @cached_property
+    def first_axis(self) -> int | None:
+        """Axis, counted from 1, that moves the tool otherwise than the D-H model has it."""
+        return first_axis(self.model, self.cell.robot)
+
+    @cached_property
+    def opening(self) -> float:
+        """Widest opening of a closed chain [m]; 0 for an open one."""
+        return float(site_poses(self.model, self.configurations)[1].max())
+
+    @cached_property
+    def reach(self) -> float:
+        """Greatest distance of the tool from the base's origin in the configurations [m]."""
+        T, _ = site_poses(self.model, self.configurations)
+        return float(np.linalg.norm(T[:, :3, 3], axis=1).max())
+
+    @cached_property
+    def holding(self) -> Array:
+        """(n,), greatest torque of gravity over the torque limit of each drive."""
+        still, drives = np.zeros_like(self.configurations), self.model.drives
+        statics = Statics(self.model)
+        torque = statics.motor_torque(statics.rigid_forces(self.configurations, still, still))
+        return np.abs(torque).max(axis=0) / np.abs(drives.gear) / drives.torque_limit
+
+    @cached_property
+    def locked_modes(self) -> Array:
+        """Natural frequencies in the zero pose with the motors held [Hz]."""
+        return natural_frequencies(self.model, np.zeros(self.cell.robot.n_joints), locked=True)
+
+    @cached_property
+    def free_modes(self) -> Array:
+        """Natural frequencies in the zero pose with the motors free, their own motion left out."""
+        n = self.cell.robot.n_joints
+        return natural_frequencies(self.model, np.zeros(n), locked=False)[n:]
+
+    @cached_property
+    def highest_mode(self) -> float:
+        """Highest natural frequency in any of the configurations, motors free [Hz]."""
+        highest = (
+            natural_frequencies(self.model, phi, locked=False)[-1] for phi in self.configurations
+        )
+        return float(max(highest))
+
+    @property
+    def mass(self) -> float:
+        """Of the whole robot, tool and base included [kg]."""
+        return float(self.model.mj.body_mass.sum())
+
+    @cached_property
+    def impossible_inertias(self) -> tuple[str, ...]:
+        """Bodies whose principal moments of inertia no mass distribution has."""
+        mj = self.model.mj
+        low, middle, high = np.sort(mj.body_inertia, axis=1).T
+        wrong = np.flatnonzero((low < 0.0) | (high > (low + middle) * (1.0 + 1e-9)))
+        return tuple(mujoco.mj_id2name(mj, mujoco.mjtObj.mjOBJ_BODY, int(i)) for i in wrong)
+
+    @property
+    def margins(self) -> Array:
+        """(n,) [rad], from the controller's limits to the nearer hard stop; negative beyond it."""
+        limits, stops = self.cell.limits, self.model.joint_range
+        return np.minimum(limits.lower - stops[:, 0], stops[:, 1] - limits.upper)
+
+    def checks(self) -> list[Check]:
+        """Verdicts, each with its number and band."""
+        faster = np.max(np.array(self.cell.limits.speed) - self.model.drives.speed_limit)
+        found = [
+            *self._of_geometry(),
+            _at_most("closed chains: opening [um]", 1e6 * self.opening, 1e6 * LARGEST_GAP),
+        ]
+        found += [
+            Check(
+                "",
+                "hard stops beyond the controller's limits [deg]",
+                "",
+                float(np.rad2deg(self.margins.min())),
+                low=-float(np.rad2deg(ROUNDING)),
+            ),
+            _at_most("controller's speed above the drive's [rad/s]", float(faster), ROUNDING),
+            _at_most("torque of gravity over the drive's limit", float(self.holding.max()), 1.0),
+            _at_most("bodies with an impossible inertia", len(self.impossible_inertias), 0.0),
+            _at_most(
+                "highest mode of the springs times time step",
+                self.highest_mode * self.model.timestep,
+                HIGHEST_MODE,
+            ),
+        ]
+        if len(self.locked_modes):
+            lowest = float(self.locked_modes[0])
+            found.append(Check("", "lowest mode, motors locked [Hz]", "", lowest, low=LOWEST_MODE))
+        return found
+
+    def _of_geometry(self) -> list[Check]:
+        return [
+            check
+            for one in self.agreements
+            for check in (
+                _at_most(
+                    f"site {one.site} off the D-H model [um]", 1e6 * one.position, 1e6 * POSITION
+                ),
+                _at_most(
+                    f"site {one.site} off the D-H model [urad]", 1e6 * one.rotation, 1e6 * ROTATION
+                ),
+            )
+        ]
+
+
+def _at_most(statement: str, value: float, high: float) -> Check:
+    return Check("", statement, "", value, high=high)

@@ -1,0 +1,115 @@
+"""`armside robot`: numbers and verdicts of a model beside its D-H table."""
+
+import json
+
+import mujoco
+import numpy as np
+import pytest
+
+from armside import kinematics
+from armside.scripts.cli import main
+from armside.sim.cell import CELLS, LARGE_CELL
+from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics
+
+
+def said(capsys, *words, status=0):
+    assert main(["robot", *words, "--json"]) == status
+    captured = capsys.readouterr()
+    return json.loads(captured.out), captured.err
+
+
+def altered(tmp_path, change):
+    """File of the large robot after `change` of its parsed file."""
+    spec = mujoco.MjSpec.from_file(str(LARGE_CELL.xml))
+    change(spec)
+    spec.compile()
+    file = tmp_path / "robot.xml"
+    file.write_text(spec.to_xml(), encoding="utf-8")
+    return str(file)
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_the_robots_of_the_project_pass_every_verdict(name, capsys):
+    outcome, _ = said(capsys, "check", "--robot", name)
+    assert outcome["status"] == "done"
+    assert all(check["holds"] for check in outcome["checks"])
+    assert len(outcome["checks"]) == 11
+    model = load_model(CELLS[name].xml)
+    assert outcome["mass"] == pytest.approx(model.mj.body_mass.sum())
+    assert [one["gear"] for one in outcome["axes"]] == model.drives.gear.tolist()
+
+
+def test_static_load_covers_the_torque_that_holds_the_arm_in_the_zero_pose(capsys):
+    """The flexible arm's is within 1 % of the rigid one's, of which load is the greatest."""
+    outcome, _ = said(capsys, "check", "--robot", "irb1400")
+    model = load_model(CELLS["irb1400"].xml)
+    held = Statics(model).equilibrium(np.zeros(6)).holding_torque
+    limit = np.abs(model.drives.gear) * model.drives.torque_limit
+    loads = np.array([one["holding"] for one in outcome["axes"]])
+    assert (loads >= 0.99 * np.abs(held) / limit - 1e-6).all()
+
+
+def shorter(spec):
+    spec.body("tilt").pos = np.add(spec.body("tilt").pos, (-0.1, 0.0, 0.0))
+
+
+def too_heavy(spec):
+    spec.body("tool").mass *= 20.0
+
+
+def too_slow_a_clock(spec):
+    spec.option.timestep = 0.004
+
+
+def narrow_stops(spec):
+    spec.joint("motor_2").range = np.array([-0.5, 0.5])
+
+
+FAULTS = {
+    "site tool0 off the D-H model [um] is 1e+05": shorter,
+    "torque of gravity over the drive's limit": too_heavy,
+    "highest mode of the springs times time step": too_slow_a_clock,
+    "hard stops beyond the controller's limits [deg]": narrow_stops,
+}
+
+
+@pytest.mark.parametrize("words", FAULTS)
+def test_a_fault_is_a_verdict_that_fails_with_status_1(words, tmp_path, capsys):
+    outcome, err = said(capsys, "check", altered(tmp_path, FAULTS[words]), status=1)
+    assert outcome["status"] == "failed"
+    assert words in err
+    assert len(err.splitlines()) == 1
+    assert (outcome["first_axis"] == 5) == ("axis 5" in err) == (FAULTS[words] is shorter)
+
+
+def turn(angle, axis):
+    """Rotation by an angle [rad] about an axis of the frame, (4, 4)."""
+    c, s, (i, j) = np.cos(angle), np.sin(angle), [(1, 2), (2, 0), (0, 1)][axis]
+    T = np.eye(4)
+    T[i, i], T[i, j], T[j, i], T[j, j] = c, -s, s, c
+    return T
+
+
+def test_show_prints_the_table_whose_product_is_the_zero_pose(capsys):
+    outcome, _ = said(capsys, "show", "--robot", "irb1400")
+    T = np.eye(4)
+    for row in outcome["table"]:
+        about_z, about_x = (turn(row[name], axis) for name, axis in (("theta", 2), ("alpha", 0)))
+        along = np.eye(4)
+        along[0, 3], along[2, 3] = row["a"], row["d"]
+        T = T @ about_z @ along @ about_x
+    own = kinematics.compile(CELLS["irb1400"].robot).pose(np.zeros(6))
+    assert pytest.approx(own, abs=1e-12) == T
+    assert outcome["table"][2]["motion"] == "-1 phi_2 +1 phi_3"
+
+
+def test_show_never_takes_the_table_of_another_robot(tmp_path, capsys):
+    assert main(["robot", "show", altered(tmp_path, shorter)]) == 2
+    assert "is no LARGE_ROBOT: its tool is 100 mm" in capsys.readouterr().err
+
+
+def test_tables_are_printed(capsys):
+    assert main(["robot", "check"]) == 0
+    printed = capsys.readouterr().out
+    assert all(words in printed for words in ("Verdicts", "motors held", "axis", "tool0"))

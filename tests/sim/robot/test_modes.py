@@ -1,0 +1,68 @@
+"""Natural frequencies against MuJoCo's own accelerations, and laws that they obey."""
+
+import copy
+
+import mujoco
+import numpy as np
+import pytest
+
+from armside.sim.cell import CELLS
+from armside.sim.robot.flexibility import Flexibility, variant
+from armside.sim.robot.model import load_model
+from armside.sim.robot.modes import natural_frequencies
+
+PHI = np.deg2rad([10.0, 20.0, -15.0, 30.0, 40.0, -50.0])
+ROUNDING = 1e-6
+"""Relative, of difference quotients with a step of 1e-4 rad."""
+
+
+@pytest.fixture(scope="module", params=CELLS)
+def model(request):
+    return load_model(CELLS[request.param].xml)
+
+
+def test_they_are_those_of_the_accelerations_that_mujoco_computes():
+    """d qacc / d q about rest, without gravity, damping and drives, has eigenvalues -omega^2.
+
+    The tendon is the balancing cylinder's, whose force changes with the pose as gravity's does.
+    """
+    model = load_model(CELLS["large"].xml)
+    mj = copy.copy(model.mj)
+    bit = mujoco.mjtDisableBit
+    off = bit.mjDSBL_GRAVITY | bit.mjDSBL_DAMPER | bit.mjDSBL_ACTUATION | bit.mjDSBL_CONSTRAINT
+    mj.opt.disableflags |= int(off)
+    mj.tendon_stiffness[:] = 0.0
+    data, step = mujoco.MjData(mj), 1e-4
+    slope = np.empty((mj.nv, mj.nv))
+    for j in range(mj.nv):
+        for sign in (1.0, -1.0):
+            data.qpos[:] = model.posture @ PHI
+            data.qpos[j] += sign * step
+            mujoco.mj_forward(mj, data)
+            slope[:, j] = data.qacc if sign > 0.0 else (slope[:, j] - data.qacc) / (2.0 * step)
+    omega = np.sqrt(np.sort(-np.linalg.eigvals(slope).real)[6:])
+    found = natural_frequencies(model, PHI, locked=False)[6:]
+    assert found == pytest.approx(omega / (2.0 * np.pi), rel=ROUNDING)
+
+
+def test_free_motors_turn_without_a_spring_and_locked_ones_make_every_mode_lower(model):
+    locked = natural_frequencies(model, PHI, locked=True)
+    free = natural_frequencies(model, PHI, locked=False)
+    assert len(free) == len(locked) + 6
+    assert free[:6].max() < 1e-2
+    assert free[6] > 1.0
+    # A held inertia is an infinite one: Cauchy's interlacing.
+    assert (locked <= free[6:] * (1.0 + 1e-9)).all()
+
+
+def test_springs_four_times_as_stiff_double_them():
+    def modes(factor):
+        mj = variant(CELLS["irb1400"].xml, gear_stiffness=factor, structure_stiffness=factor)
+        return natural_frequencies(load_model(mj), PHI, locked=True)
+
+    assert modes(4.0) == pytest.approx(2.0 * modes(1.0), rel=1e-9)
+
+
+def test_a_rigid_robot_has_none():
+    rigid = load_model(variant(CELLS["irb1400"].xml, Flexibility.RIGID))
+    assert len(natural_frequencies(rigid, PHI, locked=True)) == 0
