@@ -42,6 +42,8 @@ class Task:
     """The plant is linear and `model` is its T_u."""
     cutoff: float | None = None
     """Default cutoff of Q [Hz]; None: a tenth of the sample rate."""
+    place: Array | None = None
+    """(N,) [m], place along a path at each sample, by which corrections are carried over."""
     design: tuple[float, int] | None = None
     """Default gamma and delta; None: proposed for the model."""
 

@@ -52,7 +52,7 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
 
     for law in cfg.laws:
         build_law(law, setting_of(task))
-        start = None if before is None else before.correction(law)
+        start = None if before is None else before.correction(law, task)
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
@@ -83,7 +83,7 @@ def _runs(
                     noise=noise,
                     repetition=repetition,
                     resume=None if before is None else before.state(law, noise, repetition),
-                    start=None if before is None else before.correction(law),
+                    start=None if before is None else before.correction(law, task),
                     step=step,
                 )
             )

@@ -3,16 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from armside.arrays import Array
 from armside.ilc.workbench.state import RunState, read_states
+from armside.ilc.workbench.transfer import along_path
 from armside.sim.records.stored_run import read_run
 
 from ..shell.errors import InputError
 from ..shell.options import Common
 from .options import LearnCfg
+from .plants import named_task
 from .results import STATE, key
+
+if TYPE_CHECKING:
+    from armside.ilc.workbench.task import Task
 
 FREE = ("iterations", "start", "wait")
 """Options that a continued run need not share with the earlier one."""
@@ -27,6 +32,10 @@ class Earlier:
     continues: bool
     changed: tuple[str, ...] = ()
     """Options that differ from the earlier run's."""
+    options: LearnCfg
+    """Of the earlier run."""
+    seed: int
+    """Of the earlier run."""
 
     def state(self, law: str, noise: float, repetition: int) -> RunState | None:
         """State to continue; None where the run starts anew. InputError if it was not kept."""
@@ -37,14 +46,23 @@ class Earlier:
             raise InputError(f"{self.folder} kept no state of {law}: it cannot be continued")
         return found
 
-    def correction(self, law: str) -> Array | None:
-        """u of the last run with the same law, or else with the first; None when continued."""
+    def correction(self, law: str, task: "Task") -> Array | None:
+        """u of the last run with the same law, or else with the first; None when continued.
+
+        Where both tasks follow a path at other speeds, it is carried over by the place there.
+        """
         if self.continues:
             return None
         kept = {each: state for each, state in self.states.items() if state is not None}
         same = [state for each, state in kept.items() if each.startswith(f"{law} | ")]
         first = (same or list(kept.values()))[:1]
-        return first[0].loop.correction if first else None
+        if not first:
+            return None
+        found = first[0].loop.correction
+        if "plant" not in self.changed or task.place is None:
+            return found
+        before = named_task(self.options, self.seed)
+        return found if before.place is None else along_path(found, before.place, task.place)
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -83,10 +101,20 @@ def earlier(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Earlier | 
         if name not in FREE and name in stored and value != _typed(value, stored[name])
     ]
     changed += ["seed"] if seed != stored.get("seed", seed) else []
+    kept = {each.name: stored[each.name] for each in fields(cfg) if each.name in stored}
+    kept |= {"start": None}
+    before = LearnCfg(**{name: _typed(None, value, name) for name, value in kept.items()})
     states = read_states(run.file(STATE))
     if not any(states.values()):
         raise InputError(f"{cfg.start} kept no state to start from")
-    found = Earlier(folder=cfg.start, states=states, continues=not changed, changed=tuple(changed))
+    found = Earlier(
+        folder=cfg.start,
+        states=states,
+        continues=not changed,
+        changed=tuple(changed),
+        options=before,
+        seed=stored.get("seed", 0),
+    )
     return result, replace(common, seed=seed), found
 
 

@@ -85,6 +85,17 @@ def test_a_folder_asks_for_each_log_and_ends_with_the_results(place, capsys):
     assert len(read(place / "a")["laws"][0]["error_two"]) == 2
 
 
+def test_a_correction_is_carried_over_to_another_speed(place):
+    slow, fast = "large:radius=2,speed=60", "large:radius=2,speed=70"
+    assert main(["learn", "--plant", slow, "--iterations", "2", "--quiet", "--out", "slow"]) == 0
+    words = ["learn", "--plant", fast, "--iterations", "0", "--quiet"]
+    assert main([*words, "--out", "without"]) == 0
+    assert main([*words, "--from", "slow", "--out", "carried"]) == 0
+    carried, without = read(place / "carried"), read(place / "without")
+    assert carried["started_from"]["changed"] == ["plant"]
+    assert carried["laws"][0]["error_two"][0] < 0.5 * without["laws"][0]["error_two"][0]
+
+
 @pytest.mark.parametrize(
     ("words", "status", "message"),
     [

@@ -20,6 +20,7 @@ from armside.ilc.workbench.plants import Record, joint, model_task, own_plant
 from armside.ilc.workbench.references import named_reference
 from armside.ilc.workbench.state import RunState, read_states, save_states
 from armside.ilc.workbench.task import Task
+from armside.ilc.workbench.transfer import along_path
 from armside.ilc.workbench.words import Words
 
 OWN = '''
@@ -213,3 +214,10 @@ def test_references_move_from_zero_to_one(name):
     assert r.shape == (100, 2)
     assert abs(r[0]).max() == 0.0
     np.testing.assert_allclose(r[-1], 1.0, atol=0.03)
+
+
+def test_a_correction_is_carried_over_by_its_place_on_the_path():
+    place = np.array([0.0, 0.0, 1.0, 2.0, 3.0, 3.0])
+    correction = np.array([9.0, 0.0, 2.0, 4.0, 6.0, 9.0])[:, None]
+    carried = along_path(correction, place, np.array([-1.0, 0.5, 2.5, 4.0]))
+    np.testing.assert_allclose(carried[:, 0], [0.0, 1.0, 5.0, 6.0])
