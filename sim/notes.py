@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import chain
 
 
 class Cause(Enum):
@@ -62,15 +61,34 @@ def counted(notes: Iterable[Iterable[Note]], what: str) -> list[Note]:
 
     notes: of each run. what: the runs, such as "episodes".
     """
-    each = [list(of_run) for of_run in notes]
-    n = Counter(cause for of_run in each for cause in {note.cause for note in of_run})
-    first: dict[Cause, Note] = {}
-    for note in chain(*each):
-        first.setdefault(note.cause, note)
-    return [
-        replace(note, text=f"{note.text} (in {n[cause]} of {len(each)} {what})", runs=())
-        for cause, note in first.items()
-    ]
+    tally = Tally()
+    for of_run in notes:
+        tally.add(of_run)
+    return tally.notes(what)
+
+
+class Tally:
+    """Notes of many runs, counted as the runs are made."""
+
+    def __init__(self) -> None:
+        self._runs = 0
+        self._n: Counter[Cause] = Counter()
+        self._first: dict[Cause, Note] = {}
+
+    def add(self, notes: Iterable[Note]) -> None:
+        """Count the notes of one more run."""
+        of_run = list(notes)
+        self._runs += 1
+        self._n.update({note.cause for note in of_run})
+        for note in of_run:
+            self._first.setdefault(note.cause, note)
+
+    def notes(self, what: str) -> list[Note]:
+        """One note for each cause, its first text with the number of runs."""
+        return [
+            replace(note, text=f"{note.text} (in {self._n[cause]} of {self._runs} {what})", runs=())
+            for cause, note in self._first.items()
+        ]
 
 
 def _ranges(runs: tuple[int, ...]) -> str:

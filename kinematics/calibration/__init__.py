@@ -7,6 +7,8 @@ tool, and of single joints; the identification Jacobian comes from the symbolic 
 from .calibrate import Calibration as Calibration
 from .calibrate import CalibrationCfg as CalibrationCfg
 from .calibrate import calibrate as calibrate
+from .calibrate import fit_prepared as fit_prepared
+from .calibrate import prepare as prepare
 from .error_model import ErrorModel as ErrorModel
 from .fit import Choice as Choice
 from .fit import Fit as Fit

@@ -117,10 +117,33 @@ class Calibration:
         return sorted(rows, key=lambda outlier: -outlier.residual)
 
 
+@dataclass(frozen=True)
+class Prepared:
+    """A calibration whose measurements were checked and split, before any fit."""
+
+    model: ErrorModel
+    fitted: Measurements
+    held_out: Measurements
+    found: Identifiable
+    cfg: CalibrationCfg
+    rng: np.random.Generator
+
+
 def calibrate(
     arm: Arm, data: Measurements, cfg: CalibrationCfg = CalibrationCfg(), *, seed: int = 0
 ) -> Calibration:
     """Calibrate an arm on a part of its measured poses, and judge on the others.
+
+    Raises:
+        ValueError: the measurements cannot be of this arm, or do not determine what is asked for.
+    """
+    return fit_prepared(prepare(arm, data, cfg, seed=seed))
+
+
+def prepare(
+    arm: Arm, data: Measurements, cfg: CalibrationCfg = CalibrationCfg(), *, seed: int = 0
+) -> Prepared:
+    """Check and split the measurements, and choose what they determine.
 
     Raises:
         ValueError: the measurements cannot be of this arm, or do not determine what is asked for.
@@ -136,12 +159,19 @@ def calibrate(
     needed = found.chosen.rank
     if 3 * fitted.n_targets * len(fitted) <= needed:
         raise ValueError(f"too few poses: {len(fitted)} to fit for {needed} parameters")
+    return Prepared(model, fitted, held_out, found, cfg, rng)
+
+
+def fit_prepared(prepared: Prepared) -> Calibration:
+    """Fit the parameters that were chosen, and judge on the poses that were held out."""
+    model, fitted, cfg = prepared.model, prepared.fitted, prepared.cfg
+    held_out, found = prepared.held_out, prepared.found
     nominal = fit(model, fitted, Choice(), cfg.priors)
     geometry = fit(model, fitted, Choice(found.geometry), cfg.priors)
     priors = _with_noise(cfg.priors, geometry.noise)
     errors = cfg.joint_errors
     if errors is None:
-        errors = _chosen_errors(model, fitted, found.geometry, priors, rng)
+        errors = _chosen_errors(model, fitted, found.geometry, priors, prepared.rng)
     full = geometry
     if errors != JointErrors():
         full = fit(model, fitted, Choice(found.geometry, errors), priors, geometry)

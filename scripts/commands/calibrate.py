@@ -51,18 +51,19 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
         present = cell_model(LARGE_CELL, cfg.file)
     trim, differs = None, []
     if cfg.generations == 0:
-        found = checks(present)
+        found, said = checks(present)
     else:
         best = evaluate(START)
         with Workers() as workers, report.progress("calibrating", cfg.generations) as step:
             for candidate in search(START, cfg.generations, common.seed, workers.map):
                 best = candidate
                 step()
-        found, trim = best.checks, best.trim
+        found, said, trim = best.checks, best.notes, best.trim
     rows: list[tuple[str | float, ...]] = []
     for c in found:
         band = ["" if end is None else f"{end:g}" for end in (c.low, c.high)]
         rows.append((f"{c.id}: {c.statement}", c.ours, *band, "yes" if c.holds else "NO"))
+    report.notes(said)
     report.table("Targets", ("number", "value", "from", "to", "holds"), rows)
     if trim is not None:
         values = [(f.name, str(getattr(trim, f.name))) for f in fields(trim)]
@@ -70,7 +71,8 @@ def calibrate(*, cfg: CalibrateCfg = CalibrateCfg(), common: Common = Common()) 
         differs = differing(cfg.file, trim)
         if cfg.write:
             write_whole(cfg.file, rewrite(cfg.file.read_text(encoding="utf-8"), trim))
-    outcome = summary("calibrate", cfg, common, score=score(found), trim=trim, findings=rows)
+    result = {"score": score(found), "trim": trim, "findings": rows, "notes": said}
+    outcome = summary("calibrate", cfg, common, **result)
     keep(outcome, common)
     report.summary(outcome)
     failed = [check.statement for check in found if not check.holds]

@@ -78,7 +78,7 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
     data: table of poses, or a published set (docs/real.md). Writes summary.json, the calibrated
     robot (TOML, URDF, C), joint_errors.csv, next_poses.csv, and pictures of the residuals.
     """
-    from armside.kinematics.calibration import calibrate
+    from armside.kinematics.calibration import fit_prepared, prepare
     from armside.sim.measured import read_poses
 
     from ..figures import calibration as shown
@@ -86,10 +86,10 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
     report = Report(common)
     with checking_input():
         arm, source = find_arm(cfg.robot), read_poses(data)
-        settings = cfg.configuration()
-        with report.progress("calibrating", total=1) as step:
-            done = calibrate(arm, source.measurements, settings, seed=common.seed)
-            step()
+        prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
+    with report.progress("calibrating", total=1) as step:
+        done = fit_prepared(prepared)
+        step()
     found: dict[str, Any] = shown.results(done)
     outcome = summary(
         "calibrate-arm", cfg, common, data=data, form=source.form, notes=source.notes, **found

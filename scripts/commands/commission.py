@@ -1,5 +1,6 @@
 """`armside commission`: the digital twin of a robot individual, from a few cuts."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -7,8 +8,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
+from armside.sim.cut.notes import motion_notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
+from armside.sim.laser.notes import pass_notes
+from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
@@ -16,7 +20,7 @@ from armside.sim.twin.commission import Commissioned
 from armside.sim.twin.identification import Identification
 from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
-from armside.sim.twin.recordings import read_cut
+from armside.sim.twin.recordings import notes_of_first_run, read_cut
 from armside.sim.twin.sensors import SENSORS, Measure
 from armside.sim.twin.tool_sensor import Scale
 from armside.sim.twin.twin import design_of
@@ -79,19 +83,21 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     with checking_input():
         check_writable(common.out or RUNS / "commission")
         names = _kept(cfg)
-        recorded = [read_cut(path, cfg.measure) for path in cfg.recordings if path.name in names]
-    recorded = recorded or _cut(cfg, names, common.seed, report)
+        recorded, said = _read(cfg, names)
+    if not recorded:
+        recorded, said = _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
     with report.progress("identifying", total=steps) as step:
         found = commissioning.commission(
             recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
-    outcome = summary("commission", cfg, common, **_results(found))
+    outcome = summary("commission", cfg, common, notes=said, **_results(found))
     with RunFolder("commission", seed=common.seed, out=common.out) as folder:
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
+    report.notes(said)
     _show(report, outcome, SENSORS[cfg.measure].scale)
     report.results(outcome, folder.path)
 
@@ -114,8 +120,11 @@ def _planned(number: int, gain: float) -> list[Any]:
 
 
 def _kept(cfg: CommissionCfg) -> list[str]:
-    """Names of the cuts to identify from. Raises ValueError for one to leave out that is not."""
-    names = [path.name for path in cfg.recordings] or [f"cut-{i + 1}" for i in range(cfg.cuts)]
+    """Names of the cuts to identify from.
+
+    Raises ValueError for one to leave out that is not, and for one that is given twice.
+    """
+    names = list(named(cfg.recordings)) or [f"cut-{i + 1}" for i in range(cfg.cuts)]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
     if not (kept := [name for name in names if name not in cfg.leave_out]):
@@ -123,9 +132,33 @@ def _kept(cfg: CommissionCfg) -> list[str]:
     return kept
 
 
-def _cut(cfg: CommissionCfg, names: list[str], seed: int, report: Report) -> list[MeasuredCut]:
-    """Cuts of the plan with these names, by the virtual robot."""
-    cuts = []
+def named(recordings: Sequence[Path]) -> dict[str, Path]:
+    """Recordings by name: that of the file, or the path as given where several have it.
+
+    Raises ValueError for a recording that is given twice.
+    """
+    paths = [str(path) for path in recordings]
+    if twice := [path for path in paths if paths.count(path) > 1]:
+        raise ValueError(f"the recording {twice[0]} is given twice")
+    names = [path.name for path in recordings]
+    return {
+        name if names.count(name) == 1 else str(path): path
+        for name, path in zip(names, recordings, strict=True)
+    }
+
+
+def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list[Note]]:
+    """Recordings with these names, and their notes."""
+    chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
+    cuts = [replace(read_cut(path, cfg.measure), name=name) for name, path in chosen.items()]
+    return cuts, counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
+
+
+def _cut(
+    cfg: CommissionCfg, names: list[str], seed: int, report: Report
+) -> tuple[list[MeasuredCut], list[Note]]:
+    """Cuts of the plan with these names, by the virtual robot, and their notes."""
+    cuts, said = [], Tally()
     with report.progress("cutting", total=len(names)) as step:
         for i, planned in enumerate(plan(cfg.cuts)):
             if (name := f"cut-{i + 1}") not in names:
@@ -136,8 +169,9 @@ def _cut(cfg: CommissionCfg, names: list[str], seed: int, report: Report) -> lis
                 experiment = prepare(cut, seed=seed + i)
             run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
             cuts.append(measured(run, name))
+            said.add((*motion_notes(experiment.motion, cut.limits), *pass_notes(experiment, run)))
             step()
-    return cuts
+    return cuts, said.notes("cuts")
 
 
 def _results(found: Commissioned) -> dict[str, Any]:

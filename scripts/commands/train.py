@@ -90,9 +90,10 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         network, curve = ppo.learn(
             env, steps, start=start, seed=common.seed, discount=DISCOUNT, done=done
         )
-    outcome = summary("train", cfg, common, steps=steps, curve=curve)
+    outcome = summary("train", cfg, common, steps=steps, curve=curve, notes=env.notes)
     with run_folder(outcome, common) as folder:
         network.save(folder / "policy.npz")
+    report.notes(env.notes)
     shown = curve[:: max(1, len(curve) // 12)]
     report.table(
         "Return of an episode: log of the tool's RMS before learning over that after",

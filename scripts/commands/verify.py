@@ -60,13 +60,14 @@ def verify(name: Name, /, *, cfg: VerifyCfg = VerifyCfg(), common: Common = Comm
     config = {"name": name, "seeds": n_seeds, "docs": cfg.docs}
     shown = {name: getattr(table, name) for name in ("title", "columns", "rows")}
     shown["verdicts"], status = verdicts, "failed" if failed else "done"
-    outcome = summary("verify", config, common, status=status, table=shown)
+    outcome = summary("verify", config, common, status=status, table=shown, notes=table.notes)
     cfg.docs.mkdir(parents=True, exist_ok=True)
     command = f"armside verify {name} --seeds {n_seeds} --seed {common.seed}"
     page = claim_page(table, command, outcome["config"]["versions"])
     write_whole(cfg.docs / f"verify-{name}.md", page)
     keep(outcome, common)
 
+    report.notes(table.notes)
     report.table(table.title, table.columns, table.rows)
     for verdict in table.verdicts:
         report.line(f"{verdict.verdict}: {verdict.statement}")

@@ -11,6 +11,7 @@ from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
 from armside.sim.laser.design_from_data import CUTOFFS, design_from_data
 from armside.sim.laser.specification import Cut
+from armside.sim.notes import Tally
 
 from .learned import learned
 
@@ -22,7 +23,8 @@ NORMS = {"motor_two": "2-norm", "motor_inf": "inf-norm"}
 
 def laser(seeds: Iterable[int]) -> Table:
     """Motor-side learning; each seed is another individual, tracker set-up and noise."""
-    rows = [(seed, *_row(seed)) for seed in seeds]
+    said = Tally()
+    rows = [(seed, *_row(seed, said)) for seed in seeds]
     numbers = np.array(rows)
     worst = {"2-norm": numbers[:, 1:4], "inf-norm": numbers[:, 4:7]}
     arm_first, arm_last, by_thesis = numbers[:, 13:16], numbers[:, 16:19], numbers[:, 19:21]
@@ -47,12 +49,15 @@ def laser(seeds: Iterable[int]) -> Table:
             all_hold(half, arm_last < 0.5 * arm_first),
             all_hold(higher, by_thesis > numbers[:, [1, 4]]),
         ],
+        said.notes("runs"),
     )
 
 
-def _row(seed: int) -> list[float]:
+def _row(seed: int, said: Tally) -> list[float]:
     runs = [learned(Cut(robot=ROBOT, pose=pose), seed) for pose in POSES]
     by_thesis = learned(Cut(robot=ROBOT), seed, THESIS)
+    for run in (*runs, by_thesis):
+        said.add(run.notes)
     return [
         *(float(_normalised(run, norm).max()) for norm in NORMS for run in runs),
         *_normalised(runs[0], "motor_inf").tolist(),

@@ -6,6 +6,7 @@ from armside.sim.calibration import bands
 from armside.sim.calibration.bands import POSES
 from armside.sim.evaluation.check import Check, Table, held
 from armside.sim.laser.specification import Cut
+from armside.sim.notes import Tally
 
 from .learned import learned
 
@@ -19,9 +20,11 @@ def laser(seeds: Iterable[int]) -> Table:
     Each seed is another individual (friction +-2 %), another tracker set-up and other noise.
     """
     by_seed: dict[int, list[Check]] = {}
-    rows = []
+    rows, said = [], Tally()
     for seed in seeds:
         base = {pose: learned(Cut(pose=pose), seed) for pose in POSES}
+        for run in base.values():
+            said.add(run.notes)
         found = [*bands.motor_side(base), *bands.arm_side(base)]
         by_seed[seed] = [check for check in found if check.id in SHOWN]
         worst, count, own_worst = (check.ours for check in by_seed[seed][:3])
@@ -30,4 +33,4 @@ def laser(seeds: Iterable[int]) -> Table:
     title = "Motor-side learning at 40 mm/s: motors and tool after five updates"
     motors = ("worst motor (9.5)", "motors at 0.10 of own k = 0", "worst motor of own k = 0")
     columns = ("seed", *motors, *(f"arm RMS {pose} of its k = 0" for pose in POSES))
-    return Table(title, columns, rows, held(by_seed))
+    return Table(title, columns, rows, held(by_seed), said.notes("runs"))

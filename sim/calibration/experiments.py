@@ -15,8 +15,10 @@ from ..laser.experiment import Experiment, prepare
 from ..laser.job import arrays_of
 from ..laser.learning import iterate
 from ..laser.measures import MotorAngles
+from ..laser.notes import notes
 from ..laser.plant import Pass
 from ..laser.specification import Cut
+from ..notes import Note
 from ..robot.effects import Effect
 from ..robot.model import RobotModel
 from . import bands
@@ -40,6 +42,12 @@ class _NoiseFree:
         return Pass(recording=recording, tracker=tracker)
 
 
+Say = Callable[[list[Note]], None]
+
+
+def _nothing(_: list[Note]) -> None: ...
+
+
 def learned(
     model: RobotModel,
     effects: frozenset[Effect],
@@ -49,10 +57,11 @@ def learned(
     cutoff: float = 10.0,
     delta: int = 3,
     iterations: int = 5,
+    note: Say = _nothing,
 ) -> Result:
     """Run one experiment of the nominal robot; a result as `bands` reads it, of the true tool.
 
-    speed: [m/s]. cutoff: [Hz].
+    speed: [m/s]. cutoff: [Hz]. note: called with the notes of the experiment.
     """
     without = tuple(effect for effect in Effect if effect not in effects)
     cut = Cut(pose=pose, speed=speed, friction_spread=0.0, without=without)
@@ -60,13 +69,16 @@ def learned(
     design = Design(gamma=(0.9,), delta=(delta,), cutoff=(cutoff,))
     set_up = MotorAngles(design).prepare(experiment)
     found = list(iterate(experiment, set_up, iterations, plant=_NoiseFree(experiment)))
+    note(notes(experiment, found))
     fixed = {"gear": model.drives.gear, "motion_end": np.array(experiment.motion_end)}
     return arrays_of(found, experiment) | fixed
 
 
-def learning_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+def learning_checks(
+    model: RobotModel, effects: frozenset[Effect], note: Say = _nothing
+) -> Iterator[Check]:
     """Motor side and arm side at 40 mm/s over poses, cutoff and shift: (a) to (d)."""
-    run = partial(learned, model, effects)
+    run = partial(learned, model, effects, note=note)
     base = {pose: run(pose) for pose in POSES}
     yield from bands.motor_side(base)
     yield from bands.arm_side(base)
@@ -76,22 +88,29 @@ def learning_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[C
     yield from bands.shift_arm(base, {pose: run(pose, delta=6) for pose in ("p1", "p2")})
 
 
-def nominal_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+def nominal_checks(
+    model: RobotModel, effects: frozenset[Effect], note: Say = _nothing
+) -> Iterator[Check]:
     """Errors without learning by position and velocity: (f)."""
     at_10, at_50, at_80 = (
-        {pose: learned(model, effects, pose, speed=speed, iterations=0) for pose in POSES}
+        {
+            pose: learned(model, effects, pose, speed=speed, iterations=0, note=note)
+            for pose in POSES
+        }
         for speed in (0.010, 0.050, 0.080)
     )
     yield from bands.nominal_by_position(at_50)
     yield from bands.growth(at_10, at_80)
 
 
-def model_checks(model: RobotModel, effects: frozenset[Effect]) -> Iterator[Check]:
+def model_checks(
+    model: RobotModel, effects: frozenset[Effect], note: Say = _nothing
+) -> Iterator[Check]:
     """The response to corrections of the motors that move most, at p1: (e)."""
-    runs = {v: learned(model, effects, "p1", speed=1e-3 * v) for v in bands.SPEEDS}
+    runs = {v: learned(model, effects, "p1", speed=1e-3 * v, note=note) for v in bands.SPEEDS}
     yield from bands.fitted_model(runs)
 
 
-Checks = Callable[[RobotModel, frozenset[Effect]], Iterator[Check]]
+Checks = Callable[[RobotModel, frozenset[Effect], Say], Iterator[Check]]
 CHECKS: tuple[Checks, ...] = (learning_checks, nominal_checks, model_checks)
 """Those that exclude most candidates first."""

@@ -10,6 +10,7 @@ import numpy as np
 from armside import assets
 
 from ..evaluation.check import Check
+from ..notes import Note, Tally
 from ..robot.effects import Effect
 from ..robot.model import RobotModel, load_model
 from .experiments import CHECKS
@@ -65,6 +66,7 @@ MARGINS: Mapping[str, float] = {"a3": 1 / 14, "c5": 0.0, "e2": 0.0, "f1": 0.0}
 CHILDREN = 4  # Candidates of one generation; the best of them is the next parent if it is better
 DIGITS = 3
 EFFECTS = frozenset(Effect)
+_EXPERIMENTS = "experiments"
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,8 @@ class Candidate:
     trim: Trim
     checks: tuple[Check, ...]
     score: float
+    notes: tuple[Note, ...] = ()
+    """Limits that changed its experiments, with their number."""
 
 
 Task = tuple[Trim, float]
@@ -81,9 +85,11 @@ Task = tuple[Trim, float]
 Map = Callable[[Callable[[Task], Candidate], Iterable[Task]], Iterable[Candidate]]
 
 
-def checks(model: RobotModel) -> list[Check]:
-    """All targets of calibration for a robot."""
-    return [check for part in CHECKS for check in part(model, EFFECTS)]
+def checks(model: RobotModel) -> tuple[list[Check], list[Note]]:
+    """All targets of calibration for a robot, and notes of the experiments."""
+    said = Tally()
+    found = [check for part in CHECKS for check in part(model, EFFECTS, said.add)]
+    return found, said.notes(_EXPERIMENTS)
 
 
 def outside(check: Check) -> float:
@@ -109,12 +115,12 @@ def evaluate(trim: Trim, give_up_at: float = np.inf) -> Candidate:
     mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
     apply(mj, trim)
     model = load_model(mj)
-    found: list[Check] = []
+    found, said = list[Check](), Tally()
     for part in CHECKS:
-        found.extend(part(model, EFFECTS))
+        found.extend(part(model, EFFECTS, said.add))
         if score(found) > give_up_at:
             break
-    return Candidate(trim, tuple(found), score(found))
+    return Candidate(trim, tuple(found), score(found), tuple(said.notes(_EXPERIMENTS)))
 
 
 def _evaluate(task: Task) -> Candidate:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..notes import Note
+
 
 @dataclass(frozen=True)
 class Check:
@@ -65,6 +67,8 @@ class Table:
     columns: Sequence[str]
     rows: Sequence[Sequence[Any]]
     verdicts: Sequence[Check] = ()
+    notes: Sequence[Note] = ()
+    """Limits that changed the runs behind the rows."""
 
     def __post_init__(self) -> None:
         for row in self.rows:

@@ -17,7 +17,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..cores import cores
+from ..cut.notes import motion_notes
 from ..laser.design import Design
+from ..notes import Note, Tally
 from ..robot.individual import Individual
 from ..robot.spread import Drawn
 from .checks import whole
@@ -88,6 +90,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._rngs: list[np.random.Generator | None] = [None] * self.num_envs
         self._situations: list[Situation | None] = [None] * self.num_envs
         self._over = np.zeros(self.num_envs, dtype=bool)
+        self._tally = Tally()
         self._pool = ThreadPoolExecutor(self.threads)
 
     def reset(
@@ -123,6 +126,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         for i, situation in begun.items():
             infos = self._add_info(infos, self.rules.info(situation), i)
             self._rngs[i], self._situations[i], self._over[i] = rngs[i], situation, False
+        self._count(chosen)
         for i, situation in enumerate(self._situations):
             if situation is not None:
                 observations[i] = self.rules.observe(situation)
@@ -159,10 +163,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             if self._over[i] and same_step:
                 info = {"final_obs": step[0], "final_info": info}
             infos = self._add_info(infos, info, i)
+        self._count(range(self.num_envs))
         if same_step:
-            for i, begun in self._all(self._start, np.flatnonzero(self._over).tolist()):
+            over: list[int] = np.flatnonzero(self._over).tolist()
+            for i, begun in self._all(self._start, over):
                 observations[i] = begun[0]
                 infos = self._add_info(infos, begun[4], i)
+            self._count(over)
             self._over[:] = False
         return observations, rewards, terminated, truncated, infos
 
@@ -170,6 +177,11 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def situations(self) -> list[Situation]:
         """Situation of each robot's episode."""
         return [situation for situation in self._situations if situation is not None]
+
+    @property
+    def notes(self) -> list[Note]:
+        """Limits that changed the runs of all robots since the env was made, with their number."""
+        return self._tally.notes("runs")
 
     @property
     def episodes_over(self) -> np.ndarray:
@@ -213,6 +225,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         futures = {self._pool.submit(function, i): i for i in sorted(robots, key=self._order)}
         for future in as_completed(futures):
             yield futures[future], future.result()
+
+    def _count(self, robots: Sequence[int]) -> None:
+        """Count the notes of the last run of these robots."""
+        for i in robots:
+            if (situation := self._situations[i]) is not None:
+                made = situation.experiment
+                self._tally.add((*motion_notes(made.motion, made.cut.limits), *situation.notes))
 
     def _order(self, i: int) -> int:
         situation = self._situations[i]

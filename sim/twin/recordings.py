@@ -16,9 +16,12 @@ import pyarrow.compute as pc
 
 from armside.arrays import Array
 
+from ..evaluation.recorded_notes import notes_of_signals, notes_of_table
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
+from ..notes import Note
 from ..records.errors import InputError
+from ..records.signals import signals_of
 from ..records.tables import read_table
 from ..robot.mjcf import AXES
 from ..robot.virtual_robot import LOG_PERIOD
@@ -26,6 +29,8 @@ from .measured import MeasuredCut, tracked
 from .sensors import Measure
 
 _SIGNALS = "signals.parquet"
+CONFIG = b"armside.config"
+"""In the metadata of a table that we wrote."""
 _LOG = ("reference", "motor_angle", "motor_torque")
 _TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 _ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
@@ -45,11 +50,7 @@ def read_cut(source: Path, measure: Measure = "tracker") -> MeasuredCut:
 
     Raises InputError where columns are missing, rates differ, or the beam was lost.
     """
-    file = source / _SIGNALS if source.is_dir() else source
-    try:
-        table = read_table(file)
-    except (OSError, ValueError, pa.ArrowInvalid) as error:
-        raise InputError(f"{source} is no recorded cut: {error}") from error
+    table = _table(source)
     if table.num_rows == 0:
         raise InputError(f"{source} is no recorded cut: it has no rows")
     if "k" in table.column_names:
@@ -59,6 +60,26 @@ def read_cut(source: Path, measure: Measure = "tracker") -> MeasuredCut:
     except (KeyError, ValueError) as error:
         text = error.args[0] if error.args else error
         raise InputError(f"{source} is no recorded cut: {text}") from error
+
+
+def notes_of_first_run(source: Path) -> list[Note]:
+    """Limits that changed the run that `read_cut` reads, as far as the recording tells.
+
+    Raises InputError for what is no table.
+    """
+    table = _table(source)
+    if CONFIG not in (table.schema.metadata or {}):
+        return notes_of_table(table)
+    signals = signals_of(table, source=source.name)
+    return notes_of_signals(replace(signals, runs=signals.runs[:1]))
+
+
+def _table(source: Path) -> pa.Table:
+    file = source / _SIGNALS if source.is_dir() else source
+    try:
+        return read_table(file)
+    except (OSError, ValueError, pa.ArrowInvalid) as error:
+        raise InputError(f"{source} is no recorded cut: {error}") from error
 
 
 def _cut(table: pa.Table, name: str, measure: Measure) -> MeasuredCut:

@@ -23,16 +23,6 @@ ROUNDING = 1e-14  # [m]
 
 
 @pytest.fixture(scope="module")
-def full():
-    return load_model(assets.IRB1400_XML)
-
-
-@pytest.fixture(scope="module")
-def rigid():
-    return load_model(variant(assets.IRB1400_XML, Flexibility.RIGID))
-
-
-@pytest.fixture(scope="module")
 def dh():
     return kinematics.compile(kinematics.IRB1400)
 

@@ -22,16 +22,6 @@ from .irb1400_motion import at_rest_pose, brisk_motion
 G = 9.82
 
 
-@pytest.fixture(scope="module")
-def full():
-    return load_model(assets.IRB1400_XML)
-
-
-@pytest.fixture(scope="module")
-def rigid():
-    return load_model(variant(assets.IRB1400_XML, Flexibility.RIGID))
-
-
 def imu_position(truth):
     """(M, 3) from tool position and orientation, with the mounting of thesis 5.1.1."""
     in_tool = np.array([-0.090, -0.026, 0.032])  # (32, -26, 90) mm of the zero pose, in tool axes

@@ -1,5 +1,6 @@
 """`armside calibrate-arm` on the set that is part of the project."""
 
+import importlib
 import json
 from pathlib import Path
 
@@ -35,6 +36,18 @@ def test_summary_and_files(done):
     assert compile(robot).pose(poses).shape == (3, 4, 4)
     files = {file.name for file in folder.iterdir()}
     assert {"calibrated.urdf", "calibrated_pose.c", "residuals.png", "region.png"} <= files
+
+
+def test_a_fit_that_fails_is_no_bad_input(armside, monkeypatch, tmp_path):
+    def singular(*_):
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    module = importlib.import_module("armside.kinematics.calibration.calibrate")
+    monkeypatch.setattr(module, "fit", singular)
+    status, out, err = armside(f"calibrate-arm {UR10} --robot ur10 {FAST} --out {tmp_path / 'a'}")
+    assert (status, out, err.count("\n")) == (1, "", 1)
+    assert "Singular matrix" in err
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from armside.scripts.verifications import (
     irb1400_laser,
     laser,
 )
+from armside.scripts.verifications.learned import Learned
 from armside.sim.laser.design import THESIS
 from armside.sim.robot.effects import Effect
 
@@ -28,9 +29,9 @@ def learned_on_irb1400(monkeypatch, changed):
         if design is THESIS:
             worse = np.array([np.full(6, 1.0), np.full(6, 0.095)])
             own = changed.get("thesis", {}) if seed == 1 else {}
-            return run | {"motor_two": worse, "motor_inf": worse} | own
+            return Learned(run | {"motor_two": worse, "motor_inf": worse} | own)
         assert cut.robot == "irb1400"
-        return run | (changed if seed == 1 and cut.pose == "p2" else {})
+        return Learned(run | (changed if seed == 1 and cut.pose == "p2" else {}))
 
     monkeypatch.setattr(irb1400_laser, "learned", learned)
     return failing(irb1400_laser.laser(range(2)))
@@ -98,7 +99,8 @@ def test_motor_side_learning_is_judged_for_every_seed_and_pose(monkeypatch):
         bad = seed == 6 and cut.pose == "p1"
         rms = np.linspace(1.0, 0.55 if bad else fall, 6)
         motor = np.linspace(np.ones(6), np.full(6, 0.05), 6)
-        return {"arm_rms": rms, "arm_maxdev": rms, "motor_inf": motor, "motor_two": motor}
+        names = ("arm_rms", "arm_maxdev", "motor_inf", "motor_two")
+        return Learned(zip(names, (rms, rms, motor, motor), strict=True))
 
     monkeypatch.setattr(laser, "learned", learned)
     fails_by_itself(failing(laser.laser([5, 6])), "b1:")
@@ -110,8 +112,8 @@ def test_motor_side_learning_is_judged_for_every_seed_and_pose(monkeypatch):
 def test_a_learned_cut_is_that_of_its_seed_and_design(monkeypatch):
     from armside.scripts.verifications import learned as room
 
-    asked = []
-    monkeypatch.setattr(room, "run", lambda cut, **given: asked.append(given) or {"iterations": []})
+    asked, made = [], {"iterations": [], "notes": []}
+    monkeypatch.setattr(room, "run", lambda cut, **given: asked.append(given) or made)
     design = THESIS
     room.learned(laser.Cut(), 9, design)
     ((given),) = asked
@@ -130,7 +132,7 @@ def test_a_learned_cut_is_that_of_its_seed_and_design(monkeypatch):
 )
 def test_ablations_are_bounded(monkeypatch, left_out, column, inside, outside, words):
     def run(value):
-        def row(seed, name):
+        def row(seed, name, said):
             # p1: 400 -> 300; p3: 400 -> 450, without any effect -> 350
             cells = [seed, name, 400.0, 300.0, 400.0, 350.0 if name == "all four" else 450.0, 0.05]
             if seed == 1 and name == left_out:
