@@ -7,6 +7,7 @@ record follows from states and sensors; the torque of the servo is computed agai
 import logging
 import threading
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import mujoco
@@ -136,7 +137,8 @@ def _roll_out(
         inputs |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
         closed = np.stack([_active_constraints(loaded) for loaded in references])
         controls = np.concatenate((controls, closed), axis=2)
-    with Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
+    alone = _ROLLOUT_ON_THREADS if n_data > 1 else nullcontext()
+    with alone, Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
         result = rollout.rollout(models, data, initial, controls, control_spec=int(inputs))
     states, sensors = (np.asarray(part, dtype=np.float64) for part in result)
     for i, loaded in enumerate(references):
@@ -144,6 +146,9 @@ def _roll_out(
     return states, sensors
 
 
+_ROLLOUT_ON_THREADS = threading.Lock()
+"""Held by a rollout on several threads. Two beside each other would end together, and cores wait
+while Python loads the next of both; one after the other, it loads beside the physics."""
 _kept = threading.local()
 
 
