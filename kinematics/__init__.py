@@ -47,3 +47,5 @@ from .robots import IRB1400_IMU as IRB1400_IMU
 from .robots import IRB1400_LIMITS as IRB1400_LIMITS
 from .robots import LARGE_ROBOT as LARGE_ROBOT
 from .robots import LARGE_ROBOT_LIMITS as LARGE_ROBOT_LIMITS
+from .urdf import UrdfArm as UrdfArm
+from .urdf import read_urdf as read_urdf

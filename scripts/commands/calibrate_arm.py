@@ -23,7 +23,8 @@ class CalibrateArmCfg:
     """The robot, what is fitted, and what the result is judged on."""
 
     robot: str
-    """Robot by name (ur10, irb120, aubo_i5, irb1400, large) or a robot file (TOML)."""
+    """Robot by name (ur10, irb120, aubo_i5, irb1400, large) or a robot file (TOML, or URDF:
+    FILE.urdf, FILE.urdf#TIP_LINK)."""
     fraction: float = 0.5
     """Fraction of the poses that is fitted; the others are held out."""
     poses: int | None = None

@@ -24,7 +24,7 @@ class ExportCfg:
 
     robot: str = "irb1400"
     """Robot by name (irb1400, irb1400-imu with the links to its IMU, large, ur10, irb120, aubo_i5)
-    or a robot file (TOML)."""
+    or a robot file (TOML, or URDF: FILE.urdf, FILE.urdf#TIP_LINK)."""
     what: Equations = "jacobian"
     """Function of the motor angles; not used for urdf."""
     to: Literal["c", "matlab", "fortran", "python", "latex", "urdf"] = "c"

@@ -50,6 +50,21 @@ def test_a_fit_that_fails_is_no_bad_input(armside, monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_urdf_file_stands_for_its_robot(armside, tmp_path):
+    """The export of the UR10: as many parameters as its table has can be identified."""
+    from armside.kinematics import CATALOGUE
+    from armside.kinematics.codegen.urdf import urdf
+
+    (tmp_path / "arm.urdf").write_text(urdf(*CATALOGUE["ur10"]))
+    line = f"calibrate-arm {UR10} --robot {tmp_path / 'arm.urdf'} {FAST} --json"
+    status, out, err = armside(f"{line} --out {tmp_path / 'out'}")
+    assert (status, err) == (0, "")
+    summary = json.loads(out)
+    errors = summary["held_out"]
+    assert summary["rank"] == 27
+    assert errors["geometry"]["mean"] < 0.6 * errors["nominal"]["mean"]
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
