@@ -1,0 +1,183 @@
+"""Plan of a whole part: paths of the beam's centre, their order, speeds and times."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+from armside.arrays import Array
+
+from ..cut.speed_profile import Profile, profile
+from ..cut.timing import PathLimits, rest_to_rest
+from .chain import MM, Chain
+from .kerf import compensated
+from .leads import Led, led
+from .order import order
+from .part import Contour, Kind, Part
+from .rounding import CORNER, SMOOTH, smooth
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cutting:
+    """Options of a plan. SI units."""
+
+    speed: float = 0.040
+    """Programmed speed along the contours [m/s]."""
+    beam: float = 0.2 * MM
+    """Diameter of the laser beam [m]; its centre runs half of it beside closed contours."""
+    corner: float = CORNER
+    """Radius with which sharp corners are cut [m]."""
+    pierce: float = 0.3
+    """Time to pierce the sheet [s]. ESTIMATE"""
+    rapid: float = 0.5
+    """Speed of rapid moves [m/s]. ESTIMATE"""
+    joints: int = 0
+    """Micro-joints along the outline, where the beam is off."""
+    joint_width: float = 0.3 * MM
+    """[m]."""
+    limits: PathLimits = field(default_factory=PathLimits)
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "beam", "corner", "rapid", "joint_width"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name.replace('_', '-')} must be > 0, got {value:g}")
+        if not (np.isfinite(self.pierce) and self.pierce >= 0.0):
+            raise ValueError(f"pierce must be >= 0 s, got {self.pierce:g}")
+        if self.joints < 0:
+            raise ValueError(f"the number of micro-joints must be >= 0, got {self.joints}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedCut:
+    """One contour of a plan."""
+
+    contour: Contour
+    path: Chain = field(repr=False)
+    """Of the beam's centre: lead-in, one turn, lead-out."""
+    lead: float
+    """Length of each lead [m]; 0 where there is no room for one."""
+    corners: int
+    """Sharp corners that are rounded."""
+    profile: Profile = field(repr=False)
+    joints: tuple[tuple[float, float], ...]
+    """Begin and end of each micro-joint along the path [m]."""
+    rapid: float
+    """Length of the rapid move before it [m]."""
+    rapid_seconds: float
+
+    @property
+    def reached_speed(self) -> float:
+        """Highest speed [m/s]."""
+        return float(self.profile.speed.max())
+
+    @property
+    def seconds(self) -> float:
+        """Of the cut alone."""
+        return self.profile.timing.duration
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Cuts of a part in their order."""
+
+    part: Part = field(repr=False)
+    cutting: Cutting
+    cuts: tuple[PlannedCut, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Of the whole part: rapid moves, piercing, cuts."""
+        moving = sum(cut.seconds + cut.rapid_seconds for cut in self.cuts)
+        return moving + len(self.cuts) * self.cutting.pierce
+
+
+def plan(part: Part, cutting: Cutting | None = None) -> Plan:
+    """Plan of a part. The tool starts at the lower left corner of its box.
+
+    Raises ValueError, with contour and place, where the beam is too wide.
+    """
+    cutting = cutting or Cutting()
+    tree = shapely.STRtree(
+        [shapely.LineString(contour.chain.polygon()) for contour in part.contours]
+    )
+    led_paths = [_path(contour, cutting, tree) for contour in part.contours]
+    entry = np.array([found.path.points[0] for found, _ in led_paths])
+    leave = np.array([found.path.points[-1] for found, _ in led_paths])
+    depth = [contour.depth for contour in part.contours]
+    sequence = order(entry, leave, depth, part.box[0])
+    begins = np.vstack([part.box[0], leave[sequence[:-1]]])
+    profiles = _Profiles(cutting, {})
+    cuts = []
+    for i, begin in zip(sequence, begins, strict=True):
+        (found, corners), contour = led_paths[i], part.contours[i]
+        rapid = float(np.linalg.norm(entry[i] - begin))
+        cuts.append(
+            PlannedCut(
+                contour=contour,
+                path=found.path,
+                lead=found.lead,
+                corners=corners,
+                profile=profiles.of(found.path),
+                joints=tuple(_joints(contour, found, cutting)),
+                rapid=rapid,
+                rapid_seconds=_rapid_seconds(rapid, cutting),
+            )
+        )
+    return Plan(part, cutting, tuple(cuts))
+
+
+def _path(contour: Contour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Led, int]:
+    """Path of the beam's centre, and the number of rounded corners."""
+    try:
+        corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))
+        rounded = smooth(contour.chain, cutting.corner)
+        if contour.kind is Kind.OPEN:
+            return Led(rounded, 0.0), corners
+        outwards = contour.kind is Kind.OUTLINE
+        path = compensated(rounded, 0.5 * cutting.beam, outwards)
+        return led(path, inwards=not outwards, obstacles=tree), corners
+    except ValueError as error:
+        raise ValueError(f"{contour.name}: {error}") from error
+
+
+@dataclass(frozen=True)
+class _Profiles:
+    """Speed profiles, one for all paths of the same elements."""
+
+    cutting: Cutting
+    known: dict[bytes, Profile]
+
+    def of(self, path: Chain) -> Profile:
+        elements = np.column_stack([path.lengths, path.curvature])
+        key = np.round(elements, 9).tobytes()
+        if key not in self.known:
+            cutting = self.cutting
+            self.known[key] = profile(elements[:, 0], elements[:, 1], cutting.speed, cutting.limits)
+        return self.known[key]
+
+
+def _joints(contour: Contour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:
+    """Micro-joints, evenly along the outline and half a distance from its start."""
+    if contour.kind is not Kind.OUTLINE or not cutting.joints:
+        return
+    turn = found.path.length - 2.0 * found.lead
+    if cutting.joints * cutting.joint_width > 0.5 * turn:
+        raise ValueError(f"{contour.name} is too short for {cutting.joints} micro-joints")
+    for middle in turn * (np.arange(cutting.joints) + 0.5) / cutting.joints:
+        at = float(found.lead + middle)
+        yield at - 0.5 * cutting.joint_width, at + 0.5 * cutting.joint_width
+
+
+def _rapid_seconds(length: float, cutting: Cutting) -> float:
+    if length < 1e-9:
+        return 0.0
+    return rest_to_rest(length, cutting.rapid, cutting.limits).duration
+
+
+def rapid_moves(found: Plan) -> Array:
+    """(M, 2, 2) [m], begin and end of the rapid move before each cut."""
+    ends = np.array([cut.path.points[[0, -1]] for cut in found.cuts])
+    begins = np.vstack([found.part.box[:1], ends[:-1, 1]])
+    return np.stack([begins, ends[:, 0]], axis=1)

@@ -1,0 +1,136 @@
+"""Plans keep half a beam from every contour, cut inner contours first and travel little."""
+
+from itertools import pairwise, permutations
+
+import numpy as np
+import pytest
+import shapely
+
+from armside.sim.part.drawn import Reading
+from armside.sim.part.file import read_part
+from armside.sim.part.kerf import compensated
+from armside.sim.part.order import order, travel
+from armside.sim.part.part import Kind
+from armside.sim.part.plan import Cutting, plan
+from armside.sim.part.rounding import smooth
+
+from .drawings import bracket, frame, new, save
+
+
+@pytest.fixture(scope="module")
+def planned(tmp_path_factory):
+    file = save(bracket(new()), tmp_path_factory.mktemp("plan"))
+    return plan(read_part(file, Reading(layers=("CUT",))), Cutting(beam=4e-4, joints=3))
+
+
+def turn(cut):
+    """The path without its leads."""
+    return cut.path.part(cut.lead, cut.path.length - cut.lead)
+
+
+def test_the_beam_runs_half_its_width_from_every_contour_on_the_side_of_the_scrap(planned):
+    for cut in planned.cuts:
+        drawn = shapely.LinearRing(cut.contour.chain.polygon())
+        points = shapely.points(turn(cut).polygon())
+        np.testing.assert_allclose(shapely.distance(points, drawn), 2e-4, atol=3e-6)
+        inside = shapely.contains(shapely.Polygon(drawn), points)
+        assert inside.all() if cut.contour.kind is Kind.HOLE else not inside.any()
+
+
+def test_an_exact_offset_has_the_area_of_shapely_s(planned):
+    for cut in planned.cuts:
+        chain = cut.contour.chain
+        outwards = cut.contour.kind is Kind.OUTLINE
+        path = compensated(smooth(chain), 2e-4, outwards)
+        polygon = shapely.Polygon(chain.polygon(1e-8))
+        expected = polygon.buffer(2e-4 if outwards else -2e-4, quad_segs=256)
+        assert path.area == pytest.approx(expected.area, abs=3e-6 * chain.length)
+
+
+def test_the_outline_is_cut_last_and_leads_stay_in_the_scrap(planned):
+    assert [cut.contour.kind for cut in planned.cuts] == [Kind.HOLE] * 10 + [Kind.OUTLINE]
+    material = shapely.Polygon(
+        planned.cuts[-1].contour.chain.polygon(),
+        [cut.contour.chain.polygon() for cut in planned.cuts[:-1]],
+    )
+    for cut in planned.cuts:
+        assert cut.lead > 0.0
+        assert not shapely.LineString(cut.path.polygon()).intersects(material)
+        assert np.abs(cut.path.kinks).max() < 1e-3, "the tool turns nowhere on the spot"
+
+
+def test_micro_joints_are_on_the_outline_and_as_wide_as_asked(planned):
+    joints = planned.cuts[-1].joints
+    assert len(joints) == 3
+    np.testing.assert_allclose([b - a for a, b in joints], planned.cutting.joint_width)
+    assert not any(cut.joints for cut in planned.cuts[:-1])
+
+
+def test_the_time_of_a_plan_is_that_of_its_moves(planned):
+    cuts = sum(c.seconds + c.rapid_seconds for c in planned.cuts)
+    assert planned.seconds == pytest.approx(cuts + 11 * planned.cutting.pierce)
+    for cut in planned.cuts:
+        assert cut.seconds > cut.path.length / planned.cutting.speed
+        assert cut.reached_speed == pytest.approx(planned.cutting.speed, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_order_is_near_the_shortest_of_all(seed):
+    rng = np.random.default_rng(seed)
+    entry, start = rng.uniform(0.0, 1.0, (7, 2)), np.zeros(2)
+    leave = entry + rng.uniform(-0.05, 0.05, (7, 2))
+    found = order(entry, leave, [0] * 7, start)
+    assert sorted(found) == list(range(7))
+    every = [travel(list(p), entry, leave, start) for p in permutations(range(7))]
+    assert travel(found, entry, leave, start) <= 1.05 * min(every)
+
+
+def test_what_is_inside_is_cut_before_what_is_around_it():
+    rng = np.random.default_rng(1)
+    places = rng.uniform(0.0, 1.0, (30, 2))
+    depth = rng.integers(0, 4, 30).tolist()
+    found = order(places, places, depth, np.zeros(2))
+    assert all(depth[a] >= depth[b] for a, b in pairwise(found))
+
+
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [
+        (lambda s: s.add_circle((20, 20), 0.15), r"too wide for the radius of 0.15 mm at \("),
+        (
+            lambda s: s.add_lwpolyline([(10, 10), (40, 10), (40, 10.3), (10, 10.3)], close=True),
+            r"too wide for the radius|wider than the slot at \(",
+        ),
+    ],
+    ids=["hole", "slot"],
+)
+def test_a_beam_wider_than_an_opening_is_refused_with_its_place(draw, said, tmp_path):
+    document = new()
+    frame(document.modelspace())
+    draw(document.modelspace())
+    part = read_part(save(document, tmp_path))
+    with pytest.raises(ValueError, match=rf"#\w+: the beam of 0.4 mm is .*{said}"):
+        plan(part, Cutting(beam=4e-4))
+
+
+def test_a_neck_narrower_than_the_beam_is_refused_with_its_place(tmp_path):
+    document = new()
+    space = document.modelspace()
+    frame(space)
+    upper = [(10, 10), (30, 10), (30, 14.9), (31, 14.9), (31, 10), (50, 10)]
+    lower = [(50, 20), (31, 20), (31, 15.2), (30, 15.2), (30, 20), (10, 20)]
+    space.add_lwpolyline(upper + lower, close=True)
+    part = read_part(save(document, tmp_path))
+    plan(part, Cutting(beam=2e-4))
+    with pytest.raises(ValueError, match=r"wider than the slot at \(30\.\d+, 15\.\d+\) mm"):
+        plan(part, Cutting(beam=4e-4))
+
+
+def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
+    document = new()
+    frame(document.modelspace())
+    (cut,) = plan(read_part(save(document, tmp_path)), Cutting(corner=1e-3)).cuts
+    assert cut.corners == 4
+    area = turn(cut).area
+    w, h, r = 0.1 + 2e-4, 0.06 + 2e-4, 1e-3 + 1e-4
+    assert area == pytest.approx(w * h - (4.0 - np.pi) * r**2, rel=1e-9)
