@@ -2,9 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
-from inspect import Parameter, signature
+from inspect import Parameter as Argument
+from inspect import signature
 from types import NoneType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from cyclopts import Parameter
 
 from ..shell.options import FileToRead, FileToWrite, Folder
 
@@ -34,12 +37,18 @@ def options_of(command: Callable[..., None]) -> list[Option]:
         if is_dataclass(hint):
             own = get_type_hints(hint, include_extras=True)
             names = [field.name for field in fields(hint) if field.name != TRACEBACK]
-            named = [(f"--{name.replace('_', '-')}", own[name]) for name in names]
-            found += [_option(name, type_) for name, type_ in named]
+            found += [_option(_written(name, own[name]), own[name]) for name in names]
         else:
-            several = parameter.kind is Parameter.VAR_POSITIONAL
+            several = parameter.kind is Argument.VAR_POSITIONAL
             found.append(_option("", hint)._replace(words=None if several else 1))
     return found
+
+
+def _written(field: str, hint: Any) -> str:
+    """An option as it is written: by the name of its annotation, or else of its field."""
+    stated = [part.name for part in get_args(hint) if isinstance(part, Parameter)]
+    given = [names[0] for names in stated if isinstance(names, tuple) and names]
+    return given[0] if given else f"--{field.replace('_', '-')}"
 
 
 def _option(name: str, hint: Any) -> Option:
