@@ -11,10 +11,12 @@ from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
-from ..shell.errors import checking_input
+from ..shell.errors import RunFailed, checking_input, one_line
 from ..shell.options import Common, options
 
 MM = 1e-3
+LARGEST_PRIOR = 1e4
+"""[mm] and [mrad]: ten metres and ten radians say nothing of an arm."""
 
 
 @options
@@ -51,6 +53,10 @@ class CalibrateArmCfg:
             raise ValueError(f"harmonics must be from 0 to 200, got {self.harmonics}")
         if self.compliance and self.harmonics is None:
             raise ValueError("compliance needs --harmonics (0 for none)")
+        for name in ("prior_length", "prior_angle"):
+            if not 0.0 < getattr(self, name) <= LARGEST_PRIOR:
+                said = f"{name} must be > 0 and <= {LARGEST_PRIOR:g}"
+                raise ValueError(f"{said}, got {getattr(self, name):g}")
         if not 0 <= self.next <= 100:
             raise ValueError(f"next must be from 0 to 100, got {self.next}")
 
@@ -89,7 +95,10 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
         arm, source = find_arm(cfg.robot), read_poses(data)
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
     with report.progress("calibrating", total=1) as step:
-        done = fit_prepared(prepared)
+        try:
+            done = fit_prepared(prepared)
+        except (ValueError, ArithmeticError) as error:
+            raise RunFailed(f"the fit failed: {one_line(error)}") from error
         step()
     found: dict[str, Any] = shown.results(done)
     outcome = summary(

@@ -27,7 +27,7 @@ class LearnCfg:
     disturbance-observer, model-free, splines."""
     iterations: int = 10
     """Updates; one run more."""
-    reference: str = ""
+    reference: str | None = None
     """step, ramp, or a CSV file with a column for each output, and perhaps one named time [s]
     [default: that of the plant, or step]."""
     samples: int = 400
@@ -51,6 +51,8 @@ class LearnCfg:
             least = 0 if name == "iterations" else 1
             if not least <= getattr(self, name) <= most:
                 raise ValueError(f"{name} must be {least} to {most}, got {getattr(self, name)}")
+        if self.reference == "":
+            raise ValueError("reference must be step, ramp or the name of a file, got ''")
         if not self.laws or not self.noise:
             raise ValueError("at least one law and one noise level are needed")
         if (work := len(self.laws) * len(self.noise) * self.repeats * self.iterations) > 10**6:

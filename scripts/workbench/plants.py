@@ -31,7 +31,7 @@ def named_task(cfg: LearnCfg, seed: int) -> "Task":
     words = Words.parse(cfg.plant)
     model = None if cfg.model is None else read_model(check_file(cfg.model, LARGEST_MODEL))
     record = plants.Record(
-        reference=cfg.reference,
+        reference=cfg.reference or "",
         n_samples=cfg.samples,
         sample_time=cfg.sample_time,
         model=model,
