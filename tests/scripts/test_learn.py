@@ -99,6 +99,7 @@ def test_a_correction_is_carried_over_to_another_speed(place):
 @pytest.mark.parametrize(
     ("words", "status", "message"),
     [
+        ("--reference=", 2, "reference must be step"),
         ("--plant lag.jsn", 2, "Unknown plant 'lag.jsn'"),
         ("--plant lag.json --laws herustic", 2, "Unknown law 'herustic'"),
         ("--plant lag.json --laws own.py:third", 2, "Unknown name 'third'"),
