@@ -130,6 +130,8 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
     if (found := json.loads(metadata.get("armside.format", "0"))) != FORMAT:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
+    if missing := missing_columns(table):
+        raise ValueError(f"{source} lacks the column {missing[0]}")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     ks = table["k"].unique().to_pylist()
@@ -141,6 +143,15 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         path=None if path is None else from_json(path),
         gear=None if gear is None else np.array(gear),
     )
+
+
+def missing_columns(table: pa.Table) -> list[str]:
+    """Columns of `write_signals` that the table lacks."""
+    blocks = [(name, suffixes) for name, (_, suffixes) in LOG.items()]
+    blocks += [("tracker", (*XYZ, "valid"))]
+    blocks += [(f"true_{name}", suffixes) for name, (_, suffixes) in _truth_blocks(1).items()]
+    needed = ["k", "time", *(f"{name}_{s}" for name, suffixes in blocks for s in suffixes)]
+    return [name for name in needed if name not in table.column_names]
 
 
 def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:

@@ -21,7 +21,7 @@ from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..notes import Note
 from ..records.errors import InputError
-from ..records.signals import signals_of
+from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
 from ..robot.mjcf import AXES
 from ..robot.virtual_robot import LOG_PERIOD
@@ -68,7 +68,7 @@ def notes_of_first_run(source: Path) -> list[Note]:
     Raises InputError for what is no table.
     """
     table = _table(source)
-    if CONFIG not in (table.schema.metadata or {}):
+    if CONFIG not in (table.schema.metadata or {}) or missing_columns(table):
         return notes_of_table(table)
     signals = signals_of(table, source=source.name)
     return notes_of_signals(replace(signals, runs=signals.runs[:1]))

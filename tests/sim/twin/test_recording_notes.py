@@ -28,3 +28,15 @@ def test_lost_samples_of_a_table_are_noted(tmp_path):
     pq.write_table(lost, tmp_path / "mine.parquet")
     (note,) = notes_of_first_run(tmp_path / "mine.parquet")
     assert note.cause is Cause.BEAM
+
+
+def test_a_run_without_its_truth_is_noted_as_any_other_table(tmp_path):
+    experiment = prepare(Cut(), seed=3)
+    log = first_run(experiment).recording
+    file = tmp_path / "ours.parquet"
+    write_signals(file, [RecordedRun(k=0, recording=log)], config={}, seed=3)
+    table = pq.read_table(file)
+    truth = [name for name in table.column_names if name.startswith("true_")]
+    for taken_out in (["k"], truth):
+        pq.write_table(table.drop_columns(taken_out), file)
+        assert notes_of_first_run(file) == []
