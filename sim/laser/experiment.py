@@ -1,6 +1,6 @@
 """One experiment: a cut by one robot individual under one tracker, before and after each run."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,38 +10,35 @@ from armside.ilc.learning import Trial
 
 from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
-from ..instruments.imu import draw as draw_imu
-from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..notes import Note
-from ..robot.applicable import check_applies
-from ..robot.cell_model import cell_model
-from ..robot.effects import available
-from ..robot.individual import Individual, embodied, with_payload
-from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
-from ..robot.run import LoadedReference
-from ..robot.spread import Drawn, Spread
 from ..robot.statics import Statics
-from ..robot.virtual_robot import VirtualRobot
-from .plant import CuttingPlant, MountedImu, Pass, plan
+from .plant import Pass, plan
+from .rig import Rig, rig
 from .specification import Cut
 
 
-@dataclass(frozen=True)
-class Experiment:
+@dataclass(frozen=True, kw_only=True)
+class Experiment(Rig):
     """Everything that is fixed before the first run."""
 
     cut: Cut
-    seed: int
-    individual: Individual = field(repr=False)
-    """Parameters of the robot, without drift."""
-    nominal: RobotModel = field(repr=False)
-    """Nominal robot of the controller."""
-    added_payload: float
-    """Known mass of the tool beside that of the robot's file [kg]."""
     motion: ToolMotion = field(repr=False)
-    loaded: LoadedReference = field(repr=False)
-    plant: CuttingPlant = field(repr=False)
+
+    @property
+    def setup(self) -> Cut:
+        """Robot and its state."""
+        return self.cut
+
+    @property
+    def programmed(self) -> Array:
+        """(N, 3) [m], positions of the tool."""
+        return self.motion.position
+
+    @property
+    def turn_rate(self) -> float:
+        """[turns/s], of the contour at the programmed speed."""
+        return self.motion.programmed_speed / self.motion.path.curve.length
 
     @property
     def motion_end(self) -> int:
@@ -86,54 +83,13 @@ def prepare(
         ValueError: the cut leaves the joint limits (where) or the reach (by how much), the robot
             cannot carry its payload, or the cut's model is that of another robot.
     """
-    drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
-    if repetition:
-        noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
-    design = cell_model(cut.cell, cut.model) if nominal is None else nominal
-    carrying = design if cut.payload is None else with_payload(design, cut.payload)
-    known = carrying if cut.payload_known else design
-    if cut.friction_feedforward is not None:
-        drives = replace(known.drives, friction_feedforward=cut.friction_feedforward)
-        known = replace(known, drives=drives)
-    statics = Statics(known)
-    motion, reference = plan(
-        cut.cell, statics, cut.path, cut.tool_pose.quaternion, cut.speed, cut.limits
-    )
-    individual = _individual(cut, np.random.default_rng(drawing), design)
-    friction = individual.friction * (1.0 + cut.friction_drift)
-    real = embodied(
-        design,
-        replace(individual, friction=friction),
-        available(design) - frozenset(cut.without),
-        phi=reference[0],
-        payload=cut.payload,
-        temperature=cut.temperature,
-    )
-    loaded = VirtualRobot(real, nominal=statics).load(reference)
-    tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
-    unit = None
-    if cut.imu is not None:
-        imu = draw_imu(cut.imu, np.random.default_rng(mounting))
-        unit = MountedImu(imu, np.random.default_rng(reading))
-    plant = CuttingPlant(loaded, tracker, np.random.default_rng(noise), unit)
-    added = 0.0
-    if cut.payload is not None and cut.payload_known:
-        added = cut.payload - float(design.mj.body("tool").mass[0])
-    return Experiment(cut, seed, individual, known, added, motion, loaded, plant)
 
+    def planned(nominal: Statics) -> tuple[ToolMotion, Array]:
+        pose = cut.tool_pose
+        return plan(cut.cell, nominal, cut.path, pose.quaternion, cut.speed, cut.limits)
 
-def _individual(cut: Cut, rng: np.random.Generator, design: RobotModel) -> Individual:
-    individual = cut.individual
-    if individual is None:
-        spread = cut.friction_spread
-        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, N_AXES))
-    elif isinstance(individual, int):
-        individual = Drawn(individual, Spread()).of(design)
-    elif isinstance(individual, Drawn):
-        individual = individual.of(design)
-    else:
-        check_applies(design, individual)
-    return individual
+    motion, found = rig(cut, planned, seed=seed, repetition=repetition, nominal=nominal)
+    return Experiment(**vars(found), cut=cut, motion=motion)
 
 
 def evaluated(

@@ -101,29 +101,48 @@ def learned(
 
     repeats: runs that are averaged in each iteration.
     """
+    used = experiment.plant if plant is None else plant
     more = [first_run(experiment, plant, start) for _ in range(repeats - 1)]
+    found = trials(used, output, [first, *more], iterations, law=law, start=start)
+    for trial, notes in found:
+        yield evaluated(experiment, trial, trial.result[0], notes)
+
+
+def trials(
+    plant: Plant[Pass],
+    output: Output,
+    first: list[Pass],
+    iterations: int,
+    *,
+    law: Law | None = None,
+    start: Array | None = None,
+) -> Iterator[tuple[learning.Trial[list[Pass]], tuple[Note, ...]]]:
+    """Trials k = 0 .. `iterations` with notes of the loop, from the runs of k = 0.
+
+    first: runs of k = 0; as many are averaged in each iteration.
+    """
     law = output.law if law is None else law
     law = law if start is None else Around(law, start)
-    trials = learning.learn(
-        _Repeated(experiment.plant if plant is None else plant, repeats),
+    found = learning.learn(
+        _Repeated(plant, len(first)),
         law,
         output.reference,
         iterations,
         output_of=lambda runs: np.mean([output(run) for run in runs], axis=0),
         first_correction=start,
-        first_result=[first, *more],
+        first_result=first,
         size_of=output.size,
         divergence_ratio=DIVERGENCE_RATIO * (1.0 if start is None else FROM_A_MODEL),
     )
     smallest = np.inf
-    for trial in trials:
-        found = output.notes if isinstance(output, Noted) else ()
+    for trial in found:
+        notes = output.notes if isinstance(output, Noted) else ()
         if isinstance(law, Guarded):
             size = law.size(trial.error)
             if size > law.tolerance * smallest:
-                found = (*found, _BACK)
+                notes = (*notes, _BACK)
             smallest = min(size, smallest)
-        yield evaluated(experiment, trial, trial.result[0], found)
+        yield trial, notes
 
 
 _BACK = Note(

@@ -14,9 +14,11 @@ from armside.ilc.measures.norms import two_norm
 
 from ..instruments.imu import ImuCfg
 from ..notes import Note
+from ..robot.model import RobotModel
+from ..robot.run import LoadedReference
 from .design import DEFAULT_DESIGN, THESIS, Design
-from .experiment import Experiment
 from .plant import Pass
+from .setup import Setup
 
 
 class Output(Protocol):
@@ -49,6 +51,36 @@ class Noted(Protocol):
     def notes(self) -> tuple[Note, ...]: ...
 
 
+class Prepared(Protocol):
+    """What is learned, before its first run: a cut or a whole part."""
+
+    @property
+    def setup(self) -> Setup: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def nominal(self) -> RobotModel:
+        """Nominal robot of the controller."""
+        ...
+
+    @property
+    def added_payload(self) -> float:
+        """Known mass of the tool beside that of the robot's file [kg]."""
+        ...
+
+    @property
+    def loaded(self) -> LoadedReference: ...
+    @property
+    def programmed(self) -> Array:
+        """(N, 3) [m], positions of the tool."""
+        ...
+
+    @property
+    def turn_rate(self) -> float:
+        """[turns/s], of the contour that is learned."""
+        ...
+
+
 SetUp = Callable[[Pass], Output]
 """Sets a measure up by the first run."""
 
@@ -61,7 +93,7 @@ class Measure(Protocol):
         """Unit that it needs at the tool."""
         ...
 
-    def prepare(self, experiment: Experiment) -> SetUp:
+    def prepare(self, experiment: Prepared) -> SetUp:
         """Everything before the first run. Raises ValueError for a robot it cannot serve."""
         ...
 
@@ -77,8 +109,8 @@ class MotorAngles:
 
     imu = None
 
-    def prepare(self, experiment: Experiment) -> SetUp:
-        design = self.design or DEFAULT_DESIGN.get(str(experiment.cut.robot), THESIS)
+    def prepare(self, experiment: Prepared) -> SetUp:
+        design = self.design or DEFAULT_DESIGN.get(str(experiment.setup.robot), THESIS)
         reference = experiment.loaded.reference if self.target is None else self.target
         design.law.check(*reference.shape)
         return lambda first: _MotorOutput(reference, design.law)

@@ -21,8 +21,7 @@ from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .experiment import Experiment
-from .measures import SetUp
+from .measures import Prepared, SetUp
 from .plant import Pass
 
 _TRACKER_FILTER = 40.0
@@ -62,7 +61,7 @@ class ToolPath:
     """Noise-free run of a model, such as a twin's, that is learned as the sensor sees it; the
     programmed path if None."""
 
-    def assumed(self, experiment: Experiment) -> NominalArm:
+    def assumed(self, experiment: Prepared) -> NominalArm:
         """The assumed arm. Raises ValueError for a robot with closed loops."""
         return assumed_arm(
             experiment.nominal,
@@ -72,11 +71,11 @@ class ToolPath:
             payload=experiment.added_payload + self.payload_error,
         )
 
-    def prepare(self, experiment: Experiment) -> SetUp:
+    def prepare(self, experiment: Prepared) -> SetUp:
         arm = self.assumed(experiment)
         return lambda first: self.commissioned(experiment, arm, first)
 
-    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
+    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> "ToolOutput":
         """The measure set up by a run.
 
         A tracker needs no IMU: without one its law is built on the assumed springs.
@@ -97,7 +96,7 @@ class ToolOutput:
 
     measure: ToolPath
     known: Commissioned
-    experiment: Experiment
+    experiment: Prepared
 
     @property
     def reference(self) -> Array:
@@ -107,15 +106,13 @@ class ToolOutput:
         does not have: in the run of a model as in the robot's, whose errors then show.
         """
         if self.measure.target is None or self.measure.source is not Source.ESTIMATE:
-            return relative_to_start(self.experiment.motion.position)
+            return relative_to_start(self.experiment.programmed)
         return self._estimate_of(self.measure.target)
 
     @property
     def law(self) -> Law:
         """Law on the commissioned arm. Raises ValueError for design variables out of range."""
-        motion = self.experiment.motion
-        turn_rate = motion.programmed_speed / motion.path.curve.length
-        rotations = self.measure.source is not Source.TRACKER
+        rotations, turn_rate = self.measure.source is not Source.TRACKER, self.experiment.turn_rate
         return self.measure.law.law(self.known.plant, turn_rate, rotations=rotations)
 
     @property
