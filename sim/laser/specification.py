@@ -55,7 +55,7 @@ class Cut(Setup):
         return plane_at(self, self.across_tool)
 
 
-def plane_at(setup: Setup, across_tool: bool = False) -> Plane:
+def plane_at(setup: Setup, across_tool: bool) -> Plane:
     """Plane through the pose: parallel to the base x-y plane, or across the tool's axis."""
     origin = np.array(setup.tool_pose.position)
     if across_tool:
