@@ -10,6 +10,8 @@ from ..records import records
 from .norm_optimal import NormOptimal
 from .quadratic import Weight, per_sample
 
+_ROUNDS = 5  # of the solver, each from where the one before stopped
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Constrained(NormOptimal):
@@ -41,34 +43,38 @@ class Constrained(NormOptimal):
         return self._within(limit, free, correction, error)
 
     def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
+        problem = self._problem
+        descent = problem.descent(correction, error)
+
+        def gradient(u: Array) -> Array:
+            return problem.hessian(u - correction) - descent
+
+        u, scale = np.clip(free, -limit, limit), np.abs(gradient(np.zeros_like(free))).max()
+        reached = np.inf
+        for _ in range(_ROUNDS):
+            u = self._minimum(limit, u, gradient(u), scale)
+            reached = np.abs(np.clip(u - gradient(u), -limit, limit) - u).max() / scale
+            if reached <= self.tolerance:
+                return u
+        raise RuntimeError(
+            f"the quadratic programme stopped at a projected gradient of {reached:.2g}, not "
+            f"{self.tolerance:.2g}"
+        )
+
+    def _minimum(self, limit: Array, start: Array, gradient: Array, scale: float) -> Array:
+        """Minimum from a start with its gradient. The cost is counted from there: in that of all
+        the record, rounding would hide the last descent."""
         from scipy.optimize import minimize
 
-        problem, shape = self._problem, free.shape
-        free_error = error + self.T_u.simulate(correction)
-
         def cost(flat: Array) -> tuple[float, Array]:
-            u = flat.reshape(shape)
-            residual = problem.filtered(free_error - self.T_u.simulate(u))
-            change = u - correction
-            pulled = problem.Wu * u + problem.Wd * change
-            value = np.vdot(residual, problem.We * residual) + np.vdot(u, problem.Wu * u)
-            value += np.vdot(change, problem.Wd * change)
-            return 0.5 * float(value), (pulled - problem.weighted_back(residual)).ravel()
+            step = flat.reshape(start.shape)
+            turned = self._problem.hessian(step)
+            return float(np.vdot(step, gradient + 0.5 * turned)), (gradient + turned).ravel()
 
-        start, bound = np.clip(free, -limit, limit).ravel(), limit.ravel()
-        # The gradient at u = 0 sets the scale.
-        scale = np.abs(cost(np.zeros_like(start))[1]).max()
         options = {"ftol": 0.0, "gtol": 0.1 * self.tolerance * scale, "maxcor": 30}
         options |= {"maxiter": 5000, "maxfun": 20000}
-        bounds = np.column_stack((-bound, bound))
+        bounds = np.column_stack(((-limit - start).ravel(), (limit - start).ravel()))
         solution = minimize(
-            cost, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options
+            cost, np.zeros(start.size), jac=True, method="L-BFGS-B", bounds=bounds, options=options
         )
-        residual = np.clip(solution.x - cost(solution.x)[1], -bound, bound) - solution.x
-        if np.abs(residual).max() > self.tolerance * scale:
-            reached = np.abs(residual).max() / scale
-            raise RuntimeError(
-                f"the quadratic programme stopped at a projected gradient of {reached:.2g}, not "
-                f"{self.tolerance:.2g}: {solution.message}"
-            )
-        return solution.x.reshape(shape)
+        return np.clip(start + solution.x.reshape(start.shape), -limit, limit)

@@ -13,6 +13,8 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import records
+
 LARGEST_FILE = 200_000_000
 """[bytes]."""
 
@@ -79,6 +81,7 @@ def read_signal(file: Path) -> CsvSignal:
     return CsvSignal(file, time, values)
 
 
+@records("values")
 def write_signal(file: Path, values: Array, sample_time: float, name: str) -> None:
     """Write time [s] and columns name_1, name_2, ... with every digit."""
     lines = [",".join(["time", *(f"{name}_{i + 1}" for i in range(values.shape[1]))])]

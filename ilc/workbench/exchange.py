@@ -13,6 +13,7 @@ from armside.arrays import Array
 
 from ..by_hand import ByHand
 from ..laws.law import Law
+from ..records import records
 from .csv_signal import read_signal, write_signal
 
 
@@ -30,6 +31,7 @@ class Folder:
     def output(self, k: int) -> Path:
         return self.path / f"y_{k}.csv"
 
+    @records("reference")
     def advance(self, law: Law, reference: Array, iterations: int) -> ByHand:
         """Read all logs that are there, k = 0 .. `iterations`, and write the next correction.
 

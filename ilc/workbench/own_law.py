@@ -7,7 +7,7 @@ from typing import Any
 from armside.arrays import Array
 
 from ..laws.law import Law
-from ..records import as_record
+from ..records import as_record, records
 from .own import built, in_code_of, load
 from .setting import Setting
 from .words import Words, guessed
@@ -25,6 +25,7 @@ class OwnLaw:
             with in_code_of(self.file):
                 self.law.check(n_samples, n_columns)
 
+    @records("correction", "error")
     def step(self, correction: Array, error: Array, memory: Any = None, /) -> tuple[Array, Any]:
         with in_code_of(self.file):
             if hasattr(self.law, "step"):

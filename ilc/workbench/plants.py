@@ -15,6 +15,7 @@ from ..models.system import System, as_system, require_stable
 from ..models.system_matrix import Model, SystemMatrix
 from ..models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun, step_reference
 from ..models.two_mass_friction import FrictionPlant
+from ..records import records
 from .own import built, in_code_of, load
 from .references import named_reference
 from .task import Task
@@ -101,6 +102,7 @@ class OwnPlant:
     plant: Any
     file: Path
 
+    @records("correction")
     def run(self, correction: Array, /) -> Array:
         """(N, n); a plant with one output may return (N,)."""
         with in_code_of(self.file):

@@ -13,6 +13,7 @@ from ..laws.law import FirstOrder, Law
 from ..laws.norm_optimal import NormOptimal
 from ..models.system import System
 from ..models.system_matrix import Model
+from ..records import records
 from .laws import MEASURING, build_law
 from .setting import Setting
 from .words import Words
@@ -35,6 +36,7 @@ class Prediction:
     """(K + 1,) predicted ||e_k||, from the measured e_0 and without further noise."""
 
 
+@records("first_error")
 def predict(law: str, setting: Setting, first_error: Array, iterations: int) -> Prediction:
     """Prediction of the law with the setting's model, for learning from u = 0.
 

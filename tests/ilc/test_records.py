@@ -22,7 +22,7 @@ NOT_RECORDS = {
     "start", "start_covariance", "prior", "prior_sd", "pattern", "normal",
     # sizes of errors over iterations, other values of any shape
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
-    "memory", "second", "starts",
+    "memory", "second", "starts", "place", "wanted",
 }  # fmt: skip
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured"} | {

@@ -221,3 +221,9 @@ def test_a_correction_is_carried_over_by_its_place_on_the_path():
     correction = np.array([9.0, 0.0, 2.0, 4.0, 6.0, 9.0])[:, None]
     carried = along_path(correction, place, np.array([-1.0, 0.5, 2.5, 4.0]))
     np.testing.assert_allclose(carried[:, 0], [0.0, 1.0, 5.0, 6.0])
+
+
+@pytest.mark.parametrize("place", [[0.0, 2.0, 1.0], [0.0, np.nan, 1.0], [0.0, 1.0]])
+def test_places_that_cannot_be_on_a_path_are_refused(place):
+    with pytest.raises(ValueError, match="place must be 3 numbers"):
+        along_path(np.ones((3, 1)), np.array(place), np.array([0.5]))
