@@ -2,11 +2,14 @@
 
 A block marked `python` is run; the blocks of one page share their names, as a reader's would.
 In blocks marked `sh` or `console` each line that starts with `armside` is run, with or without
-`$ ` before it. Commands that take minutes are only parsed.
+`$ ` before it. Commands that take minutes are only parsed. A line that several pages show and
+that reads no file is run once, and each page goes on with the folder that it wrote.
 """
 
+import fcntl
 import re
 import shlex
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +24,8 @@ TAKES_MINUTES = {"bench", "calibrate", "compare", "reproduce", "verify"}
 SHOWS = {"view": {"view"}, "replay": {"--web", "--png", "--video"}}
 """Commands that open a window, serve until they are stopped, or need a GL library: their own tests
 run them."""
+SEVERAL_PAGES = "armside commission --individual 7 --cuts 4 --out twin"
+"""Run once for all pages and workers: it makes its folder from nothing else."""
 FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -56,6 +61,26 @@ def run_command(command: str) -> None:
         assert cli.main(words) == 0, command
 
 
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory, worker_id) -> Path:
+    """A folder of this session, the same in all workers of pytest-xdist."""
+    own = tmp_path_factory.getbasetemp()
+    return own if worker_id == "master" else own.parent
+
+
+def run_once(command: str, shared: Path) -> None:
+    """Run a command whose folder other pages use too, or copy the folder that it wrote before."""
+    folder = Path(shlex.split(command)[-1])
+    done = shared / f"page-{folder}"
+    with (shared / "pages.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not done.exists():
+            run_command(command)
+            shutil.copytree(folder, done)
+        elif not folder.exists():
+            shutil.copytree(done, folder)
+
+
 def only_shows(words: list[str]) -> bool:
     """True for a command without a result; a replay without a file to write opens a window."""
     opens_window = words[0] == "replay" and "--save" not in words
@@ -63,14 +88,17 @@ def only_shows(words: list[str]) -> bool:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch):
+def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, shared_folder):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "examples").symlink_to(ROOT / "docs" / "examples")
     names: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page.read_text(encoding="utf-8")):
         for command in commands(block):
-            run_command(command)
+            if command == SEVERAL_PAGES:
+                run_once(command, shared_folder)
+            else:
+                run_command(command)
         if block.language == "python":
             padding = "\n" * block.line  # so that a traceback names the line of the page
             exec(compile(padding + block.text, str(page), "exec"), names)
@@ -82,6 +110,33 @@ def test_links_between_pages_and_to_files_lead_somewhere():
         for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
             if not re.match(r"[a-z]+:", target):
                 assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_a_line_of_several_pages_is_run_once_and_fails_on_every_page(tmp_path, monkeypatch):
+    lines = []
+
+    def writes(command):
+        lines.append(command)
+        assert "broken" not in command
+        Path("twin").mkdir()
+
+    monkeypatch.setattr(f"{__name__}.run_command", writes)
+    for page, line in (("a", "--broken"), ("b", "--broken"), ("c", ""), ("d", "")):
+        (tmp_path / page).mkdir()
+        monkeypatch.chdir(tmp_path / page)
+        command = f"armside commission {line} --out twin"
+        if line:
+            with pytest.raises(AssertionError):
+                run_once(command, tmp_path)
+        else:
+            run_once(command, tmp_path)
+            assert Path("twin").is_dir()
+    assert len(lines) == 3
+
+
+def test_the_line_of_several_pages_is_theirs():
+    shown = [command for page in PAGES for b in blocks(page.read_text()) for command in commands(b)]
+    assert shown.count(SEVERAL_PAGES) >= 2
 
 
 EXAMPLE = """Intro
