@@ -1,6 +1,5 @@
 """Output of a command: progress on stderr, tables or JSON on stdout, as the options ask."""
 
-import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,7 +8,6 @@ from typing import Any
 
 from rich import progress as bars
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from armside.sim.notes import Note
@@ -17,20 +15,7 @@ from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps
 
 from .options import Common
-
-PIPE_WIDTH = 240
-"""Columns of a table that is not written to a terminal: wide enough never to cut a number."""
-
-
-NOTHING = "–"
-"""Cell of a value that is missing or not finite."""
-
-
-def cell(value: Any) -> str:
-    """A number with four significant digits, a dash where there is none; anything else as it is."""
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return NOTHING
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+from .tables import NOTHING, cell, folded
 
 
 class Report:
@@ -69,17 +54,12 @@ class Report:
         *,
         missing: str = "",
     ) -> None:
-        """A table on stdout: text columns to the left, numbers to the right.
+        """A table on stdout, folded to the width of the terminal: 80 columns, or COLUMNS, if none.
 
         missing: reason for a number that is not there, printed below a table that lacks one.
         """
-        table = Table(title=Text(title), title_justify="left", title_style="bold")
-        for index, name in enumerate(columns):
-            numeric = all(not isinstance(row[index], str) for row in rows)
-            table.add_column(Text(name), justify="right" if numeric else "left")
-        for row in rows:
-            table.add_row(*(Text(cell(value)) for value in row))
-        self._print(table)
+        for table in folded(Console(), title, columns, rows):
+            self._print(table)
         if missing and any(cell(value) == NOTHING for row in rows for value in row):
             self.line(f"{NOTHING}: {missing}")
 
@@ -105,8 +85,7 @@ class Report:
     def _print(self, renderable: Any) -> None:
         if self.common.quiet or self.common.json:
             return
-        width = None if sys.stdout.isatty() else PIPE_WIDTH
-        Console(width=width, soft_wrap=isinstance(renderable, Text)).print(renderable)
+        Console(soft_wrap=isinstance(renderable, Text)).print(renderable)
 
 
 @contextmanager

@@ -260,7 +260,7 @@ def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
 @pytest.mark.parametrize("width", [60, 80])
 @pytest.mark.parametrize("motors", list(Motors))
 def test_every_number_can_be_read_in_a_narrow_terminal(monkeypatch, capsys, motors, width):
-    monkeypatch.setattr(console, "PIPE_WIDTH", width)
+    monkeypatch.setenv("COLUMNS", str(width))
     rng = np.random.default_rng(0)
     values = studies.parameters(THESIS, motors)
     values = {name: float(rng.uniform(0.1, 30.0)) for name in values}
