@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from armside.arrays import Array
 from armside.sim.evaluation.kerf import Kerf
 
-from .laser import COLORS, INK, REFERENCE, new_figure, save
+from .laser import COLORS, REFERENCE, new_figure, save
 
 SHEET, PIECE, GAP = "#E3E3E3", "#F6F6F6", "#333333"
 MARGIN = 1.12
@@ -36,6 +39,8 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
     grid.update(bottom=0.55 / height, top=1.0 - 0.6 / height)
     title = f"Cut with a beam of {beam * 1e3:g} mm, true to scale"
     figure.suptitle(title, x=0.02, y=1.0 - 0.15 / height, ha="left", va="top")
+    at = {"loc": "upper right", "bbox_to_anchor": (0.99, 1.0 - 0.08 / height)}
+    figure.legend(handles=_legend(), frameon=False, ncols=4, fontsize=8, **at)
     for column, (k, cut) in enumerate(cuts):
         axes = figure.add_subplot(grid[0, column])
         _sheet(axes, programmed, cut)
@@ -56,6 +61,12 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
     save(figure, file)
 
 
+def _legend() -> list[Artist]:
+    fills = (("sheet", SHEET), ("kerf", GAP), ("cut out", PIECE))
+    patches = [Patch(facecolor=color, edgecolor=REFERENCE, label=name) for name, color in fills]
+    return [*patches, Line2D([], [], color=COLORS[4], lw=0.8, ls=(0, (4, 3)), label="programmed")]
+
+
 def _sheet(axes: Axes, programmed: Array, cut: Kerf) -> None:
     """Draw the sheet, the kerf and the piece within it."""
     axes.set_facecolor(SHEET)
@@ -65,5 +76,3 @@ def _sheet(axes: Axes, programmed: Array, cut: Kerf) -> None:
         axes.fill(*whole.T, color=color, lw=0.0)
     closed = np.vstack([programmed, programmed[:1]]) * 1e3
     axes.plot(*closed.T, color=COLORS[4], lw=0.8, ls=(0, (4, 3)))
-    axes.text(0.5, 0.5, "cut out", transform=axes.transAxes, ha="center", color=INK, fontsize=8)
-    axes.text(0.02, 0.02, "sheet", transform=axes.transAxes, color=INK, fontsize=8)

@@ -19,7 +19,9 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#333333"
 REFERENCE = "#9A9A9A"
 SHOWN_DEVIATION = 0.6
-"""Largest magnified deviation in `circles.png`, relative to the shape's half-width."""
+"""Largest magnified deviation in `circles.png`, relative to half the shape's smaller side."""
+FLATTEST = 0.25
+"""Smallest height of a panel relative to its width."""
 MOST_PANELS = 12
 SHORT = 10
 """Letters of a panel's name that leave room for its numbers in the same line."""
@@ -48,27 +50,28 @@ def circles(
     """
     measured = [np.where(np.isfinite(p).all(axis=1, keepdims=True), p, np.nan) for p in measured]
     foot = [_nearest(path, reference) for path in measured]
-    half_width = 0.5 * float(np.ptp(reference, axis=0).max())
+    half_width = 0.5 * float(np.ptp(reference, axis=0).min())
     worst = _largest([np.hypot(*(p - f).T) for p, f in zip(measured, foot, strict=True)])
     factor = _magnification(SHOWN_DEVIATION * half_width / max(worst, 1e-12))
 
     magnified = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
     closed = np.vstack([reference, reference[:1]]) * 1e3
-    reach = 1.06 * _largest([closed, *magnified])
+    reach = [1.06 * _largest([path[:, axis] for path in (closed, *magnified)]) for axis in (0, 1)]
     scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
     if names is None:
         names = [f"k = {k}" for k in range(len(measured))]
     shown = _panels(len(measured))
     between = "\n" if max(map(len, names)) > SHORT else "    "
-    figure, panels = _panel_grid(len(shown), n_lines=1 + between.count("\n"))
+    aspect = max(reach[1] / reach[0], FLATTEST)
+    figure, panels = _panel_grid(len(shown), aspect, n_lines=1 + between.count("\n"))
     figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
     for axes, k in zip(panels, shown, strict=True):
         axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
         axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"{label}, {scale}")
-        axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
+        axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
+        axes.xaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=max(2, round(7 * aspect)), steps=[1, 2, 5]))
         numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
         axes.set_title(f"{names[k]}{between}{numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
@@ -129,18 +132,19 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def _panel_grid(n_panels: int, n_lines: int = 1) -> tuple[Figure, list[Axes]]:
-    """Square panels below titles of `n_lines`, placed by hand [inch]: a layout engine would draw
-    everything twice."""
+def _panel_grid(n_panels: int, aspect: float = 1.0, n_lines: int = 1) -> tuple[Figure, list[Axes]]:
+    """Panels of height over width `aspect`, below titles of `n_lines`, placed by hand [inch]: a
+    layout engine would draw everything twice."""
     side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.53 + 0.17 * n_lines
     n_columns = min(3, n_panels)
     n_rows = -(-n_panels // n_columns)
     width = left + n_columns * side + (n_columns - 1) * gap + right
-    height = bottom + n_rows * side + (n_rows - 1) * gap + top
+    tall, between = aspect * side, gap + 0.17 * (n_lines - 1)
+    height = bottom + n_rows * tall + (n_rows - 1) * between + top
     figure = new_figure(width, height)
     grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(left=left / width, right=1 - right / width, wspace=gap / side)
-    figure.subplots_adjust(bottom=bottom / height, top=1 - top / height, hspace=gap / side)
+    figure.subplots_adjust(bottom=bottom / height, top=1 - top / height, hspace=between / tall)
     for axes in grid.flat[n_panels:]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
