@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.sim.robot.mjcf import N_AXES
+from armside.sim.robot.six_axes import N_AXES
 from armside.sim.tuning.action import VARIABLES
 from armside.sim.tuning.sensor import RewardSensor
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.laser.design import Design
 from armside.sim.notes import Cause, Note
+from armside.sim.robot.six_axes import N_AXES
 from armside.sim.tuning.action import VARIABLES, Motors, Scale
 from armside.sim.tuning.objective import WORST
 
@@ -119,7 +120,7 @@ def parameters(design: Design, motors: Motors) -> dict[str, float]:
         return {v.name: getattr(design, v.name)[0] for v in VARIABLES}
     return {
         name: value
-        for variable, values in design.arrays().items()
+        for variable, values in design.arrays(N_AXES).items()
         for name, value in zip(parameter_names(variable), values.tolist(), strict=True)
     }
 

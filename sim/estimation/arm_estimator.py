@@ -63,7 +63,7 @@ class ArmEstimator:
     mounting: Array
     """(3,) [rad], rotation of the IMU's housing."""
     rest: Array
-    """(6,) [rad], motor angles at rest."""
+    """(a,) [rad], motor angles at rest."""
     imu: ImuCfg
     process_noise: ProcessNoise
 
@@ -107,7 +107,7 @@ class ArmEstimator:
         samples: ImuSamples | None,
         kind: Estimate = Estimate.SMOOTHER,
     ) -> ToolEstimate:
-        """The tool in one run: log (N,), (N, 6) and IMU samples, None without an IMU.
+        """The tool in one run: log (N,), (N, a) and IMU samples, None without an IMU.
 
         Raises EstimateError for a path that the motor angles contradict.
         """

@@ -1,11 +1,11 @@
 """The nominal arm with its IMU as a process for filters: what is estimated, and what disturbs it.
 
-    x = (dq, dq', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
+    x = (dq, dq', accelerometer low-pass (6), gyro low-pass (6), tau_d (a), b_a (3), b_g (3))
 
-dq is the deviation of the arm from the observer that the motor angles drive. It is excited by a
-torque tau_d in each gear that stands for all that the model lacks, a first-order process: white
-torque would reach the accelerometer at once and correlate with its noise. The sensor's noise passes
-its low-pass as the signal does, so the low-pass belongs to the process.
+a is the number of axes, dq the deviation of the arm from the observer that the motor angles drive.
+It is excited by a torque tau_d in each gear that stands for all that the model lacks, a first-order
+process: white torque would reach the accelerometer at once and correlate with its noise. The
+sensor's noise passes its low-pass as the signal does, so the low-pass belongs to the process.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class ProcessNoise:
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
 
     def torque(self, arm: LinearisedArm) -> Array:
-        """(6,) [N m], standard deviation of tau_d."""
+        """(a,) [N m], standard deviation of tau_d."""
         return self.fraction * self.twist * np.diag(arm.stiffness)
 
 
@@ -75,7 +75,7 @@ class ArmFilter:
 
     @property
     def B(self) -> Array:
-        """(m, 12), from (dphi, dphi')."""
+        """(m, 2a), from (dphi, dphi')."""
         return self.E[:, self.arm.axes] @ np.hstack((self.arm.stiffness, np.diag(self.arm.damping)))
 
     @property
@@ -108,15 +108,15 @@ class ArmFilter:
             P[low : low + 3] = _noise(triad) ** 2
             P[low + 3 : low + 6] = (_noise(triad) * _omega(triad)) ** 2
         torque = self.process_noise.torque(self.arm)
-        P[m : m + 6] = (torque * self.process_noise.start_torque) ** 2
-        P[m + 6 : m + 9] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
-        P[m + 9 : m + 12] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
+        P[m:-6] = (torque * self.process_noise.start_torque) ** 2
+        P[-6:-3] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
+        P[-3:] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
         return np.diag(P)
 
     def simulated(
         self, phi: Array, phi_dot: Array, nonlinear: NonlinearResidual, step: float
     ) -> Array:
-        """(N, n_mechanical) states for motor deviations from rest (N, 6).
+        """(N, n_mechanical) states for motor deviations from rest (N, a).
 
         phi, phi_dot: every `step` [s], starting at rest; nonlinear: residual of the linear model.
         """
@@ -138,12 +138,13 @@ def arm_filter(
     """The process of one arm and one kind of IMU."""
     n = arm.n_free
     m = 2 * n + 12
-    size = m + 12
+    bias = m + len(arm.axes)
+    size = bias + 6
     A, E, W = np.zeros((size, size)), np.zeros((size, n + 6)), np.zeros((size, size))
     A[: 2 * n, : 2 * n], _ = arm.dynamics()
     E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
-    A[n : 2 * n, m : m + 6] = E[n : 2 * n, arm.axes]
-    A[m : m + 6, m : m + 6] = -2.0 * np.pi * process_noise.corner * np.eye(6)
+    A[n : 2 * n, m:bias] = E[n : 2 * n, arm.axes]
+    A[m:bias, m:bias] = -2.0 * np.pi * process_noise.corner * np.eye(len(arm.axes))
 
     # Accelerometer: J q'' + (rotated gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
@@ -166,12 +167,12 @@ def arm_filter(
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
     torque = process_noise.torque(arm)
-    W[range(m, m + 6), range(m, m + 6)] = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
+    W[range(m, bias), range(m, bias)] = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
     walk = np.repeat([process_noise.bias_walk, 0.1 * process_noise.bias_walk], 3) ** 2
-    W[range(m + 6, size), range(m + 6, size)] = walk
+    W[range(bias, size), range(bias, size)] = walk
     C = np.zeros((6, size))
     C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
-    C[range(6), range(m + 6, size)] = 1.0
+    C[range(6), range(bias, size)] = 1.0
     return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
 
 

@@ -16,10 +16,9 @@ from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened,
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from ..robot.mjcf import N_AXES
 from ..robot.servo import interpolate
 from .arm_filter import ArmFilter, ProcessNoise, arm_filter
-from .arm_springs import SpringPrior, Springs, springs_at
+from .arm_springs import SpringPrior, Springs, arm_and_wrist, springs_at
 from .linearised_arm import LinearisedArm, linearised
 from .nominal import NominalArm
 from .nonlinear_residual import NonlinearResidual, nonlinear_residual
@@ -56,9 +55,9 @@ class Run:
     time: Array
     """(N,) [s], of the motor log."""
     phi: Array
-    """(N, 6) [rad], motor angles from rest, low-passed."""
+    """(N, n) [rad], motor angles from rest, low-passed."""
     phi_dot: Array
-    """(N, 6) [rad/s]."""
+    """(N, n) [rad/s]."""
     imu_time: Array
     """(K,) [s], the IMU's own clock."""
     reading: Array
@@ -72,13 +71,14 @@ class Run:
 
 
 def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSamples) -> Run:
-    """A run's log (N,), (N, 6) and the IMU's samples; of the arm its springs do not matter."""
+    """A run's log (N,), (N, n) and the IMU's samples; of the arm its springs do not matter."""
     period = float(time[1] - time[0])
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
     phi, phi_dot, phi_ddot = interpolate(smooth, period, 1)
     linear, moved = linearised(arm, phi[0]), phi - phi[0]
-    picked = np.zeros((N_AXES, linear.n_free))
-    picked[range(N_AXES), linear.axes] = 1.0
+    n = len(linear.axes)
+    picked = np.zeros((n, linear.n_free))
+    picked[range(n), linear.axes] = 1.0
     rigid = nonlinear_residual(arm, linear, *(a @ picked for a in (moved, phi_dot, phi_ddot)))
     reading = np.hstack((samples.acceleration, samples.angular_velocity))
     return Run(time, moved, phi_dot, samples.time, reading, rigid)
@@ -104,14 +104,15 @@ def identify(
 ) -> Identified:
     """The springs that explain one run best.
 
-    arm: nominal, the start of the search. rest: (6,) [rad], motor angles. imu: kind of unit, as its
+    arm: nominal, the start of the search. rest: (n,) [rad], motor angles. imu: kind of unit, as its
     data sheet has it.
 
     Raises RuntimeError where no start leads to a minimum.
     """
-    nominal, sd = linearised(arm, rest), prior.standard_deviation
+    n = len(arm.axes)
+    nominal, sd = linearised(arm, rest), prior.standard_deviation(n)
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
-    starts = [np.concatenate((np.repeat(k, 3), np.zeros(sd.size - 6))) for k in _STARTS]
+    starts = [np.repeat((*k, 0.0), (*arm_and_wrist(n), sd.size - n)) for k in _STARTS]
     rigid = estimate_parameters(innovations, np.zeros(sd.size), sd, starts)
     springs = springs_at(arm, prior, rigid.theta, process_noise.fraction)
     elastic = nominal.on_springs(springs.stiffness, springs.damping)
@@ -120,7 +121,7 @@ def identify(
     best = estimate_parameters(innovations, np.zeros(sd.size), sd, [rigid.theta])
     springs = springs_at(arm, prior, best.theta, process_noise.fraction)
     fit = replace(best, costs=rigid.costs)
-    return Identified(springs, fit, prior.names, whiteness(best.innovation))
+    return Identified(springs, fit, prior.names(n), whiteness(best.innovation))
 
 
 def synchronised(

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.models.system import Complex
 
-from ..robot.mjcf import AXES
 from ..robot.model import RobotModel
 from .linearised_arm import LinearisedArm
 
@@ -34,24 +33,24 @@ class ArmPlant:
 
     @property
     def input_size(self) -> Array:
-        """(6,) [rad]: rotations of the axes that move the tool, or rotate its lever, alike."""
+        """(a,) [rad]: rotations of the axes that move the tool, or rotate its lever, alike."""
         J = self.arm.tool_jacobian[:, self.arm.axes]
         return 1.0 / np.sqrt(np.square(J[:3]).sum(axis=0) + np.square(LEVER * J[3:]).sum(axis=0))
 
     def response(self, omega: ArrayLike) -> Complex:
-        """(M, 6, 6): displacement [m] and rotation [rad] of the tool in base axes for u [rad].
+        """(M, 6, a): displacement [m] and rotation [rad] of the tool in base axes for u [rad].
 
         omega: (M,) [rad/sample].
         """
-        tool = self.arm.tool_jacobian @ self._whole(omega)[:, 6:]
+        tool = self.arm.tool_jacobian @ self._whole(omega)[:, self.robot.n_axes :]
         return np.asarray(tool, dtype=np.complex128)
 
     def motor_response(self, omega: ArrayLike) -> Complex:
-        """(M, 6, 6): motor angles [rad], arm side, for u [rad]."""
-        return self._whole(omega)[:, :6]
+        """(M, a, a): motor angles [rad], arm side, for u [rad]."""
+        return self._whole(omega)[:, : self.robot.n_axes]
 
     def torque_response(self, omega: ArrayLike) -> Complex:
-        """(M, 6, 6), diagonal: correction u [rad] whose torque on the motors is 1 N m, arm side."""
+        """(M, a, a), diagonal: correction u [rad] whose torque on the motors is 1 N m, arm side."""
         inverse = 1.0 / np.diagonal(self._driven(self._s(omega)), axis1=1, axis2=2)
         response = inverse[:, :, None] * np.eye(len(inverse[0]))
         return np.asarray(response, dtype=np.complex128)
@@ -61,7 +60,7 @@ class ArmPlant:
         return np.asarray(s, dtype=np.complex128)
 
     def _driven(self, s: Complex) -> Complex:
-        """(M, 6, 6) [N m/rad], arm side: torque of the servos for a correction."""
+        """(M, a, a) [N m/rad], arm side: torque of the servos for a correction."""
         drives = self.robot.drives
         square = drives.gear**2
         kp, kd = np.diag(square * drives.kp), np.diag(square * drives.kd)
@@ -70,22 +69,22 @@ class ArmPlant:
         return servo * np.exp(-s * drives.correction_delay) / lag
 
     def _whole(self, omega: ArrayLike) -> Complex:
-        """(M, 6 + n, 6): angles of motors and arm for u [rad]."""
+        """(M, a + n, a): angles of motors and arm for u [rad]."""
         s = self._s(omega)
         arm, drives = self.arm, self.robot.drives
-        n = arm.n_free
+        n, numbers = arm.n_free, range(1, self.robot.n_axes + 1)
         square = drives.gear**2
-        picked = np.zeros((n, 6))
-        picked[arm.axes, range(6)] = 1.0
+        picked = np.zeros((n, len(numbers)))
+        picked[arm.axes, range(len(numbers))] = 1.0
         spring = arm.stiffness + s * np.diag(arm.damping)
         mj = self.robot.mj
-        rotor = np.array([mj.joint(f"motor_{i}").armature[0] for i in AXES])
-        axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+        rotor = np.array([mj.joint(f"motor_{i}").armature[0] for i in numbers])
+        axes = [mj.actuator(f"axis_{i}").id for i in numbers]
         viscous = np.diag(square * mj.actuator_damping[axes].reshape(len(axes), -1)[:, 0])
         kp, kd = np.diag(square * drives.kp), np.diag(square * drives.kd)
         motor = s**2 * np.diag(rotor) + kp + s * (kd + viscous) + spring
         free = s**2 * arm.mass + s * arm.damping_matrix + arm.spring_matrix
         # Motors and arm in one: [motor, -spring S^T; -S spring, free] (phi, q) = (servo v, 0)
         whole = np.block([[motor, -spring @ picked.T], [-picked @ spring, free]])
-        right = np.concatenate((self._driven(s), np.zeros((len(s), n, 6))), axis=1)
+        right = np.concatenate((self._driven(s), np.zeros((len(s), n, len(numbers)))), axis=1)
         return np.asarray(np.linalg.solve(whole, right), dtype=np.complex128)

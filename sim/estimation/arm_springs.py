@@ -1,9 +1,10 @@
 """Unknown parameters of an arm's springs, and of its IMU's clock and mounting.
 
-    theta = (log K_11..K_66, log D scale, clock offset, log process noise, mounting (3), rho_ij)
+    theta = (log K_11..K_nn, log D scale, clock offset, log process noise, mounting (3), rho_ij)
 
 relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). An elastic structure couples axes that
-rotate the tool alike: those in the arm's vertical plane with each other, and the others.
+rotate the tool alike: in an arm of six axes those in its vertical plane with each other, and the
+others. Arms of other numbers of axes are taken to have springs in their gears alone.
 """
 
 from dataclasses import dataclass, fields
@@ -12,11 +13,17 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..robot.mjcf import N_AXES
 from .nominal import NominalArm
 
 COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
 """Axes 2, 3, 5 and axes 1, 4, 6, counted from 0."""
+COUPLED_AXES = 6
+
+
+def arm_and_wrist(n_axes: int) -> tuple[int, int]:
+    """Number of axes that stand in the structure, and of those behind them: the wrist."""
+    arm = min(n_axes, 3)
+    return arm, n_axes - arm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +34,8 @@ class SpringPrior:
     """Log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
     them softer, twice and more. ESTIMATE."""
     wrist_stiffness: float = 0.2
-    """Log K of axes 4 to 6: uniform within +- 30 % is a standard deviation of 0.17. A wider one
-    lets the wrist explain what is not its own, and ends in wrong minima."""
+    """Log K of the axes from 4 on: uniform within +- 30 % is a standard deviation of 0.17. A wider
+    one lets the wrist explain what is not its own, and ends in wrong minima."""
     damping: float = 0.5
     """Log of the damping's scale."""
     clock: float = 0.010
@@ -47,23 +54,21 @@ class SpringPrior:
         if not self.coupling >= 0.0:
             raise ValueError(f"coupling must be >= 0, got {self.coupling}")
 
-    @property
-    def pairs(self) -> tuple[tuple[int, int], ...]:
-        return COUPLED if self.coupling > 0.0 else ()
+    def pairs(self, n_axes: int) -> tuple[tuple[int, int], ...]:
+        """Axes that the structure may couple, counted from 0."""
+        return COUPLED if self.coupling > 0.0 and n_axes == COUPLED_AXES else ()
 
-    @property
-    def standard_deviation(self) -> Array:
+    def standard_deviation(self, n_axes: int) -> Array:
         """(m,), of theta; its mean is 0."""
         values = self.stiffness, self.wrist_stiffness, self.damping, self.clock, self.process_noise
-        repeats = (3, 3, 1, 1, 1, 3, len(self.pairs))
+        repeats = (*arm_and_wrist(n_axes), 1, 1, 1, 3, len(self.pairs(n_axes)))
         return np.repeat([*values, self.mounting, self.coupling], repeats)
 
-    @property
-    def names(self) -> tuple[str, ...]:
+    def names(self, n_axes: int) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
-        stiffness = (f"stiffness {i}" for i in range(1, N_AXES + 1))
+        stiffness = (f"stiffness {i}" for i in range(1, n_axes + 1))
         mounting = (f"mounting {axis}" for axis in "xyz")
-        pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs)
+        pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs(n_axes))
         return (*stiffness, "damping", "clock", "process noise", *mounting, *pairs)
 
 
@@ -72,9 +77,9 @@ class Springs:
     """Springs of an arm, and clock and mounting of its IMU."""
 
     stiffness: Array
-    """(6, 6) [N m/rad]."""
+    """(n, n) [N m/rad]."""
     damping: Array
-    """(6,) [N m s/rad]."""
+    """(n,) [N m s/rad]."""
     clock_offset: float
     """Robot time when the unit's clock shows 0 [s]."""
     process_noise: float
@@ -89,11 +94,12 @@ class Springs:
 
 def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, fraction: float) -> Springs:
     """Springs of parameters theta on a nominal arm; fraction: expected `ProcessNoise.fraction`."""
-    own = np.diag(arm.stiffness) * np.exp(theta[:N_AXES])
+    n = len(arm.axes)
+    own = np.diag(arm.stiffness) * np.exp(theta[:n])
     K = np.diag(own)
-    for rho, (i, j) in zip(theta[N_AXES + 6 :], prior.pairs, strict=True):
+    for rho, (i, j) in zip(theta[n + 6 :], prior.pairs(n), strict=True):
         K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
-    damping, clock, noise = theta[N_AXES : N_AXES + 3]
-    mounting = theta[N_AXES + 3 : N_AXES + 6].copy()
+    damping, clock, noise = theta[n : n + 3]
+    mounting = theta[n + 3 : n + 6].copy()
     noise = fraction * float(np.exp(noise))
     return Springs(K, arm.damping * np.exp(damping), float(clock), noise, mounting)

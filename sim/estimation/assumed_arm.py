@@ -19,5 +19,5 @@ def assumed_arm(robot: RobotModel, stiffness_error: float, seed: int, **known: A
     """
     rng = np.random.default_rng([seed, _STREAM])
     stiffness_error += 0.0  # no -0.0, from which to 0.0 is no range to numpy
-    factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, 6)
+    factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, robot.n_axes)
     return nominal_arm(robot, NominalCfg(stiffness=tuple(factors), **known))

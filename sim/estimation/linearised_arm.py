@@ -2,7 +2,7 @@
 
     M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
 
-dq and dphi are deviations of arm and motors from rest, S picks the six axes among the arm's degrees
+dq and dphi are deviations of arm and motors from rest, S picks the axes among the arm's degrees
 of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
 rotates the joints by hundredths of a radian, so the matrices are constant.
 """
@@ -22,7 +22,7 @@ _TURN = 1e-6  # [rad], of the differences that gradients are made of
 
 @dataclass(frozen=True, eq=False)
 class LinearisedArm:
-    """Matrices of the arm at rest. n degrees of freedom, six of them behind gears."""
+    """Matrices of the arm at rest. n degrees of freedom, a of them behind gears."""
 
     q: Array
     """(n,) [rad], the arm's angles at rest."""
@@ -33,11 +33,11 @@ class LinearisedArm:
     structure_damping: Array
     """(n,) diagonal of D_s [N m s/rad]."""
     axes: np.ndarray
-    """(6,) the degrees of freedom behind gears."""
+    """(a,) the degrees of freedom behind gears."""
     stiffness: Array
-    """K, (6, 6) [N m/rad], symmetric."""
+    """K, (a, a) [N m/rad], symmetric."""
     damping: Array
-    """D, (6,) [N m s/rad]."""
+    """D, (a,) [N m s/rad]."""
     tool_jacobian: Array
     """(6, n), (v, omega) of TCP0 in base axes."""
     imu_jacobian: Array
@@ -70,14 +70,14 @@ class LinearisedArm:
         return D
 
     def dynamics(self) -> tuple[Array, Array]:
-        """A (2n, 2n) and B (2n, 12) of x' = A x + B (dphi, dphi'), x = (dq, dq')."""
-        n = self.n_free
-        picked = np.zeros((n, 6))
-        picked[self.axes, range(6)] = 1.0
+        """A (2n, 2n) and B (2n, 2a) of x' = A x + B (dphi, dphi'), x = (dq, dq')."""
+        n, n_axes = self.n_free, len(self.axes)
+        picked = np.zeros((n, n_axes))
+        picked[self.axes, range(n_axes)] = 1.0
         state = -self.spring_matrix, -self.damping_matrix
         motors = picked @ self.stiffness, picked * self.damping
         acceleration = np.linalg.solve(self.mass, np.hstack((*state, *motors)))
-        A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 12))
+        A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 2 * n_axes))
         A[:n, n:] = np.eye(n)
         A[n:], B[n:] = np.split(acceleration, [2 * n], axis=1)
         return A, B
@@ -89,7 +89,7 @@ class LinearisedArm:
 
 
 def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
-    """The arm at rest with its motors at phi, (6,) [rad]."""
+    """The arm at rest with its motors at phi, (a,) [rad]."""
     mj = arm.mj
     q = at_rest(arm, phi)
     data = mujoco.MjData(mj)

@@ -23,18 +23,21 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..robot.flexibility import Flexibility, without
-from ..robot.mjcf import AXES, N_AXES, ModelError
+from ..robot.mjcf import ModelError
 from ..robot.model import RobotModel
 
-PAIRS = tuple(itertools.combinations(range(N_AXES), 2))  # The couplings of two axes
+
+def pairs_of(n_axes: int) -> tuple[tuple[int, int], ...]:
+    """Couplings of two axes, counted from 0."""
+    return tuple(itertools.combinations(range(n_axes), 2))
 
 
 @dataclass(frozen=True, kw_only=True)
 class NominalCfg:
     """Assumed parameters of an arm, relative to the data of its file."""
 
-    stiffness: tuple[float, ...] = (1.0,) * N_AXES
-    """Factor on each gear's stiffness."""
+    stiffness: float | tuple[float, ...] = 1.0
+    """Factor on each gear's stiffness, or one for all."""
     damping: float = 1.0
     """Factor on the damping of all gears."""
     payload: float = 0.0
@@ -45,8 +48,6 @@ class NominalCfg:
     """The hinges of the structure are known too."""
 
     def __post_init__(self) -> None:
-        stiffness = tuple(float(k) for k in np.broadcast_to(self.stiffness, N_AXES))
-        object.__setattr__(self, "stiffness", stiffness)
         for name in ("stiffness", "damping", "link_mass"):
             value = np.asarray(getattr(self, name))
             if not (np.isfinite(value).all() and (value > 0.0).all()):
@@ -58,41 +59,42 @@ class NominalArm:
     """The model of `NominalCfg`, compiled, with its springs and indices."""
 
     mj: mujoco.MjModel
-    """Actuators spring_1..6 pull the axes towards the angles they are given, spring_i_j their
+    """Actuators spring_1..n pull the axes towards the angles they are given, spring_i_j their
     differences."""
     axes: np.ndarray
-    """(6,) degree of freedom of each axis."""
+    """(n,) degree of freedom of each axis."""
     stiffness: Array
-    """(6, 6) [N m/rad], symmetric; diagonal as long as only gears are known."""
+    """(n, n) [N m/rad], symmetric; diagonal as long as only gears are known."""
     damping: Array
-    """(6,) [N m s/rad]."""
+    """(n,) [N m s/rad]."""
 
     @property
     def n_free(self) -> int:
-        """Degrees of freedom: six, and those of the structure if it is known."""
+        """Degrees of freedom: the axes, and those of the structure if it is known."""
         return int(self.mj.nv)
 
     def with_springs(self, stiffness: ArrayLike, damping: ArrayLike) -> "NominalArm":
-        """The same arm on other springs: stiffness (6, 6) symmetric, damping (6,).
+        """The same arm on other springs: stiffness (n, n) symmetric, damping (n,).
 
         Raises ValueError for a stiffness that is not symmetric.
         """
         K, D = np.array(stiffness, dtype=np.float64), np.array(damping, dtype=np.float64)
-        if K.shape != (N_AXES, N_AXES) or not np.allclose(K, K.T):
-            raise ValueError(f"stiffness must be symmetric, ({N_AXES}, {N_AXES})")
+        n = len(self.axes)
+        if K.shape != (n, n) or not np.allclose(K, K.T):
+            raise ValueError(f"stiffness must be symmetric, ({n}, {n})")
         mj = copy.copy(self.mj)
         _set_springs(mj, K, D)
         return replace(self, mj=mj, stiffness=K, damping=D)
 
     def spring_input(self, phi: Array, phi_dot: Array) -> Array:
-        """(..., 21) controls of motor angles and rates (..., 6).
+        """(..., n (n + 1) / 2) controls of motor angles and rates (..., n).
 
         K (phi - q) + D (phi' - q') = K (control - q) - D q', D on the axes' own springs alone.
         """
         own = self.stiffness.sum(axis=1)
         axes = phi + self.damping / own * phi_dot
-        pairs = [phi[..., i] - phi[..., j] for i, j in PAIRS]
-        return np.concatenate((axes, np.stack(pairs, axis=-1)), axis=-1)
+        pairs = [phi[..., i] - phi[..., j] for i, j in pairs_of(phi.shape[-1])]
+        return np.concatenate((axes, *(pair[..., None] for pair in pairs)), axis=-1)
 
 
 def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm:
@@ -105,36 +107,38 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     if spec.equalities:
         closed = f"{spec.modelname} closes loops by equalities"
         raise ModelError(f"an estimator needs an open chain; {closed}")
-    missing = [f"flex_{i}" for i in AXES if spec.joint(f"flex_{i}") is None]
+    numbers = range(1, robot.n_axes + 1)
+    missing = [f"flex_{i}" for i in numbers if spec.joint(f"flex_{i}") is None]
     if missing:
         raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
-    gears = [(j.stiffness, j.damping) for j in (spec.joint(f"flex_{i}") for i in AXES)]
+    gears = [(j.stiffness, j.damping) for j in (spec.joint(f"flex_{i}") for i in numbers)]
     stiffness = np.array([float(np.ravel(k)[0]) for k, _ in gears]) * cfg.stiffness
     damping = np.array([float(np.ravel(d)[0]) for _, d in gears]) * cfg.damping
     if not cfg.structure:
         without(spec, Flexibility.GEARS)
-    _replace_motors_by_springs(spec)
+    _replace_motors_by_springs(spec, robot.n_axes)
     _reweigh(spec, cfg)
     mj = spec.compile()
-    axes = np.array([int(mj.joint(f"flex_{i}").dofadr[0]) for i in AXES])
+    axes = np.array([int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers])
     arm = NominalArm(mj=mj, axes=axes, stiffness=np.diag(stiffness), damping=damping)
     return arm.with_springs(arm.stiffness, damping)
 
 
-def _replace_motors_by_springs(spec: mujoco.MjSpec) -> None:
-    for i in AXES:
+def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
+    numbers = range(1, n_axes + 1)
+    for i in numbers:
         spec.delete(spec.actuator(f"axis_{i}"))
         for what in ("pos", "torque"):
             spec.delete(spec.sensor(f"axis_{i}_{what}"))
     for tendon in list(spec.tendons):
         if tendon.name.startswith("gear_"):
             spec.delete(tendon)
-    for i in AXES:
+    for i in numbers:
         spec.delete(spec.joint(f"motor_{i}"))
         gear = spec.joint(f"flex_{i}")
         gear.stiffness, gear.damping = np.zeros_like(gear.stiffness), np.zeros_like(gear.damping)
         _add_spring(spec, f"spring_{i}", mujoco.mjtTrn.mjTRN_JOINT, gear.name)
-    for i, j in PAIRS:
+    for i, j in pairs_of(n_axes):
         name = f"spring_{i + 1}_{j + 1}"
         difference = spec.add_tendon(name=name)
         difference.wrap_joint(f"flex_{i + 1}", 1.0)
@@ -167,10 +171,11 @@ def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
 def _set_springs(mj: mujoco.MjModel, stiffness: Array, damping: Array) -> None:
     # A spring between two axes adds to both diagonal entries, which the axes' own springs give up.
     own = stiffness.sum(axis=1)
-    names = [f"spring_{i + 1}" for i in range(N_AXES)]
-    names += [f"spring_{i + 1}_{j + 1}" for i, j in PAIRS]
-    k_all = [*own, *(0.0 - stiffness[i, j] for i, j in PAIRS)]
-    for name, k, d in zip(names, k_all, [*damping, *np.zeros(len(PAIRS))], strict=True):
+    pairs = pairs_of(len(own))
+    names = [f"spring_{i + 1}" for i in range(len(own))]
+    names += [f"spring_{i + 1}_{j + 1}" for i, j in pairs]
+    k_all = [*own, *(0.0 - stiffness[i, j] for i, j in pairs)]
+    for name, k, d in zip(names, k_all, [*damping, *np.zeros(len(pairs))], strict=True):
         spring = mj.actuator(name).id
         mj.actuator_gainprm[spring, 0] = k
         mj.actuator_biasprm[spring, :3] = (0.0, -k, -d)

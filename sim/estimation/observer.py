@@ -47,7 +47,7 @@ class ArmMotion:
 
 
 def at_rest(arm: NominalArm, phi: Array) -> Array:
-    """(nv,) [rad], the arm's angles with its motors held at phi (6,).
+    """(nv,) [rad], the arm's angles with its motors held at phi (a,).
 
     Raises RuntimeError when the springs cannot carry the arm.
     """
@@ -99,7 +99,7 @@ def integrable(arm: NominalArm, q: Array) -> NominalArm:
 
 
 def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
-    """The arm's motion from logged motor angles (N, 6) [rad], every `period` [s].
+    """The arm's motion from logged motor angles (N, a) [rad], every `period` [s].
 
     The log is low-passed without phase and splined to the physics rate; it starts at rest.
     """
@@ -110,7 +110,7 @@ def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
 
 
 def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
-    """The arm's motion from motor angles and rates (M, 6) at every physics step."""
+    """The arm's motion from motor angles and rates (M, a) at every physics step."""
     mj = arm.mj
     data = mujoco.MjData(mj)
     data.qpos[:] = at_rest(arm, phi[0])

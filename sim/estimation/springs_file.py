@@ -1,7 +1,7 @@
 """Identified springs on disk: the entry `springs` of the summary of `armside identify`."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,8 @@ from ..records.errors import InputError
 from ..records.files import check_file
 from .arm_springs import Springs
 
-_SHAPES: Mapping[str, tuple[int, ...]] = {
-    "stiffness": (6, 6),
-    "damping": (6,),
-    "clock_offset": (),
-    "distrust": (),
-    "mounting": (3,),
-}
-"""By key, in the order of `Springs`; `distrust` is `Springs.process_noise`."""
+_KEYS = ("stiffness", "damping", "clock_offset", "distrust", "mounting")
+"""In the order of `Springs`; `distrust` is `Springs.process_noise`."""
 FARTHEST = 0.6
 """Distance at which identified springs still serve [m]: 0.02 to 0.19 of the first error is left
 there; 0.9 m away the innovations on them are twice what they should be."""
@@ -31,7 +25,7 @@ def springs_entry(springs: Springs) -> dict[str, Any]:
     return {"distrust" if name == "process_noise" else name: v for name, v in vars(springs).items()}
 
 
-def read_springs(folder: Path, robot: str, position: Sequence[float]) -> Springs:
+def read_springs(folder: Path, robot: str, position: Sequence[float], n_axes: int = 6) -> Springs:
     """Springs from a folder of `armside identify`.
 
     Payload and IMU may be others: inertia is known, and clocks are found again. position: of the
@@ -53,7 +47,7 @@ def read_springs(folder: Path, robot: str, position: Sequence[float]) -> Springs
     if away > FARTHEST:
         limit = f"springs act together by pose, so {1e3 * FARTHEST:g} mm at most"
         raise InputError(f"{folder} was identified {1e3 * away:.0f} mm away: {limit}")
-    return _springs(springs, file)
+    return _springs(springs, file, n_axes)
 
 
 def _array(stored: Any, name: str, shape: tuple[int, ...], file: Path) -> Array:
@@ -67,11 +61,11 @@ def _array(stored: Any, name: str, shape: tuple[int, ...], file: Path) -> Array:
     return value
 
 
-def _springs(stored: Any, file: Path) -> Springs:
-    missing = [name for name in _SHAPES if name not in stored]
+def _springs(stored: Any, file: Path, n: int) -> Springs:
+    missing = [name for name in _KEYS if name not in stored]
     if missing:
         raise InputError(f"{file}: springs lack {', '.join(missing)}; identify again")
-    entries = {f"springs.{name}": stored[name] for name in _SHAPES}
-    shapes = zip(entries, _SHAPES.values(), strict=True)
+    entries = {f"springs.{name}": stored[name] for name in _KEYS}
+    shapes = zip(entries, ((n, n), (n,), (), (), (3,)), strict=True)
     K, D, clock, noise, mounting = (_array(entries, name, shape, file) for name, shape in shapes)
     return Springs(K, D, float(clock), float(noise), mounting)

@@ -8,13 +8,12 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 
-from ..robot.mjcf import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Design variables of Q(u + gamma q^delta e), each one value for all motors or six."""
+    """Design variables of Q(u + gamma q^delta e), each one value for all motors or one for each."""
 
     gamma: tuple[float, ...]
     delta: tuple[int, ...]
@@ -30,10 +29,10 @@ class Design:
         Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
 
-    def arrays(self) -> dict[str, Array]:
-        """Values of each motor by name: (6,) arrays."""
+    def arrays(self, n_axes: int) -> dict[str, Array]:
+        """Values of each motor by name: (n_axes,) arrays."""
         return {
-            name: np.array(np.broadcast_to(getattr(self, name), N_AXES), dtype=np.float64)
+            name: np.array(np.broadcast_to(getattr(self, name), n_axes), dtype=np.float64)
             for name in ("gamma", "delta", "cutoff")
         }
 

@@ -53,13 +53,13 @@ class Iteration:
 
     k: int
     correction: Array = field(repr=False)
-    """u_k, (N, 6) [rad], arm side."""
+    """u_k, (N, n) [rad], arm side."""
     error: Array = field(repr=False)
-    """Error of the learned output: motor angles (N, 6) [rad], arm side, or path of the tool (N, 6)
+    """Error of the learned output: motor angles (N, n) [rad], arm side, or path of the tool (N, 6)
     [m], [rad]."""
     run: Pass = field(repr=False)
     motor_error: Array = field(repr=False)
-    """(N, 6) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
+    """(N, n) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
     tool: ToolError
     """From tracker samples; `tool_true` from the ground truth."""
     tool_true: ToolError

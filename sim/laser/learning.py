@@ -48,7 +48,7 @@ def learn(
         seed: of the instruments' set-up and all noise, and of friction where the cut has no
             individual.
         plant: runs corrections in place of the virtual robot.
-        start: (N, 6) [rad], correction of the first run, such as a twin's; zero if None.
+        start: (N, n) [rad], correction of the first run, such as a twin's; zero if None.
 
     Raises:
         ValueError: at once, for a cut that cannot be made, an unknown name, or a robot that the

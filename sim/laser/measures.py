@@ -105,7 +105,7 @@ class MotorAngles:
     design: Design | None = None
     """Design of the heuristic law; the robot's default if None."""
     target: Array | None = None
-    """(N, 6) [rad], arm side, motor angles to learn, such as a twin's; the reference if None."""
+    """(N, n) [rad], arm side, motor angles to learn, such as a twin's; the reference if None."""
 
     imu = None
 

@@ -28,7 +28,7 @@ def plan(
     speed: float,
     path_limits: PathLimits | None = None,
 ) -> tuple[ToolMotion, Array]:
-    """A cut at `speed` [m/s] and its reference r, shape (N, 6) [rad], as the controller makes it.
+    """A cut at `speed` [m/s] and its reference r, shape (N, n) [rad], as the controller makes it.
 
     Inverse kinematics of the programmed path; then again of the path shifted against the elastic
     deflection that the controller anticipates.

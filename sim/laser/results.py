@@ -109,7 +109,7 @@ def _true(run: Pass) -> tuple[Array, Array]:
 
 
 def iteration_row(iteration: Iteration) -> dict[str, Any]:
-    """Measures of one iteration: motor errors (6,) [rad] of the shaft, tool errors [m]."""
+    """Measures of one iteration: motor errors (n,) [rad] of the shaft, tool errors [m]."""
     return {
         "k": iteration.k,
         "motor_inf": measures.inf_norm(iteration.motor_error),

@@ -14,7 +14,6 @@ from ..robot.applicable import check_applies
 from ..robot.cell_model import cell_model
 from ..robot.effects import available
 from ..robot.individual import Individual, embodied, with_payload
-from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
 from ..robot.spread import Drawn, Spread
@@ -102,7 +101,7 @@ def _individual(setup: Setup, rng: np.random.Generator, design: RobotModel) -> I
     individual = setup.individual
     if individual is None:
         spread = setup.friction_spread
-        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, N_AXES))
+        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, design.n_axes))
     elif isinstance(individual, int):
         individual = Drawn(individual, Spread()).of(design)
     elif isinstance(individual, Drawn):

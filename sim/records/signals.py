@@ -30,12 +30,10 @@ from .atomic import atomic
 from .programmed_path import from_json, to_json
 
 XYZ = tuple("xyz")
-ANGLES, TORQUES = ("rad", tuple("123456")), ("N m", tuple("123456"))
-LOG = dict.fromkeys(("reference", "correction", "motor_angle"), ANGLES) | {"motor_torque": TORQUES}
-TRUTH = {
-    "motor_angle": ANGLES,
-    "flex_angle": ANGLES,
-    "motor_torque": TORQUES,
+LOG = dict.fromkeys(("reference", "correction", "motor_angle"), "rad") | {"motor_torque": "N m"}
+"""Units of the log's signals, each with a column for each axis."""
+TRUE_AXES = {"motor_angle": "rad", "flex_angle": "rad", "motor_torque": "N m"}
+TRUE_TOOL = {
     "tool_position": ("m", XYZ),
     "tool_quaternion": ("1", tuple("wxyz")),
     "imu_acceleration": ("m/s^2", XYZ),
@@ -147,25 +145,48 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
 
 def missing_columns(table: pa.Table) -> list[str]:
     """Columns of `write_signals` that the table lacks."""
-    blocks = [(name, suffixes) for name, (_, suffixes) in LOG.items()]
+    n = _axes_in(table)
+    blocks = [(name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()]
     blocks += [("tracker", (*XYZ, "valid"))]
-    blocks += [(f"true_{name}", suffixes) for name, (_, suffixes) in _truth_blocks(1).items()]
+    blocks += [(f"true_{name}", suffixes) for name, (_, suffixes) in _truth_blocks(n, 1).items()]
     needed = ["k", "time", *(f"{name}_{s}" for name, suffixes in blocks for s in suffixes)]
     return [name for name in needed if name not in table.column_names]
 
 
-def _truth_blocks(n_qpos: int) -> dict[str, tuple[str, tuple[str, ...]]]:
-    return TRUTH | {"qpos": ("rad or m", tuple(map(str, range(n_qpos))))}
+_Blocks = dict[str, tuple[str, tuple[str, ...]]]
+"""Unit and suffixes of the columns of each signal."""
+
+
+def _axes_in(table: pa.Table) -> int:
+    """Number of axes of the columns of a table: the last axis that any signal of the log has."""
+    names = (name.rpartition("_") for name in table.column_names)
+    found = (int(i) for signal, _, i in names if signal in LOG and i.isdecimal())
+    return max(found, default=1)
+
+
+def _by_axis(units: Mapping[str, str], n_axes: int) -> _Blocks:
+    axes = tuple(str(i) for i in range(1, n_axes + 1))
+    return {name: (unit, axes) for name, unit in units.items()}
+
+
+def _log_blocks(n_axes: int) -> _Blocks:
+    return _by_axis(LOG, n_axes)
+
+
+def _truth_blocks(n_axes: int, n_qpos: int) -> _Blocks:
+    qpos = {"qpos": ("rad or m", tuple(map(str, range(n_qpos))))}
+    return _by_axis(TRUE_AXES, n_axes) | TRUE_TOOL | qpos
 
 
 def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
     """Table of one run: the union of the instants of its streams."""
     recording, tracker = run.recording, run.tracker or NO_TRACKER
     truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
-    blocks = [(name, *of, recording.time, getattr(recording, name)) for name, of in LOG.items()]
+    n, log = recording.n_axes, recording.time
+    blocks = [(name, *of, log, getattr(recording, name)) for name, of in _log_blocks(n).items()]
     blocks.append(("tracker", "m", XYZ, tracker.time, tracker.position))
     blocks.append(("tracker", "1", ("valid",), tracker.time, tracker.valid[:, np.newaxis]))
-    for name, of in _truth_blocks(truth.qpos.shape[1]).items():
+    for name, of in _truth_blocks(n, truth.qpos.shape[1]).items():
         blocks.append((f"true_{name}", *of, truth.time, getattr(truth, name)))
     time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
@@ -201,9 +222,10 @@ def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) ->
     log = table.filter(pc.field("reference_1").is_valid())
     true = table.filter(pc.field("true_tool_position_x").is_valid())
     n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
-    blocks = _truth_blocks(n_qpos).items()
+    n = _axes_in(table)
+    blocks = _truth_blocks(n, n_qpos).items()
     stored = {name: _stack(true, f"true_{name}", suffixes) for name, (_, suffixes) in blocks}
-    signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in LOG.items()}
+    signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()}
     # The gear error is part of the stored angles already.
     angles = {"gear_angle": stored.pop("motor_angle"), "spring_angle": stored.pop("flex_angle")}
     truth = Truth(time=_numbers(true, "time"), gear_error=EXACT, **angles, **stored)

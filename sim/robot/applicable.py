@@ -42,6 +42,7 @@ def check_applies(design: RobotModel, individual: Individual) -> None:
     for name, what in inapplicable(design).items():
         if np.any(getattr(individual, name) != getattr(_DESIGN, name)):
             raise ModelError(f"{name} does not apply to a robot without {what}: leave it out")
+    individual.of(design.n_axes)
     n = len(structure_hinges(design))
     for name in OF_STRUCTURE:
         if np.ndim(value := getattr(individual, name)) and np.size(value) != n:

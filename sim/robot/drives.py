@@ -11,7 +11,7 @@ from numba import njit
 
 from armside.arrays import Array
 
-from .mjcf import N_AXES, axis_actuators, numeric, scalar
+from .mjcf import axis_actuators, numeric, scalar
 
 N_HARMONICS = 4
 """Orders of a gear's transmission error: once and twice the output, once and twice the motor."""
@@ -21,7 +21,7 @@ FRICTION_SPEED = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class Drives:
-    """Nominal parameters of the six drives, arrays (6,). Motor units: before the gear."""
+    """Nominal parameters of the drives, arrays (n,). Motor units: before the gear."""
 
     gear: Array
     """Gear ratio, motor angle over arm-side angle."""
@@ -62,18 +62,19 @@ class Drives:
 def read_drives(mj: mujoco.MjModel) -> Drives:
     """Drives of a robot's model. Raises ModelError for a numeric of the wrong size."""
     actuators = axis_actuators(mj)
+    n = len(actuators)
     noise, bandwidth = numeric(mj, "torque_noise", 2)
     gain, bias = mj.actuator_gainprm[actuators], mj.actuator_biasprm[actuators]
     return Drives(
-        gear=numeric(mj, "gear_ratio", N_AXES),
+        gear=numeric(mj, "gear_ratio", n),
         kp=gain[:, 4].copy(),
         ki=gain[:, 5].copy(),
         kd=gain[:, 6].copy(),
         torque_limit=mj.actuator_forcerange[actuators, 1].copy(),
-        speed_limit=numeric(mj, "speed_limit", N_AXES),
+        speed_limit=numeric(mj, "speed_limit", n),
         encoder_counts=scalar(mj, "encoder_counts"),
         encoder_noise=scalar(mj, "encoder_noise", 0.0),
-        velocity_feedforward=numeric(mj, "velocity_feedforward", N_AXES),
+        velocity_feedforward=numeric(mj, "velocity_feedforward", n),
         torque_feedforward=scalar(mj, "torque_feedforward", 1.0),
         friction_feedforward=scalar(mj, "friction_feedforward", 0.0),
         friction_curve=bool(scalar(mj, "friction_curve", 0.0)),
@@ -90,7 +91,7 @@ def read_drives(mj: mujoco.MjModel) -> Drives:
 
 
 def friction_torque(drives: Drives, velocity: Array) -> Array:
-    """(M, 6) [N m], arm side: friction feedforward at the velocity (M, 6) [rad/s] of the reference.
+    """(M, n) [N m], arm side: friction feedforward at the velocity (M, n) [rad/s] of the reference.
 
     Coulomb friction; with `friction_curve` also (F_s - F_c) exp(-(v / v_s)^2) and viscous friction.
     """
@@ -115,21 +116,22 @@ class GearError:
     amplitude: Array
     order: Array
     phase: Array
-    """(6, H) each: [rad] on the arm side, periods per revolution of the output, [rad]."""
+    """(n, H) each: [rad] on the arm side, periods per revolution of the output, [rad]."""
 
     def __call__(self, phi: Array) -> Array:
-        """epsilon, shape (M, 6) [rad], at arm-side angles phi (M, 6)."""
+        """epsilon, shape (M, n) [rad], at arm-side angles phi (M, n)."""
         return _error(np.ascontiguousarray(phi), self.amplitude, self.order, self.phase)
 
     def rate(self, phi: Array, phi_dot: Array) -> Array:
-        """Time derivative of epsilon, shape (M, 6) [rad/s]."""
+        """Time derivative of epsilon, shape (M, n) [rad/s]."""
         # sin(x + pi/2) = cos(x): the derivative is an error of other amplitudes and phases
         slope, phase = self.amplitude * self.order, self.phase + 0.5 * np.pi
         return _error(np.ascontiguousarray(phi), slope, self.order, phase) * phi_dot
 
 
-EXACT = GearError(amplitude=np.zeros((6, 0)), order=np.zeros((6, 0)), phase=np.zeros((6, 0)))
-"""Gears without transmission error."""
+_NONE = np.zeros((0, 0))
+EXACT = GearError(amplitude=_NONE, order=_NONE, phase=_NONE)
+"""Gears without transmission error, of any number of axes."""
 
 
 @njit(cache=True, nogil=True)

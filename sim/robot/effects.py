@@ -51,7 +51,7 @@ def available(model: RobotModel) -> frozenset[Effect]:
 
 @dataclass(frozen=True)
 class FrictionFactors:
-    """Factors on the parts of load friction, (6,) or one for all axes."""
+    """Factors on the parts of load friction, (n,) or one for all axes."""
 
     constant: Array | float = 1.0
     load: Array | float = 1.0
@@ -71,7 +71,7 @@ def with_effects(
     """The robot with these effects added.
 
     Args:
-        phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
+        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
         friction: of this robot individual.
         temperature: of the gears [deg C]; that of the robot's file if None.
 
@@ -102,9 +102,9 @@ def _check_temperature(temperature: float, effects: Collection[Effect]) -> None:
 
 def _set_lost_motion(model: RobotModel) -> None:
     """Set soft joint springs; a tendon adds the rest of the stiffness outside the lost motion."""
-    mj = model.mj
-    soft, half = numeric(mj, "gear_soft_stiffness", 6), numeric(mj, "gear_lost_motion", 6)
-    for i in range(6):
+    mj, n = model.mj, model.n_axes
+    soft, half = numeric(mj, "gear_soft_stiffness", n), numeric(mj, "gear_lost_motion", n)
+    for i in range(n):
         joint, tendon = mj.joint(f"flex_{i + 1}").id, mj.tendon(f"gear_{i + 1}").id
         mj.tendon_stiffness[tendon] = mj.jnt_stiffness[joint] - soft[i]
         mj.tendon_lengthspring[tendon] = (-half[i], half[i])
@@ -118,15 +118,16 @@ def _set_ripple(model: RobotModel) -> None:
 
 
 def gear_orders(model: RobotModel) -> tuple[Array, Array]:
-    """Transmission error in a robot's file: amplitudes [rad] and periods a revolution, (6, 4)."""
-    gear = model.drives.gear
-    amplitude = np.tile(numeric(model.mj, "gear_error", N_HARMONICS), (6, 1))
-    return amplitude, np.column_stack([np.ones(6), 2.0 * np.ones(6), gear, 2.0 * gear])
+    """Transmission error in a robot's file: amplitudes [rad] and periods a revolution, (n, 4)."""
+    gear, once = model.drives.gear, np.ones(model.n_axes)
+    amplitude = np.tile(numeric(model.mj, "gear_error", N_HARMONICS), (model.n_axes, 1))
+    return amplitude, np.column_stack([once, 2.0 * once, gear, 2.0 * gear])
 
 
 def gear_phases(model: RobotModel) -> Array:
-    """Phases of the transmission error in a robot's file, (6, 4) [rad]."""
-    return numeric(model.mj, "gear_error_phase", 6 * N_HARMONICS).reshape(6, N_HARMONICS)
+    """Phases of the transmission error in a robot's file, (n, 4) [rad]."""
+    size = model.n_axes * N_HARMONICS
+    return numeric(model.mj, "gear_error_phase", size).reshape(-1, N_HARMONICS)
 
 
 def _gear_error(model: RobotModel) -> GearError:
@@ -159,7 +160,7 @@ def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float,
 
 
 def relative_load(model: RobotModel, phi: Array) -> Array:
-    """(6,), holding torque at motor angles phi (6,) [rad] over the peak torque of each drive."""
+    """(n,), holding torque at motor angles phi (n,) [rad] over the peak torque of each drive."""
     drives = model.drives
     return Statics(model).equilibrium(phi).holding_torque / drives.gear / drives.torque_limit
 
@@ -171,7 +172,7 @@ def _set_load_friction(
     warm = scalar(mj, "gear_temperature") if temperature is None else temperature
     load = relative_load(model, phi)
     coulomb, static, viscous, stribeck = load_friction(load, warm)
-    scale = numeric(mj, "load_friction_scale", 6)
+    scale = numeric(mj, "load_friction_scale", model.n_axes)
     excess = scalar(mj, "load_friction_static") * (static - coulomb) * factors.static_excess
     coulomb = coulomb + (_FC0 * (factors.constant - 1.0))
     coulomb = coulomb + _FCL * np.abs(load) * (factors.load - 1.0)

@@ -37,7 +37,7 @@ def variant(
     The time step stays that of the file; shorten it where the highest mode [Hz] times the step [s]
     passes 0.3, beyond which an explicit integrator is unstable.
 
-    The factors scale the springs of flex_1..6 and of struct_*; see `stiffen`. Raises ValueError for
+    The factors scale the springs of flex_1..n and of struct_*; see `stiffen`. Raises ValueError for
     one that is not positive.
     """
     for name, factor in (("gear", gear_stiffness), ("structure", structure_stiffness)):

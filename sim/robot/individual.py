@@ -12,7 +12,7 @@ from armside.arrays import Array
 
 from .drives import N_HARMONICS
 from .effects import Effect, FrictionFactors, with_effects
-from .mjcf import AXES, N_AXES, ModelError, axis_actuators
+from .mjcf import ModelError, axes_of, axis_actuators
 from .model import RobotModel, robot_model
 
 # dcmotor keeps amplitude and phase of its cogging here, and Coulomb and static LuGre friction and
@@ -66,51 +66,56 @@ def _checked(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
     return array
 
 
-def _ones() -> Array:
-    return np.ones(N_AXES)
+def _one() -> Array:
+    return np.ones(())
+
+
+def _zero() -> Array:
+    return np.zeros(())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Individual:
     """Parameters of one robot relative to its design. The defaults are the design itself.
 
-    Arrays (6,) have one value for each axis; factors multiply the value of the design.
+    Each field is one number for all axes, or an array (n,) with one for each of the n axes; factors
+    multiply the value of the design.
     """
 
-    friction: Array = field(default_factory=_ones)
+    friction: Array = field(default_factory=_one)
     """Factor on Coulomb and static friction."""
-    friction_constant: Array = field(default_factory=_ones)
-    friction_load: Array = field(default_factory=_ones)
+    friction_constant: Array = field(default_factory=_one)
+    friction_load: Array = field(default_factory=_one)
     """Factors on the two parts of load-dependent Coulomb friction."""
-    static_excess: Array = field(default_factory=_ones)
+    static_excess: Array = field(default_factory=_one)
     """Factor on the excess of static over Coulomb friction, where friction depends on load."""
-    stribeck_speed: Array = field(default_factory=_ones)
-    viscous: Array = field(default_factory=_ones)
-    bristle_stiffness: Array = field(default_factory=_ones)
+    stribeck_speed: Array = field(default_factory=_one)
+    viscous: Array = field(default_factory=_one)
+    bristle_stiffness: Array = field(default_factory=_one)
     """Factor on the LuGre bristles' stiffness; their damping ratio stays."""
-    ripple: Array = field(default_factory=_ones)
+    ripple: Array = field(default_factory=_one)
     """Factor on the amplitude of the motor's torque ripple."""
-    ripple_phase: Array = field(default_factory=lambda: np.zeros(N_AXES))
-    """(6,) [rad], added to the phase of each motor's torque ripple and gear error."""
-    gear_stiffness: Array = field(default_factory=_ones)
+    ripple_phase: Array = field(default_factory=_zero)
+    """(n,) [rad], added to the phase of each motor's torque ripple and gear error."""
+    gear_stiffness: Array = field(default_factory=_one)
     structure_stiffness: ArrayLike = 1.0
-    """(n,) factor on each hinge of the structure, or one for all."""
-    gear_damping: Array = field(default_factory=_ones)
+    """(h,) factor on each hinge of the structure, or one for all."""
+    gear_damping: Array = field(default_factory=_one)
     structure_damping: ArrayLike = 1.0
     """Factors on the damping that belongs to those stiffnesses."""
-    lost_motion: Array = field(default_factory=_ones)
+    lost_motion: Array = field(default_factory=_one)
     """Factor on the width of the soft region of a gear."""
-    gear_error: Array = field(default_factory=lambda: np.ones((N_AXES, N_HARMONICS)))
-    gear_error_phase: Array = field(default_factory=lambda: np.zeros((N_AXES, N_HARMONICS)))
-    """(6, 4) factor on the amplitude, and [rad] added to the phase, of each order."""
-    mass: Array = field(default_factory=_ones)
+    gear_error: Array = field(default_factory=_one)
+    gear_error_phase: Array = field(default_factory=_zero)
+    """(n, 4) factor on the amplitude, and [rad] added to the phase, of each order."""
+    mass: Array = field(default_factory=_one)
     """Factor on mass and inertia of all that each motor carries up to the next, but the tool."""
-    centre_of_mass: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
-    """(6, 3) [m], added to the centre of mass of the body behind each motor, in its own axes."""
-    position: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
-    """(6, 3) [m], added to the position of each joint's body in its parent."""
-    orientation: Array = field(default_factory=lambda: np.zeros((N_AXES, 3)))
-    """(6, 3) [rad], rotation vector added to the orientation of each joint's body."""
+    centre_of_mass: Array = field(default_factory=_zero)
+    """(n, 3) [m], added to the centre of mass of the body behind each motor, in its own axes."""
+    position: Array = field(default_factory=_zero)
+    """(n, 3) [m], added to the position of each joint's body in its parent."""
+    orientation: Array = field(default_factory=_zero)
+    """(n, 3) [rad], rotation vector added to the orientation of each joint's body."""
     hidden: tuple[HiddenHinge, ...] = ()
 
     def __post_init__(self) -> None:
@@ -118,20 +123,45 @@ class Individual:
             if item.name == "hidden":
                 continue
             value = getattr(self, item.name)
-            shape = SHAPES.get(item.name, (N_AXES,))
-            if item.name in OF_STRUCTURE:
-                shape = np.shape(value) if np.ndim(value) < 2 else (N_AXES,)
-            object.__setattr__(self, item.name, _checked(item.name, value, shape))
+            object.__setattr__(self, item.name, _one_or_each(item.name, value))
+
+    def of(self, n_axes: int) -> "Individual":
+        """The individual with every number spread over the axes: (n,), (n, 4) or (n, 3).
+
+        Raises ModelError for values for another number of axes.
+        """
+        every = {
+            item.name: _spread(item.name, getattr(self, item.name), n_axes)
+            for item in fields(self)
+            if item.name not in ("hidden", *OF_STRUCTURE)
+        }
+        return replace(self, **every)
 
 
 OF_STRUCTURE = ("structure_stiffness", "structure_damping")
 """Fields with a value for each hinge of the structure, or one for all."""
-_BY_ORDER, _BY_DIRECTION = (N_AXES, N_HARMONICS), (N_AXES, 3)
-SHAPES: Mapping[str, tuple[int, ...]] = {
-    **dict.fromkeys(("gear_error", "gear_error_phase"), _BY_ORDER),
-    **dict.fromkeys(("centre_of_mass", "position", "orientation"), _BY_DIRECTION),
+_MORE: Mapping[str, tuple[int, ...]] = {
+    **dict.fromkeys(("gear_error", "gear_error_phase"), (N_HARMONICS,)),
+    **dict.fromkeys(("centre_of_mass", "position", "orientation"), (3,)),
 }
-"""Of the fields that have more than one value for each axis."""
+"""Shape of the values of each axis, of the fields that have more than one."""
+
+
+def _one_or_each(name: str, value: ArrayLike) -> Array:
+    """A read-only copy, of one number or of values for each axis. Raises ValueError else."""
+    more, shape = _MORE.get(name, ()), np.shape(value)
+    if shape == () or (len(shape) == 1 + len(more) and shape[0] > 0 and shape[1:] == more):
+        return _checked(name, value, shape)
+    each = "hinge" if name in OF_STRUCTURE else "axis"
+    rows = f" row of {more[0]}" if more else ""
+    raise ValueError(f"{name} must be one number or one{rows} for each {each}, got shape {shape}")
+
+
+def _spread(name: str, value: Array, n_axes: int) -> Array:
+    if value.ndim and len(value) != n_axes:
+        allowed = f"one number or {n_axes}, one for each axis"
+        raise ModelError(f"{name} must be {allowed}, got {len(value)}")
+    return np.broadcast_to(value, (n_axes, *_MORE.get(name, ())))
 
 
 def embodied(
@@ -146,10 +176,11 @@ def embodied(
     """Robot model of an individual of a design.
 
     Args:
-        phi: (6,) [rad], motor angles at which the holding torque of load friction is computed.
+        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
         payload: mass of the tool [kg]; that of the design if None.
         temperature: of the gears [deg C]; that of the design if None.
     """
+    individual = individual.of(design.n_axes)
     model = with_hinges(design, individual.hidden) if individual.hidden else design
     if payload is not None:
         model = with_payload(model, payload)
@@ -165,7 +196,9 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
 
     Hidden hinges, and what needs the law of load friction, are those of `embodied`.
     """
+    individual = individual.of(model.n_axes)
     model = with_friction(model, individual.friction)
+    numbers = axes_of(model.mj)
     mj, axes = model.mj, axis_actuators(model.mj)
     mj.actuator_biasprm[axes, _STRIBECK] *= individual.stribeck_speed
     mj.actuator_damping[axes] *= individual.viscous
@@ -173,13 +206,13 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     mj.actuator_dynprm[axes, _BRISTLE_DAMPING] *= np.sqrt(individual.bristle_stiffness)
     mj.actuator_biasprm[axes, _COGGING] *= individual.ripple
     mj.actuator_biasprm[axes, _COGGING_PHASE] += individual.ripple_phase
-    gears = [mj.joint(f"flex_{i}").id for i in AXES] if len(model.flex) else []
+    gears = [mj.joint(f"flex_{i}").id for i in numbers] if len(model.flex) else []
     structure = structure_hinges(model)
     stiffen(mj, gears, individual.gear_stiffness)
     stiffen(mj, structure, individual.structure_stiffness)
     mj.dof_damping[mj.jnt_dofadr[gears]] *= individual.gear_damping[: len(gears)]
     mj.dof_damping[mj.jnt_dofadr[structure]] *= np.asarray(individual.structure_damping)
-    for i in AXES:
+    for i in numbers:
         tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
         if tendon >= 0:  # the stiff part of a gear with lost motion, over its joint
             mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
@@ -201,7 +234,7 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
 
 def _carried(mj: mujoco.MjModel, axis: int) -> list[int]:
     """Bodies that a motor carries up to the next motor, without the tool."""
-    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES}
+    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in axes_of(mj)}
     own = int(mj.jnt_bodyid[mj.joint(f"motor_{axis}").id])
     found = [own]
     for body in range(own + 1, mj.nbody):  # a parent comes before its children
@@ -297,8 +330,8 @@ def with_payload(model: RobotModel, mass: float) -> RobotModel:
 
 
 def with_friction(model: RobotModel, factor: ArrayLike) -> RobotModel:
-    """Robot model with Coulomb and static friction scaled by one factor > 0 or (6,)."""
-    factor = np.broadcast_to(np.asarray(factor, dtype=np.float64), (N_AXES,))
+    """Robot model with Coulomb and static friction scaled by one factor > 0 or (n,)."""
+    factor = np.broadcast_to(np.asarray(factor, dtype=np.float64), (model.n_axes,))
     if not (np.isfinite(factor).all() and (factor > 0.0).all()):
         raise ValueError(f"friction factors must be > 0, got {factor.tolist()}")
     mj = copy.copy(model.mj)

@@ -1,6 +1,6 @@
 """Robot individuals on disk: the parameters of `Individual` in TOML.
 
-    friction = [1.02, 0.95, 1.1, 1, 1, 0.97]         # one value for each axis
+    friction = [1.02, 0.95, 1.1, 1, 1, 0.97]         # one value for each axis, or one for all
     gear_error = [[1, 1, 1, 1], ...]                 # four orders for each of six axes
     position = [[0, 0, 0.0005], ...]                 # [m], three directions for each of six axes
 

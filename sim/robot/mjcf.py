@@ -10,22 +10,31 @@ import numpy as np
 
 from armside.arrays import Array
 
-N_AXES = 6
-AXES = range(1, N_AXES + 1)
+MOST_AXES = 9
+"""Axes that a robot has at most."""
 
-_REQUIRED = {
-    mujoco.mjtObj.mjOBJ_JOINT: [f"motor_{i}" for i in AXES],
-    mujoco.mjtObj.mjOBJ_ACTUATOR: [f"axis_{i}" for i in AXES],
-    mujoco.mjtObj.mjOBJ_SITE: ["tool0", "imu", "tracker_target"],
-    mujoco.mjtObj.mjOBJ_SENSOR: [
-        *(f"axis_{i}_{quantity}" for i in AXES for quantity in ("pos", "torque")),
-        *("imu_acc", "imu_gyro", "tool0_pos", "tool0_quat"),
-    ],
-    mujoco.mjtObj.mjOBJ_NUMERIC: [
-        *("gear_ratio", "encoder_counts", "speed_limit", "velocity_feedforward"),
-        *("correction_delay", "correction_lag", "elastic_compensation", "torque_noise"),
-    ],
-}
+
+def axes_of(mj: mujoco.MjModel) -> range:
+    """Axes of a robot, counted from 1: up to the last that has a motor or an actuator."""
+    kinds = ((mujoco.mjtObj.mjOBJ_JOINT, "motor"), (mujoco.mjtObj.mjOBJ_ACTUATOR, "axis"))
+    named = (i for i in range(1, MOST_AXES + 2) if any(has(mj, k, f"{p}_{i}") for k, p in kinds))
+    return range(1, max(named, default=1) + 1)
+
+
+def _required(axes: range) -> dict[mujoco.mjtObj, list[str]]:
+    return {
+        mujoco.mjtObj.mjOBJ_JOINT: [f"motor_{i}" for i in axes],
+        mujoco.mjtObj.mjOBJ_ACTUATOR: [f"axis_{i}" for i in axes],
+        mujoco.mjtObj.mjOBJ_SITE: ["tool0", "imu", "tracker_target"],
+        mujoco.mjtObj.mjOBJ_SENSOR: [
+            *(f"axis_{i}_{quantity}" for i in axes for quantity in ("pos", "torque")),
+            *("imu_acc", "imu_gyro", "tool0_pos", "tool0_quat"),
+        ],
+        mujoco.mjtObj.mjOBJ_NUMERIC: [
+            *("gear_ratio", "encoder_counts", "speed_limit", "velocity_feedforward"),
+            *("correction_delay", "correction_lag", "elastic_compensation", "torque_noise"),
+        ],
+    }
 
 
 class ModelError(ValueError):
@@ -33,8 +42,11 @@ class ModelError(ValueError):
 
 
 def require_names(mj: mujoco.MjModel) -> None:
-    """Raise ModelError for a model that lacks a name that every robot has."""
-    for kind, names in _REQUIRED.items():
+    """Raise ModelError for a model that lacks a name that every robot has, or has too many axes."""
+    axes = axes_of(mj)
+    if len(axes) > MOST_AXES:
+        raise ModelError(f"a robot has at most {MOST_AXES} axes, the model has axis {axes[-1]}")
+    for kind, names in _required(axes).items():
         missing = [name for name in names if not has(mj, kind, name)]
         if missing:
             word = kind.name.removeprefix("mjOBJ_").lower()
@@ -52,8 +64,8 @@ def model_name(mj: mujoco.MjModel) -> str:
 
 
 def axis_actuators(mj: mujoco.MjModel) -> list[int]:
-    """Actuator of each axis, axis_1..6."""
-    return [mj.actuator(f"axis_{i}").id for i in AXES]
+    """Actuator of each axis, axis_1..n."""
+    return [mj.actuator(f"axis_{i}").id for i in axes_of(mj)]
 
 
 def numeric(mj: mujoco.MjModel, name: str, size: int) -> Array:

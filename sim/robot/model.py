@@ -11,7 +11,7 @@ from armside.arrays import Array
 
 from .drives import Drives, GearError, read_drives
 from .linkage import passive_joints
-from .mjcf import AXES, N_AXES, ModelError, axis_actuators, has, numeric, require_names
+from .mjcf import ModelError, axes_of, axis_actuators, has, numeric, require_names
 from .plausible import refuse_implausible, refuse_negative_mass
 
 
@@ -21,23 +21,23 @@ class RobotModel:
 
     mj: mujoco.MjModel
     motor: np.ndarray
-    """(6,) degree of freedom of each motor."""
+    """(n,) degree of freedom of each motor."""
     flex: np.ndarray
-    """(6,) degree of freedom of each gear spring; (0,) where the gears are rigid."""
+    """(n,) degree of freedom of each gear spring; (0,) where the gears are rigid."""
     posture: Array
-    """(nv, 6): joint angles are posture @ phi while every spring is at zero. Passive joints of a
+    """(nv, n): joint angles are posture @ phi while every spring is at zero. Passive joints of a
     closed chain follow the motors there."""
     integrator: np.ndarray
-    """(6,) activation that holds the integral of each axis' position error; (0,) without any."""
+    """(n,) activation that holds the integral of each axis' position error; (0,) without any."""
     springs: np.ndarray
     """Degrees of freedom with a joint spring: gears, then structure."""
     drives: Drives
     gear_error: GearError | None = None
     """Transmission error of the gears; None for exact gears."""
     joint_range: Array
-    """(6, 2) [rad], hard stops of the motors on the arm side."""
+    """(n, 2) [rad], hard stops of the motors on the arm side."""
     brakes: np.ndarray
-    """(6,) equality constraints that hold a motor; (0,) for a robot without brakes."""
+    """(n,) equality constraints that hold a motor; (0,) for a robot without brakes."""
     sensors: dict[str, slice]
     """Columns of `sensordata` by sensor name."""
     spec: mujoco.MjSpec | None = field(default=None, repr=False, compare=False)
@@ -52,6 +52,11 @@ class RobotModel:
     def __getstate__(self) -> dict[str, Any]:
         # MuJoCo cannot pickle a parsed file.
         return {**self.__dict__, "spec": None}
+
+    @property
+    def n_axes(self) -> int:
+        """Number of axes."""
+        return len(self.motor)
 
     @property
     def implicit(self) -> bool:
@@ -94,7 +99,7 @@ def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
         integrator=_integrators(mj),
         springs=mj.jnt_dofadr[np.flatnonzero(mj.jnt_stiffness > 0.0)],
         drives=read_drives(mj),
-        joint_range=np.array([mj.joint(f"motor_{i}").range for i in AXES]),
+        joint_range=np.array([mj.joint(f"motor_{i}").range for i in axes_of(mj)]),
         brakes=_brakes(mj),
         sensors={s.name: slice(int(s.adr[0]), int(s.adr[0] + s.dim[0])) for s in sensors},
     )
@@ -111,26 +116,28 @@ def _parsed(path: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
 
 
 def _dofs(mj: mujoco.MjModel, kind: str) -> np.ndarray:
-    return np.array([int(mj.joint(f"{kind}_{i}").dofadr[0]) for i in AXES])
+    return np.array([int(mj.joint(f"{kind}_{i}").dofadr[0]) for i in axes_of(mj)])
 
 
 def _flex_dofs(mj: mujoco.MjModel) -> np.ndarray:
     """Gear springs of all axes, or none: a rigid form of a robot has none."""
-    present = [i for i in AXES if has(mj, mujoco.mjtObj.mjOBJ_JOINT, f"flex_{i}")]
-    if present and len(present) < N_AXES:
-        absent = ", ".join(f"flex_{i}" for i in AXES if i not in present)
-        raise ModelError(f"the robot model lacks the joint {absent}; give all six or none")
+    axes = axes_of(mj)
+    present = [i for i in axes if has(mj, mujoco.mjtObj.mjOBJ_JOINT, f"flex_{i}")]
+    if present and len(present) < len(axes):
+        absent = ", ".join(f"flex_{i}" for i in axes if i not in present)
+        raise ModelError(f"the robot model lacks the joint {absent}; give all {len(axes)} or none")
     return _dofs(mj, "flex") if present else np.array([], dtype=int)
 
 
 def _posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
     """Motors are their own angles; the model states how each passive joint follows them."""
-    posture = np.zeros((mj.nv, N_AXES))
-    posture[motor, range(N_AXES)] = 1.0
+    n = len(motor)
+    posture = np.zeros((mj.nv, n))
+    posture[motor, range(n)] = 1.0
     for dof in passive_joints(mj):
         name = mj.joint(int(mj.dof_jntid[dof])).name
         if has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
-            posture[dof] = numeric(mj, name, N_AXES)
+            posture[dof] = numeric(mj, name, n)
     return posture
 
 
@@ -143,7 +150,7 @@ def _integrators(mj: mujoco.MjModel) -> np.ndarray:
 
 
 def _brakes(mj: mujoco.MjModel) -> np.ndarray:
-    names = [f"brake_{i}" for i in AXES]
+    names = [f"brake_{i}" for i in axes_of(mj)]
     if not all(has(mj, mujoco.mjtObj.mjOBJ_EQUALITY, name) for name in names):
         return np.array([], dtype=int)
     return np.array([mj.eq(name).id for name in names])

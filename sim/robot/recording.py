@@ -34,11 +34,11 @@ class Truth:
     time: Array
     """(M,) [s]."""
     gear_angle: Array
-    """(M, 6) [rad], arm side, output angles of the gears before their springs."""
+    """(M, n) [rad], arm side, output angles of the gears before their springs."""
     spring_angle: Array
-    """(M, 6) [rad], wind-up of the gear springs."""
+    """(M, n) [rad], wind-up of the gear springs."""
     motor_torque: Array
-    """(M, 6) [N m], motor side, delivered by the drives."""
+    """(M, n) [N m], motor side, delivered by the drives."""
     tool_position: Array
     tool_quaternion: Array
     """(M, 3) [m], TCP0 in base axes, and (M, 4), w first, base to tool."""
@@ -51,19 +51,20 @@ class Truth:
     """Transmission error contained in `gear_angle`."""
 
     def __post_init__(self) -> None:
-        motors = dict.fromkeys(("gear_angle", "spring_angle", "motor_torque"), (6,))
+        axes = np.shape(self.gear_angle)[1:]
+        motors = dict.fromkeys(("gear_angle", "spring_angle", "motor_torque"), axes)
         vectors = dict.fromkeys(("tool_position", "imu_acceleration", "imu_angular_velocity"), (3,))
         qpos = np.shape(self.qpos)[1:]
         _freeze(self, time=(), **motors, **vectors, tool_quaternion=(4,), qpos=qpos)
 
     @cached_property
     def motor_angle(self) -> Array:
-        """(M, 6) [rad], arm side."""
+        """(M, n) [rad], arm side."""
         return self.gear_angle - self.gear_error(self.gear_angle)
 
     @cached_property
     def flex_angle(self) -> Array:
-        """(M, 6) [rad], arm minus motor, each axis."""
+        """(M, n) [rad], arm minus motor, each axis."""
         return self.spring_angle + self.gear_error(self.gear_angle)
 
     def every(self, stride: int) -> "Truth":
@@ -84,17 +85,22 @@ class Recording:
     reference: Array
     correction: Array
     motor_angle: Array
-    """(N, 6) [rad], arm side: r, the ILC input u, and y as measured by the quantised encoder."""
+    """(N, n) [rad], arm side: r, the ILC input u, and y as measured by the quantised encoder."""
     motor_torque: Array
-    """(N, 6) [N m], motor side, reported by the drives."""
+    """(N, n) [N m], motor side, reported by the drives."""
     truth: Truth
     limits_hit: tuple[tuple[str, int, float], ...] = ()
 
     def __post_init__(self) -> None:
         names = ("reference", "correction", "motor_angle", "motor_torque")
-        _freeze(self, time=(), **dict.fromkeys(names, (6,)))
+        _freeze(self, time=(), **dict.fromkeys(names, self.truth.gear_angle.shape[1:]))
+
+    @property
+    def n_axes(self) -> int:
+        """Number of axes."""
+        return self.reference.shape[1]
 
     @property
     def error(self) -> Array:
-        """e = r - y, shape (N, 6) [rad], arm-side motor angles. Thesis (9.2)."""
+        """e = r - y, shape (N, n) [rad], arm-side motor angles. Thesis (9.2)."""
         return self.reference - self.motor_angle

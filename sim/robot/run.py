@@ -20,7 +20,6 @@ from armside.arrays import Array
 from ..instruments.encoder import quantise
 from ..instruments.noise import band_limited, white
 from .drives import EXACT
-from .mjcf import N_AXES
 from .model import RobotModel
 from .recording import Recording, Truth
 from .servo import at_step_end, correction_path, encoder_perturbation
@@ -41,9 +40,9 @@ class LoadedReference:
     log_period: float
     ratio: int
     reference: Array
-    """(N, 6) [rad]."""
+    """(N, n) [rad]."""
     controls: Array
-    """(M, 18), motor units, with zero correction and no noise."""
+    """(M, 3 n), motor units, with zero correction and no noise."""
     powered: np.ndarray
     """(M,) bool: the drives are on; otherwise the brakes hold."""
     initial_state: Array
@@ -52,26 +51,26 @@ class LoadedReference:
     def run(
         self, correction: Array | None = None, rng: np.random.Generator | None = None
     ) -> Recording:
-        """Run once with a correction (N, 6) [rad], zero if None; noise-free without `rng`."""
+        """Run once with a correction (N, n) [rad], zero if None; noise-free without `rng`."""
         return run_batch([self], [correction], [rng])[0]
 
     def controls_with(
         self, correction: Array, rng: np.random.Generator | None
     ) -> tuple[Array, Array | None]:
-        """The controls (M, 18) of one run, correction and noise added, and the encoder noise.
+        """The controls (M, 3 n) of one run, correction and noise added, and the encoder noise.
 
-        Encoder noise (M, 6) [motor rad] is None where there is none. It perturbs the set points:
+        Encoder noise (M, n) [motor rad] is None where there is none. It perturbs the set points:
         pos - (q + n) = (pos - n) - q, so the servo stays inside the physics.
         """
         drives, step = self.model.drives, self.model.timestep
         delay, lag = drives.correction_delay, drives.correction_lag
         path = correction_path(correction, self.log_period, self.ratio, delay, lag)
-        controls = self.controls.copy().reshape(-1, N_AXES, 3)
+        controls = self.controls.copy().reshape(len(self.controls), -1, 3)
         on = self.powered[:, None]
         controls[:, :, 0] += drives.gear * path.position
         velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
         controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
-        encoder_noise, shape = None, (len(controls), N_AXES)
+        encoder_noise, shape = None, controls.shape[:2]
         if rng is not None and drives.torque_noise > 0.0:
             std, bandwidth = (
                 drives.torque_noise * drives.torque_limit,
@@ -98,7 +97,7 @@ def run_batch(
     The result does not depend on the number of threads.
     """
     applied = [
-        np.zeros_like(x.reference) if u is None else checked_signal(u, "correction", x.reference)
+        np.zeros_like(x.reference) if u is None else _checked_correction(u, x)
         for x, u in zip(references, corrections, strict=True)
     ]
     inputs = [x.controls_with(u, rng) for x, u, rng in zip(references, applied, rngs, strict=True)]
@@ -179,11 +178,15 @@ def _blank_after_instability(states: Array, sensors: Array, step: float) -> None
         states[unstable:] = sensors[unstable:] = np.nan
 
 
-def checked_signal(values: Array, name: str, like: Array | None = None) -> Array:
-    """A read-only copy, (N, 6). Raises ValueError for a wrong shape or values not finite."""
+def _checked_correction(u: Array, loaded: LoadedReference) -> Array:
+    return checked_signal(u, "correction", loaded.model.n_axes, loaded.reference)
+
+
+def checked_signal(values: Array, name: str, n_axes: int, like: Array | None = None) -> Array:
+    """A read-only copy, (N, n). Raises ValueError for a wrong shape or values not finite."""
     values = np.array(values, dtype=np.float64)
-    if values.ndim != 2 or values.shape[1] != N_AXES or len(values) < 2:
-        raise ValueError(f"{name} must have shape (N, {N_AXES}), got {values.shape}")
+    if values.ndim != 2 or values.shape[1] != n_axes or len(values) < 2:
+        raise ValueError(f"{name} must have shape (N, {n_axes}), got {values.shape}")
     if like is not None and values.shape != like.shape:
         raise ValueError(f"{name} has {len(values)} samples, the reference has {len(like)}")
     if not np.isfinite(values).all():
@@ -193,7 +196,7 @@ def checked_signal(values: Array, name: str, like: Array | None = None) -> Array
 
 
 Limits = tuple[tuple[str, int, float], ...]
-"""Each limit that a run touched, as (limit, axis 1..6, first time [s])."""
+"""Each limit that a run touched, as (limit, axis 1..n, first time [s])."""
 
 WATCHED = ("torque", "speed", "joint")
 """Limits that a run is checked against."""
@@ -210,7 +213,7 @@ def truth(
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     at = slice(1, 1 + model.mj.nq)
     qpos = np.vstack((initial_state[at], states[:-1, at]))
-    angle, spring, torque = np.empty((3, len(states), N_AXES))
+    angle, spring, torque = np.empty((3, len(states), model.n_axes))
     start, rows, inputs = map(np.ascontiguousarray, (initial_state, states, controls))
     first = _motors(
         start, rows, inputs, _columns(model), _servo(model), _limits(model), (angle, spring, torque)
@@ -235,7 +238,7 @@ def truth(
 
 
 def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | None) -> Array:
-    """Encoder readings (N, 6) [rad], arm side, at gear angles; encoder noise in [motor rad]."""
+    """Encoder readings (N, n) [rad], arm side, at gear angles; encoder noise in [motor rad]."""
     drives, motor_angle = model.drives, gear_angle
     if model.gear_error is not None:
         motor_angle = motor_angle - model.gear_error(gear_angle)
@@ -247,9 +250,9 @@ def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | 
 
 
 def _columns(model: RobotModel) -> np.ndarray:
-    """(4, 6), columns of a state: motor angle, motor speed, integral, gear spring; -1 for none."""
+    """(4, n), columns of a state: motor angle, motor speed, integral, gear spring; -1 for none."""
     nq, nv = model.mj.nq, model.mj.nv
-    columns = np.full((4, N_AXES), -1)
+    columns = np.full((4, model.n_axes), -1)
     columns[0], columns[1] = 1 + model.motor, 1 + nq + model.motor
     if len(model.integrator):
         columns[2] = 1 + nq + nv + model.integrator
@@ -259,13 +262,13 @@ def _columns(model: RobotModel) -> np.ndarray:
 
 
 def _servo(model: RobotModel) -> Array:
-    """(5, 6): gear ratio, gains, torque limit."""
+    """(5, n): gear ratio, gains, torque limit."""
     drives = model.drives
     return np.array([drives.gear, drives.kp, drives.kd, drives.ki, drives.torque_limit])
 
 
 def _limits(model: RobotModel) -> Array:
-    """(3, 2, 6), lower and upper, in the order of WATCHED and the units of the truth."""
+    """(3, 2, n), lower and upper, in the order of WATCHED and the units of the truth."""
     torque, speed = model.drives.torque_limit, model.drives.speed_limit
     return np.array([(-torque, torque), (-speed, speed), model.joint_range.T])
 
@@ -280,12 +283,12 @@ def _motors(
     limits: Array,
     out: tuple[Array, Array, Array],
 ) -> np.ndarray:  # pragma: no cover - compiled
-    """Angle, spring wind-up and torque of each axis, each (M, 6), written into `out`.
+    """Angle, spring wind-up and torque of each axis, each (M, n), written into `out`.
 
     The torque is that of the servo law, limited, with the speed at the start of a step.
 
     Returns:
-        (3, 6), first row at which each limit is reached, in the order of WATCHED; or -1.
+        (3, n), first row at which each limit is reached, in the order of WATCHED; or -1.
     """
     angle, spring, torque = out
     first = np.full((len(limits), columns.shape[1]), -1)

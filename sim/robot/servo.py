@@ -26,7 +26,7 @@ VELOCITY_FILTER = 200.0
 
 @dataclass(frozen=True, kw_only=True)
 class Setpoints:
-    """Set points (M, 6) [rad] and [rad/s] at the physics rate, arm side."""
+    """Set points (M, n) [rad] and [rad/s] at the physics rate, arm side."""
 
     position: Array
     velocity: Array
@@ -59,7 +59,7 @@ def correction_path(
     """Correction at the input of the servo: first-order hold, pure delay, first-order lag.
 
     With the hold, the derivative after the lag, u_f' = 2 pi lag (u - u_f), is free of impulses.
-    correction: (N, 6) [rad], u at the log rate; delay in [s], corner frequency of the lag in [Hz].
+    correction: (N, n) [rad], u at the log rate; delay in [s], corner frequency of the lag in [Hz].
     """
     shape = ((len(correction) - 1) * ratio + 1, correction.shape[1])
     position, velocity = out = np.empty(shape), np.empty(shape)
@@ -98,17 +98,17 @@ def at_step_end(signal: Array) -> Array:
 
 
 def motor_controls(model: RobotModel, position: Array, velocity: Array, torque: Array) -> Array:
-    """Control array of the MJCF from arm-side set points (M, 6) [rad], [rad/s] and [N m].
+    """Control array of the MJCF from arm-side set points (M, n) [rad], [rad/s] and [N m].
 
     (M, nu): per actuator position [motor rad], velocity [motor rad/s], torque [motor N m].
     """
     gear = model.drives.gear
     controls = np.stack((position * gear, velocity * gear, torque / gear), axis=2)
-    return controls.reshape(len(position), 18)
+    return controls.reshape(len(position), -1)
 
 
 def encoder_perturbation(noise: Array, step: float) -> Array:
-    """Speed error [rad/s] by encoder noise (M, 6) [rad]: its difference quotient, low-passed."""
+    """Speed error [rad/s] by encoder noise (M, n) [rad]: its difference quotient, low-passed."""
     c = np.exp(-2.0 * np.pi * VELOCITY_FILTER * step)
     gain = (1.0 - c) / step
     return recursion(np.array([gain, -gain]), np.array([1.0, -c]), noise)

@@ -11,7 +11,7 @@ from .applicable import restricted
 from .drives import N_HARMONICS
 from .individual import HiddenHinge, Individual, structure_hinges
 from .linkage import Linkage
-from .mjcf import N_AXES, model_name
+from .mjcf import model_name
 from .model import RobotModel
 
 
@@ -127,19 +127,19 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
 
     Parameters that the design lacks keep their default; the draws do not depend on which those are.
     """
-    n_structure = len(structure_hinges(design))
+    n_structure, n = len(structure_hinges(design)), design.n_axes
 
     def factor(std: float, *shape: int) -> Array:
         return np.exp(std * rng.standard_normal(shape))
 
-    friction = factor(spread.friction, N_AXES)
-    gear_stiffness = factor(spread.gear_stiffness, N_AXES)
+    friction = factor(spread.friction, n)
+    gear_stiffness = factor(spread.gear_stiffness, n)
     structure_stiffness = factor(spread.structure_stiffness, n_structure)
-    ripple_phase = rng.uniform(0.0, 2.0 * np.pi, N_AXES)
-    position = spread.position * rng.standard_normal((N_AXES, 3))
-    orientation = spread.orientation * rng.standard_normal((N_AXES, 3))
+    ripple_phase = rng.uniform(0.0, 2.0 * np.pi, n)
+    position = spread.position * rng.standard_normal((n, 3))
+    orientation = spread.orientation * rng.standard_normal((n, 3))
     # Whatever came later is drawn later: earlier individuals stay who they were.
-    phases = rng.uniform(0.0, 2.0 * np.pi, (N_AXES, N_HARMONICS))
+    phases = rng.uniform(0.0, 2.0 * np.pi, (n, N_HARMONICS))
     drawn = Individual(
         friction=friction,
         gear_stiffness=gear_stiffness,
@@ -148,18 +148,18 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
         position=position,
         orientation=orientation,
         gear_error_phase=phases if spread.gear_error > 0.0 else np.zeros_like(phases),
-        gear_error=factor(spread.gear_error, N_AXES, N_HARMONICS),
-        friction_load=factor(spread.friction_law, N_AXES),
-        static_excess=factor(spread.friction_law, N_AXES),
-        stribeck_speed=factor(spread.friction_law, N_AXES),
-        viscous=factor(spread.friction_law, N_AXES),
-        bristle_stiffness=factor(spread.bristle_stiffness, N_AXES),
-        ripple=factor(spread.ripple, N_AXES),
-        lost_motion=factor(spread.lost_motion, N_AXES),
-        mass=factor(spread.mass, N_AXES),
-        gear_damping=factor(spread.damping, N_AXES),
+        gear_error=factor(spread.gear_error, n, N_HARMONICS),
+        friction_load=factor(spread.friction_law, n),
+        static_excess=factor(spread.friction_law, n),
+        stribeck_speed=factor(spread.friction_law, n),
+        viscous=factor(spread.friction_law, n),
+        bristle_stiffness=factor(spread.bristle_stiffness, n),
+        ripple=factor(spread.ripple, n),
+        lost_motion=factor(spread.lost_motion, n),
+        mass=factor(spread.mass, n),
+        gear_damping=factor(spread.damping, n),
         structure_damping=factor(spread.damping, n_structure),
-        centre_of_mass=spread.centre_of_mass * rng.standard_normal((N_AXES, 3)),
+        centre_of_mass=spread.centre_of_mass * rng.standard_normal((n, 3)),
     )
     if not Linkage(design.mj).is_open:
         # Its constraints know nothing of dampers: more damping makes a run in fifty unstable.

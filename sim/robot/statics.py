@@ -26,7 +26,7 @@ class Equilibrium:
 
     qpos: Array
     holding_torque: Array
-    """(nq,) [rad], and (6,) [N m], arm side, that the motors deliver."""
+    """(nq,) [rad], and (n,) [N m], arm side, that the motors deliver."""
 
 
 class Statics:
@@ -45,7 +45,7 @@ class Statics:
         """Generalised forces (N, nv) [N m] of the rigid motion, every spring at zero deflection.
 
         They are the forces of the joints of the chain cut open, in which a spring carries its
-        entry; `motor_torque` closes it. phi: (N, 6) [rad], arm-side motor angles.
+        entry; `motor_torque` closes it. phi: (N, n) [rad], arm-side motor angles.
         """
         data, posture = self._data, self.model.posture.T
         forces = np.empty((len(phi), self._mj.nv))
@@ -57,13 +57,13 @@ class Statics:
         return forces
 
     def motor_torque(self, forces: Array) -> Array:
-        """(..., 6) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""
+        """(..., n) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""
         return forces @ self.model.posture
 
     def deflection(self, phi: Array, forces: Array) -> Array:
         """Quasi-static displacement (N, 3) [m], base axes, of the tool from its rigid position.
 
-        phi: (N, 6) [rad]; forces: (N, nv) [N m] that the springs carry, from `rigid_forces`.
+        phi: (N, n) [rad]; forces: (N, nv) [N m] that the springs carry, from `rigid_forces`.
         """
         data, springs, site = self._data, self.model.springs, self._mj.site("tool0").id
         jacobian, moved = np.empty((3, self._mj.nv)), np.empty((len(phi), 3))
@@ -78,7 +78,7 @@ class Statics:
         return moved
 
     def equilibrium(self, phi: Array) -> Equilibrium:
-        """Static equilibrium with the motors held at phi, (6,) [rad].
+        """Static equilibrium with the motors held at phi, (n,) [rad].
 
         Raises RuntimeError when the springs cannot balance the load.
         """
@@ -120,7 +120,7 @@ def anticipated_shift(nominal: Statics, phi: Array, period: float) -> Array:
     quasi-static deflection by gravity and the rigid motion. (N, 3) [m], base axes, to be subtracted
     from the programmed tool positions.
 
-    phi: (N, 6) [rad], motor angles of the programmed path, every `period` [s].
+    phi: (N, n) [rad], motor angles of the programmed path, every `period` [s].
     """
     _, phi_dot, phi_ddot = interpolate(phi, period, 1)
     forces = nominal.rigid_forces(phi, phi_dot, phi_ddot)

@@ -13,7 +13,6 @@ import numpy as np
 from armside.arrays import Array
 
 from .drives import friction_torque
-from .mjcf import N_AXES
 from .model import RobotModel
 from .recording import Recording
 from .run import LoadedReference, checked_signal
@@ -31,12 +30,12 @@ class Commanded:
     """What a controller makes of a reference, whichever individual it drives; arm side."""
 
     reference: Array
-    """(N, 6) [rad], at the log rate."""
+    """(N, n) [rad], at the log rate."""
     position: Array
     velocity: Array
-    """(M, 6) [rad] and [rad/s], the reference at each physics step."""
+    """(M, n) [rad] and [rad/s], the reference at each physics step."""
     torque: Array
-    """(M, 6) [N m], feedforward."""
+    """(M, n) [N m], feedforward."""
 
 
 class VirtualRobot:
@@ -57,7 +56,7 @@ class VirtualRobot:
 
     def commanded(self, reference: Array) -> Commanded:
         """The controller's part of `load`. Raises ValueError as it does for a reference."""
-        reference = checked_signal(reference, "reference")
+        reference = checked_signal(reference, "reference", self.model.n_axes)
         position, velocity, _ = interpolate(reference, self.log_period, self._ratio)
         torque = self._feedforward(reference, velocity)
         return Commanded(reference, position, velocity, torque)
@@ -66,7 +65,7 @@ class VirtualRobot:
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
         Args:
-            reference: (N, 6) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
+            reference: (N, n) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
                 Or what the controller of another individual of the same robot made of it.
             motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
 
@@ -110,7 +109,7 @@ class VirtualRobot:
         return self.load(reference).run(correction, rng)
 
     def _feedforward(self, reference: Array, velocity: Array) -> Array:
-        """(M, 6) [N m], arm side: rigid computed torque, evaluated at the log rate and splined."""
+        """(M, n) [N m], arm side: rigid computed torque, evaluated at the log rate and splined."""
         statics, drives = self._nominal, self._nominal.model.drives
         if drives.torque_feedforward == 0.0:
             return np.zeros_like(velocity)
@@ -123,16 +122,18 @@ class VirtualRobot:
 
 
 def _braked_at(model: RobotModel, phi: Array) -> RobotModel:
-    """Robot model whose brakes, once engaged, hold the motors at phi (6,) [rad]."""
+    """Robot model whose brakes, once engaged, hold the motors at phi (n,) [rad]."""
     if not len(model.brakes):
-        raise ValueError("this robot has no brakes: its model lacks the equalities brake_1..6")
+        raise ValueError(
+            f"this robot has no brakes: its model lacks the equalities brake_1..{model.n_axes}"
+        )
     model = replace(model, mj=copy.copy(model.mj))
     model.mj.eq_data[model.brakes, 0] = phi
     return model
 
 
 def _check_holds(model: RobotModel, torque: Array) -> None:
-    """Raise ValueError for a holding torque (6,) [N m], arm side, above the drives' limit."""
+    """Raise ValueError for a holding torque (n,) [N m], arm side, above the drives' limit."""
     limit = np.abs(model.drives.gear) * model.drives.torque_limit
     axis = int((np.abs(torque) / limit).argmax())
     if not abs(torque[axis]) < limit[axis]:
@@ -143,10 +144,10 @@ def _check_holds(model: RobotModel, torque: Array) -> None:
 
 
 def _ripple(model: RobotModel, qpos: Array) -> Array:
-    """(6,) [N m], arm side, that drives at rest deliver without current: their torque ripple."""
+    """(n,) [N m], arm side, that drives at rest deliver without current: their torque ripple."""
     data = mujoco.MjData(model.mj)
     data.qpos[:] = qpos
-    still = np.zeros((1, N_AXES))
+    still = np.zeros((1, model.n_axes))
     data.ctrl[:] = motor_controls(model, qpos[None, model.motor], still, still)[0]
     mujoco.mj_forward(model.mj, data)
     return data.qfrc_actuator[model.motor]

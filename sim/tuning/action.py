@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..laser.design import Design
-from ..robot.mjcf import N_AXES
+from ..robot.six_axes import N_AXES
 
 
 class Scale(Enum):

@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.norms import two_norm
 
-from ..robot.mjcf import N_AXES
+from ..robot.six_axes import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .situation import Situation
 

@@ -20,6 +20,7 @@ from ..robot.applicable import check_applies
 from ..robot.cell_model import cell_model
 from ..robot.individual import Individual
 from ..robot.model import RobotModel
+from ..robot.six_axes import N_AXES
 from ..robot.spread import Drawn
 from ..twin.correction import Corrected
 from ..twin.library import learned, stored_twin
@@ -200,7 +201,7 @@ class Rules:
             "maxdev_seen": float(situation.measured.maxdev),
             **_of_twin(situation.twin),
             **({} if score is None else {"log_decrease": score.log_decrease}),
-            **({} if design is None else design.arrays()),
+            **({} if design is None else design.arrays(N_AXES)),
         }
 
 

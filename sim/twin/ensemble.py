@@ -14,7 +14,7 @@ from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
 from ..robot.individual import Individual
-from ..robot.mjcf import N_AXES
+from ..robot.six_axes import N_AXES
 from ..robot.spread import PRODUCTION
 from .learning import twin_error
 from .parameters import SPRINGS, Parameters

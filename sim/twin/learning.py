@@ -15,10 +15,10 @@ from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
 from ..evaluation.tool_error import tool_error
 from ..robot.individual import Individual, joints
-from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
+from ..robot.six_axes import AXES, N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .friction_step import FrictionStep
 from .simulation import Design

@@ -14,7 +14,7 @@ from scipy.optimize import lsq_linear
 
 from armside.arrays import Array
 
-from ..robot.mjcf import N_AXES
+from ..robot.six_axes import N_AXES
 from .parameters import Parameters
 from .sensitivities import Against, Columns, Residuals
 

@@ -19,8 +19,8 @@ from ..records.files import check_file
 from ..robot.cell_model import cell_model
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload
-from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
+from ..robot.six_axes import N_AXES
 from .bending import with_bending
 from .correction import Corrected, correct
 from .ensemble import members

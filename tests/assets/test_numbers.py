@@ -6,6 +6,7 @@ frequency and damping, calibrated numbers as factors: nothing is copied from the
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,8 +14,8 @@ import pytest
 
 from armside import assets, kinematics
 from armside.sim.calibration.parameters import Trim, differing
-from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
+from armside.sim.robot.six_axes import AXES
 
 FILE_DIGITS = 1e-6  # relative; numbers in the files have six to eight digits
 LIMIT_DIGITS = 1e-5  # [rad], [rad/s]
@@ -24,7 +25,7 @@ LIMIT_DIGITS = 1e-5  # [rad], [rad/s]
 class Source:
     """Data of one robot as its sources state them."""
 
-    file: object
+    file: Path
     bodies: dict
     """kg, centre of mass [m], radii of gyration [m]."""
     rotor_inertia: tuple

@@ -66,8 +66,8 @@ def test_the_seed_changes_noise_and_instruments_but_not_the_individual(design):
     a, b = (prepare(cut, seed=seed, nominal=design) for seed in (0, 1))
     for name in ("jnt_stiffness", "body_mass", "body_pos", "actuator_biasprm"):
         assert np.array_equal(getattr(a.loaded.model.mj, name), getattr(b.loaded.model.mj, name))
-    runs = [first_run(e).recording.truth.tool_position for e in (a, b)]
-    assert not np.array_equal(*runs)
+    one, other = (first_run(e).recording.truth.tool_position for e in (a, b))
+    assert not np.array_equal(one, other)
 
 
 def test_a_design_has_the_parameters_of_its_file_and_draws_do_not_depend_on_them(design, irb1400):
@@ -102,13 +102,18 @@ def test_individuals_of_the_irb1400_keep_their_linkage_closed(irb1400, number):
     assert loop_error(made.loaded.model.mj, truth.qpos[::8]) < 1e-7
 
 
+def test_values_for_another_number_of_axes_are_refused(design):
+    with pytest.raises(ModelError, match="mass must be one number or 6, one for each axis, got 5"):
+        check_applies(design, Individual(mass=np.ones(5)))
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"friction": np.ones(5)}, "friction must be 6 finite numbers, got shape"),
+        ({"friction": np.ones((2, 2))}, "friction must be one number or one for each axis, got sh"),
         ({"mass": np.full(6, np.nan)}, "mass must be 6 finite numbers, got"),
-        ({"gear_error": np.ones(6)}, "gear_error must be 6 x 4 finite numbers, got shape"),
-        ({"structure_damping": np.ones((2, 3))}, "structure_damping must be 6 finite numbers"),
+        ({"gear_error": np.ones(6)}, "gear_error must be one number or one row of 4 for each axis"),
+        ({"structure_damping": np.ones((2, 3))}, "structure_damping must be one number or one for"),
     ],
 )
 def test_parameters_of_a_wrong_shape_or_without_a_value_are_refused(given, said):

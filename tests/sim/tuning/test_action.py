@@ -18,7 +18,9 @@ ROUNDING = 1e-6
 
 def test_the_table_of_the_env_says_what_the_variables_are():
     rows = re.findall(
-        r"^ +\| (\w+) \| ([\d.]+) \| ([\d.]+) \| .* \| ([\w ]+) \|$", IlcTuningEnv.__doc__, re.M
+        r"^ +\| (\w+) \| ([\d.]+) \| ([\d.]+) \| .* \| ([\w ]+) \|$",
+        IlcTuningEnv.__doc__ or "",
+        re.M,
     )
     assert rows == [(v.name, f"{v.low:g}", f"{v.high:g}", v.scale.value) for v in VARIABLES]
 
@@ -43,7 +45,7 @@ def test_the_ends_of_an_action_are_the_ends_of_the_ranges(motors):
 
 @pytest.mark.parametrize("motors", list(Motors))
 def test_the_thesis_design_is_an_action(motors):
-    made = design_of(action_of(THESIS, motors), motors).arrays()
+    made = design_of(action_of(THESIS, motors), motors).arrays(6)
     assert made["gamma"] == pytest.approx(np.full(6, 0.9), rel=ROUNDING)
     assert made["delta"].tolist() == [3.0] * 6
     assert made["cutoff"] == pytest.approx(np.full(6, 10.0), rel=ROUNDING)
