@@ -47,8 +47,10 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
 
     A series over a short step d, doubled up to h: Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
     """
-    A, GWG = np.ascontiguousarray(A), np.ascontiguousarray(GWG)
-    return _sampled_noise(A, GWG, step, _doublings(A * step))
+    balanced, units = _balanced(A)
+    spread = np.ascontiguousarray(GWG / np.outer(units, units))
+    Ad, Qd = _sampled_noise(balanced, spread, step, _doublings(balanced * step))
+    return Ad * np.outer(units, 1.0 / units), Qd * np.outer(units, units)
 
 
 @njit(cache=True)
@@ -87,15 +89,29 @@ def exponential(A: Array) -> Array:
     As accurate as scipy's for small matrices, and without the threads of LAPACK, whose start-up
     costs more than the calculation on busy cores.
     """
-    doublings = _doublings(A)
-    scaled = A / 2**doublings
+    balanced, units = _balanced(A)
+    doublings = _doublings(balanced)
+    scaled = balanced / 2**doublings
     total = power = np.eye(len(A))
     for k in range(1, _SERIES + 1):
         power = scaled @ power / k
         total = total + power
     for _ in range(doublings):
         total = total @ total
-    return total
+    return total * np.outer(units, 1.0 / units)
+
+
+def _balanced(A: Array) -> tuple[Array, Array]:
+    """A in units (n,) of its states, powers of two, in which its norm is small; rounds nothing.
+
+    Torques beside angles need twenty doublings more than the dynamics do.
+    """
+    from scipy.linalg import matrix_balance
+
+    if not np.isfinite(A).all():
+        return np.ascontiguousarray(A), np.ones(len(A))
+    balanced, (units, _) = matrix_balance(A, permute=False, separate=True)
+    return np.ascontiguousarray(balanced, dtype=np.float64), units
 
 
 def _doublings(A: Array) -> int:

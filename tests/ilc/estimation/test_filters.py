@@ -49,6 +49,23 @@ def test_exponential_is_that_of_scipy():
     assert exponential(M) == pytest.approx(expm(M), rel=1e-9, abs=1e-9 * np.abs(expm(M)).max())
 
 
+def test_units_of_the_states_cost_no_digits():
+    """An oscillator whose velocity is counted in parts of 1e-9: torques beside angles are alike."""
+    omega, step, unit = 300.0, 0.01, 1e9
+    A = np.array([[0.0, 1.0 / unit], [-(omega**2) * unit, 0.0]])
+    cos, sin = np.cos(omega * step), np.sin(omega * step)
+    exact = np.array([[cos, sin / omega / unit], [-omega * sin * unit, cos]])
+    assert exponential(A * step) == pytest.approx(exact, rel=1e-12, abs=0.0)
+    units = np.diag([1.0, unit])
+    intensity = np.diag([0.0, 2.0])
+    A_plain = np.array([[0.0, 1.0], [-(omega**2), 0.0]])
+    Ad, Qd = sampled_noise(A, units @ intensity @ units, step)
+    Ad_plain, Qd_plain = sampled_noise(A_plain, intensity, step)
+    assert Ad == pytest.approx(exact, rel=1e-12, abs=0.0)
+    assert Qd == pytest.approx(units @ Qd_plain @ units, rel=1e-11, abs=0.0)
+    assert Ad_plain == pytest.approx(np.linalg.inv(units) @ exact @ units, rel=1e-12, abs=0.0)
+
+
 def test_sampled_noise_is_the_integral_of_the_spread(process):
     t = np.linspace(0.0, STEP, 2001)
     spread = np.array([expm(A * s) @ W @ expm(A * s).T for s in t])
