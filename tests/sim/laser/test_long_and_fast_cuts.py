@@ -1,0 +1,36 @@
+"""Cuts at the edges of what an estimate serves: fast ones are learned, long ones are said."""
+
+import pytest
+
+from armside.sim.cut.contour import slot
+from armside.sim.cut.timing import PathLimits
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser import Cut, ToolPath, learn, prepare
+from armside.sim.laser.learning import first_run
+from armside.sim.laser.notes import GROWTH
+from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.laser.results import results
+from armside.sim.notes import Cause
+
+
+def test_a_sound_imu_is_not_refused_on_a_fast_cut():
+    """149 mm/s and 8 m/s^2: the search once turned the IMU for what its springs left."""
+    cut = Cut(speed=0.149, limits=PathLimits(acceleration=8.0), imu=ImuCfg())
+    experiment, measure = prepare(cut), ToolPath()
+    run = first_run(experiment)
+    output = measure.commissioned(experiment, measure.assumed(experiment), run)
+    assert output.known.fault is None
+    assert path_error(output(run), run) < 0.3 * path_error(rigid_path(run), run)
+
+
+def test_an_outline_on_which_the_estimate_misleads_is_never_done_in_silence():
+    """Springs of one place predict the change of gravity sag along 700 mm wrongly."""
+    cut = Cut(contour=slot(0.3, 0.08), speed=0.08, imu=ImuCfg())
+    iterations = list(learn(cut, measure="estimate", iterations=2))
+    first, last = iterations[0].tool_true.rms, iterations[-1].tool_true.rms
+    assert last > GROWTH * first  # a cut on which the tool improves shows nothing here
+    found = results(prepare(cut), iterations)
+    (note,) = [note for note in found["notes"] if note.cause is Cause.TOOL]
+    measured = [1e6 * iteration.tool.rms for iteration in (iterations[0], iterations[-1])]
+    assert note.text == "learning made the tool worse: RMS {:.4g} to {:.4g} um".format(*measured)
+    assert measured == pytest.approx([1e6 * first, 1e6 * last], abs=2.0)  # noise of the tracker
