@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 COMMANDS = {
     "laser": "Cut a shape with the virtual robot and learn to cut it.",
+    "cut": "Cut a whole part from its drawing and learn to cut it.",
     "imu": "Predict what an IMU on the moving tool measures.",
     "identify": "Find the arm's springs from one cut and an IMU.",
     "commission": "Make a robot's digital twin from a few cuts.",
@@ -42,6 +43,8 @@ def load(name: str) -> Callable[..., None]:
     match name:
         case "laser":
             from .commands.laser import laser as command
+        case "cut":
+            from .commands.cut import cut as command
         case "imu":
             from .commands.imu import imu as command
         case "identify":

@@ -15,6 +15,8 @@ class Cause(Enum):
     """An acceleration limit made a motion longer."""
     SATURATION = "saturation"
     """A drive or a joint reached its limit."""
+    DRAWING = "drawing"
+    """Something of a drawing is not cut."""
     BEAM = "beam"
     """The laser tracker lost the reflector."""
     GUARD = "guard"

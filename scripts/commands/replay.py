@@ -88,9 +88,11 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     if len({run.resolve() for run in runs}) < len(runs):
         raise InputError("a folder was given twice")
     stored = [read_run(run) for run in runs]
-    others = [run for run in stored if run.experiment != "laser"]
+    others = [run for run in stored if run.experiment not in ("laser", "cut")]
     if len(stored) > 1 and others:
-        raise InputError(f"only laser runs are shown side by side; {others[0].folder} is another")
+        raise InputError(
+            f"only runs of laser and cut are shown side by side; {others[0].folder} is another"
+        )
     if cfg.video is not None:
         from armside.sim.replay.film import check_film
 
@@ -98,7 +100,9 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     if len(stored) > 1 and (cfg.png or cfg.video):
         raise InputError("--png and --video take one run")
     if others and cfg.magnification is not None:
-        raise InputError("--magnification is for laser runs: others have no path to deviate from")
+        raise InputError(
+            "--magnification is for runs of laser and cut: others have no path to deviate from"
+        )
     if not (cfg.web or cfg.save or cfg.png or cfg.video):
         check_display("use --web for a browser, or --save, --png, --video for files")
     return stored

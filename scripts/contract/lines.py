@@ -34,6 +34,7 @@ class Line(NamedTuple):
 
 BASE: dict[str, tuple[str, ...]] = {
     "laser": ("--iterations", "0"),
+    "cut": ("../files/contour.toml", "--iterations", "0"),
     "imu": ("--motion", "rest", "--off", "2", "--on", "2"),
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),

@@ -5,6 +5,7 @@ joint limits. `plan_cut` does both, at the highest speed that path and joint lim
 """
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,7 @@ from armside.kinematics import Limits, Robot, inverse_path
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
+from .contour import ClosedCurve
 from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
 
@@ -53,6 +55,11 @@ class ToolMotion:
     def plane(self) -> Plane:
         """Plane of the contour."""
         return self.path.plane
+
+    @property
+    def curve(self) -> ClosedCurve:
+        """The contour."""
+        return self.path.curve
 
     def position_at(self, time: ArrayLike) -> Array:
         """Programmed tool position at any times [s], shape (..., 3) [m]."""
@@ -139,8 +146,22 @@ def _unit_quaternion(quaternion: ArrayLike) -> Array:
     return q / np.linalg.norm(q)
 
 
+class Positions(Protocol):
+    """Poses of the tool at the log rate."""
+
+    @property
+    def position(self) -> Array:
+        """(N, 3) [m], base axes."""
+        ...
+
+    @property
+    def quaternion(self) -> Array:
+        """(N, 4), base to tool."""
+        ...
+
+
 def joint_reference(
-    motion: ToolMotion,
+    motion: Positions,
     robot: Robot,
     limits: Limits,
     *,

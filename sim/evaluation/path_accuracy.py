@@ -8,8 +8,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 
-from ..cut.tool_motion import ToolMotion
-from .tool_error import fit
+from .tool_error import ProgrammedContour, fit
 
 POINTS = 100
 """Points along the contour."""
@@ -27,7 +26,7 @@ class PathMeasures:
     """RT_p [m], likewise; NaN for a single run."""
 
 
-def path_measures(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> PathMeasures:
+def path_measures(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]) -> PathMeasures:
     """Path accuracy and repeatability of runs over the contour of `motion`; see `attained`."""
     wanted, reached = commanded(motion), attained(motion, runs)
     several = len(runs) > 1
@@ -39,13 +38,13 @@ def path_measures(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Pa
     )
 
 
-def commanded(motion: ToolMotion) -> Array:
+def commanded(motion: ProgrammedContour) -> Array:
     """Commanded points (M, 3) [m] of the contour in its plane: x, y and a height of zero."""
-    curve = motion.path.curve
+    curve = motion.curve
     return _flat(curve.point(_arc_length(curve.length)))
 
 
-def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
+def attained(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]) -> Array:
     """Attained points (n, M, 3) [m]: each run at the normal planes of the commanded points.
 
     All runs are moved by one rigid motion in the plane, which fits all of them together to the
@@ -55,7 +54,7 @@ def attained(motion: ToolMotion, runs: Sequence[tuple[Array, Array]]) -> Array:
     Args:
         runs: for each run (K,) time [s] and (K, 3) position [m] in base axes.
     """
-    curve = motion.path.curve
+    curve = motion.curve
     turns = [motion.plane.from_base(p[motion.is_on_contour(time)]) for time, p in runs]
     stacked, points = np.concatenate(turns), commanded(motion)
     if len(stacked) < 3 * len(turns) or not np.isfinite(stacked).all():

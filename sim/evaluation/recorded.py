@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.measures import norms
 
+from ..cut.tool_motion import ToolMotion
+from ..instruments.laser_tracker import TrackerSamples
+from ..part.motion import PartMotion
 from ..records.signals import Signals
 from .tool_error import tool_error
 
@@ -63,10 +66,20 @@ def measure_signals(signals: Signals) -> list[RecordedMeasures]:
     for run in signals.runs:
         rms = maxdev = np.nan
         if run.tracker is not None:
-            tool = tool_error(path, run.tracker.time, run.tracker.position)
-            rms, maxdev = tool.rms, tool.maxdev
+            rms, maxdev = _tool(path, run.tracker)
         rows.append(_measures(run.k, run.recording.error * gear, rms, maxdev))
     return rows
+
+
+def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, float]:
+    """RMS and largest deviation [m] of a contour, or of all contours of a part by their length."""
+    if isinstance(path, ToolMotion):
+        tool = tool_error(path, seen.time, seen.position)
+        return tool.rms, tool.maxdev
+    each = [tool_error(place, seen.time, seen.position) for place in path.places]
+    length = [cut.turn.length for cut in path.cuts]
+    rms = np.sqrt(np.average([tool.rms**2 for tool in each], weights=length))
+    return float(rms), max(tool.maxdev for tool in each)
 
 
 def measure_table(

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pyarrow as pa
 
 from ..cut.notes import motion_notes
+from ..cut.tool_motion import ToolMotion
 from ..instruments.notes import beam
 from ..notes import Cause, Note, together
 from ..records.signals import Signals
@@ -18,7 +19,7 @@ def notes_of_signals(signals: Signals) -> list[Note]:
 
 
 def _of_signals(signals: Signals) -> Iterator[Note]:
-    if signals.path is not None:
+    if isinstance(signals.path, ToolMotion):
         yield from motion_notes(signals.path)
     for run in signals.runs:
         yield from (note.at(run.k) for note in saturation(run.recording))

@@ -5,14 +5,16 @@ flat for one; any other contour is moved and rotated onto the programmed one.
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
 from ..cut.contour import Circle, ClosedCurve, outward_normal
-from ..cut.tool_motion import ToolMotion
+from ..cut.path import Plane
 
 CONVERGED = 1e-12
 """[m] and [rad]: largest last step of a fit."""
@@ -32,7 +34,19 @@ class ToolError:
     """(M, 2) [m], the measured contour in its plane, fitted to the programmed one."""
 
 
-def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
+class ProgrammedContour(Protocol):
+    """A contour in its plane, and the times at which it is cut."""
+
+    @property
+    def plane(self) -> Plane: ...
+    @property
+    def curve(self) -> ClosedCurve: ...
+    def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]:
+        """Mask of the times [s] on the contour."""
+        ...
+
+
+def tool_error(motion: ProgrammedContour, time: Array, position: Array) -> ToolError:
     """Error of the tool on one turn of the contour, (9.6) and (9.7).
 
     On a contour that is no circle, the distance from it takes the place of r_ref - r_meas. Where
@@ -47,7 +61,7 @@ def tool_error(motion: ToolMotion, time: Array, position: Array) -> ToolError:
         seen = points[finite.all(axis=1)]
         centred = seen - seen.mean(axis=0) if len(seen) else seen
         return ToolError(rms=np.nan, maxdev=np.nan, path=centred)
-    curve = motion.path.curve
+    curve = motion.curve
     if isinstance(curve, Circle):
         path = points - _centre(points, curve.radius)
         deviation = curve.radius - np.hypot(path[:, 0], path[:, 1])

@@ -102,6 +102,22 @@ def plan_program(
     return _sampled(program, spans, clock + rest_after, step, tuple(reports))
 
 
+def straight_timing(program: Program, robot: Robot, limits: Limits) -> Timing:
+    """Timing of a program of one MoveL, as its fraction of the way from 0 to 1.
+
+    Raises ProgramError as `plan_program`.
+    """
+    pieces, timings = _Planner(program, compile_robot(robot), limits).fastest([0])
+    first = np.array([piece.curve.first for piece in pieces])
+    span = np.array([piece.curve.last for piece in pieces]) - first
+    begins = np.concatenate([[0.0], np.cumsum([timing.duration for timing in timings])])
+    states = [part * timing.state for part, timing in zip(span, timings, strict=True)]
+    for state, offset in zip(states, first, strict=True):
+        state[:, 0] += offset
+    start = [begin + t.start for begin, t in zip(begins[:-1], timings, strict=True)]
+    return Timing(np.concatenate(start), np.concatenate(states), float(begins[-1]))
+
+
 def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
     """Indices of moves that follow without a stop; a wait is a chain of its own."""
     chains: list[list[int]] = []

@@ -14,14 +14,18 @@ from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
 from ..cut.path import CuttingPath, Plane
 from ..cut.timing import Timing
 from ..cut.tool_motion import ToolMotion
+from ..part.motion import PartMotion
+from . import part_path
 from .summary import plain
 
 LEADS = ("lead_in", "lead_out", "spiral")
 SPEEDS = ("programmed_speed", "reached_speed", "rest_before")
 
 
-def to_json(motion: ToolMotion) -> dict[str, Any]:
+def to_json(motion: ToolMotion | PartMotion) -> dict[str, Any]:
     """Block of JSON values. Raises ValueError for a contour that is no Circle or ArcsAndLines."""
+    if isinstance(motion, PartMotion):
+        return part_path.to_json(motion)
     path = motion.path
     if not isinstance(path.curve, (Circle, ArcsAndLines)):
         given = type(path.curve).__name__
@@ -40,8 +44,10 @@ def to_json(motion: ToolMotion) -> dict[str, Any]:
     return plain(block | {name: getattr(motion, name) for name in SPEEDS})
 
 
-def from_json(block: Mapping[str, Any]) -> ToolMotion:
-    """Tool motion of a block written by `to_json`. Raises KeyError for another block."""
+def from_json(block: Mapping[str, Any]) -> ToolMotion | PartMotion:
+    """Motion of a block written by `to_json`. Raises KeyError for another block."""
+    if "legs" in block:
+        return part_path.from_json(block)
     path = CuttingPath(
         curve=_curve(block["contour"]),
         plane=Plane(**{name: np.array(value) for name, value in block["plane"].items()}),

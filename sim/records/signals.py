@@ -24,6 +24,7 @@ from armside.arrays import Array
 from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.sampling import rate_of, stride
+from ..part.motion import PartMotion
 from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
@@ -66,7 +67,7 @@ class Signals:
     config: dict[str, Any]
     seed: int | None
     version: str
-    path: ToolMotion | None = None
+    path: ToolMotion | PartMotion | None = None
     """Programmed path; None where none was cut, or in a file of armside before this was stored."""
     gear: Array | None = None
     """(n,) gear ratios; None where the file has none."""
@@ -79,7 +80,7 @@ def write_signals(
     config: Mapping[str, Any],
     seed: int | None,
     truth_rate: float = 1000.0,
-    motion: ToolMotion | None = None,
+    motion: ToolMotion | PartMotion | None = None,
     gear: ArrayLike | None = None,
 ) -> None:
     """Write the runs to one file, whole or not at all. The same data gives the same bytes.

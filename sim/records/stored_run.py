@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import mujoco
 
     from ..cut.tool_motion import ToolMotion
+    from ..part.motion import PartMotion
     from .signals import Signals
 
 
@@ -52,7 +53,7 @@ class StoredRun:
             return read_signals(file)
 
     @property
-    def path(self) -> "ToolMotion":
+    def path(self) -> "ToolMotion | PartMotion":
         """Programmed tool motion. Raises InputError for a run that has none."""
         if self.signals.path is None:
             missing = f"no programmed path: {self._writer} stored none; run it again"

@@ -20,7 +20,7 @@ from ..records.stored_run import StoredRun
 from .entities import BLUE, GREY, INK, ORANGE
 from .offscreen import Offscreen, drawn_model, named_camera
 from .paths import Contour, fitting_magnification
-from .run_scene import stored_scene
+from .run_scene import REDRAWN, stored_scene
 
 WIDTH, HEIGHT = 800, 600
 """Size of the robot's picture [pixels]; the path's is as high and square."""
@@ -43,13 +43,13 @@ class Shots:
 
 
 def stored_shots(run: StoredRun) -> Shots:
-    """Shots of a laser or an IMU run on disk.
+    """Shots of a laser, cut or IMU run on disk.
 
     Raises InputError for another experiment, or a run that lacks its path or its robot.
     """
-    if run.experiment not in ("laser", "imu"):
+    if run.experiment not in (*REDRAWN, "imu"):
         raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
-    contours = stored_scene(run).contours if run.experiment == "laser" else []
+    contours = stored_scene(run).contours if run.experiment in REDRAWN else []
     config = run.summary["config"]
     source = Path(config.get("model") or CELLS[config["robot"]].xml)
     mj = drawn_model(run.robot, source, run.file("robot.xml"))

@@ -8,6 +8,7 @@ from armside import kinematics
 from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
+from ..part.motion import PartMotion
 from ..records.signals import RecordedRun
 
 MAGNIFICATIONS = (50.0, 20.0, 10.0, 5.0, 2.0)
@@ -19,7 +20,7 @@ class Contour:
     """Programmed, motor-side and true tool path of one run in the plane, at the log's instants."""
 
     def __init__(
-        self, run: RecordedRun, motion: ToolMotion, robot: kinematics.CompiledRobot
+        self, run: RecordedRun, motion: ToolMotion | PartMotion, robot: kinematics.CompiledRobot
     ) -> None:
         recording, plane = run.recording, motion.plane
         self.time = recording.time

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..cell import CELLS
 from ..cut.tool_motion import ToolMotion
+from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
 from ..records.errors import InputError, reading
 from ..records.signals import RecordedRun
@@ -16,6 +17,8 @@ from ..records.stored_run import StoredRun
 from .scene import Scene, write_scenes
 
 Row = Mapping[str, Any]
+REDRAWN = ("laser", "cut")
+"""Commands whose runs hold all that a replay is drawn from."""
 DESIGN = ("robot", "pose", "shape", "speed", "measure", "law", "gamma", "delta", "cutoff")
 LEGEND = """\
 Motors learn from their own angles: their error falls. The tracker measures the tool.
@@ -27,13 +30,14 @@ def laser_scene(
     outcome: Mapping[str, Any],
     mj: mujoco.MjModel,
     runs: Sequence[RecordedRun],
-    motion: ToolMotion,
+    motion: ToolMotion | PartMotion,
     *,
     name: str = "",
 ) -> Scene:
     """Scene of a laser run with the summary `outcome`."""
     rows, robot = outcome["iterations"], CELLS[outcome["config"]["robot"]].robot
-    curves, text = learning(rows) if len(rows) == len(runs) else {}, about(outcome)
+    kept = [row for row in rows if row["k"] in {run.k for run in runs}]
+    curves, text = learning(kept) if len(kept) == len(runs) else {}, about(outcome)
     return Scene(
         mj=mj, runs=runs, motion=motion, robot=robot, name=name, about=text, learning=curves
     )
@@ -44,8 +48,8 @@ def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
 
     Raises InputError for another experiment, or a run that lacks its path or its robot.
     """
-    if run.experiment != "laser":
-        other = f"is a run of {run.experiment}; only those of laser are redrawn"
+    if run.experiment not in REDRAWN:
+        other = f"is a run of {run.experiment}; only those of laser and cut are redrawn"
         raise InputError(f"{run.folder} {other}")
     robot, signals, path = run.robot, run.signals, run.path
     with reading(run.folder / "summary.json"):
@@ -71,7 +75,7 @@ def read_replay(runs: Sequence[StoredRun]) -> Stored:
     Several are shown side by side under their folders' names, numbered where two are alike. Raises
     InputError for runs of other experiments side by side, or a file that is missing.
     """
-    if len(runs) == 1 and runs[0].experiment != "laser":
+    if len(runs) == 1 and runs[0].experiment not in REDRAWN:
         return runs[0].file("replay.rrd").read_bytes()
     names = [run.folder.resolve().name if len(runs) > 1 else "" for run in runs]
     unique = [f"{name}-{i}" if names.count(name) > 1 else name for i, name in enumerate(names, 1)]

@@ -16,6 +16,7 @@ from armside import kinematics
 from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
+from ..part.motion import PartMotion
 from ..records.signals import RecordedRun
 from . import entities
 from .blueprint import Layout, blueprint
@@ -34,7 +35,7 @@ class Scene:
     """Model of the runs; it has as many joint positions as their qpos."""
     runs: Sequence[RecordedRun]
     """Iterations, in order."""
-    motion: ToolMotion
+    motion: ToolMotion | PartMotion
     robot: kinematics.Robot
     """D-H model, which gives the tool's path by motor angles alone."""
     name: str = ""

@@ -16,6 +16,7 @@ from armside.sim.records.atomic import STAGED
 SECONDS = 60.0
 COMMANDS = {
     "laser": "laser --iterations 0 --out a",
+    "cut": "cut ../files/contour.toml --plan-only --out a",
     "imu": "imu --motion rest --off 3 --on 3 --out a",
     "csv": "convert ../files/run --file a.csv",
     "mat": "convert ../files/run --to mat --file a.mat",

@@ -1,0 +1,76 @@
+"""`armside cut`: a robot cuts a whole part from its drawing, and learns all contours at once."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from armside.sim.notes import Note
+from armside.sim.part_run.learning import PartIteration, learn
+from armside.sim.part_run.notes import all_notes, plan_notes, run_notes
+from armside.sim.part_run.results import Rows, results, rows_of
+from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
+from armside.sim.records.summary import dumps, summary
+
+from ..cutting.part import plan_entries, planned, prepared
+from ..cutting.part_options import CutCfg
+from ..figures.part_results import show_plan, show_results, write_plan, write_results
+from ..shell.console import Report
+from ..shell.errors import RunFailed, checking_input
+from ..shell.options import Common, check_read
+
+Drawing = Annotated[Path, Parameter(validator=check_read)]
+ENDS = {
+    "diverged": "learning diverged at iteration {k}",
+    "worse": "learning made the tool worse than before",
+}
+"""Endings that are failures."""
+
+
+def cut(part: Drawing, *, cfg: CutCfg = CutCfg(), common: Common = Common()) -> None:
+    """Cut a whole part from a drawing (.dxf, .svg, .toml) and learn all its contours at once.
+
+    Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
+    the first and last run, and replay.rrd.
+    """
+    report = Report(common)
+    with checking_input():
+        check_writable(common.out or RUNS / "cut")
+        plan = planned(part, cfg)
+        ready = None if cfg.plan_only else prepared(plan, cfg, common.seed)
+    show_plan(report, plan)
+    about: dict[str, Any] = {"part": part}
+    with RunFolder("cut", seed=common.seed, out=common.out) as folder:
+        write_plan(folder, plan)
+        if ready is None:
+            notes = list(plan_notes(plan))
+            outcome = summary("cut", cfg, common, **about, **plan_entries(plan), notes=notes)
+            (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+        else:
+            experiment, set_up = ready
+            found = learn(experiment, set_up, cfg.iterations)
+            kept, rows, said = _learned(report, found, cfg.iterations + 1)
+            notes = all_notes(plan, said, rows)
+            outcome = summary("cut", cfg, common, **about, **results(experiment, rows), notes=notes)
+            write_results(folder, experiment, kept, outcome)
+    report.notes(notes)
+    if ready is not None:
+        show_results(report, outcome)
+    report.results(outcome, folder.path)
+    if outcome["status"] in ENDS:
+        raise RunFailed(ENDS[outcome["status"]].format(k=outcome["iterations"][-1]["k"]))
+
+
+def _learned(
+    report: Report, iterations: Iterator[PartIteration], runs: int
+) -> tuple[list[PartIteration], list[Rows], list[Note]]:
+    """First and last iteration, the measures of all, and their notes."""
+    kept, rows, notes = list[PartIteration](), list[Rows](), list[Note]()
+    with report.progress("cutting", total=runs) as step:
+        for iteration in iterations:
+            kept = [*kept[:1], iteration]
+            rows.append(rows_of(iteration))
+            notes += run_notes(iteration)
+            step()
+    return kept, rows, notes

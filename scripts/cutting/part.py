@@ -1,0 +1,69 @@
+"""A part as the options of `armside cut` ask: read, planned, and prepared for its first run."""
+
+from pathlib import Path
+from typing import Any
+
+from armside.sim.laser.measures import MotorAngles, SetUp
+from armside.sim.part.chain import MM
+from armside.sim.part.file import read_part
+from armside.sim.part.plan import Plan, plan
+from armside.sim.part_run.experiment import Job, PartExperiment, prepare
+from armside.sim.part_run.tool_measure import MEASURES
+
+from ..shell.effort import refuse_absurd
+from .effort import effort
+from .part_options import CutCfg, cutting, reading, setup
+
+
+def planned(file: Path, cfg: CutCfg) -> Plan:
+    """Plan of a drawing.
+
+    Raises ValueError for a drawing that cannot be cut, with the place, and InputError for one that
+    would take too long.
+    """
+    try:
+        part = read_part(file, reading(cfg))
+    except ModuleNotFoundError as error:
+        raise ValueError(
+            f"drawings need packages: pip install 'armside[parts]' ({error})"
+        ) from error
+    length, runs = sum(contour.chain.length for contour in part.contours), cfg.iterations + 1
+    what = f"{runs} runs along {length / MM:.4g} mm at {cfg.speed:g} mm/s"
+    estimated = cfg.measure == "estimate"
+    refuse_absurd(what, effort(length, cfg.speed * MM, runs, estimated=estimated))
+    return plan(part, cutting(cfg))
+
+
+def prepared(found: Plan, cfg: CutCfg, seed: int) -> tuple[PartExperiment, SetUp]:
+    """The part before its first run, and what is learned from.
+
+    Raises ValueError where the part leaves the reach or the limits, with the place.
+    """
+    job = Job(
+        part=found.part,
+        cutting=found.cutting,
+        setup=setup(cfg),
+        across_tool=cfg.plane == "tool",
+    )
+    experiment = prepare(job, found, seed=seed)
+    measure = MotorAngles() if cfg.measure == "motor" else MEASURES[cfg.measure]
+    return experiment, measure.prepare(experiment)
+
+
+def plan_entries(found: Plan) -> dict[str, Any]:
+    """The plan as summary.json has it. SI units."""
+    return {
+        "seconds": found.seconds,
+        "contours": [
+            {
+                "name": cut.contour.name,
+                "kind": cut.contour.kind,
+                "length": cut.path.length - 2.0 * cut.lead,
+                "asked_speed": found.cutting.speed,
+                "reached_speed": cut.reached_speed,
+                "seconds": cut.seconds,
+                "iterations": [],
+            }
+            for cut in found.cuts
+        ],
+    }

@@ -1,0 +1,133 @@
+"""Options of `armside cut`, in the units that a person types."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from cyclopts import Group, Parameter
+
+from armside.sim.cut.timing import PathLimits
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.setup import Setup
+from armside.sim.part.chain import MM
+from armside.sim.part.drawn import Reading, Unit
+from armside.sim.part.plan import Cutting
+
+from ..shell.options import FileToRead, options
+from .individual import IndividualCfg, robot_state
+from .options import FRICTION_SPREAD, LARGEST, SLOWEST, SMALLEST_BEAM
+
+_PLAN = Group("Drawing and plan", sort_key=1)
+_OF_PLAN = Parameter(group=_PLAN)
+_SEVERAL = Parameter(group=_PLAN, consume_multiple=True)
+MOST_JOINTS = 1000
+LARGEST_MM = 1e3
+"""[mm], of the plan's small lengths."""
+LONGEST_PIERCE = 600.0
+"""[s]."""
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class CutCfg(IndividualCfg):
+    """Drawing, plan, robot and learning."""
+
+    layers: Annotated[tuple[str, ...], _SEVERAL] = ()
+    """Layers of the drawing to cut [default: all that are visible]."""
+    units: Annotated[Literal["mm", "inch"] | None, _OF_PLAN] = None
+    """Unit of the drawing, where it does not say its own or says a wrong one."""
+    join: Annotated[float, _OF_PLAN] = 0.05
+    """Largest distance between ends that are joined [mm]."""
+    corner: Annotated[float, _OF_PLAN] = 0.5
+    """Radius with which sharp corners are cut [mm]."""
+    beam: Annotated[float, _OF_PLAN] = 0.2
+    """Diameter of the laser beam, whose centre runs half of it beside each contour [mm]."""
+    speed: Annotated[float, _OF_PLAN] = 40.0
+    """Programmed speed along the contours [mm/s]."""
+    rapid: Annotated[float, _OF_PLAN] = 200.0
+    """Speed of rapid moves between contours [mm/s]."""
+    pierce: Annotated[float, _OF_PLAN] = 0.3
+    """Rest before each cut, in which the beam pierces the sheet [s]."""
+    micro_joints: Annotated[int, _OF_PLAN] = 0
+    """Places along the outline at which the beam is off."""
+    joint_width: Annotated[float, _OF_PLAN] = 0.3
+    """Width of such a place [mm]."""
+    path_acceleration: Annotated[float, _OF_PLAN] = 1.3
+    """Limit of the controller for acceleration along and across the path [m/s^2]."""
+    plan_only: Annotated[bool, _OF_PLAN] = False
+    """Plan and draw the plan, and move nothing."""
+    robot: Literal["large", "irb1400"] = "large"
+    """Robot."""
+    model: FileToRead = None
+    """MJCF file to use in place of that robot's own."""
+    payload: float | None = None
+    """Mass of the tool, known to the controller [kg] [default: as in the model]."""
+    pose: str = "p1"
+    """Named pose at which the middle of the part lies, with its orientation of the tool."""
+    plane: Literal["base-xy", "tool"] = "base-xy"
+    """Plane of the sheet: the base x-y plane, or perpendicular to the tool axis."""
+    measure: Literal["motor", "estimate", "tracker"] = "motor"
+    """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
+    iterations: int = 5
+    """Number of updates; one run more is made."""
+    twin: Path | None = None
+    """Folder of `armside commission`: the first run is corrected by this twin."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, largest, unit in (
+            *((name, LARGEST_MM, "mm") for name in ("join", "corner", "beam", "joint_width")),
+            *((name, LARGEST["speed"][0], "mm/s") for name in ("speed", "rapid")),
+            ("path_acceleration", LARGEST["path_acceleration"][0], "m/s^2"),
+        ):
+            self._check(name, SLOWEST, largest, unit)
+        self._check("beam", SMALLEST_BEAM, LARGEST["beam"][0], "mm")
+        self._check("pierce", 0.0, LONGEST_PIERCE, "s")
+        self._check("micro_joints", 0, MOST_JOINTS, "")
+        if self.payload is not None:
+            self._check("payload", 0.0, LARGEST["payload"][0], "kg")
+        if self.iterations < 0:
+            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
+
+    def _check(self, name: str, least: float, most: float, unit: str) -> None:
+        value = float(getattr(self, name))
+        if not (np.isfinite(value) and least <= value <= most):
+            allowed = f"from {least:g} to {most:g} {unit}".rstrip()
+            raise ValueError(f"{name.replace('_', '-')} must be {allowed}, got {value:g}")
+
+
+def reading(cfg: CutCfg) -> Reading:
+    """Options of reading the drawing, in SI."""
+    unit = None if cfg.units is None else Unit(cfg.units)
+    return Reading(layers=cfg.layers, unit=unit, join=cfg.join * MM)
+
+
+def cutting(cfg: CutCfg) -> Cutting:
+    """Options of the plan, in SI."""
+    return Cutting(
+        speed=cfg.speed * MM,
+        beam=cfg.beam * MM,
+        corner=cfg.corner * MM,
+        pierce=cfg.pierce,
+        rapid=cfg.rapid * MM,
+        joints=cfg.micro_joints,
+        joint_width=cfg.joint_width * MM,
+        limits=PathLimits(acceleration=cfg.path_acceleration),
+    )
+
+
+def setup(cfg: CutCfg) -> Setup:
+    """Robot and its state, in SI. Raises ValueError for an unknown pose."""
+    found = Setup(
+        robot=cfg.robot,
+        model=cfg.model,
+        pose=cfg.pose,
+        limits=PathLimits(acceleration=cfg.path_acceleration),
+        payload=cfg.payload,
+        friction_spread=FRICTION_SPREAD * 1e-2,
+        imu=None if cfg.measure == "motor" else ImuCfg(),
+        **robot_state(cfg),
+    )
+    found.tool_pose  # noqa: B018 - raises for an unknown pose
+    return found

@@ -1,0 +1,129 @@
+"""Files and tables of `armside cut`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.sim.part.plan import Plan
+from armside.sim.part_run.experiment import PartExperiment
+from armside.sim.part_run.learning import PartIteration
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.robot.virtual_robot import LOG_PERIOD
+
+from ..shell.console import Report
+from .part_map import Mapped
+
+
+def show_plan(report: Report, plan: Plan) -> None:
+    """Table of the contours in their order."""
+    asked = 1e3 * plan.cutting.speed
+    report.table(
+        f"Plan: {len(plan.cuts)} contours in {plan.seconds:.1f} s, {asked:g} mm/s asked",
+        ["", "contour", "layer", "kind", "length [mm]", "reached [mm/s]", "lowest in bends", "s"],
+        [
+            [
+                i + 1,
+                cut.contour.name,
+                cut.contour.layer,
+                cut.contour.kind.value,
+                1e3 * (cut.path.length - 2.0 * cut.lead),
+                1e3 * cut.reached_speed,
+                1e3 * float(cut.profile.allowed.min()),
+                cut.seconds,
+            ]
+            for i, cut in enumerate(plan.cuts)
+        ],
+    )
+
+
+def show_results(report: Report, outcome: dict[str, Any]) -> None:
+    """Tables of contours, first and last run, and of all runs."""
+    rows = []
+    for i, contour in enumerate(outcome["contours"]):
+        first, last = contour["iterations"][0], contour["iterations"][-1]
+        cells: list[Any] = [i + 1, contour["name"], contour["kind"]]
+        for name in ("arm_rms", "arm_maxdev", "arm_position", "arm_roundness", "arm_path_accuracy"):
+            cells += [_microns(first[name]), _microns(last[name])]
+        rows.append(cells)
+    columns = ["", "contour", "kind"]
+    for name in ("RMS", "max", "position", "roundness", "AT_p"):
+        columns += [f"{name} before", "after"]
+    last = outcome["iterations"][-1]["k"]
+    title = f"Tool by the tracker before learning and at k = {last} [µm]"
+    report.table(title, columns, rows, missing="roundness is that of round holes")
+    report.table(
+        "All contours: largest motor error [mrad of the motor shaft], tool [µm]",
+        [
+            "k",
+            *(f"motor {i}" for i in range(1, len(outcome["iterations"][0]["motor_inf"]) + 1)),
+            "RMS",
+            "max",
+            "position",
+        ],
+        [
+            [
+                row["k"],
+                *(1e3 * value if value is not None else None for value in row["motor_inf"]),
+                *(_microns(row[name]) for name in ("arm_rms", "arm_maxdev", "arm_position")),
+            ]
+            for row in outcome["iterations"]
+        ],
+    )
+
+
+def write_results(
+    folder: RunFolder,
+    experiment: PartExperiment,
+    kept: Sequence[PartIteration],
+    outcome: dict[str, Any],
+) -> None:
+    """Write the files of a run; kept: its first and last iteration."""
+    from armside.sim.records.signals import RecordedRun, write_signals
+    from armside.sim.records.summary import dumps
+    from armside.sim.replay.run_scene import laser_scene
+    from armside.sim.replay.scene import write_scenes
+    from armside.sim.robot.individual import as_built
+    from armside.sim.robot.individual_file import individual_toml
+    from armside.sim.robot.mjcf import write_robot
+
+    from . import laser as figures
+    from .part_map import part_map
+
+    (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    config, rows, motion = outcome["config"], outcome["iterations"], experiment.motion
+    runs = [RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in kept]
+    model = experiment.loaded.model
+    write_signals(
+        folder / "signals.parquet",
+        runs,
+        config=config,
+        seed=config["seed"],
+        truth_rate=1.0 / LOG_PERIOD,
+        motion=motion,
+        gear=model.drives.gear,
+    )
+    own = experiment.individual
+    (folder / "individual.toml").write_text(individual_toml(own), encoding="utf-8")
+    write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
+    write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
+    part_map(folder / "part.png", [Mapped(it.k, motion, it.contours) for it in kept])
+    motor, rms, maxdev = (
+        [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
+    )
+    label = "motor error, ∞-norm, normalised"
+    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, motor_label=label)
+
+
+def write_plan(folder: RunFolder, plan: Plan) -> Path:
+    """Draw the plan into the folder of a run."""
+    from .part_plan import part_plan
+
+    file = folder / "plan.png"
+    part_plan(file, plan)
+    return file
+
+
+def _microns(value: float | None) -> float | None:
+    return None if value is None else 1e6 * value

@@ -1,0 +1,76 @@
+"""The learning loop of a whole part: all contours in one run, each judged by itself."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..instruments.sampling import rate_of, stride
+from ..laser.learning import trials
+from ..laser.measures import SetUp
+from ..laser.plant import Pass
+from ..notes import Note
+from ..robot.virtual_robot import LOG_PERIOD
+from .contour_error import ContourError, contour_errors
+from .experiment import PartExperiment
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartIteration:
+    """One iteration: correction, run, and errors of motors and contours."""
+
+    k: int
+    correction: Array = field(repr=False)
+    """u_k, (N, 6) [rad], arm side."""
+    run: Pass = field(repr=False)
+    motor_error: Array = field(repr=False)
+    """(N, 6) [rad] of the motor shaft."""
+    contours: tuple[ContourError, ...]
+    """By the laser tracker."""
+    contours_true: tuple[ContourError, ...]
+    """By the ground truth."""
+    diverged: bool
+    notes: tuple[Note, ...] = ()
+
+
+def learn(
+    experiment: PartExperiment, set_up: SetUp, iterations: int, *, start: Array | None = None
+) -> Iterator[PartIteration]:
+    """Iterations k = 0 .. `iterations` of a part, until done or diverged.
+
+    Args:
+        set_up: of the measure that is learned from: `measure.prepare(experiment)`.
+        start: (N, 6) [rad], correction of the first run; zero if None.
+    """
+    zero = np.zeros_like(experiment.loaded.reference)
+    first = experiment.plant.run(zero if start is None else start)
+    found = trials(experiment.plant, set_up(first), [first], iterations, start=start)
+    beam, motion = experiment.job.cutting.beam, experiment.motion
+    for trial, notes in found:
+        (run,) = trial.result
+        yield PartIteration(
+            k=trial.k,
+            correction=trial.correction,
+            run=run,
+            motor_error=run.recording.error * experiment.loaded.model.drives.gear,
+            contours=contour_errors(motion, *_tracked(run), beam),
+            contours_true=contour_errors(motion, *_true(run), beam),
+            diverged=trial.diverged,
+            notes=notes,
+        )
+
+
+def _tracked(run: Pass) -> tuple[Array, Array]:
+    """Samples at the log rate: a part is long, and its errors are slow."""
+    return _at_log_rate(run.tracker.time, run.tracker.position)
+
+
+def _true(run: Pass) -> tuple[Array, Array]:
+    return _at_log_rate(run.recording.truth.time, run.recording.truth.tool_position)
+
+
+def _at_log_rate(time: Array, position: Array) -> tuple[Array, Array]:
+    every = stride(rate_of(time), 1.0 / LOG_PERIOD)
+    return time[::every], position[::every]
