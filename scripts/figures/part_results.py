@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import PartExperiment
+from armside.sim.part_run.kept import kept_run
 from armside.sim.part_run.learning import PartIteration
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.virtual_robot import LOG_PERIOD
@@ -30,7 +31,7 @@ def show_plan(report: Report, plan: Plan) -> None:
                 cut.contour.kind.value,
                 1e3 * (cut.path.length - 2.0 * cut.lead),
                 1e3 * cut.reached_speed,
-                1e3 * float(cut.profile.allowed.min()),
+                1e3 * cut.lowest_allowed,
                 cut.seconds,
             ]
             for i, cut in enumerate(plan.cuts)
@@ -80,7 +81,7 @@ def write_results(
     outcome: dict[str, Any],
 ) -> None:
     """Write the files of a run; kept: its first and last iteration."""
-    from armside.sim.records.signals import RecordedRun, write_signals
+    from armside.sim.records.signals import write_signals
     from armside.sim.records.summary import dumps
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
@@ -93,7 +94,7 @@ def write_results(
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     config, rows, motion = outcome["config"], outcome["iterations"], experiment.motion
-    runs = [RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in kept]
+    runs = [kept_run(iteration) for iteration in kept]
     model = experiment.loaded.model
     write_signals(
         folder / "signals.parquet",

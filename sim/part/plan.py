@@ -73,6 +73,13 @@ class PlannedCut:
         return float(self.profile.speed.max())
 
     @property
+    def lowest_allowed(self) -> float:
+        """Speed that its tightest bend allows, leads apart [m/s]; at most the programmed one."""
+        s = self.profile.s
+        own = (s > self.lead) & (s < self.path.length - self.lead)
+        return float(self.profile.allowed[own].min())
+
+    @property
     def seconds(self) -> float:
         """Of the cut alone."""
         return self.profile.timing.duration

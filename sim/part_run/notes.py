@@ -21,9 +21,9 @@ def plan_notes(plan: Plan) -> Iterator[Note]:
     for text in plan.part.notes:
         yield Note(cause=Cause.DRAWING, text=text)
     asked, limit = plan.cutting.speed, plan.cutting.limits.acceleration
-    slow = [cut for cut in plan.cuts if cut.profile.allowed.min() < REACHED * asked]
+    slow = [cut for cut in plan.cuts if cut.lowest_allowed < REACHED * asked]
     if slow:
-        lowest = 1e3 * min(float(cut.profile.allowed.min()) for cut in slow)
+        lowest = 1e3 * min(cut.lowest_allowed for cut in slow)
         where = f"bends of {len(slow)} of {len(plan.cuts)} contours"
         text = f"the speed is lowered from {1e3 * asked:.4g} mm/s to {lowest:.4g} mm/s in {where}"
         yield Note(cause=Cause.SPEED, text=f"{text}: {limit:g} m/s^2 across the path")

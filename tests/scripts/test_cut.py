@@ -69,7 +69,7 @@ def test_a_part_takes_the_time_of_its_moves_and_cuts(outcome):
 
 def test_speeds_that_a_bend_lowers_are_said(outcome):
     (note,) = [n["text"] for n in outcome["notes"] if n["cause"] == "speed"]
-    assert note.startswith("the speed is lowered from 60 mm/s to 27.93 mm/s in bends of 2 of 3")
+    assert note.startswith("the speed is lowered from 60 mm/s to 22.8 mm/s in bends of 2 of 3")
 
 
 def test_the_folder_is_small_and_replay_and_measure_read_it(folder, outcome, tmp_path, capsys):
