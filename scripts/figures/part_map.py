@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from armside.arrays import Array
+from armside.sim.evaluation.contour_error import ContourError
 from armside.sim.evaluation.tool_error import signed_distance
 from armside.sim.part.motion import PartMotion
-from armside.sim.part_run.contour_error import ContourError
 
 from .laser import REFERENCE, new_figure, save
 

@@ -15,6 +15,7 @@ from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..part.motion import PartMotion
 from ..records.signals import Signals
+from .contour_error import contour_errors
 from .tool_error import tool_error
 
 KINDS = ("reference", "motor_angle")
@@ -76,7 +77,7 @@ def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, f
     if isinstance(path, ToolMotion):
         tool = tool_error(path, seen.time, seen.position)
         return tool.rms, tool.maxdev
-    each = [tool_error(place, seen.time, seen.position) for place in path.places]
+    each = contour_errors(path, seen.time, seen.position)
     length = [cut.turn.length for cut in path.cuts]
     rms = np.sqrt(np.average([tool.rms**2 for tool in each], weights=length))
     return float(rms), max(tool.maxdev for tool in each)

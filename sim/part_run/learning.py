@@ -7,13 +7,13 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..evaluation.contour_error import ContourError, contour_errors
 from ..instruments.sampling import rate_of, stride
 from ..laser.learning import trials
 from ..laser.measures import SetUp
 from ..laser.plant import Pass
 from ..notes import Note
 from ..robot.virtual_robot import LOG_PERIOD
-from .contour_error import ContourError, contour_errors
 from .experiment import PartExperiment
 
 

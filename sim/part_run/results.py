@@ -8,9 +8,9 @@ import numpy as np
 
 from armside.ilc.measures import norms as measures
 
+from ..evaluation.contour_error import ContourError
 from ..laser.notes import GROWTH
 from ..part.motion import CutLeg
-from .contour_error import ContourError
 from .experiment import PartExperiment
 from .learning import PartIteration
 

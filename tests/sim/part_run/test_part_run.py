@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armside.sim.evaluation.contour_error import contour_errors
 from armside.sim.laser.learning import trials
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.setup import Setup
@@ -11,7 +12,6 @@ from armside.sim.part.curve import ChainCurve, centred, is_circle
 from armside.sim.part.joining import Joined
 from armside.sim.part.part import Kind, part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.part_run.contour_error import contour_errors
 from armside.sim.part_run.experiment import Job, prepare
 from armside.sim.records.part_path import from_json, to_json
 

@@ -7,10 +7,10 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cut.contour import Circle
-from ..evaluation.kerf import kerf
-from ..evaluation.path_accuracy import path_measures
-from ..evaluation.tool_error import tool_error
 from ..part.motion import ContourPlace, PartMotion
+from .kerf import kerf
+from .path_accuracy import path_measures
+from .tool_error import tool_error
 
 REST = 0.1
 """Time over which the position at rest before the part is averaged [s]."""
@@ -34,11 +34,11 @@ class ContourError:
 
 
 def contour_errors(
-    motion: PartMotion, time: Array, position: Array, beam: float
+    motion: PartMotion, time: Array, position: Array, beam: float | None = None
 ) -> tuple[ContourError, ...]:
     """Errors of all contours in their order.
 
-    time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m].
+    time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m]; None for no roundness.
     """
     resting = time < REST
     programmed = motion.position_at(time[:1])[0]
@@ -50,10 +50,10 @@ def contour_errors(
     )
 
 
-def _error(place: ContourPlace, time: Array, position: Array, beam: float) -> ContourError:
+def _error(place: ContourPlace, time: Array, position: Array, beam: float | None) -> ContourError:
     shape = tool_error(place, time, position)
     round_edge = np.nan
-    if isinstance(place.curve, Circle):
+    if beam is not None and isinstance(place.curve, Circle):
         round_edge = kerf(place.curve, shape.path, beam).roundness
     return ContourError(
         rms=shape.rms,
