@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 from armside.sim.cores import cores
 
 from ..shell.errors import RunFailed
+from ..shell.interrupts import noticing
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -70,7 +71,8 @@ class Workers:
             )
         task = _Task(tag, function, item)
         try:
-            self._running[self._pool.submit(function, item)] = task
+            with noticing(lambda: ""):  # a pool that is half started could not be stopped
+                self._running[self._pool.submit(function, item)] = task
         except BrokenProcessPool:
             self._suspects.append(task)
             self._stop()
@@ -117,15 +119,24 @@ class Workers:
         return [found[index] for index in sorted(found)]
 
     def close(self) -> None:
-        """Stop once the tasks in flight have ended; their outcomes are dropped."""
+        """Stop once the tasks in flight have ended; their outcomes are dropped.
+
+        A signal meanwhile kills them, and is raised when they have ended.
+        """
         self._suspects.clear()
         self._running.clear()
         self._stop()
 
     def _stop(self) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-            self._pool = None
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            with noticing(lambda: "", at_once=_kill):
+                pool.shutdown(cancel_futures=True)
+
+
+def _kill() -> None:
+    for worker in multiprocessing.active_children():
+        worker.kill()
 
 
 def _begin_worker() -> None:

@@ -2,6 +2,10 @@
 
 import math
 import os
+import signal
+import subprocess
+import sys
+import time
 
 import pytest
 
@@ -36,3 +40,33 @@ def test_a_process_that_dies_is_named_and_the_others_have_results():
 def test_a_number_of_processes_is_at_least_one():
     with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
         Workers(0)
+
+
+WAITING = """
+import time
+from armside.scripts.jobs.workers import Workers
+from armside.scripts.shell.interrupts import SIGNALS
+SIGNALS.handle()
+try:
+    with Workers(2) as workers:
+        workers.map(len, ["started"])
+        print("started", flush=True)
+        workers.map(time.sleep, [100.0, 100.0])
+finally:
+    SIGNALS.ignore()
+"""
+
+
+def test_a_second_signal_does_not_wait_for_the_tasks_in_flight():
+    command = [sys.executable, "-c", WAITING]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"started\n"
+        time.sleep(1.0)
+        for _ in range(2):
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.5)
+        try:
+            process.wait(30.0)
+        finally:
+            process.kill()
