@@ -34,7 +34,7 @@ LARGEST_FILE = 500_000_000
 INTERRUPTED = 128 + signal.SIGINT
 """What a shell calls a process that Ctrl-C ended before or after `main` could answer it."""
 LONGEST = 300.0
-"""[s], in which a line must have ended, whatever it waits for."""
+"""[s], in which a line must have ended, whatever it waits for. After half of it comes Ctrl-C."""
 
 
 class Outcome(NamedTuple):
@@ -108,8 +108,10 @@ def _main(
     most = taken + ADDRESS_SPACE
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE, LARGEST_FILE))
-    signal.signal(signal.SIGPROF, lambda *_: os.kill(os.getpid(), signal.SIGINT))
+    for alarm in (signal.SIGPROF, signal.SIGALRM):
+        signal.signal(alarm, lambda *_: os.kill(os.getpid(), signal.SIGINT))
     signal.setitimer(signal.ITIMER_PROF, patience)
+    signal.setitimer(signal.ITIMER_REAL, 0.5 * LONGEST)  # its workers may be what takes long
     from .. import cli
     from ..shell.interrupts import SIGNALS
 
@@ -117,7 +119,8 @@ def _main(
         fault()
     sys.argv = ["armside", *words]
     status = cli.main()
-    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    for timer in (signal.ITIMER_PROF, signal.ITIMER_REAL):
+        signal.setitimer(timer, 0.0)
     used = resource.getrusage(resource.RUSAGE_SELF)
     seconds = used.ru_utime + used.ru_stime
     interrupted = len(SIGNALS.come) > 0

@@ -41,7 +41,7 @@ def broken(line: Line, outcome: Outcome, left: list[str], patience: float) -> li
     it got Ctrl-C; less than PATIENCE breaks no rule.
     """
     status, out, err = outcome.status, outcome.out, WAITING.sub("", outcome.err)
-    ran_on = outcome.interrupted and patience >= PATIENCE
+    ran_on = outcome.interrupted and min(patience, outcome.seconds) >= PATIENCE
     found = {
         RULES[0]: "Traceback" in out + err,
         RULES[1]: status not in STATUSES and status is not None,
