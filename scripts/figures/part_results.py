@@ -50,7 +50,7 @@ def show_results(report: Report, outcome: dict[str, Any]) -> None:
         rows.append(cells)
     columns = ["", "contour", "kind"]
     for name in ("RMS", "max", "position", "roundness", "AT_p"):
-        columns += [f"{name} before", "after"]
+        columns += [f"{name} before", f"{name} after"]
     last = outcome["iterations"][-1]["k"]
     title = f"Tool by the tracker before learning and at k = {last} [µm]"
     report.table(title, columns, rows, missing="roundness is that of round holes")
