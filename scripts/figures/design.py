@@ -38,5 +38,6 @@ def draw_proposal(file: Path, proposal: Proposal) -> None:
     right.plot(curve[below].real, curve[below].imag, color=COLORS[0], label="LTᵤ below the cutoff")
     right.set(aspect="equal", xlabel="real part", ylabel="imaginary part")
     right.set_title("Learned where the curve is inside the circle", loc="left")
-    right.legend(frameon=False, fontsize=8, loc="lower left")
+    below_axes = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14), "ncols": 2}
+    right.legend(frameon=False, fontsize=8, **below_axes)
     save(figure, file)
