@@ -1,7 +1,6 @@
 """Options of `armside cut`, in the units that a person types."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -71,8 +70,6 @@ class CutCfg(IndividualCfg):
     """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
     iterations: int = 5
     """Number of updates; one run more is made."""
-    twin: Path | None = None
-    """Folder of `armside commission`: the first run is corrected by this twin."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,34 +1,35 @@
 """Speed that varies along a path: as fast as the limits allow at each place.
 
 With x = v^2 on a grid of the arc length, the acceleration along the path is x' / 2 and its jerk
-x'' v / 2. Limits of speed and acceleration are linear in x. That of jerk, |x''| <= 2 jerk / v,
-is replaced by the tangent of its right side, which is below it everywhere: each linear programme
-keeps the true limit, and its solution is where the next one is linearised. The sum of x is
-maximised. Fan, Gao, Yan, Yuan, "Interactive programming of time-optimal feedrate", IJAMT 62, 2012,
-maximise the same.
+x'' v / 2. Limits of speed and acceleration, and those of the joints, are linear in x. That of jerk,
+|x''| <= 2 jerk / v, is replaced by the tangent of its right side, which is below it everywhere:
+each linear programme keeps the true limit, and its solution is where the next one is linearised.
+The sum of x is maximised. Fan, Gao, Yan, Yuan, "Interactive programming of time-optimal feedrate",
+IJAMT 62, 2012, maximise the same.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import csr_array, diags, vstack
 
 from armside.arrays import Array
 
+from .profile_grid import BoundsAt, Grid
+from .profile_program import Programme, Rows, largest
+from .profile_timing import profile_timing
 from .timing import PathLimits, Timing
 
-STEP = 0.4e-3
-"""Distance of grid points along the path [m]."""
-FEWEST, MOST = 60, 2000
-"""Number of grid points."""
 ROUNDS = 3
 """Linear programmes, each from the solution of the one before."""
 EXCESS = 1e-3
 """Relative excess of the jerk limit that counts as none."""
 START = 0.25
 """Speed at the end of the first phase, relative to the lowest one allowed near it."""
+ATTEMPTS = 10
+"""Most changes of the first phase or of the fraction of the jerk limit."""
+TOGETHER = 20_000
+"""Grid points that are solved at once: memory does not grow with the number of paths."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,18 @@ class Profile:
     speed: Array
     """(N,) [m/s]."""
     allowed: Array
-    """(N,) [m/s], speed that was asked for, or less where a bend does not allow it."""
+    """(N,) [m/s], speed that was asked for, or less where a bend or a joint does not allow it."""
     timing: Timing
+
+
+@dataclass(frozen=True)
+class Bends:
+    """A path of arcs and lines, and the limits of the joints along it."""
+
+    lengths: Array
+    curvature: Array
+    """(E,) [m] and [1/m], of its elements."""
+    bounds: BoundsAt | None = None
 
 
 def profile(lengths: Array, curvature: Array, speed: float, limits: PathLimits) -> Profile:
@@ -49,25 +60,105 @@ def profile(lengths: Array, curvature: Array, speed: float, limits: PathLimits) 
 
     Raises ValueError for a speed out of range, RuntimeError where no profile is found.
     """
+    return profiles([Bends(lengths, curvature)], speed, limits)[0]
+
+
+def profiles(paths: Sequence[Bends], speed: float, limits: PathLimits) -> list[Profile]:
+    """Profile of each path. Raises as `profile`."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be > 0 m/s, got {speed}")
-    bend = np.maximum(np.abs(curvature), 1e-12)
+    grids = {i: _first_grid(path, speed, limits) for i, path in enumerate(paths)}
+    found: dict[int, Profile] = {}
+    for _ in range(ATTEMPTS):
+        for batch in _batches(grids):
+            solved = _solved([grids[i] for i in batch])
+            for i, x in zip(batch, solved, strict=True):
+                better = _judged(grids[i], x)
+                if isinstance(better, Profile):
+                    found[i] = better
+                    del grids[i]
+                else:
+                    grids[i] = better
+        if not grids:
+            return [found[i] for i in range(len(paths))]
+    length = next(iter(grids.values())).ends[-1]
+    raise RuntimeError(f"no speed profile over {length:g} m at {speed:g} m/s")
+
+
+def _first_grid(path: Bends, speed: float, limits: PathLimits) -> Grid:
+    bend = np.maximum(np.abs(path.curvature), 1e-12)
     allowed = np.minimum(speed, np.sqrt(limits.acceleration / bend))
-    ends = np.concatenate([[0.0], np.cumsum(lengths)])
+    ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
     first = START * min(_lowest(ends, allowed, 0.0, 0.1), _lowest(ends, allowed, 0.9, 1.0))
-    first, share = min(first, _fastest_start(float(ends[-1]), limits)), 0.95
-    for _ in range(8):
-        grid = _Grid(ends, allowed, limits, first, share)
-        x = grid.solved()
-        if x is None:
-            first *= 0.5
-            continue
-        found = grid.profile(x)
-        excess = float(np.abs(found.timing.state[:, 3]).max()) / limits.jerk
-        if excess <= 1.0 + EXCESS:
-            return found
-        share /= excess
-    raise RuntimeError(f"no speed profile over {ends[-1]:g} m at {speed:g} m/s")
+    return Grid(
+        ends=ends,
+        allowed=allowed,
+        limits=limits,
+        first=min(first, _fastest_start(float(ends[-1]), limits)),
+        fraction=0.95,
+        bounds=path.bounds,
+    )
+
+
+def _batches(grids: dict[int, Grid]) -> Iterator[list[int]]:
+    """Indices of grids that are solved at once."""
+    batch, points = list[int](), 0
+    for i, grid in list(grids.items()):
+        if batch and points + len(grid.s) > TOGETHER:
+            yield batch
+            batch, points = [], 0
+        batch.append(i)
+        points += len(grid.s)
+    if batch:
+        yield batch
+
+
+def _judged(grid: Grid, x: Array | None) -> Profile | Grid:
+    """The profile of a solution, or the grid of the next attempt."""
+    if x is None:
+        return replace(grid, first=0.5 * grid.first)
+    found = _profile(grid, x)
+    excess = float(np.abs(found.timing.state[:, 3]).max()) / grid.limits.jerk
+    return found if excess <= 1.0 + EXCESS else replace(grid, fraction=grid.fraction / excess)
+
+
+def _solved(grids: Sequence[Grid]) -> list[Array | None]:
+    """x = v^2 at the points of each grid; None where the first phase is too fast."""
+    able = [grid for grid in grids if grid.possible]
+    if not able:
+        return [None] * len(grids)
+    sizes = np.array([len(grid.s) for grid in able])
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    held = np.concatenate([grid.held for grid in able])
+    at: list[Array | None] = [None] * len(able)
+    for round_ in range(ROUNDS):
+        rows = [[*grid.jerk_rows(x), *grid.fixed_rows] for grid, x in zip(able, at, strict=True)]
+        programme = Programme.of(_side_by_side(rows, sizes), starts, held)
+        begin = [g.start if x is None else x for g, x in zip(able, at, strict=True)]
+        x, found = largest(programme, np.concatenate(begin))
+        for i, part in enumerate(np.split(x, starts[1:])):
+            if found[i] and (round_ == 0 or at[i] is not None):
+                at[i] = np.maximum(part, 0.0)
+    solution = {
+        id(grid): None if x is None else grid.unit * x for grid, x in zip(able, at, strict=True)
+    }
+    return [solution.get(id(grid)) for grid in grids]
+
+
+def _side_by_side(rows: list[list[Rows]], sizes: Array) -> list[Rows]:
+    """Rows of several grids as those of one; a kind that a grid lacks is no row there."""
+    kinds = max(len(own) for own in rows)
+    empty = [Rows(*np.zeros((3, int(n))), np.full(int(n), np.inf)) for n in sizes]
+    filled = [own + [none] * (kinds - len(own)) for own, none in zip(rows, empty, strict=True)]
+    return [
+        Rows(
+            *(
+                np.concatenate([getattr(own[k], name) for own in filled])
+                for name in ("lower", "middle", "upper", "bound")
+            )
+        )
+        for k in range(kinds)
+    ]
 
 
 def _lowest(ends: Array, allowed: Array, lower: float, upper: float) -> float:
@@ -81,112 +172,16 @@ def _fastest_start(length: float, limits: PathLimits) -> float:
     return 0.5 * limits.jerk * longest**2
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Linear programme between a first and a last phase of constant jerk."""
-
-    ends: Array
-    allowed: Array
-    limits: PathLimits
-    first: float
-    """Speed after the first phase and before the last [m/s]."""
-    share: float
-    """Fraction of the jerk limit that the linear programme may use."""
-
-    @property
-    def ramp(self) -> float:
-        """Duration of the first phase [s]."""
-        return float(np.sqrt(2.0 * self.first / self.limits.jerk))
-
-    @cached_property
-    def s(self) -> Array:
-        inset = self.limits.jerk * self.ramp**3 / 6.0
-        length = self.ends[-1] - 2.0 * inset
-        return inset + length * np.linspace(0.0, 1.0, int(np.clip(length / STEP, FEWEST, MOST)))
-
-    @property
-    def step(self) -> float:
-        return float(self.s[1] - self.s[0])
-
-    @cached_property
-    def caps(self) -> Array:
-        """[m/s], the lowest speed allowed from the grid point before to the one after."""
-        element = np.searchsorted(self.ends, [self.s - self.step, self.s + self.step]) - 1
-        before, after = np.clip(element, 0, len(self.allowed) - 1)
-        return np.array([self.allowed[i : j + 1].min() for i, j in zip(before, after, strict=True)])
-
-    def solved(self) -> Array | None:
-        """x = v^2 at the grid points; None if the first phase is too fast."""
-        x = self.caps**2
-        unit, h, jerk = float(x.max()), self.step, self.share * self.limits.jerk
-        n = len(x)
-        slope = diags([-np.ones(n - 1), np.ones(n - 1)], offsets=(0, 1), shape=(n - 1, n))  # pyright: ignore[reportArgumentType]
-        bending = _second(n)
-        start = self.limits.jerk * self.ramp
-        steepest = np.full(n - 1, 2.0 * h * self.limits.acceleration)
-        upper, lower = steepest.copy(), -steepest
-        # The first and last interval go on as the phases beside them end.
-        upper[0] = lower[0] = 2.0 * h * start
-        upper[-1], lower[-1] = -lower[0], -upper[0]
-        bounds = np.column_stack([np.zeros(n), x])
-        bounds[[0, -1]] = self.first**2
-        if self.first**2 > min(x[0], x[-1]):
-            return None
-        for round_ in range(ROUNDS):
-            inside = np.maximum(x[1:-1], 1e-12)
-            if round_ == 0:
-                constant, falling = 2.0 * jerk * h**2 / np.sqrt(inside), 0.0 * inside
-            else:
-                constant = 3.0 * jerk * h**2 / np.sqrt(inside)
-                falling = jerk * h**2 / inside**1.5
-            middle = diags([falling], offsets=(1,), shape=(n - 2, n))  # pyright: ignore[reportArgumentType]
-            rows = vstack([slope, -slope, bending + middle, middle - bending])
-            most = np.concatenate([upper, -lower, constant, constant])
-            found = linprog(
-                -np.ones(n), A_ub=csr_array(rows), b_ub=most / unit, bounds=bounds / unit
-            )
-            if found.x is None:
-                return None if round_ == 0 else x
-            x = unit * found.x
-        return x
-
-    def profile(self, x: Array) -> Profile:
-        v, h = np.sqrt(x), self.step
-        steps = 2.0 * h / (v[:-1] + v[1:])
-        timing = _timing(np.diff(x) / (2.0 * h), steps, self.limits.jerk, self.ramp)
-        scale = self.ends[-1] / timing.at(timing.duration)[0]  # blends shift it by nanometres
-        timing = Timing(timing.start, scale * timing.state, timing.duration)
-        ends = self.ends[[0, -1]]
-        s = np.concatenate([ends[:1], self.s, ends[1:]])
-        element = np.clip(np.searchsorted(self.ends, s) - 1, 0, len(self.allowed) - 1)
-        return Profile(s, np.concatenate([[0.0], v, [0.0]]), self.allowed[element], timing)
-
-
-def _timing(acceleration: Array, steps: Array, jerk: float, ramp: float) -> Timing:
-    """Phases of constant jerk: ramps at both ends, and between them `acceleration` for `steps` [s].
-
-    Each change of acceleration is spread over half of the shorter step before and after it.
-    """
-    half = np.concatenate([[0.0], 0.5 * np.minimum(steps[:-1], steps[1:]), [0.0]])
-    knots = ramp + np.concatenate([[0.0], np.cumsum(steps)])
-    change = np.diff(acceleration)
-    held = np.column_stack([knots[:-1] + half[:-1], np.zeros(len(steps))])
-    blends = np.column_stack([knots[1:-1] - half[1:-1], change / (2.0 * half[1:-1])])
-    phases = np.empty((2 * len(steps) - 1, 2))
-    phases[::2], phases[1::2] = held, blends
-    start = np.concatenate([[0.0], phases[:, 0], knots[-1:]])
-    phase_jerk = np.concatenate([[jerk], phases[:, 1], [jerk]])
-    length = np.diff(start, append=knots[-1] + ramp)
-    state = np.zeros((len(start), 4))
-    state[:, 3] = phase_jerk
-    for k, h in enumerate(length[:-1]):
-        s, v, a, j = state[k]
-        moved = s + h * (v + h * (a / 2 + h * j / 6))
-        state[k + 1, :3] = moved, v + h * (a + h * j / 2), a + h * j
-    return Timing(start, state, float(knots[-1] + ramp))
-
-
-def _second(n: int) -> csr_array:
-    """Second differences (n - 2, n)."""
-    one = np.ones(n - 2)
-    return csr_array(diags([one, -2.0 * one, one], offsets=(0, 1, 2), shape=(n - 2, n)))  # pyright: ignore[reportArgumentType]
+def _profile(grid: Grid, x: Array) -> Profile:
+    v, h = np.sqrt(x), grid.step
+    steps = 2.0 * h / (v[:-1] + v[1:])
+    timing = profile_timing(np.diff(x) / (2.0 * h), steps, grid.limits.jerk, grid.ramp)
+    scale = grid.ends[-1] / timing.at(timing.duration)[0]  # blends shift it by nanometres
+    timing = Timing(timing.start, scale * timing.state, timing.duration)
+    ends = grid.ends[[0, -1]]
+    s = np.concatenate([ends[:1], grid.s, ends[1:]])
+    element = np.clip(np.searchsorted(grid.ends, s) - 1, 0, len(grid.allowed) - 1)
+    allowed = grid.allowed[element]
+    if grid.joints is not None:
+        allowed[1:-1] = np.minimum(allowed[1:-1], grid.joints.speed)
+    return Profile(s, np.concatenate([[0.0], v, [0.0]]), allowed, timing)

@@ -13,6 +13,8 @@ from armside.arrays import Array
 
 PASSES = 50
 """Most sweeps of exchanges over all contours."""
+LITTLE = 1e-3
+"""Relative shortening of all rapid moves by a sweep below which it was the last."""
 GAIN = 1e-9
 """Shortening [m] below which an exchange is none."""
 
@@ -60,7 +62,7 @@ def _improved(
         before = _length(tour, D)
         for move in (_exchange, _shift):
             tour = move(tour, D)
-        if _length(tour, D) > before - GAIN:
+        if _length(tour, D) > before * (1.0 - LITTLE) - GAIN:
             break
     return tour
 

@@ -1,6 +1,6 @@
 """Plan of a whole part: paths of the beam's centre, their order, speeds and times."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,7 @@ import shapely
 
 from armside.arrays import Array
 
-from ..cut.speed_profile import Profile, profile
+from ..cut.speed_profile import Bends, Profile, profiles
 from ..cut.timing import PathLimits, rest_to_rest
 from .chain import MM, Chain
 from .kerf import compensated
@@ -115,7 +115,7 @@ def plan(part: Part, cutting: Cutting | None = None) -> Plan:
     depth = [contour.depth for contour in part.contours]
     sequence = order(entry, leave, depth, part.box[0])
     begins = np.vstack([part.box[0], leave[sequence[:-1]]])
-    profiles = _Profiles(cutting, {})
+    speeds = _profiles([found.path for found, _ in led_paths], cutting)
     cuts = []
     for i, begin in zip(sequence, begins, strict=True):
         (found, corners), contour = led_paths[i], part.contours[i]
@@ -126,7 +126,7 @@ def plan(part: Part, cutting: Cutting | None = None) -> Plan:
                 path=found.path,
                 lead=found.lead,
                 corners=corners,
-                profile=profiles.of(found.path),
+                profile=speeds[i],
                 joints=tuple(_joints(contour, found, cutting)),
                 rapid=rapid,
                 rapid_seconds=_rapid_seconds(rapid, cutting),
@@ -149,20 +149,14 @@ def _path(contour: Contour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Le
         raise ValueError(f"{contour.name}: {error}") from error
 
 
-@dataclass(frozen=True)
-class _Profiles:
+def _profiles(paths: Sequence[Chain], cutting: Cutting) -> list[Profile]:
     """Speed profiles, one for all paths of the same elements."""
-
-    cutting: Cutting
-    known: dict[bytes, Profile]
-
-    def of(self, path: Chain) -> Profile:
-        elements = np.column_stack([path.lengths, path.curvature])
-        key = np.round(elements, 9).tobytes()
-        if key not in self.known:
-            cutting = self.cutting
-            self.known[key] = profile(elements[:, 0], elements[:, 1], cutting.speed, cutting.limits)
-        return self.known[key]
+    elements = [np.column_stack([path.lengths, path.curvature]) for path in paths]
+    keys = [np.round(each, 9).tobytes() for each in elements]
+    different = {key: Bends(*each.T) for key, each in zip(keys, elements, strict=True)}
+    found = profiles(list(different.values()), cutting.speed, cutting.limits)
+    by_key = dict(zip(different, found, strict=True))
+    return [by_key[key] for key in keys]
 
 
 def _joints(contour: Contour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:

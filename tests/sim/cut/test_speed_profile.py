@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
-from armside.sim.cut.speed_profile import profile
+from armside.sim.cut.profile_program import Programme, Rows, largest
+from armside.sim.cut.speed_profile import Bends, profile, profiles
 from armside.sim.cut.timing import PathLimits, rest_to_rest
 
 LIMITS = PathLimits()
@@ -73,3 +75,44 @@ def test_the_outline_takes_less_time_than_at_the_speed_of_its_corners(outline):
 def test_a_speed_that_is_none_is_refused():
     with pytest.raises(ValueError, match="speed must be > 0 m/s, got 0"):
         profile(np.array([0.2]), np.array([0.0]), 0.0, LIMITS)
+
+
+def test_paths_that_are_solved_together_have_the_profiles_of_each_alone():
+    lengths = [np.array([0.05, 0.5 * np.pi * r, 0.08]) for r in (1e-3, 3e-3, 9e-3)]
+    bends = [np.array([0.0, 1.0 / r, 0.0]) for r in (1e-3, 3e-3, 9e-3)]
+    together = profiles([Bends(a, b) for a, b in zip(lengths, bends, strict=True)], 0.1, LIMITS)
+    for found, a, b in zip(together, lengths, bends, strict=True):
+        alone = profile(a, b, 0.1, LIMITS)
+        np.testing.assert_allclose(found.speed, alone.speed, atol=1e-7)
+
+
+def test_the_interior_point_method_finds_the_optimum_of_another_solver():
+    """A random path: rows of three points, upper bounds, and two points held at each end."""
+    rng = np.random.default_rng(3)
+    n = 200
+    caps, held = rng.uniform(0.2, 1.0, n), np.zeros(n, dtype=bool)
+    held[[0, 1, -2, -1]] = True
+    x = np.full(n, 0.02)
+    one, inside = np.ones(n), ~held
+    bend = np.where(np.isin(np.arange(n), (0, n - 1)), np.inf, 0.004)
+    slope = np.where(np.isin(np.arange(n), (0, n - 2, n - 1)), np.inf, 0.03)
+    rows = [
+        Rows(0 * one, one, 0 * one, np.where(inside, caps, np.inf)),
+        Rows(0 * one, -one, 0 * one, np.where(inside, 0.0, np.inf)),
+        Rows(0 * one, -one, one, slope),
+        Rows(0 * one, one, -one, slope),
+        Rows(one, -2 * one, one, bend),
+        Rows(-one, 2 * one, -one, bend),
+    ]
+    found, solved = largest(Programme.of(rows, np.array([0]), held), x)
+    assert solved.all()
+    A, b = [], []
+    for row in rows:
+        dense = np.diag(row.middle) + np.diag(row.lower[1:], -1) + np.diag(row.upper[:-1], 1)
+        real = np.isfinite(row.bound)
+        A.append(dense[real])
+        b.append(row.bound[real])
+    bounds = [(0.02, 0.02) if h else (None, None) for h in held]
+    best = linprog(-one, A_ub=np.vstack(A), b_ub=np.concatenate(b), bounds=bounds)
+    assert found.sum() == pytest.approx(-best.fun, rel=1e-7)
+    assert (np.vstack(A) @ found <= np.concatenate(b) + 1e-7).all()

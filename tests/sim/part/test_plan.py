@@ -1,6 +1,7 @@
 """Plans keep half a beam from every contour, cut inner contours first and travel little."""
 
 from itertools import pairwise, permutations
+from time import process_time
 
 import numpy as np
 import pytest
@@ -134,3 +135,19 @@ def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
     area = turn(cut).area
     w, h, r = 0.1 + 2e-4, 0.06 + 2e-4, 1e-3 + 1e-4
     assert area == pytest.approx(w * h - (4.0 - np.pi) * r**2, rel=1e-9)
+
+
+def test_five_hundred_contours_are_planned_in_seconds(tmp_path):
+    """Of different sizes, so that no speed profile serves two. The issue asks for 5 s; a shared
+    machine is granted three times as much."""
+    document = new()
+    space = document.modelspace()
+    frame(space, 480.0, 480.0, -15.0, -15.0)
+    for i in range(496):
+        space.add_circle((20.0 * (i % 23), 20.0 * (i // 23)), 3.0 + 0.01 * i)
+    file = save(document, tmp_path)
+    begun = process_time()
+    part = read_part(file)
+    found = plan(part)
+    assert process_time() - begun < 15.0
+    assert len(found.cuts) == 497

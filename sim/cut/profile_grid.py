@@ -1,0 +1,151 @@
+"""Grid of one path, on which its speed profile is a linear programme."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .profile_program import Rows
+from .timing import PathLimits
+
+STEP = 0.4e-3
+"""Distance of grid points along the path [m]."""
+FEWEST, MOST = 60, 2000
+"""Number of grid points."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """Limits of the joints at places of a path, |along s'' + bend s'^2 + offset| <= 1 each."""
+
+    speed: Array
+    """(N,) [m/s], at most."""
+    along: Array
+    """(N, J) [s^2/m]."""
+    bend: Array
+    """(N, J) [s^2/m^2]."""
+    offset: Array
+    """(N, J)."""
+
+
+BoundsAt = Callable[[Array], Bounds]
+"""Limits of the joints at arc lengths (N,) [m]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """Points between a first and a last phase of constant jerk."""
+
+    ends: Array
+    """(E + 1,) [m], arc length at the ends of the path's elements."""
+    allowed: Array
+    """(E,) [m/s], on each element."""
+    limits: PathLimits
+    first: float
+    """Speed after the first phase and before the last [m/s]."""
+    fraction: float
+    """Of the jerk limit that the linear programme may use."""
+    bounds: BoundsAt | None = None
+
+    @property
+    def ramp(self) -> float:
+        """Duration of the first phase [s]."""
+        return float(np.sqrt(2.0 * self.first / self.limits.jerk))
+
+    @cached_property
+    def s(self) -> Array:
+        """(N,) [m]."""
+        inset = self.limits.jerk * self.ramp**3 / 6.0
+        length = self.ends[-1] - 2.0 * inset
+        return inset + length * np.linspace(0.0, 1.0, int(np.clip(length / STEP, FEWEST, MOST)))
+
+    @property
+    def step(self) -> float:
+        """[m]."""
+        return float(self.s[1] - self.s[0])
+
+    @cached_property
+    def caps(self) -> Array:
+        """(N,) [m/s], the lowest speed allowed from the grid point before to the one after."""
+        element = np.searchsorted(self.ends, [self.s - self.step, self.s + self.step]) - 1
+        before, after = np.clip(element, 0, len(self.allowed) - 1)
+        caps = self.allowed[after].copy()
+        for more in range(int((after - before).max(initial=0)) + 1):
+            caps = np.minimum(caps, self.allowed[np.minimum(before + more, after)])
+        return caps if self.joints is None else np.minimum(caps, self.joints.speed)
+
+    @cached_property
+    def joints(self) -> Bounds | None:
+        """Limits of the joints at the points."""
+        return None if self.bounds is None else self.bounds(self.s)
+
+    @cached_property
+    def unit(self) -> float:
+        """[m^2/s^2], of the programme's variable."""
+        return float(self.caps.max() ** 2)
+
+    @cached_property
+    def start(self) -> Array:
+        """(N,), x over its unit where the programme starts; two points at each end are held."""
+        x = 0.25 * self.caps**2
+        rising = 2.0 * self.step * self.limits.jerk * self.ramp
+        x[[0, -1]], x[[1, -2]] = self.first**2, self.first**2 + rising
+        return x / self.unit
+
+    @property
+    def possible(self) -> bool:
+        """The held points are within their limits."""
+        return bool((self.start <= self.caps**2 / self.unit)[[0, 1, -2, -1]].all())
+
+    @cached_property
+    def held(self) -> np.ndarray:
+        """(N,) bool."""
+        held = np.zeros(len(self.s), dtype=bool)
+        held[[0, 1, -2, -1]] = True
+        return held
+
+    @cached_property
+    def fixed_rows(self) -> list[Rows]:
+        """Limits of speed, of acceleration, and of the joints."""
+        n, one, none = len(self.s), np.ones(len(self.s)), np.zeros(len(self.s))
+        free = ~self.held
+        most = np.where(free, self.caps**2 / self.unit, np.inf)
+        steepest = np.full(n, 2.0 * self.step * self.limits.acceleration / self.unit)
+        steepest[[0, -2, -1]] = np.inf
+        found = [
+            Rows(none, one, none, most),
+            Rows(none, -one, none, np.where(free, 0.0, np.inf)),
+            Rows(none, -one, one, steepest),
+            Rows(none, one, -one, steepest),
+        ]
+        return found + self._joint_rows()
+
+    def _joint_rows(self) -> list[Rows]:
+        if self.joints is None:
+            return []
+        found, inside, joints = [], ~self.held, self.joints
+        most = np.abs(joints.along) * self.limits.acceleration + np.abs(joints.offset)
+        most += np.abs(joints.bend) * self.unit
+        for j in np.flatnonzero(most.max(axis=0) > 1.0):
+            slope = joints.along[:, j] * self.unit / (4.0 * self.step)
+            bend, offset = joints.bend[:, j] * self.unit, joints.offset[:, j]
+            for sign in (1.0, -1.0):
+                bound = np.where(inside, 1.0 - sign * offset, np.inf)
+                found.append(Rows(-sign * slope, sign * bend, sign * slope, bound))
+        return found
+
+    def jerk_rows(self, x: Array | None) -> list[Rows]:
+        """Limit of jerk, linearised at x (N,) over its unit; at the caps if None."""
+        at = np.maximum(self.caps**2 if x is None else x * self.unit, 1e-12)
+        jerk = self.fraction * self.limits.jerk * self.step**2
+        falling = np.zeros_like(at) if x is None else jerk / at**1.5
+        bound = (2.0 if x is None else 3.0) * jerk / np.sqrt(at) / self.unit
+        bound[[0, -1]] = np.inf
+        one = np.ones_like(at)
+        return [
+            Rows(one, falling - 2.0, one, bound),
+            Rows(-one, falling + 2.0, -one, bound),
+        ]
