@@ -124,7 +124,7 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
             A, band, weight, slack, z, dual, primal, slack * z + step[1] * step[2] - target
         )
         along, beside = _length(A, slack, z, step, TO_BOUNDARY)
-        moving = ~A.per_path(found)
+        moving = A.per_path(np.where(found, 0.0, 1.0))
         x = x + moving * along * step[0]
         slack = slack + moving * along * step[1]
         z = z + moving * beside * step[2]

@@ -148,7 +148,8 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
 def _side_by_side(rows: list[list[Rows]], sizes: Array) -> list[Rows]:
     """Rows of several grids as those of one; a kind that a grid lacks is no row there."""
     kinds = max(len(own) for own in rows)
-    empty = [Rows(*np.zeros((3, int(n))), np.full(int(n), np.inf)) for n in sizes]
+    zeros = [np.zeros(int(n)) for n in sizes]
+    empty = [Rows(zero, zero, zero, np.full(len(zero), np.inf)) for zero in zeros]
     filled = [own + [none] * (kinds - len(own)) for own, none in zip(rows, empty, strict=True)]
     return [
         Rows(
