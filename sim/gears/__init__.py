@@ -1,0 +1,13 @@
+"""Transmission error of the gears of a real arm, from its encoders and a sensor at its tool.
+
+The tool's motion by the encoders is compared with that of an IMU, or of a tracker, in a band of
+frequency. What a joint's error epsilon(phi) = a sin(order phi) + b cos(order phi), motor minus
+output angle, would add to the sensor follows from the Jacobian of the arm; amplitudes, phases and
+orders are found by least squares in the frequency domain, each frequency weighted by its noise.
+"""
+
+from .analysis import GearAnalysis as GearAnalysis
+from .analysis import GearsCfg as GearsCfg
+from .analysis import Judgement as Judgement
+from .analysis import analyse as analyse
+from .transmission import Transmission as Transmission

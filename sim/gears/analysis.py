@@ -1,0 +1,152 @@
+"""Transmission error of an arm from recordings, judged on those that it was not learned from."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.kinematics import CompiledRobot
+
+from ..measured.motion import MotionRecording
+from .aligned import Aligned, Sensor, align
+from .judgement import Remaining, judged_rows, remaining, sensor_ratio
+from .learning import CANDIDATES, Course
+from .observation import Observation
+from .scan import Scan, resolution
+from .transmission import Transmission
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearsCfg:
+    """Choices of an analysis."""
+
+    sensor: Sensor | None = None
+    """Sensor to learn from; None takes the IMU where there is one."""
+    band: tuple[float, float] = (2.5, 16.0)
+    """[Hz] Band that is learned from."""
+    judged: tuple[float, float] = (4.0, 12.0)
+    """[Hz] Band in which a tracker judges."""
+    largest_order: float = 420.0
+    per_joint: int = 4
+    """Most terms of one joint."""
+
+    def __post_init__(self) -> None:
+        for name in ("band", "judged"):
+            low, high = getattr(self, name)
+            if not 0.1 <= low < high <= 40.0:
+                said = f"{name} must be two frequencies from 0.1 to 40 Hz"
+                raise ValueError(f"{said}, the lower first, got {low:g} {high:g}")
+        if not 30.0 <= self.largest_order <= 2000.0:
+            raise ValueError(f"largest order must be 30 to 2000, got {self.largest_order:g}")
+        if not 1 <= self.per_joint <= CANDIDATES:
+            raise ValueError(f"per_joint must be 1 to {CANDIDATES}, got {self.per_joint}")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judgement:
+    """A recording judged by the transmission error that others, or its first half, taught."""
+
+    recording: str
+    learned_from: tuple[str, ...]
+    found: Transmission
+    sham: Transmission | None
+    """Fit of orders that no gear has, as a control."""
+    sensor: float
+    sham_sensor: float
+    """Residual of the learning sensor, with over without the transmission error."""
+    tool: Remaining | None
+    sham_tool: Remaining | None
+    """The same by the tracker."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GearAnalysis:
+    """Result of `analyse`."""
+
+    cfg: GearsCfg
+    sensor: Sensor
+    aligned: tuple[Aligned, ...]
+    scan: Scan
+    resolution: Array
+    found: Transmission | None
+    """Of all recordings; None where no order stands out."""
+    judgements: tuple[Judgement, ...]
+
+
+def analyse(
+    robot: CompiledRobot,
+    recordings: Sequence[MotionRecording],
+    cfg: GearsCfg = GearsCfg(),
+    step: Callable[[], None] = lambda: None,
+) -> GearAnalysis:
+    """Learn the transmission error, and judge each recording by what the others taught.
+
+    A single recording is judged on its second half by its first. step: called n times for each
+    recording or half.
+
+    Raises:
+        ValueError: recordings that do not fit the robot, or have no sensor to learn from.
+    """
+    sensor = _sensor(recordings, cfg.sensor)
+    aligned = tuple(align(robot, recording) for recording in recordings)
+    alone = len(aligned) == 1
+    parts = [(0.0, 0.5), (0.5, 1.0)] if alone else [(0.0, 1.0)]
+    observations = [one.observation(sensor, cfg.band, part) for one in aligned for part in parts]
+    apart = np.max([resolution(one.phi) for one in observations], axis=0)
+    course = Course(observations, apart, cfg.largest_order, cfg.per_joint, step)
+    everything = range(len(observations))
+    judgements: list[Judgement] = []
+    for k in [1] if alone else everything:
+        lesson = [other for other in everything if other != k]
+        source = tuple(aligned[other].name for other in lesson if not alone)
+        found, control = course.learn(lesson)
+        if found is not None:
+            one = aligned[0 if alone else k]
+            source = source or (f"first half of {one.name}",)
+            judgements.append(_judged(one, observations[k], source, found, control, cfg))
+    return GearAnalysis(
+        cfg=cfg,
+        sensor=sensor,
+        aligned=aligned,
+        scan=course.total(everything),
+        resolution=apart,
+        found=course.learn(everything)[0],
+        judgements=tuple(judgements),
+    )
+
+
+def _sensor(recordings: Sequence[MotionRecording], asked: Sensor | None) -> Sensor:
+    for sensor in ("imu", "tracker") if asked is None else (asked,):
+        absent = [one.name for one in recordings if getattr(one, sensor) is None]
+        if not absent:
+            return sensor
+    if asked is not None:
+        raise ValueError(f"no {asked} in {', '.join(absent)}")
+    raise ValueError("the recordings have no sensor in common: an IMU or a tracker is needed")
+
+
+def _judged(
+    one: Aligned,
+    seen: Observation,
+    source: tuple[str, ...],
+    found: Transmission,
+    control: Transmission | None,
+    cfg: GearsCfg,
+) -> Judgement:
+    assert control is not None
+    tool: list[Remaining | None] = [None, None]
+    if one.tracker is not None:
+        residual, rows = one.tool_residual()[0], judged_rows(one)
+        estimates = [x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control)]
+        tool = [remaining(residual, estimate, rows, cfg.judged) for estimate in estimates]
+    return Judgement(
+        recording=one.name,
+        learned_from=source,
+        found=found,
+        sham=control,
+        sensor=sensor_ratio(found, seen),
+        sham_sensor=sensor_ratio(control, seen),
+        tool=tool[0],
+        sham_tool=tool[1],
+    )

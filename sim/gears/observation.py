@@ -1,0 +1,131 @@
+"""Residual of one recording in a band, and what an error of a joint would add to it, as spectra.
+
+A joint's error e(t) moves a point at the tool by J e and turns the tool by z e. Of that an
+accelerometer sees d^2(J e)/dt^2 + (z e) x g and a gyro d(z e)/dt, both in base axes; a tracker sees
+J e. Derivatives are exact in the frequency domain. Each channel is divided by the smoothed
+amplitude of its own residual, so that each frequency counts by its noise.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
+
+from armside.arrays import Array
+
+from .imu_alignment import GRAVITY
+
+TAPER = 2.0
+"""[s] Of the window at both ends."""
+_GRAVITY_CROSS = np.cross(np.eye(3), GRAVITY).T.astype(np.float32)
+SMOOTHED = 0.3
+"""[Hz] Width over which the noise's amplitude is averaged."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Observation:
+    """Residual of a stretch of a recording, M even samples, and the motion of its sensor."""
+
+    phi: Array
+    rate: Array
+    """(M, n) [rad] and [rad/s]."""
+    J_point: Array
+    J_rotation: Array
+    """(M, 3, n), of the measured point and of the tool's rotation, base axes."""
+    residual: Array
+    """(M, 6) of an IMU [m/s^2, rad/s] or (M, 3) of a tracker [m], base axes."""
+    band: tuple[float, float]
+    """[Hz]."""
+    sampling: float
+    """[Hz], of the samples."""
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return self.phi.shape[1]
+
+    @cached_property
+    def target(self) -> Array:
+        """(B, c) complex, weighted spectrum of the residual in the band."""
+        return self._spectrum_of_residual / self._weight
+
+    def columns(self, joint: int, order: float) -> Array:
+        """(B, c, 2) complex, weighted spectra of the errors sin and cos(order phi) of a joint."""
+        z = self._factor(joint, order) * self._jacobians[joint]
+        whole = fft(z, axis=1, overwrite_x=True)
+        bins = self._bins
+        positive, negative = whole[:, bins], np.conj(whole[:, -bins])
+        pair = np.stack([(positive - negative) / 2j, (positive + negative) / 2.0], axis=2)
+        return self._sensed(pair.transpose(1, 0, 2)) / self._weight[:, :, None]
+
+    def _factor(self, joint: int, order: float) -> Array:
+        """exp(i order phi) where it is slow enough not to be folded into the band, else zero."""
+        angle = (order * self.phi[self._rows, joint]).astype(np.float32)
+        fastest = 2.0 * np.pi * (0.95 * self.sampling - self.band[1])
+        slow = np.abs(order * self.rate[self._rows, joint]) < fastest
+        out = np.empty(len(angle), dtype=np.complex64)
+        out.real, out.imag = np.cos(angle) * slow, np.sin(angle) * slow
+        return out
+
+    def _sensed(self, moved: Array) -> Array:
+        if self.residual.shape[1] == 3:
+            return moved[:, :3]
+        omega, turned = self._omega[:, None, None], moved[:, 3:]
+        force = _GRAVITY_CROSS @ turned - omega**2 * moved[:, :3]
+        return np.concatenate([force, 1j * omega * turned], axis=1)
+
+    @cached_property
+    def _rows(self) -> slice:
+        """Even samples whose number the transform likes."""
+        n = len(self.phi)
+        while next_fast_len(n, real=True) != n:
+            n -= 1
+        return slice(0, n)
+
+    @cached_property
+    def _jacobians(self) -> Array:
+        """(n, 6, M) single precision, windowed."""
+        both = np.concatenate([self.J_point, self.J_rotation], axis=1)[self._rows]
+        return (both * self._window[:, None, None]).transpose(2, 1, 0).astype(np.float32)
+
+    @cached_property
+    def _window(self) -> Array:
+        n = len(self.phi[self._rows])
+        edge = np.minimum(np.arange(n), np.arange(n)[::-1]) / (TAPER * self.sampling)
+        return np.sin(0.5 * np.pi * np.minimum(edge, 1.0)) ** 2
+
+    @cached_property
+    def _bins(self) -> Array:
+        f = rfftfreq(len(self._window), 1.0 / self.sampling)
+        return np.flatnonzero((f >= self.band[0]) & (f <= self.band[1]))
+
+    @cached_property
+    def _omega(self) -> Array:
+        return 2.0 * np.pi * self.sampling / len(self._window) * self._bins
+
+    @cached_property
+    def _spectrum_of_residual(self) -> Array:
+        return rfft(self._window[:, None] * self.residual[self._rows], axis=0)[self._bins]
+
+    @cached_property
+    def _weight(self) -> Array:
+        """(B, c), smoothed amplitude of the residual."""
+        power = np.abs(self._spectrum_of_residual) ** 2
+        half = max(1, int(0.5 * SMOOTHED / self.sampling * len(self._window)))
+        padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
+        kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
+        smooth = [np.convolve(column, kernel, "valid") for column in padded.T]
+        return np.sqrt(np.column_stack(smooth))
+
+    def in_time(self, spectrum: Array) -> Array:
+        """(M', c, ...) real, the signal of a weighted spectrum in the band."""
+        whole = np.zeros((len(self._window) // 2 + 1, *spectrum.shape[1:]), dtype=complex)
+        whole[self._bins] = spectrum
+        return irfft(whole, len(self._window), axis=0)
+
+
+def as_real(spectrum: Array) -> Array:
+    """Rows of real and imaginary parts, (2 B c, ...), of a spectrum (B, c, ...)."""
+    flat = spectrum.reshape(-1, *spectrum.shape[2:])
+    return np.concatenate([flat.real, flat.imag])

@@ -1,0 +1,97 @@
+"""Scan of the orders of a joint's error, periods per joint turn, without knowledge of its gear."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from armside.arrays import Array
+
+from .observation import Observation, as_real
+
+SMALLEST = 20.0
+"""Smallest order of a scan; errors of a lower one are too slow for the sensor's band."""
+COARSE, FINE = 2.0, 1.0
+"""Distance of the orders of a scan: fine for joints whose travel tells close ones apart."""
+REFINED = 0.05
+"""Accuracy of an order after the scan."""
+Candidate = tuple[int, float]
+"""Joint, from 0, and order."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Energy of the weighted residual that each order of each joint explains alone."""
+
+    orders: tuple[Array, ...]
+    explained: tuple[Array, ...]
+    """For each joint, (K,)."""
+    energy: float
+    """Of the residual."""
+
+    def __add__(self, other: "Scan") -> "Scan":
+        explained = zip(self.explained, other.explained, strict=True)
+        energy = self.energy + other.energy
+        return Scan(self.orders, tuple(a + b for a, b in explained), energy)
+
+    @property
+    def typical(self) -> Array:
+        """(n,), median over the orders of each joint: 1.39 times the level of chance."""
+        return np.array([np.median(values) for values in self.explained])
+
+
+def resolution(phi: Array) -> Array:
+    """(n,), distance of two orders that the travel of each joint tells apart; phi (M, n)."""
+    return 2.0 * np.pi / np.maximum(np.ptp(phi, axis=0), 1e-2)
+
+
+def grids(apart: Array, largest: float) -> tuple[Array, ...]:
+    """Orders to scan, for each joint, by its resolution (n,)."""
+    steps = np.where(apart > 2.0 * COARSE, COARSE, FINE)
+    return tuple(np.arange(SMALLEST, largest + step / 2, step) for step in steps)
+
+
+def scan(one: Observation, orders: tuple[Array, ...], step: Callable[[], None]) -> Scan:
+    """Scan of an observation; `step` is called after each joint."""
+    y, explained = as_real(one.target), list[Array]()
+    for joint, own in enumerate(orders):
+        explained.append(np.array([_explained(one, joint, order, y) for order in own]))
+        step()
+    return Scan(orders, tuple(explained), float(y @ y))
+
+
+def _explained(one: Observation, joint: int, order: float, y: Array) -> float:
+    X = as_real(one.columns(joint, order))
+    gram, score = X.T @ X, X.T @ y
+    ridge = 1e-6 * np.trace(gram) + np.finfo(np.float32).tiny
+    return float(score @ np.linalg.solve(gram + ridge * np.eye(2), score))
+
+
+def peaks(one: Scan, apart: Array, strongest: int) -> list[Candidate]:
+    """Strongest orders of each joint, each farther from the others than its resolution (n,)."""
+    found: list[Candidate] = []
+    for joint, (orders, values) in enumerate(zip(one.orders, one.explained, strict=True)):
+        own: list[float] = []
+        for order in orders[np.argsort(-values)].tolist():
+            if all(abs(order - other) >= max(apart[joint], FINE) for other in own):
+                own.append(order)
+            if len(own) == strongest:
+                break
+        found += [(joint, order) for order in own]
+    return found
+
+
+def refined(
+    observations: Sequence[Observation], targets: Sequence[Array], candidate: Candidate, half: float
+) -> Candidate:
+    """The order within `half` of a candidate that explains most of the targets, one each."""
+    joint, order = candidate
+    pairs = [(one, as_real(y)) for one, y in zip(observations, targets, strict=True)]
+
+    def missed(value: float) -> float:
+        return -sum(_explained(one, joint, value, y) for one, y in pairs)
+
+    bounds = (order - half, order + half)
+    how = {"bounds": bounds, "method": "bounded", "options": {"xatol": REFINED}}
+    return joint, float(minimize_scalar(missed, **how).x)
