@@ -39,6 +39,8 @@ from .measured_arms import IRB120_LIMITS as IRB120_LIMITS
 from .measured_arms import UR10 as UR10
 from .measured_arms import UR10_LIMITS as UR10_LIMITS
 from .robot_file import Arm as Arm
+from .robot_file import GearTerm as GearTerm
+from .robot_file import read_gear_error as read_gear_error
 from .robot_file import read_robot as read_robot
 from .robot_file import robot_toml as robot_toml
 from .robots import IMU_LINKS as IMU_LINKS

@@ -17,6 +17,13 @@
     upper = [2.9, 1.2, 1.2]              # [rad or m]
     speed = [2.1, 2.1, 2.1]              # [rad/s or m/s]
 
+    [[gear_error]]                       # transmission error of a gear, any number of terms
+    joint = 1                            # motor, from 1
+    order = 240                          # periods per turn of the output
+    amplitude = 1.2e-4                   # [rad], arm side
+    phase = 2.6                          # [rad]; motor minus output angle is
+                                         # amplitude sin(order phi + phase)
+
 Numbers may be text with pi, such as "-pi/2".
 """
 
@@ -32,9 +39,22 @@ from .limits import Limits
 
 LARGEST = 1_000_000
 """Bytes of a robot file; a table of joints needs a few thousand."""
-_ROBOT = ("name", "convention", "offset", "coupling", "link", "limits")
+_ROBOT = ("name", "convention", "offset", "coupling", "link", "limits", "gear_error")
 _LINK = ("theta", "d", "a", "alpha", "joint")
 _LIMITS = ("lower", "upper", "speed")
+
+
+class GearTerm(NamedTuple):
+    """One period of a gear's transmission error: amplitude sin(order phi + phase), motor minus
+    output angle."""
+
+    joint: int
+    """From 1."""
+    order: float
+    """Periods per turn of the output."""
+    amplitude: float
+    phase: float
+    """[rad], arm side."""
 
 
 class Arm(NamedTuple):
@@ -51,6 +71,15 @@ def read_robot(file: Path) -> Arm:
         ValueError: the file is not as described above; the message names file and field.
         OSError: the file cannot be read.
     """
+    return _read(file)[0]
+
+
+def read_gear_error(file: Path) -> tuple[GearTerm, ...]:
+    """Transmission error of a robot file, none where it states none. Raises as `read_robot`."""
+    return _read(file)[1]
+
+
+def _read(file: Path) -> tuple[Arm, tuple[GearTerm, ...]]:
     if file.exists() and not file.is_file():
         raise ValueError(f"{file} is no regular file")
     with file.open("rb") as content:
@@ -59,7 +88,8 @@ def read_robot(file: Path) -> Arm:
         raise ValueError(f"{file.name}: a robot file has at most {LARGEST} bytes")
     try:
         data = tomllib.loads(text.decode())
-        return _arm(data)
+        arm = _arm(data)
+        return arm, _gear_error(arm.robot, data.get("gear_error", []))
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
 
@@ -105,6 +135,22 @@ def _limits(robot: Robot, data: Any) -> Limits:
     return Limits(**values)
 
 
+def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise ValueError("gear_error must be tables [[gear_error]]")
+    return tuple(_gear_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
+
+
+def _gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
+    _refuse_unknown(where, row, GearTerm._fields)
+    if missing := [name for name in GearTerm._fields if name not in row]:
+        raise ValueError(f"{where} lacks {missing[0]}")
+    joint = row["joint"]
+    if isinstance(joint, bool) or not isinstance(joint, int) or not 1 <= joint <= robot.n_joints:
+        raise ValueError(f"{where}: joint must be 1 to {robot.n_joints}, got {joint!r}")
+    return GearTerm(joint, *(_number(f"{where}: {n}", row[n]) for n in GearTerm._fields[1:]))
+
+
 def _numbers(name: str, values: Any) -> list[float]:
     if not isinstance(values, list):
         raise ValueError(f"{name} must be a list of numbers, got {values!r}")
@@ -143,7 +189,7 @@ def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str]
         raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
 
 
-def robot_toml(robot: Robot, limits: Limits) -> str:
+def robot_toml(robot: Robot, limits: Limits, gear_error: Sequence[GearTerm] = ()) -> str:
     """Text of the file of a robot of numbers; `read_robot` reads the same robot back."""
     name = json.dumps(robot.name, ensure_ascii=False)
     lines = [f"name = {name}", f'convention = "{robot.convention.value}"']
@@ -154,4 +200,7 @@ def robot_toml(robot: Robot, limits: Limits) -> str:
         lines.append(f'joint = "{link.joint.value}"')
     lines += ["", "[limits]"]
     lines += [f"{name} = {list(getattr(limits, name))}" for name in _LIMITS]
+    for term in gear_error:
+        lines += ["", "[[gear_error]]"]
+        lines += [f"{name} = {value!r}" for name, value in term._asdict().items()]
     return "\n".join([*lines, ""])

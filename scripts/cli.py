@@ -31,6 +31,7 @@ COMMANDS = {
     "export": "Write a robot's equations as code, or the robot as URDF.",
     "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
+    "gears": "Find the transmission error of a real arm's gears.",
     "calibrate": "Choose the large robot's unknown numbers again.",
     "verify": "Check a claim over many seeds and write its table.",
     "reproduce": "Make the figures of the thesis again, with verdicts.",
@@ -85,6 +86,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.bench import bench as command
         case "calibrate-arm":
             from .commands.calibrate_arm import calibrate_arm as command
+        case "gears":
+            from .commands.gears import gears as command
         case "calibrate":
             from .commands.calibrate import calibrate as command
         case "verify":

@@ -10,6 +10,7 @@
 | NEES of a filter | `armside identify` | here; of the arm: `sim/estimation` |
 | ratio of two policies | `armside verify tuning` | here |
 | parameters of a real arm | `armside calibrate-arm`, deviation | `kinematics/calibration` |
+| amplitude of a gear's error | `armside gears`, 95 % interval | `sim/gears`, against the truth |
 | error of the first cut, 90 % | `armside laser --twin` | `armside verify first-cut` |
 
 Trials are independent or nearly so: with 400 of them the rate scatters by 1.1 %.

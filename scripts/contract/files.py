@@ -78,6 +78,7 @@ def make(folder: Path, run: Path) -> None:
     (folder / "folder").mkdir()
     (folder / "locked.toml").write_text("points = 1")
     _poses(folder / POSES)
+    _motion(folder / MOTION)
     _matlab(folder)
     robot = Path(LARGE_ROBOT_XML).read_text(encoding="utf-8")
     for name, change in MODELS.items():
@@ -105,6 +106,19 @@ def _poses(file: Path, n: int = 60) -> None:
     names = [*(f"motor_angle_{i}" for i in range(1, 7)), *(f"target_1_{a}" for a in "xyz")]
     rows = np.hstack((phi, points))
     np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="")
+
+
+def _motion(folder: Path) -> None:
+    """A recording that `gears --robot ur10` takes: encoders and a tracker, ten seconds."""
+    rng, time = np.random.default_rng(0), np.arange(0.0, 10.0, 0.01)
+    phi = np.sin(np.outer(time, rng.uniform(0.5, 1.0, 6)) + rng.uniform(0.0, 6.0, 6))
+    tool = compile(find_arm("ur10").robot).pose(phi)[:, :3, 3]
+    tables = {"encoders": [f"motor_angle_{i}" for i in range(1, 7)]}
+    tables["tracker"] = [f"target_{a}" for a in "xyz"]
+    folder.mkdir()
+    for (name, columns), values in zip(tables.items(), (phi, tool), strict=True):
+        rows, header = np.column_stack((time, values)), ",".join(("time", *columns))
+        np.savetxt(folder / f"{name}.csv", rows, delimiter=",", header=header, comments="")
 
 
 def _copies(folder: Path, run: Path) -> None:
@@ -137,6 +151,8 @@ def _copies(folder: Path, run: Path) -> None:
 
 
 POSES = "poses.csv"
+MOTION = "motion"
+"""Folder of a recording in motion."""
 MATLAB = ["complex.mat", "nan-k.mat", "huge-k.mat", "half-k.mat"]
 MODELS = {
     "massless.xml": ('mass="', 'mass="-'),
@@ -148,7 +164,18 @@ MODELS = {
 """What is another text in a copy of the large robot, and which."""
 NEVER = ["none.toml", "folder", "fifo.toml", "torn.toml", "damaged.mat", "damaged.h5", "torn.xml"]
 """Names of what is no file that any command reads."""
-READ = [*GOOD, POSES, *BAD, *BYTES, *MATLAB, *MODELS, *SPARSE, *NEVER, "undecodable-\udcff.toml"]
+READ = [
+    *GOOD,
+    POSES,
+    MOTION,
+    *BAD,
+    *BYTES,
+    *MATLAB,
+    *MODELS,
+    *SPARSE,
+    *NEVER,
+    "undecodable-\udcff.toml",
+]
 """Names of files that are given to be read, one of which does not exist."""
 RUNS = [
     *("run", "run-empty", "run-list", "run-foo", "run-robot", "run-shape", "run-seedless"),

@@ -108,6 +108,12 @@ _LINES = (
     "calibrate-arm ../files/poses.csv --robot /dev/zero",
     "calibrate-arm ../files/poses.csv --robot irb1400 --harmonics 0",
     "calibrate-arm ../files/poses.csv --robot ur10 --harmonics 0 --prior-length 1e308",
+    "gears ../files/fifo.toml --robot ur10",
+    "gears ../files/run --robot large",
+    "gears ../files/run-torn --robot large",
+    "gears ../files/motion --robot irb1400",
+    "gears ../files/motion --robot ur10 --sensor imu",
+    "gears ../files/motion ../files/folder --robot ur10",
     "gallery replay --images ../files/data.csv",
     "reproduce 8.3 --out ../files",
 )

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 import numpy as np
 
 from .. import cli
-from .files import NEVER, POSES, READ, RUNS
+from .files import MOTION, NEVER, POSES, READ, RUNS
 from .findings import FINDINGS
 from .options import Option, options_of
 from .twins import BAD, TWINS
@@ -53,6 +53,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "train": ("--robots", "1", "--steps", "5"),
     "commission": ("--recordings", "../files/run"),
     "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
+    "gears": (f"../files/{MOTION}", "--robot", "ur10", "--largest-order", "60"),
 }
 """Words that make a command short, unless an option takes their place."""
 FOR_EVER = ("--web",)

@@ -10,4 +10,5 @@ from .analysis import GearAnalysis as GearAnalysis
 from .analysis import GearsCfg as GearsCfg
 from .analysis import Judgement as Judgement
 from .analysis import analyse as analyse
+from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission

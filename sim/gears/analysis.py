@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import CompiledRobot
+from armside.kinematics import Arm, Limits, compile
 
 from ..measured.motion import MotionRecording
 from .aligned import Aligned, Sensor, align
@@ -15,6 +15,9 @@ from .learning import CANDIDATES, Course
 from .observation import Observation
 from .scan import Scan, resolution
 from .transmission import Transmission
+
+OUT_OF_RANGE = 1.1
+"""Motor angle relative to its limit from which the unit is doubted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +78,7 @@ class GearAnalysis:
 
 
 def analyse(
-    robot: CompiledRobot,
+    arm: Arm,
     recordings: Sequence[MotionRecording],
     cfg: GearsCfg = GearsCfg(),
     step: Callable[[], None] = lambda: None,
@@ -88,7 +91,9 @@ def analyse(
     Raises:
         ValueError: recordings that do not fit the robot, or have no sensor to learn from.
     """
-    sensor = _sensor(recordings, cfg.sensor)
+    sensor, robot = _sensor(recordings, cfg.sensor), compile(arm.robot)
+    for recording in recordings:
+        _check_angles(arm.limits, recording)
     aligned = tuple(align(robot, recording) for recording in recordings)
     alone = len(aligned) == 1
     parts = [(0.0, 0.5), (0.5, 1.0)] if alone else [(0.0, 1.0)]
@@ -116,14 +121,29 @@ def analyse(
     )
 
 
+def _check_angles(limits: Limits, recording: MotionRecording) -> None:
+    """Raise ValueError for motor angles that are far out of range: degrees, or another robot."""
+    angles = np.abs(recording.encoders.values).max(axis=0)
+    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    if angles.shape != bound.shape:
+        text = f"the robot has {len(bound)} motors, the recording has {len(angles)}"
+        raise ValueError(f"{recording.name}: {text}")
+    worst = int((angles / bound).argmax())
+    if angles[worst] > OUT_OF_RANGE * bound[worst]:
+        unit = "are the angles in degrees?"
+        if angles[worst] < 2.0 * bound[worst]:
+            unit = "is it this robot?"
+        text = f"reaches {angles[worst]:.3g}, its limit is {bound[worst]:.3g} rad; {unit}"
+        raise ValueError(f"{recording.name}: motor_angle_{worst + 1} {text}")
+
+
 def _sensor(recordings: Sequence[MotionRecording], asked: Sensor | None) -> Sensor:
-    for sensor in ("imu", "tracker") if asked is None else (asked,):
-        absent = [one.name for one in recordings if getattr(one, sensor) is None]
-        if not absent:
+    asked_for: tuple[Sensor, ...] = ("imu", "tracker") if asked is None else (asked,)
+    for sensor in asked_for:
+        if all(getattr(one, sensor) is not None for one in recordings):
             return sensor
-    if asked is not None:
-        raise ValueError(f"no {asked} in {', '.join(absent)}")
-    raise ValueError("the recordings have no sensor in common: an IMU or a tracker is needed")
+    sensors = " or ".join(asked_for)
+    raise ValueError(f"gears need a sensor in every recording: {sensors}")
 
 
 def _judged(

@@ -37,7 +37,7 @@ class Normal:
 
     def solve(self) -> Array:
         """Coefficients (2 P,), with the ridge."""
-        return np.linalg.solve(self.gram + _ridge(self.gram), self.score)
+        return np.asarray(np.linalg.solve(self.gram + _ridge(self.gram), self.score), np.float64)
 
     def explained(self) -> float:
         """Energy that the solution explains."""

@@ -8,8 +8,10 @@ given clock and lever, so the search is over those alone (variable projection).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
@@ -80,7 +82,7 @@ class ImuAlignment:
         expected = motion.acceleration[:, :3] + turning - GRAVITY
         return np.concatenate([to_base[:, 0] - expected, to_base[:, 1] - omega], axis=1)
 
-    def covered(self, motion: JointMotion, imu: Stream) -> Array:
+    def covered(self, motion: JointMotion, imu: Stream) -> NDArray[np.bool_]:
         """(M,) bool, samples of the motion that the IMU saw."""
         t = self.clock(motion, self.accelerometer_delay)
         return (t > imu.time[0]) & (t < imu.time[-1])
@@ -158,7 +160,8 @@ class _Slow:
         """Residual (K, 3), zero outside of the IMU's record, M (3, 3) and bias (3,)."""
         weight = self._inside[:, None]
         columns = weight * np.column_stack([ideal, np.ones(len(ideal))])
-        found = np.linalg.lstsq(columns, weight * reading, rcond=None)[0]
+        solution: Any = np.linalg.lstsq(columns, weight * reading, rcond=None)[0]
+        found: Array = solution
         return weight * reading - columns @ found, found[:3].T, found[3]
 
 

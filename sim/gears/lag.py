@@ -1,8 +1,8 @@
 """Offset of two clocks over all lags, from one quantity that both instruments saw."""
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
 from scipy.interpolate import CubicSpline
+from scipy.signal import correlate
 
 from armside.arrays import Array
 
@@ -10,6 +10,8 @@ STEP = 0.01
 """[s] Of the search."""
 CORRELATED = 0.3
 """Correlation below which the two did not see the same motion."""
+OVERLAP = 0.5
+"""Of the shorter record, that both must have seen."""
 
 
 def coarse_lag(name: str, own: tuple[Array, Array], robot: tuple[Array, Array]) -> float:
@@ -23,15 +25,18 @@ def coarse_lag(name: str, own: tuple[Array, Array], robot: tuple[Array, Array]) 
         ValueError: no lag makes the two alike.
     """
     a, b = (_even(*signal) for signal in (own, robot))
-    size = next_fast_len(len(a) + len(b))
-    product = irfft(rfft(a, size) * np.conj(rfft(b, size)), size)
-    best = int(np.argmax(product))
-    likeness = product[best] / max(np.linalg.norm(a) * np.linalg.norm(b), np.finfo(float).tiny)
-    if not likeness > CORRELATED:
+    product = correlate(a, b, "full", "fft")
+    overlap = correlate(np.ones_like(a), np.ones_like(b), "full", "fft")
+    energy = correlate(a**2, np.ones_like(b), "full", "fft")
+    energy *= correlate(np.ones_like(a), b**2, "full", "fft")
+    floor = np.finfo(float).eps * energy.max()
+    likeness = product / np.sqrt(np.maximum(energy, max(floor, np.finfo(float).tiny)))
+    likeness[overlap < OVERLAP * min(len(a), len(b))] = -1.0
+    best = int(np.argmax(likeness))
+    if not likeness[best] > CORRELATED:
         text = f"{name} and encoders did not see the same motion at any offset of their clocks"
-        raise ValueError(f"{text} (correlation {likeness:.2f})")
-    lag = best - size if best > len(a) else best
-    return float(lag * STEP + own[0][0] - robot[0][0])
+        raise ValueError(f"{text} (correlation {likeness[best]:.2f})")
+    return float((best - len(b) + 1) * STEP + own[0][0] - robot[0][0])
 
 
 def _even(time: Array, values: Array) -> Array:

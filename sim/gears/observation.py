@@ -8,14 +8,19 @@ amplitude of its own residual, so that each frequency counts by its noise.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from armside.arrays import Array
 
 from .imu_alignment import GRAVITY
 
+Spectrum = NDArray[Any]
+"""Complex, frequency first."""
+Single = NDArray[np.float32]
 TAPER = 2.0
 """[s] Of the window at both ends."""
 _GRAVITY_CROSS = np.cross(np.eye(3), GRAVITY).T.astype(np.float32)
@@ -46,20 +51,20 @@ class Observation:
         return self.phi.shape[1]
 
     @cached_property
-    def target(self) -> Array:
+    def target(self) -> Spectrum:
         """(B, c) complex, weighted spectrum of the residual in the band."""
         return self._spectrum_of_residual / self._weight
 
-    def columns(self, joint: int, order: float) -> Array:
+    def columns(self, joint: int, order: float) -> Spectrum:
         """(B, c, 2) complex, weighted spectra of the errors sin and cos(order phi) of a joint."""
         z = self._factor(joint, order) * self._jacobians[joint]
-        whole = fft(z, axis=1, overwrite_x=True)
+        whole: Any = fft(z, axis=1, overwrite_x=True)
         bins = self._bins
         positive, negative = whole[:, bins], np.conj(whole[:, -bins])
         pair = np.stack([(positive - negative) / 2j, (positive + negative) / 2.0], axis=2)
         return self._sensed(pair.transpose(1, 0, 2)) / self._weight[:, :, None]
 
-    def _factor(self, joint: int, order: float) -> Array:
+    def _factor(self, joint: int, order: float) -> Spectrum:
         """exp(i order phi) where it is slow enough not to be folded into the band, else zero."""
         angle = (order * self.phi[self._rows, joint]).astype(np.float32)
         fastest = 2.0 * np.pi * (0.95 * self.sampling - self.band[1])
@@ -68,7 +73,7 @@ class Observation:
         out.real, out.imag = np.cos(angle) * slow, np.sin(angle) * slow
         return out
 
-    def _sensed(self, moved: Array) -> Array:
+    def _sensed(self, moved: Spectrum) -> Spectrum:
         if self.residual.shape[1] == 3:
             return moved[:, :3]
         omega, turned = self._omega[:, None, None], moved[:, 3:]
@@ -84,7 +89,7 @@ class Observation:
         return slice(0, n)
 
     @cached_property
-    def _jacobians(self) -> Array:
+    def _jacobians(self) -> Single:
         """(n, 6, M) single precision, windowed."""
         both = np.concatenate([self.J_point, self.J_rotation], axis=1)[self._rows]
         return (both * self._window[:, None, None]).transpose(2, 1, 0).astype(np.float32)
@@ -96,36 +101,39 @@ class Observation:
         return np.sin(0.5 * np.pi * np.minimum(edge, 1.0)) ** 2
 
     @cached_property
-    def _bins(self) -> Array:
-        f = rfftfreq(len(self._window), 1.0 / self.sampling)
+    def _bins(self) -> NDArray[np.intp]:
+        f: Any = rfftfreq(len(self._window), 1.0 / self.sampling)
         return np.flatnonzero((f >= self.band[0]) & (f <= self.band[1]))
 
     @cached_property
-    def _omega(self) -> Array:
-        return 2.0 * np.pi * self.sampling / len(self._window) * self._bins
+    def _omega(self) -> Single:
+        omega = 2.0 * np.pi * self.sampling / len(self._window) * self._bins
+        return omega.astype(np.float32)
 
     @cached_property
-    def _spectrum_of_residual(self) -> Array:
-        return rfft(self._window[:, None] * self.residual[self._rows], axis=0)[self._bins]
+    def _spectrum_of_residual(self) -> Spectrum:
+        whole: Any = rfft(self._window[:, None] * self.residual[self._rows], axis=0)
+        return whole[self._bins]
 
     @cached_property
-    def _weight(self) -> Array:
+    def _weight(self) -> Single:
         """(B, c), smoothed amplitude of the residual."""
         power = np.abs(self._spectrum_of_residual) ** 2
         half = max(1, int(0.5 * SMOOTHED / self.sampling * len(self._window)))
         padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
         kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
         smooth = [np.convolve(column, kernel, "valid") for column in padded.T]
-        return np.sqrt(np.column_stack(smooth))
+        return np.sqrt(np.column_stack(smooth)).astype(np.float32)
 
-    def in_time(self, spectrum: Array) -> Array:
+    def in_time(self, spectrum: Spectrum) -> Array:
         """(M', c, ...) real, the signal of a weighted spectrum in the band."""
         whole = np.zeros((len(self._window) // 2 + 1, *spectrum.shape[1:]), dtype=complex)
         whole[self._bins] = spectrum
-        return irfft(whole, len(self._window), axis=0)
+        out: Any = irfft(whole, len(self._window), axis=0)
+        return out
 
 
-def as_real(spectrum: Array) -> Array:
+def as_real(spectrum: Spectrum) -> NDArray[Any]:
     """Rows of real and imaginary parts, (2 B c, ...), of a spectrum (B, c, ...)."""
-    flat = spectrum.reshape(-1, *spectrum.shape[2:])
+    flat: Any = spectrum.reshape(-1, *spectrum.shape[2:])
     return np.concatenate([flat.real, flat.imag])

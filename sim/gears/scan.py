@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -93,5 +94,6 @@ def refined(
         return -sum(_explained(one, joint, value, y) for one, y in pairs)
 
     bounds = (order - half, order + half)
-    how = {"bounds": bounds, "method": "bounded", "options": {"xatol": REFINED}}
-    return joint, float(minimize_scalar(missed, **how).x)
+    how: dict[str, Any] = {"bounds": bounds, "method": "bounded", "options": {"xatol": REFINED}}
+    found: Any = minimize_scalar(missed, **how)
+    return joint, float(found.x)

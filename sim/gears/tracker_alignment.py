@@ -6,6 +6,7 @@ Only the motion below 2 Hz is used, with the nominal robot. Nothing of it depend
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
@@ -58,7 +59,7 @@ class TrackerAlignment:
         points = CubicSpline(even, points)(np.clip(self.clock(motion), even[0], even[-1]))
         return (points - self.p) @ self.R - motion.T[:, :3, 3] - motion.lever(self.target)
 
-    def covered(self, motion: JointMotion, tracker: Stream) -> Array:
+    def covered(self, motion: JointMotion, tracker: Stream) -> NDArray[np.bool_]:
         """(M,) bool, samples of the motion that the tracker saw."""
         t = self.clock(motion)
         return (t > tracker.time[0] + MARGIN / 2) & (t < tracker.time[-1] - MARGIN / 2)
@@ -77,8 +78,9 @@ def align_tracker(motion: JointMotion, tracker: Stream, fraction: float = 1.0) -
     _check_unit(motion, even)
     points = CubicSpline(time, even)
     speeds = np.linalg.norm(points(time, 1), axis=1), np.linalg.norm(motion.velocity[:, :3], axis=1)
-    start = coarse_lag("tracker", (time, speeds[0]), (motion.time, lowpass(speeds[1], SLOW)))
     margin, last = int(MARGIN * RATE), int(fraction * len(motion.time))
+    of_robot = motion.time[:last], lowpass(speeds[1], SLOW)[:last]
+    start = coarse_lag("tracker", (time, speeds[0]), of_robot)
     rows = np.arange(margin, last - margin, STRIDE)
     T = lowpass(motion.T.reshape(-1, 16), SLOW)[rows].reshape(-1, 4, 4)
     t, middle = motion.time[rows], motion.time.mean()

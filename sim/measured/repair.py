@@ -23,6 +23,10 @@ BACKWARDS = 0.01
 """Fraction of steps in time that may go backwards."""
 SHORTEST = 100
 """Samples of a stream that can be analysed."""
+LONGEST = 1800.0
+"""[s] Of a stream that can be analysed."""
+LARGEST = 1e6
+"""[SI] Value that no instrument gives."""
 
 
 def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, ...]]:
@@ -33,19 +37,23 @@ def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, 
         time: (N,) [s]. values: (N, m), NaN where missing.
 
     Raises:
-        ValueError: too short, too much missing, or a clock that runs backwards.
+        ValueError: too short or long, too much missing, or a clock that runs backwards.
     """
     if len(time) < SHORTEST:
         raise ValueError(f"{name}: {len(time)} samples; at least {SHORTEST} are needed")
     whole = np.isfinite(time) & np.isfinite(values).all(axis=1)
     _refuse_most(name, "are not finite", ~whole)
     time, values = time[whole], values[whole]
+    if (largest := float(np.abs(values).max())) > LARGEST:
+        raise ValueError(f"{name}: values reach {largest:.3g}; at most {LARGEST:g} can be right")
     steps = np.diff(time)
     if (back := steps < 0.0).mean() > BACKWARDS:
         row = int(np.flatnonzero(back)[0]) + 2
         raise ValueError(f"{name}: the clock runs backwards, first in sample {row}")
     forward = np.r_[True, time[1:] > np.maximum.accumulate(time)[:-1]]
     time, values = time[forward], values[forward]
+    if not 0.0 < (length := time[-1] - time[0]) <= LONGEST:
+        raise ValueError(f"{name}: {length:.3g} s of samples; at most {LONGEST:g} s can be used")
     kept = _without_spikes(time, values)
     _refuse_most(name, "lie off their neighbours", ~kept)
     stream = Stream(time[kept], values[kept])

@@ -30,6 +30,7 @@ COMMANDS = {
     "robot": "robot check --out a",
     "export": "export --out a",
     "calibrate-arm": f"calibrate-arm ../files/{files.POSES} --robot ur10 --harmonics 0 --out a",
+    "gears": f"gears ../files/{files.MOTION} --robot ur10 --largest-order 60 --out a",
     "reproduce": "reproduce 8.3 --out a",
     "measure": "measure ../files/data.csv --gear 1 --out a",
     "design": "design --out a",

@@ -1,0 +1,188 @@
+"""Results of `armside gears`: summary, tables, robot file with the error, pictures."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.kinematics.robot_file import Arm, GearTerm, robot_toml
+from armside.sim.gears import GearAnalysis, Judgement, Remaining
+from armside.sim.gears.joint_motion import bandpass
+from armside.sim.gears.judgement import judged_rows
+from armside.sim.gears.transmission import CONFIDENCE
+from armside.sim.records.run_folder import RunFolder
+
+from ..shell.console import Report
+from .laser import COLORS, INK, REFERENCE, new_figure, save
+
+UM = 1e6
+
+
+def results(done: GearAnalysis) -> dict[str, Any]:
+    """Entries of summary.json. SI units."""
+    terms = [] if done.found is None else done.found.terms
+    return {
+        "sensor": done.sensor,
+        "orders": sorted({round(term.order, 2) for term in terms}),
+        "joints": [_joint(done, j) for j in range(len(done.resolution))],
+        "judged": [_judged(one) for one in done.judgements],
+        "clocks": _clocks(done),
+    }
+
+
+def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
+    orders, explained = done.scan.orders[joint], done.scan.explained[joint]
+    best = int(np.argmax(explained))
+    found = [] if done.found is None else [t for t in done.found.terms if t.joint == joint + 1]
+    return {
+        "joint": joint + 1,
+        "terms": [
+            {
+                "order": term.order,
+                "amplitude": term.amplitude,
+                "amplitude_interval": [
+                    term.amplitude - CONFIDENCE * term.amplitude_deviation,
+                    term.amplitude + CONFIDENCE * term.amplitude_deviation,
+                ],
+                "phase": term.phase,
+                "phase_deviation": term.phase_deviation,
+            }
+            for term in found
+        ],
+        "tool_rms": _tool_rms(done, joint),
+        "resolution": done.resolution[joint],
+        "scan_peak": {
+            "order": orders[best],
+            "explained": explained[best] / done.scan.energy,
+            "over_median": explained[best] / done.scan.typical[joint],
+        },
+    }
+
+
+def _tool_rms(done: GearAnalysis, joint: int) -> float:
+    """[m], root mean square of a joint's error at the tool, over all recordings."""
+    if done.found is None:
+        return 0.0
+    parts = [done.found.tool_error(one.motion, one.target)[:, :, joint] for one in done.aligned]
+    return float(np.sqrt((np.concatenate(parts) ** 2).sum(axis=1).mean()))
+
+
+def _judged(one: Judgement) -> dict[str, Any]:
+    return {
+        "recording": one.recording,
+        "learned_from": one.learned_from,
+        "sensor_ratio": one.sensor,
+        "sham_sensor_ratio": one.sham_sensor,
+        "tool": _tool(one.tool),
+        "sham_tool": _tool(one.sham_tool),
+    }
+
+
+def _tool(one: Remaining | None) -> dict[str, Any] | None:
+    return None if one is None else {name: getattr(one, name) for name in vars(one)}
+
+
+def _clocks(done: GearAnalysis) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = []
+    for one in done.aligned:
+        row: dict[str, Any] = {"recording": one.name}
+        if one.imu is not None:
+            row |= {"gyro_delay": one.imu.gyro_delay, "imu_rate": one.imu.rate}
+            row |= {"accelerometer_delay": one.imu.accelerometer_delay}
+        if one.tracker is not None:
+            row |= {"tracker_offset": one.tracker.offset, "tracker_rate": one.tracker.rate}
+            row |= {"nominal_rms": one.tracker.rms}
+        rows.append(row)
+    return rows
+
+
+def tables(report: Report, outcome: dict[str, Any]) -> None:
+    """Terms, and what they leave of the error, on the terminal."""
+    rows = [
+        [
+            joint["joint"],
+            term["order"],
+            UM * term["amplitude"],
+            UM * (term["amplitude_interval"][1] - term["amplitude"]),
+            term["phase"],
+            CONFIDENCE * term["phase_deviation"],
+            UM * joint["tool_rms"] if k == 0 else None,
+        ]
+        for joint in outcome["joints"]
+        for k, term in enumerate(joint["terms"])
+    ]
+    if not rows:
+        report.line("No order stands out from chance.")
+        return
+    head = ["joint", "order", "µrad", "±", "phase", "±", "tool [µm]"]
+    report.table("Transmission error, 95 % intervals", head, rows)
+    report.table(
+        f"Judged on what was not learned from: RMS with over without, {outcome['sensor']}, tool",
+        ["recording", "sensor", "sham", "tool", "sham", "x", "y", "z"],
+        [_judged_row(one) for one in outcome["judged"]],
+    )
+
+
+def _judged_row(one: dict[str, Any]) -> list[Any]:
+    row = [one["recording"], one["sensor_ratio"], one["sham_sensor_ratio"]]
+    if one["tool"] is None:
+        return [*row, None, None, None, None, None]
+    axes = [float(ratio) for ratio in one["tool"]["ratio"]]
+    return [*row, one["tool"]["pooled"], one["sham_tool"]["pooled"], *axes]
+
+
+def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:
+    """robot.toml with the transmission error, and pictures."""
+    terms = [] if done.found is None else done.found.terms
+    rows = [GearTerm(t.joint, t.order, t.amplitude, t.phase) for t in terms]
+    text = robot_toml(arm.robot, arm.limits, rows)
+    (folder / "robot.toml").write_text(text, encoding="utf-8")
+    draw_scan(folder / "scan.png", done)
+    if any(one.tool is not None for one in done.judgements):
+        draw_tool(folder / "tool.png", done)
+
+
+def draw_scan(file: Path, done: GearAnalysis) -> None:
+    """Energy that each order of each joint explains, over the joint's median."""
+    n = len(done.resolution)
+    figure = new_figure(8.0, 1.2 + 1.25 * n)
+    panels = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
+    figure.subplots_adjust(left=0.11, right=0.97, bottom=0.5 / (1.2 + 1.25 * n), top=0.93)
+    found = [] if done.found is None else done.found.terms
+    for joint, panel in enumerate(panels):
+        orders = done.scan.orders[joint]
+        strength = done.scan.explained[joint] / done.scan.typical[joint]
+        panel.semilogy(orders, np.maximum(strength, 1e-2), color=COLORS[0], lw=0.9)
+        panel.axhline(1.0, color=REFERENCE, lw=0.8)
+        for term in found:
+            if term.joint == joint + 1:
+                panel.axvline(term.order, color=COLORS[1], lw=0.8, ls="--")
+        panel.set_ylabel(f"joint {joint + 1}", color=INK)
+        panel.set_ylim(0.3, 3.0 * max(10.0, float(strength.max())))
+    panels[-1].set_xlabel("order [periods per turn of the joint]")
+    figure.suptitle("Energy explained by an order, over the median; dashed: taken")
+    save(figure, file)
+
+
+def draw_tool(file: Path, done: GearAnalysis) -> None:
+    """Ten seconds of the tool's error in the judged band, before and after, for each axis."""
+    judgement = next(one for one in done.judgements if one.tool is not None)
+    one = next(each for each in done.aligned if each.name == judgement.recording)
+    residual = one.tool_residual()[0]
+    estimate = judgement.found.tool_error(one.motion, one.target).sum(axis=2)
+    seen, left = (bandpass(x, *done.cfg.judged) for x in (residual, residual - estimate))
+    first = int(np.flatnonzero(judged_rows(one))[0])
+    rows = slice(first, first + 1000)
+    time = one.motion.time[rows] - one.motion.time[0]
+    figure = new_figure(9.0, 6.0)
+    panels = figure.subplots(3, 1, sharex=True)
+    figure.subplots_adjust(left=0.09, right=0.98, bottom=0.08, top=0.92)
+    for axis, panel in zip(range(3), panels, strict=True):
+        panel.plot(time, UM * seen[rows, axis], color=REFERENCE, lw=1.0, label="encoders alone")
+        panel.plot(time, UM * left[rows, axis], color=COLORS[0], lw=1.0, label="with gear error")
+        panel.set_ylabel(f"{'xyz'[axis]} [µm]")
+    panels[0].legend(loc="upper right", ncols=2, frameon=False)
+    panels[-1].set_xlabel("time [s]")
+    low, high = done.cfg.judged
+    figure.suptitle(f"Error of the tool at {low:g} to {high:g} Hz by the tracker, {one.name}")
+    save(figure, file)
