@@ -25,7 +25,7 @@ MARGIN = 1.0
 """[s] At both ends."""
 ROBUST = 1e-3
 """[m] Residual at which the loss turns from square to linear; a nominal robot is off by as much."""
-MISFIT = 0.05
+MISFIT = 0.02
 """Residual, relative to the spread of the points, that no error of a robot explains."""
 SHARP = 40.0
 """[Hz] Low-pass of the tracker before it is put on the grid."""

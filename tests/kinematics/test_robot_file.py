@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside.kinematics import CATALOGUE, Convention, Joint, compile, find_arm, robot_toml
-from armside.kinematics.robot_file import LARGEST, read_robot
+from armside.kinematics.robot_file import LARGEST, GearTerm, read_gear_error, read_robot
 
 SCARA = """
 name = "scara"
@@ -107,3 +107,25 @@ ZERO_POSITIONS = {"ur10": (-1.1843, -0.256141, 0.0116), "irb120": (0.374, 0.0, 0
 def test_the_flange_stands_in_the_zero_pose_of_the_data_sheet(name):
     T = compile(CATALOGUE[name].robot).pose(np.zeros(6))
     np.testing.assert_allclose(T[:3, 3], ZERO_POSITIONS[name], rtol=0, atol=1e-12)
+
+
+def test_gear_error_is_written_and_read_back(tmp_path):
+    terms = (GearTerm(1, 240.0, 1.2e-4, 2.6), GearTerm(6, 202.5, -3e-5, 0.1))
+    (tmp_path / "arm.toml").write_text(robot_toml(*CATALOGUE["ur10"], terms))
+    assert read_gear_error(tmp_path / "arm.toml") == terms
+    assert read_robot(tmp_path / "arm.toml").robot.n_joints == 6
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("joint = 7\norder = 1\namplitude = 0\nphase = 0", "joint must be 1 to 6, got 7"),
+        ("joint = 1\norder = 1\namplitude = 0", "gear_error 1 lacks phase"),
+        ("joint = 1\norder = 1\namplitude = 0\nphase = 0\nx = 1", "unknown key 'x'"),
+    ],
+)
+def test_wrong_gear_error_is_named(tmp_path, row, said):
+    text = robot_toml(*CATALOGUE["ur10"])
+    (tmp_path / "arm.toml").write_text(f"{text}\n[[gear_error]]\n{row}\n")
+    with pytest.raises(ValueError, match=said):
+        read_robot(tmp_path / "arm.toml")
