@@ -95,7 +95,10 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
 
 
 def _deviation(time: Array, values: Array) -> Array:
-    """Distance of each sample from the cubic through its neighbours, (N,); zero at the ends."""
+    """Distance of each sample from the cubic through its neighbours, (N,).
+
+    Zero at the ends and beside gaps, which a cubic does not span.
+    """
     inner, others = np.arange(2, len(time) - 2), (-2, -1, 1, 2)
     expected = np.zeros((len(inner), values.shape[1]))
     for a in others:
@@ -106,5 +109,7 @@ def _deviation(time: Array, values: Array) -> Array:
                 weight *= (time[inner] - time[inner + b]) / span
         expected += weight[:, None] * values[inner + a]
     off = np.zeros(len(time))
-    off[inner] = np.linalg.norm(values[inner] - expected, axis=1)
+    span = time[inner + 2] - time[inner - 2]
+    near = span <= GAP * np.median(span)
+    off[inner] = near * np.linalg.norm(values[inner] - expected, axis=1)
     return off

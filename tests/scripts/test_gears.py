@@ -8,6 +8,7 @@ import pytest
 from armside.kinematics import Limits, Link, Robot, compile, read_gear_error, robot_toml
 
 ARM = Robot((Link(d=0.3, alpha=np.pi / 2), Link(a=0.5), Link(a=0.4)), name="three joints")
+LIMITS = Limits(lower=(-3.0,) * 3, upper=(3.0,) * 3, speed=(3.0,) * 3)
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def folder(tmp_path):
         header = ",".join(["time", *columns])
         rows = np.column_stack([time, values])
         np.savetxt(made / f"{name}.csv", rows, "%.12g", ",", header=header, comments="")
-    (tmp_path / "arm.toml").write_text(robot_toml(ARM, Limits((-3,) * 3, (3,) * 3, (3,) * 3)))
+    (tmp_path / "arm.toml").write_text(robot_toml(ARM, LIMITS))
     return made
 
 

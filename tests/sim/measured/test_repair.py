@@ -66,7 +66,10 @@ def test_a_folder_of_tables_is_read(tmp_path):
     [(np.degrees(PHI), "in degrees"), (PHI[:, :1], "has 2 motors, the recording has 1")],
 )
 def test_angles_that_cannot_be_of_this_robot_are_named(phi, said):
-    arm = Arm(Robot((Link(a=0.5), Link(a=0.4))), Limits((-2.0,) * 2, (2.0,) * 2, (3.0,) * 2))
+    arm = Arm(
+        Robot((Link(a=0.5), Link(a=0.4))),
+        Limits(lower=(-2.0,) * 2, upper=(2.0,) * 2, speed=(3.0,) * 2),
+    )
     imu = Stream(TIME, np.zeros((len(TIME), 6)))
     one = MotionRecording(name="a", encoders=Stream(TIME, phi), imu=imu, form="synthetic")
     with pytest.raises(ValueError, match="a: ") as error:
