@@ -121,16 +121,18 @@ def test_exact_gears_show_no_order(scenes):
 def test_aubo_shows_two_periods_per_motor_turn_on_each_day():
     recordings, arm = [read_motion(AUBO / day) for day in DAYS], find_arm("aubo_i5")
     done = analyse(arm, recordings)
-    ratios = [one.tool.pooled for one in done.judgements]
+    ratios = [one.tool.pooled for one in done.judgements if one.tool]
+    shams = [one.sham_tool.pooled for one in done.judgements if one.sham_tool]
+    assert len(ratios) == len(shams) == 3
     assert max(ratios) <= 0.78
     assert sorted(ratios)[1] <= 0.70
-    assert min(one.sham_tool.pooled for one in done.judgements) >= 0.98
+    assert min(shams) >= 0.98
     for joint, orders in enumerate(((240, 242),) * 3 + ((200, 202),) * 2 + ((100, 101, 200),)):
         peak = done.scan.orders[joint][np.argmax(done.scan.explained[joint])]
         assert min(abs(peak - order) for order in orders) <= 2.0
-    scales = np.array([np.linalg.svd(one.imu.M_gyro)[1] for one in done.aligned])
-    assert np.ptp(scales, axis=0).max() <= 0.005
-    for other in done.aligned[1:]:
-        turn = other.imu.R_imu_tool @ done.aligned[0].imu.R_imu_tool.T
+    imus = [one.imu for one in done.aligned if one.imu]
+    assert np.ptp([np.linalg.svd(imu.M_gyro)[1] for imu in imus], axis=0).max() <= 0.005
+    for imu in imus[1:]:
+        turn = imu.R_imu_tool @ imus[0].R_imu_tool.T
         assert np.degrees(np.arccos(min(1.0, (np.trace(turn) - 1.0) / 2.0))) <= 0.2
     assert_only_clock_base_and_tool_enter(arm, recordings, GearsCfg(), done)
