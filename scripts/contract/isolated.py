@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 MODULES = (
     *("laser", "imu", "identify", "commission", "compare", "replay", "convert", "measure"),
-    *("design", "tune", "calibrate_arm", "gears"),
+    *("design", "tune", "calibrate_arm"),
 )
 PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),
