@@ -85,6 +85,13 @@ class Tally:
         for note in of_run:
             self._first.setdefault(note.cause, note)
 
+    def include(self, other: "Tally") -> None:
+        """Count the runs of another tally too."""
+        self._runs += other._runs
+        self._n.update(other._n)
+        for cause, note in other._first.items():
+            self._first.setdefault(cause, note)
+
     def notes(self, what: str) -> list[Note]:
         """One note for each cause, its first text with the number of runs."""
         return [

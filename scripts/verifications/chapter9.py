@@ -1,11 +1,13 @@
 """The claim of `armside verify chapter9`: the bands of chapter 9 over robots, with all noise."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from armside.sim.calibration import bands
 from armside.sim.calibration.bands import MOST_MOVED, POSES, SPEEDS
 from armside.sim.evaluation.check import Check, Table, over_seeds
 from armside.sim.laser.job import LearningJob
+from armside.sim.notes import Tally
 
 from ..jobs.workers import Workers
 from ..thesis.chapter9.identification import LAW
@@ -51,12 +53,17 @@ def checks(results: dict[str, dict]) -> list[Check]:
     ]
 
 
-def found(seed: int, workers: Workers) -> list[Check]:
-    """Run the experiments of one seed and compare."""
+def found(seed: int, workers: Workers, said: Tally) -> list[Check]:
+    """Run the experiments of one seed and compare; notes are counted."""
     jobs = {name: study.jobs(seed) for name, study in EXPERIMENTS.items()}
     every = {job for study in jobs.values() for job in study.values()}
     distinct = sorted(every, key=lambda job: -job.cost)  # the longest first
-    results = dict(zip(distinct, workers.map(LearningJob.run, distinct), strict=True))
+    results = {}
+    for job, (arrays, notes) in zip(
+        distinct, workers.map(LearningJob.noted, distinct), strict=True
+    ):
+        results[job] = arrays
+        said.add(notes)
     return checks(
         {name: {key: results[job] for key, job in study.items()} for name, study in jobs.items()}
     )
@@ -64,6 +71,8 @@ def found(seed: int, workers: Workers) -> list[Check]:
 
 def chapter9(seeds: Iterable[int]) -> Table:
     """One column per seed: another individual (friction +-2 %), tracker set-up and noise."""
+    said = Tally()
     with Workers() as workers:
-        by_seed = {seed: found(seed, workers) for seed in seeds}
-    return over_seeds("Chapter 9: what the robot does, over robots and noise", by_seed, FRACTION)
+        by_seed = {seed: found(seed, workers, said) for seed in seeds}
+    title = "Chapter 9: what the robot does, over robots and noise"
+    return replace(over_seeds(title, by_seed, FRACTION), notes=said.notes("experiments"))

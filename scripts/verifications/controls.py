@@ -19,10 +19,12 @@ from armside.sim.estimation.tool_law import ToolLawKind
 from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
+from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import ToolOutput, ToolPath
+from armside.sim.notes import Note, counted
 from armside.sim.robot.effects import Effect
 
 from ..jobs.workers import Workers
@@ -94,6 +96,8 @@ class Found(NamedTuple):
     """Estimation error of the first run's path [m], 3D RMS."""
     ratio: float = np.nan
     """Deviation of the tool after `UPDATES` over that before; NaN where nothing is learned."""
+    notes: Sequence[Note] = ()
+    """Limits that changed the cut."""
 
 
 def controls(seeds: Iterable[int]) -> Table:
@@ -111,6 +115,7 @@ def controls(seeds: Iterable[int]) -> Table:
         errors[name] = 1e6 * np.array([_median([cut.error for cut in at]) for at in cuts])
         ratios[name] = np.array([_median([cut.ratio for cut in at]) for at in cuts])
         refused[name] = sum(np.isnan(cut.error) for at in cuts for cut in at)
+    said = counted((each[name].notes for _, each in found for name in variants()), "learned cuts")
     words = ("error 3D [µm]", "k = 5 over k = 0")
     larger = "negative control: without dynamics errors are more than twice as large"
     more = "negative control: without identification averaging runs leaves twice as much"
@@ -126,6 +131,7 @@ def controls(seeds: Iterable[int]) -> Table:
             all_hold(larger, errors[_NO_DYNAMICS] > 2.0 * errors[_DEFAULT]),
             all_hold(more, averaged > 2.0 * ratios[_DEFAULT]),
         ],
+        said,
     )
 
 
@@ -141,12 +147,14 @@ def _tried(case: tuple[int, str]) -> dict[str, Found]:
     for name, (unit, measure, repeats) in variants().items():
         cut = Cut(pose=pose, without=tuple(Effect), imu=unit)
         try:
-            output, learned = Case(cut=cut, seed=seed).from_tool(UPDATES, measure, repeats=repeats)
+            learning = Case(cut=cut, seed=seed)
+            output, learned = learning.from_tool(UPDATES, measure, repeats=repeats)
             iterations = list(learned)
         except ImuError:
             continue
         first, deviation = iterations[0].run, rms(iterations)
-        found[name] = Found(path_error(output(first), first), deviation[-1] / deviation[0])
+        error, ratio = path_error(output(first), first), deviation[-1] / deviation[0]
+        found[name] = Found(error, ratio, notes(learning.experiment(), iterations))
         if name == _DEFAULT:
             found[_KINEMATICS] = Found(path_error(rigid_path(first), first))
             found[_NO_DYNAMICS] = Found(path_error(_kinematic(output, unit, first), first))

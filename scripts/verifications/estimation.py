@@ -14,9 +14,11 @@ from armside.sim.cut.timing import PathLimits
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
+from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
+from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
 from ..jobs.workers import Workers
@@ -70,22 +72,28 @@ BEATEN = (
 
 def estimation(seeds: Iterable[int]) -> Table:
     """p1, p2, p3; 40 mm/s and fast; ten updates."""
+    said = Tally()
     with Workers() as workers:
-        rows = workers.map(_row, list(product(seeds, POSES)))
+        found = workers.map(_row, list(product(seeds, POSES)))
+    rows = [row for row, _ in found]
+    for _, of_row in found:
+        said.include(of_row)
     return Table(
         "Learning from an estimate of the tool: tool deviation RMS in µm",
         ("seed", "pose", *COLUMNS.values(), "any diverged"),
         [(seed, pose, *lengths.values(), diverged) for seed, pose, lengths, diverged in rows],
         verdicts(rows),
+        said.notes("learned cuts"),
     )
 
 
-def _row(case: tuple[int, str]) -> Row:
-    return row(*case)
+def _row(case: tuple[int, str]) -> tuple[Row, Tally]:
+    said = Tally()
+    return row(*case, said), said
 
 
-def row(seed: int, pose: str) -> Row:
-    """All cases of one seed at one pose."""
+def row(seed: int, pose: str, said: Tally) -> Row:
+    """All cases of one seed at one pose; notes of the cuts that are learned are counted."""
     cut = Cut(pose=pose, imu=ImuCfg())
     springs = Case(cut=replace(cut, without=tuple(Effect)), seed=seed)
     output, learned = springs.from_tool(TEN)
@@ -100,10 +108,13 @@ def row(seed: int, pose: str) -> Row:
     fast = replace(springs, cut=replace(springs.cut, speed=0.1))
     faster = replace(fast, cut=replace(fast.cut, limits=PathLimits(acceleration=2.2)))
     quick, quicker = (list(case.from_tool(FIVE)[1]) for case in (fast, faster))
-    motor, default_motor, fast_motor, faster_motor = (
-        rms(list(case.from_motors(FIVE)))[-1] for case in (springs, default, fast, faster)
-    )
+    cases = (springs, default, fast, faster)
+    by_motors = [list(case.from_motors(FIVE)) for case in cases]
+    motor, default_motor, fast_motor, faster_motor = (rms(runs)[-1] for runs in by_motors)
     all_runs = (base, tracked, all_effects, worst, quick, quicker)
+    from_tool = (springs, springs, default, default, fast, faster)
+    for case, runs in zip((*from_tool, *cases), (*all_runs, *by_motors), strict=True):
+        said.add(notes(case.experiment(), runs))
     s, t, d, h, f, g = map(rms, all_runs)
     lengths = [
         *(path_error(path, first) for path in (rigid_path(first), output(first))),

@@ -6,15 +6,18 @@ first run with the twin's correction over that without any.
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from armside.arrays import Array
+from armside.sim.cut.notes import motion_notes
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
+from armside.sim.laser.notes import pass_notes
 from armside.sim.laser.specification import Cut
+from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.correction import Corrected
@@ -58,6 +61,8 @@ class Found:
     """(n,) left beyond the commissioned range, and whether the twin was not trusted there."""
     seconds: float
     correction_seconds: float
+    said: Tally = field(default_factory=Tally)
+    """Notes of the runs of its tasks."""
 
 
 def first_cut(seeds: Iterable[int]) -> Table:
@@ -65,7 +70,16 @@ def first_cut(seeds: Iterable[int]) -> Table:
     numbers = [JUDGED[seed % len(JUDGED)] for seed in seeds]
     with Workers() as workers:
         found = workers.map(individual, numbers)
-    return Table("First cuts by a twin", COLUMNS, [_row(one) for one in found], verdicts(found))
+    rows, said = [_row(one) for one in found], together(one.said for one in found)
+    return Table("First cuts by a twin", COLUMNS, rows, verdicts(found), said.notes("runs"))
+
+
+def together(tallies: Iterable[Tally]) -> Tally:
+    """Notes of all individuals."""
+    said = Tally()
+    for tally in tallies:
+        said.include(tally)
+    return said
 
 
 def individual(
@@ -77,10 +91,10 @@ def individual(
     n_beyond: int = N_BEYOND,
 ) -> Found:
     """Commission twins of one individual from several counts of cuts, and judge them."""
-    robot = Drawn(number)
+    robot, said = Drawn(number), Tally()
     cuts = commissioning_cuts(robot, max(counts))
     chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
-    plain = [left_alone(cut, robot) for cut in chosen]
+    plain = [left_alone(cut, robot, said) for cut in chosen]
     started, twins = time.perf_counter(), dict[int, Twin]()
     seconds = 0.0
     for count in counts:
@@ -88,7 +102,7 @@ def individual(
         seconds = seconds or time.perf_counter() - started
     left, inside, took = dict[int, Array](), np.empty(0, dtype=bool), list[float]()
     for count, twin in twins.items():
-        errors, predictions, each = first_runs(twin, robot, chosen)
+        errors, predictions, each = first_runs(twin, robot, chosen, said)
         took.extend(each)
         left[count] = errors / plain
         if count == max(counts):
@@ -96,25 +110,29 @@ def individual(
             inside = (low <= errors) & (errors <= high)
     best = twins[max(counts)]
     drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:n_drift]]
-    without, feedback = _after_drift(best, robot, drifted)
-    beyond, flagged = _beyond(best, robot, tasks_beyond(n_beyond, GUARD_SEED + number))
+    without, feedback = _after_drift(best, robot, drifted, said)
+    outside = tasks_beyond(n_beyond, GUARD_SEED + number)
+    beyond, flagged = _beyond(best, robot, outside, said)
     hinges = len(robot.of(best.design.nominal or best.design.model).hidden)
     return Found(
         *(number, hinges, left, inside, without, feedback, beyond, flagged),
-        *(seconds, float(np.median(took))),
+        *(seconds, float(np.median(took)), said),
     )
 
 
 def first_runs(
-    twin: Twin, robot: Drawn, cuts: Sequence[Cut]
+    twin: Twin, robot: Drawn, cuts: Sequence[Cut], said: Tally
 ) -> tuple[Array, list[Corrected], list[float]]:
-    """True tool RMS (n,) [m] of first runs, their corrections, and the seconds these took."""
+    """True tool RMS (n,) [m] of first runs, their corrections, and the seconds these took.
+
+    Notes of the runs are counted, as by `left_alone`.
+    """
     errors, corrections, seconds = list[float](), list[Corrected](), list[float]()
     for cut in cuts:
         began = time.perf_counter()
         corrections.append(twin.correction(cut))
         seconds.append(time.perf_counter() - began)
-        errors.append(_error(cut, robot, corrections[-1].correction))
+        errors.append(_error(cut, robot, corrections[-1].correction, said))
     return np.array(errors), corrections, seconds
 
 
@@ -126,38 +144,42 @@ def commissioning_cuts(robot: Drawn, count: int, imu: ImuCfg | None = None) -> l
     ]
 
 
-def _error(cut: Cut, robot: Drawn, correction: Array | None) -> float:
-    """True tool RMS [m] of a run."""
+def _error(cut: Cut, robot: Drawn, correction: Array | None, said: Tally) -> float:
+    """True tool RMS [m] of a run, whose notes are counted."""
     experiment = prepare(replace(cut, individual=robot), seed=JUDGED_SEED)
     zero = np.zeros_like(experiment.loaded.reference)
     run = experiment.plant.run(zero if correction is None else correction)
+    said.add(
+        (*motion_notes(experiment.motion, experiment.cut.limits), *pass_notes(experiment, run))
+    )
     return true_tool_error(experiment.motion, run).rms
 
 
-def left_alone(cut: Cut, robot: Drawn) -> float:
+def left_alone(cut: Cut, robot: Drawn, said: Tally) -> float:
     """True tool RMS [m] of a run without correction."""
-    return _error(cut, robot, None)
+    return _error(cut, robot, None, said)
 
 
-def _after_drift(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, Array]:
+def _after_drift(twin: Twin, robot: Drawn, cuts: Sequence[Cut], said: Tally) -> tuple[Array, Array]:
     """Left of cuts after friction has changed: by the old twin, and after feedback of two runs."""
-    plain = np.array([left_alone(cut, robot) for cut in cuts])
+    plain = np.array([left_alone(cut, robot, said) for cut in cuts])
     corrections = [twin.correction(cut).correction for cut in cuts]
-    without = [_error(cut, robot, u) for cut, u in zip(cuts, corrections, strict=True)]
+    without = [_error(cut, robot, u, said) for cut, u in zip(cuts, corrections, strict=True)]
     production: list[MeasuredCut] = []
     for i in range(min(N_FEEDBACK, len(cuts))):
         experiment = prepare(replace(cuts[i], individual=robot), seed=JUDGED_SEED + i)
         production.append(measured(experiment.plant.run(corrections[i])))
     after = refreshed(twin, production).twin if production else twin
-    again = [_error(cut, robot, after.correction(cut).correction) for cut in cuts]
+    again = [_error(cut, robot, after.correction(cut).correction, said) for cut in cuts]
     return np.array(without) / plain, np.array(again) / plain
 
 
-def _beyond(twin: Twin, robot: Drawn, cuts: Sequence[Cut]) -> tuple[Array, np.ndarray]:
+def _beyond(twin: Twin, robot: Drawn, cuts: Sequence[Cut], said: Tally) -> tuple[Array, np.ndarray]:
     left, flagged = [], []
     for cut in cuts:
         corrected = twin.correction(cut)
-        left.append(_error(cut, robot, corrected.learned) / left_alone(cut, robot))
+        error = _error(cut, robot, corrected.learned, said)
+        left.append(error / left_alone(cut, robot, said))
         flagged.append(not corrected.trusted)
     return np.array(left), np.array(flagged, dtype=bool)
 

@@ -5,19 +5,20 @@ Individuals and tasks are those of `first_cut`; ten cuts, IMU and motors alone.
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from armside.arrays import Array
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
+from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST
 
 from ..jobs.workers import Workers
-from .first_cut import N_TASKS, commissioning_cuts, first_runs, left_alone
+from .first_cut import N_TASKS, commissioning_cuts, first_runs, left_alone, together
 from .first_cut_tasks import JUDGED, JUDGED_SEED, tasks
 
 COLUMNS = (
@@ -37,6 +38,8 @@ class Found:
     inside: Array
     """(30,) bool: the error was in the predicted interval."""
     seconds: float
+    said: Tally = field(default_factory=Tally)
+    """Notes of the runs of its tasks."""
 
 
 def first_cut_imu(seeds: Iterable[int]) -> Table:
@@ -45,25 +48,28 @@ def first_cut_imu(seeds: Iterable[int]) -> Table:
     with Workers() as workers:
         found = workers.map(individual, numbers)
     title = "First cuts by a twin, commissioned by IMU and motors"
-    return Table(title, COLUMNS, [_row(one) for one in found], verdicts(found))
+    said = together(one.said for one in found)
+    rows = [_row(one) for one in found]
+    return Table(title, COLUMNS, rows, verdicts(found), said.notes("runs"))
 
 
 def individual(number: int, n_cuts: int = MOST, n_tasks: int = N_TASKS) -> Found:
     """Commission one individual by IMU and motors, and judge its first cuts."""
-    robot = Drawn(number)
+    robot, said = Drawn(number), Tally()
     cuts = commissioning_cuts(robot, n_cuts, ImuCfg())
     started = time.perf_counter()
     twin = commission(cuts, measure="imu").twin
     seconds = time.perf_counter() - started
     chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
-    errors, corrections, _ = first_runs(twin, robot, chosen)
+    errors, corrections, _ = first_runs(twin, robot, chosen, said)
     low, high = np.array([(c.prediction.low, c.prediction.high) for c in corrections]).T
     return Found(
         number=number,
         hinges=len(robot.of(twin.design.nominal or twin.design.model).hidden),
-        left=errors / [left_alone(cut, robot) for cut in chosen],
+        left=errors / [left_alone(cut, robot, said) for cut in chosen],
         inside=(low <= errors) & (errors <= high),
         seconds=seconds,
+        said=said,
     )
 
 

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from armside.sim.evaluation.check import Table
-from armside.sim.imu import ImuExperiment, prepare, reprocessed, run_one
+from armside.sim.imu import ImuExperiment, notes, prepare, reprocessed, run_one
+from armside.sim.notes import Tally
 
 from .irb1400 import by_axis, numbers, table
 
@@ -14,9 +15,10 @@ EXPERIMENT = ImuExperiment(robot="large")
 
 def imu_large(seeds: Iterable[int]) -> Table:
     """The simultaneous motion of the large robot; each seed is another IMU and other noise."""
-    moving, rows = prepare(EXPERIMENT)[0], []
+    moving, rows, said = prepare(EXPERIMENT)[0], [], Tally()
     for seed in seeds:
         result = run_one(EXPERIMENT, moving, seed)
+        said.add(notes([result]))
         m, mapped = result.measures, reprocessed(result, EXPERIMENT.processing.best).measures
         rows.append(
             {
@@ -36,4 +38,4 @@ def imu_large(seeds: Iterable[int]) -> Table:
         "clocks are synchronised to 1 ms": (np.abs(found[:, 0]) < 1.0).all(),
     }
     title = "An IMU on the large robot: measured against predicted from motor angles"
-    return table(title, rows, claims)
+    return table(title, rows, claims, said.notes("runs"))

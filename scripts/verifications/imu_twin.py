@@ -13,13 +13,16 @@ from itertools import chain
 import numpy as np
 
 from armside.arrays import Array
+from armside.sim.cut.notes import motion_notes
 from armside.sim.cut.tool_motion import ToolMotion
 from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
+from armside.sim.notes import Tally
 from armside.sim.robot.individual import Individual
+from armside.sim.robot.limits import saturation
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST
@@ -67,18 +70,19 @@ class Uncorrected:
 
 def imu_twin(seeds: Iterable[int]) -> Table:
     """Individuals of development, each with `BLOCKS` of truth; twelve tasks."""
-    rows, largest = list[tuple[object, ...]](), list[bool]()
+    rows, largest, said = list[tuple[object, ...]](), list[bool](), Tally()
     for number in (DEVELOPMENT[seed % len(DEVELOPMENT)] for seed in seeds):
         robot, cuts = Drawn(number), [cut for _, cut in tasks(N_TASKS, DEVELOPMENT_SEED + number)]
         twin = commissioned(robot)
         true = robot.of(twin.design.nominal or twin.design.model)
-        left = lacking(twin, true, [uncorrected(cut, robot) for cut in cuts])
+        left = lacking(twin, true, [uncorrected(cut, robot, said) for cut in cuts])
         medians = {block: float(np.median(of)) for block, of in left.items()}
         for block, of in left.items():
             rows.append((number, len(true.hidden), block, medians[block], float(of.max())))
         largest.append(min(BLOCKS, key=lambda block: medians[block]) == GEOMETRY)
     verdict = all_hold("of single blocks the truth of geometry gains most", largest)
-    return Table("What a twin by IMU and motors lacks", COLUMNS, rows, [verdict])
+    title = "What a twin by IMU and motors lacks"
+    return Table(title, COLUMNS, rows, [verdict], said.notes("runs"))
 
 
 def commissioned(robot: Drawn) -> Twin:
@@ -87,11 +91,12 @@ def commissioned(robot: Drawn) -> Twin:
     return commission(cuts, measure="imu").twin
 
 
-def uncorrected(cut: Cut, robot: Drawn) -> Uncorrected:
-    """Run of a cut by a robot, without noise."""
+def uncorrected(cut: Cut, robot: Drawn, said: Tally) -> Uncorrected:
+    """Run of a cut by a robot, without noise; its notes are counted."""
     experiment = prepare(replace(cut, individual=robot))
     reference = experiment.loaded.reference
     run = experiment.loaded.run(np.zeros_like(reference))
+    said.add((*motion_notes(experiment.motion, experiment.cut.limits), *saturation(run)))
     return Uncorrected(experiment.motion, reference, tool_path(run))
 
 

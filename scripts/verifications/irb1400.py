@@ -8,18 +8,33 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.sim.evaluation.check import Table, all_hold
-from armside.sim.imu import ImuExperiment, RestExperiment, causes, prepare, reprocessed, run_one
+from armside.sim.imu import (
+    ImuExperiment,
+    RestExperiment,
+    causes,
+    notes,
+    prepare,
+    reprocessed,
+    run_one,
+)
 from armside.sim.imu.vibration import lines, run_rest
+from armside.sim.notes import Note, Tally
+from armside.sim.robot.limits import saturation
 
 BASE = ImuExperiment()
 SEQUENTIAL = replace(BASE, motion="sequential")
 UNAIDED = replace(SEQUENTIAL, torque_feedforward=False)
 
 
-def table(title: str, rows: Sequence[Mapping[str, Any]], claims: Mapping[str, Any]) -> Table:
+def table(
+    title: str,
+    rows: Sequence[Mapping[str, Any]],
+    claims: Mapping[str, Any],
+    notes: Sequence[Note] = (),
+) -> Table:
     """Rows by the names of their columns, and statements with the conditions that they state."""
     verdicts = [all_hold(statement, bool(holds)) for statement, holds in claims.items()]
-    return Table(title, list(rows[0]), [list(row.values()) for row in rows], verdicts)
+    return Table(title, list(rows[0]), [list(row.values()) for row in rows], verdicts, notes)
 
 
 def by_axis(name: str, vector: Array, unit: str = " [m/s^2]") -> dict[str, float]:
@@ -36,11 +51,14 @@ def imu(seeds: Iterable[int]) -> Table:
     """The simultaneous and the sequential motion; each seed is another IMU and other noise."""
     moving = prepare(BASE)[0]
     sequential = [(each, one) for each in (SEQUENTIAL, UNAIDED) for one in prepare(each)]
-    rows = []
+    rows, said = [], Tally()
     for seed in seeds:
         result = run_one(BASE, moving, seed)
         again = reprocessed(result, BASE.processing.as_in_the_thesis)
-        m, others = result.measures, [run_one(*one, seed).measures for one in sequential]
+        m, one_by_one = result.measures, [run_one(*one, seed) for one in sequential]
+        for one in (result, *one_by_one):
+            said.add(notes([one]))
+        others = [one.measures for one in one_by_one]
         motors = ("arm", "wrist", "arm, no feedforward", "wrist, no feedforward")
         idle = [1e4 * float(np.nanmax(one.idle_peaks)) for one in others]
         inside, again_inside = (one.largest_in_rectangle[:2].all() for one in (result, again))
@@ -87,7 +105,7 @@ def imu(seeds: Iterable[int]) -> Table:
         "without feedforward some idle motor moves 2e-4 to 10e-4 rad": _within(unaided, 2.0, 10.0),
     }
     title = "An IMU on the IRB1400: measured against predicted from motor angles"
-    return table(title, rows, claims)
+    return table(title, rows, claims, said.notes("runs"))
 
 
 def _within(values: Array, low: float, high: float) -> bool:
@@ -101,7 +119,8 @@ def _smallest_in_z(values: Array) -> np.ndarray:
 
 def imu_causes(seeds: Iterable[int]) -> Table:
     """The acceleration error with each of its causes switched on or off, mean over the seeds."""
-    found = [dict(causes(BASE, seed)) for seed in seeds]
+    said = Tally()
+    found = [dict(causes(BASE, seed, lambda run: said.add(notes([run])))) for seed in seeds]
     rows, total = [], {}
     for name in found[0]:
         names = ("acceleration_rms", "acceleration_window_max", "angular_velocity_rms")
@@ -117,14 +136,16 @@ def imu_causes(seeds: Iterable[int]) -> Table:
         "central differences lower it": total["central differences"] < chosen,
         "rigid, the robot has less than a third of the error, processed alike": rigid < third,
     }
-    return table("Causes of the acceleration error", rows, claims)
+    return table("Causes of the acceleration error", rows, claims, said.notes("runs"))
 
 
 def rest(seeds: Iterable[int]) -> Table:
     """The zero pose, motors off and on; averaging the spectrum separates lines from noise."""
-    rows, spectra, frequency = [], [], np.array([])
+    rows, spectra, frequency, said = [], [], np.array([]), Tally()
     for seed in seeds:
-        found = run_rest(RestExperiment(off=10.0, on=20.0), seed).rest
+        result = run_rest(RestExperiment(off=10.0, on=20.0), seed)
+        said.add(saturation(result.run.recording))
+        found = result.rest
         frequency = found.frequency
         spectra.append(found.on_spectrum)
         vibration = by_axis("off RMS", found.off_rms) | by_axis("on RMS", found.on_rms)
@@ -140,4 +161,5 @@ def rest(seeds: Iterable[int]) -> Table:
         "and its 99.7 % level is 0.15 to 0.45 m/s^2 there": _within(level[:, 1:], 0.15, 0.45),
         line: near_27 >= 0.2,
     }
-    return table("Acceleration of the IRB1400 at rest, motors off and on", rows, claims)
+    title = "Acceleration of the IRB1400 at rest, motors off and on"
+    return table(title, rows, claims, said.notes("runs"))

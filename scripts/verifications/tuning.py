@@ -4,7 +4,8 @@
 commands.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.evaluation.interval import mean_interval
 from armside.sim.laser.design import THESIS, Design
+from armside.sim.notes import Note, counted
 from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.evaluation import Episode, Policy, always, evaluate
 from armside.sim.tuning.policy import Network
@@ -60,6 +62,7 @@ def tuning(seeds: Iterable[int]) -> Table:
         ),
         rows,
         [_beats(name, "thesis design", logs) for name in better],
+        _notes(found),
     )
 
 
@@ -74,7 +77,7 @@ def iterations(seeds: Iterable[int]) -> Table:
             "learned policy": (budget, Network.load(TUNED / "policy.npz")),
         },
     )
-    n = len(found["thesis design"])
+    n, said = len(found["thesis design"]), _notes(found)
     found = {name: [e for e in each if not e.diverged] for name, each in found.items()}
     rows = {
         name: np.exp(np.mean([np.log(e.rms_true[1:] / e.rms_true[0]) for e in episodes], axis=0))
@@ -89,7 +92,14 @@ def iterations(seeds: Iterable[int]) -> Table:
         ("", *(f"k = {k}" for k in range(1, TWICE + 1))),
         [(name, *row.tolist(), *[np.nan] * (TWICE - len(row))) for name, row in rows.items()],
         [all_hold(more, search[-1] > search[4])],
+        said,
     )
+
+
+def _notes(found: Mapping[str, Sequence[Episode]]) -> list[Note]:
+    """Limits that changed runs of any baseline."""
+    every = (episode.notes for episodes in found.values() for episode in episodes)
+    return counted(chain.from_iterable(every), "runs")
 
 
 def _episodes(

@@ -1,21 +1,27 @@
 """Causes of the acceleration error, each switched off or on by itself."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from ..robot.flexibility import Flexibility
 from .differences import Scheme
 from .evaluation import Measures
-from .experiment import prepare, reprocessed, run_one
+from .experiment import ImuResult, prepare, reprocessed, run_one
 from .prediction import Order
 from .processing import Compensation
 from .specification import ImuExperiment
 
 
-def causes(experiment: ImuExperiment, seed: int) -> Iterator[tuple[str, Measures]]:
-    """Measures of the first program with each cause of the error changed, by its name."""
+def causes(
+    experiment: ImuExperiment, seed: int, each: Callable[[ImuResult], None] = lambda run: None
+) -> Iterator[tuple[str, Measures]]:
+    """Measures of the first program with each cause of the error changed, by its name.
+
+    each: called with each run, of which there are two: the others process one of them again.
+    """
     cfg = experiment.processing
     base = run_one(experiment, prepare(experiment)[0], seed)
+    each(base)
     yield "as chosen", base.measures
     for name, processing in (
         ("processed as in the thesis", cfg.as_in_the_thesis),
@@ -28,5 +34,6 @@ def causes(experiment: ImuExperiment, seed: int) -> Iterator[tuple[str, Measures
         yield name, reprocessed(base, processing).measures
     rigid = replace(experiment, flexibility=Flexibility.RIGID)
     stiff = run_one(rigid, prepare(rigid)[0], seed)
+    each(stiff)
     yield "rigid robot", stiff.measures
     yield "rigid robot, both", reprocessed(stiff, cfg.best).measures

@@ -8,10 +8,12 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
+from ..notes import Note
 from .design import THESIS, Design
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate
 from .measures import MotorAngles
+from .notes import notes
 from .results import iteration_row
 from .specification import Cut
 
@@ -47,17 +49,22 @@ class LearningJob:
         [sample]. NaN where a diverged experiment had ended.
         With `series`: error, correction (K, N, n) [rad], path (K, M, 2) [m].
         """
+        return self.noted()[0]
+
+    def noted(self) -> tuple[dict[str, Array], list[Note]]:
+        """Results of `run`, and limits that changed what was asked."""
         experiment = prepare(self.cut, seed=self.seed, repetition=self.repetition)
         set_up = MotorAngles(self.design).prepare(experiment)
         iterations = list(iterate(experiment, set_up, self.iterations))
         arrays = arrays_of(iterations, experiment, series=self.series)
         missing = self.iterations + 1 - len(iterations)
-        return {name: _filled(values, missing) for name, values in arrays.items()} | {
+        found = {name: _filled(values, missing) for name, values in arrays.items()} | {
             "diverged": np.array(missing > 0 or iterations[-1].diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "motion_end": np.array(experiment.motion_end),
             "gear": experiment.loaded.model.drives.gear,
         }
+        return found, notes(experiment, iterations)
 
 
 def arrays_of(

@@ -8,7 +8,9 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..cut.notes import motion_notes
 from ..laser.design import Design
+from ..notes import Note
 from .action import Motors, action_of
 from .rules import Rules
 
@@ -28,6 +30,8 @@ class Episode:
     designs: tuple[Design, ...]
     """(K,), those that were taken."""
     diverged: bool
+    notes: tuple[tuple[Note, ...], ...] = ()
+    """Limits that changed each run."""
 
     @property
     def ratio(self) -> float:
@@ -50,7 +54,10 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
         runs.append(situation)
     true = np.array([run.true.rms for run in runs])
     measured = np.array([run.measured.rms for run in runs])
-    return Episode(seed, true, measured, tuple(designs), situation.diverged)
+    made = situation.experiment
+    of_motion = tuple(motion_notes(made.motion, made.cut.limits))
+    notes = tuple((*of_motion, *run.notes) for run in runs)
+    return Episode(seed, true, measured, tuple(designs), situation.diverged, notes)
 
 
 def evaluate(

@@ -90,7 +90,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._rngs: list[np.random.Generator | None] = [None] * self.num_envs
         self._situations: list[Situation | None] = [None] * self.num_envs
         self._over = np.zeros(self.num_envs, dtype=bool)
-        self._tally = Tally()
+        self.tally = Tally()
+        """Notes of the runs of all robots since the env was made."""
         self._pool = ThreadPoolExecutor(self.threads)
 
     def reset(
@@ -181,7 +182,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     @property
     def notes(self) -> list[Note]:
         """Limits that changed the runs of all robots since the env was made, with their number."""
-        return self._tally.notes("runs")
+        return self.tally.notes("runs")
 
     @property
     def episodes_over(self) -> np.ndarray:
@@ -231,7 +232,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         for i in robots:
             if (situation := self._situations[i]) is not None:
                 made = situation.experiment
-                self._tally.add((*motion_notes(made.motion, made.cut.limits), *situation.notes))
+                self.tally.add((*motion_notes(made.motion, made.cut.limits), *situation.notes))
 
     def _order(self, i: int) -> int:
         situation = self._situations[i]

@@ -7,6 +7,7 @@ import pytest
 from armside.scripts.cli import main
 from armside.scripts.verifications.estimation import row, verdicts
 from armside.sim.laser import Cut, learn
+from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
 
@@ -116,5 +117,5 @@ def test_learning_from_the_estimate_needs_one_run_to_commission():
 
 def test_claim_holds_for_one_seed_at_one_pose():
     """Ten seeds at three poses: armside verify estimation."""
-    failed = [v.statement for v in verdicts([row(0, "p2")]) if not v.holds]
+    failed = [v.statement for v in verdicts([row(0, "p2", Tally())]) if not v.holds]
     assert not failed

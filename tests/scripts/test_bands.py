@@ -17,6 +17,7 @@ from armside.scripts.verifications import chapter9
 from armside.sim.calibration import bands
 from armside.sim.calibration.search import MARGIN, MARGINS, outside
 from armside.sim.evaluation.check import Check
+from armside.sim.notes import Tally
 
 from .verdicts import assert_band
 
@@ -193,10 +194,10 @@ def test_the_prediction_of_the_first_update_is_that_of_the_model_not_the_outcome
     e1 = e0 - model.simulate(law(np.zeros_like(e0), e0))
     for factor in (1.0, 3.0):
         base = {"p1": {"error": np.array([e0, factor * e1])}}
-        (check,) = bands.predicted_rates(model, base, law, (3, 5))
+        (check,) = bands.predicted_rates(model, base, law, (3, 5))  # pyright: ignore[reportArgumentType]
         assert check.ours == pytest.approx(factor)
         base["p1"]["error"][1] /= factor**2
-        (check,) = bands.predicted_rates(model, base, law, (3, 5))
+        (check,) = bands.predicted_rates(model, base, law, (3, 5))  # pyright: ignore[reportArgumentType]
         assert check.ours == pytest.approx(factor)
 
 
@@ -250,10 +251,10 @@ def test_experiments_of_chapter_9_are_run_with_the_seed_that_is_given(monkeypatc
     class Here:
         def map(self, run, jobs):
             ran.extend(jobs)
-            return [run for _ in jobs]
+            return [(run, []) for _ in jobs]
 
     monkeypatch.setattr(chapter9, "checks", lambda results: results)
-    results = chapter9.found(23, Here())
+    results = chapter9.found(23, Here(), Tally())  # pyright: ignore[reportArgumentType]
     assert {job.seed for job in ran} == {23}
     assert len(ran) == len(set(ran))
     speeds = {round(1e3 * job.cut.speed, 6) for job in ran}
@@ -285,7 +286,7 @@ def test_four_of_five_seeds_must_hold_in_chapter_9(monkeypatch):
         monkeypatch.setattr(
             chapter9,
             "found",
-            lambda seed, _, failing=failing: [
+            lambda seed, *_, failing=failing: [
                 Check("a1", "s", "t", 1.0 if seed < failing else 0.0, high=0.5)
             ],
         )

@@ -59,7 +59,7 @@ def test_kinematics_are_bounded(monkeypatch, column, bar, words):
 )
 def test_spaces_of_the_env_are_bounded(monkeypatch, column, inside, outside, words):
     def run(value):
-        def row(_, seeds):
+        def row(_, seeds, said):
             cells = [100, 0, 1.0, 2.0, -1.0, 1.0, 0]
             if seeds[-1] == 119:
                 cells[column] = value
@@ -89,7 +89,9 @@ def test_a_better_design_is_better_by_three_standard_errors(monkeypatch, name):
         }
         ratios[name] = thesis / np.exp(1e-3 * (gain + noise))
         episodes = {
-            which: [SimpleNamespace(ratio=r, rms_true=[1.0, r], diverged=False) for r in all_]
+            which: [
+                SimpleNamespace(ratio=r, rms_true=[1.0, r], diverged=False, notes=()) for r in all_
+            ]
             for which, all_ in ratios.items()
         }
         monkeypatch.setattr(tuning, "searched", lambda: THESIS)
@@ -110,15 +112,16 @@ def test_sealed_episodes_are_counted_from_the_seeds(monkeypatch):
     )
     from armside.sim.tuning.rules import Rules
 
-    tuning._episodes([3, 5], {"a": (Rules(sealed=True), None)})
+    tuning._episodes([3, 5], {"a": (Rules(sealed=True), None)})  # pyright: ignore[reportArgumentType]
     assert asked == [(True, [tuning.TEST_SEEDS[3], tuning.TEST_SEEDS[5]])]
 
 
 def test_a_searched_design_is_made_for_its_budget(monkeypatch):
     def run(tenth):
         falling = np.array([1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.5, 0.5, 0.5, 0.5, tenth])
-        long = [SimpleNamespace(rms_true=falling, diverged=False) for _ in range(3)]
-        policy = [SimpleNamespace(rms_true=falling[:6], diverged=False, designs=[THESIS] * 5)] * 3
+        long = [SimpleNamespace(rms_true=falling, diverged=False, notes=()) for _ in range(3)]
+        short = {"rms_true": falling[:6], "designs": [THESIS] * 5}
+        policy = [SimpleNamespace(diverged=False, notes=(), **short)] * 3
         episodes = {
             "thesis design": long,
             "best fixed design by search": long,

@@ -6,6 +6,7 @@ import pytest
 from armside.scripts.verifications import first_cut_imu
 from armside.scripts.verifications.imu_twin import BLOCKS, uncorrected, with_truth
 from armside.sim.laser import Cut
+from armside.sim.notes import Tally
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.spread import Drawn
 
@@ -30,7 +31,7 @@ def test_truth_of_a_block_turns_no_other(block, gear, ripple):
 
 
 def test_what_a_twin_predicts_is_taken_from_the_robot():
-    run = uncorrected(Cut(pose="p2", speed=0.08), Drawn(1001))
+    run = uncorrected(Cut(pose="p2", speed=0.08), Drawn(1001), Tally())
     assert run.left(run.tool) < SAMPLED
     program = run.motion.position - run.motion.position[0]
     assert run.left(program) == pytest.approx(1.0)
