@@ -21,7 +21,7 @@
     joint = 1                            # motor, from 1
     order = 240                          # periods per turn of the output
     amplitude = 1.2e-4                   # [rad], arm side
-    phase = 2.6                          # [rad]; motor minus output angle is
+    phase = 2.6                          # [rad]; output minus motor angle is
                                          # amplitude sin(order phi + phase)
 
 Numbers may be text with pi, such as "-pi/2".
@@ -45,8 +45,8 @@ _LIMITS = ("lower", "upper", "speed")
 
 
 class GearTerm(NamedTuple):
-    """One period of a gear's transmission error: amplitude sin(order phi + phase), motor minus
-    output angle."""
+    """One period of a gear's transmission error: amplitude sin(order phi + phase), output minus
+    motor angle."""
 
     joint: int
     """From 1."""

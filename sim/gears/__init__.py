@@ -1,8 +1,8 @@
 """Transmission error of the gears of a real arm, from its encoders and a sensor at its tool.
 
 The tool's motion by the encoders is compared with that of an IMU, or of a tracker, in a band of
-frequency. What a joint's error epsilon(phi) = a sin(order phi) + b cos(order phi), motor minus
-output angle, would add to the sensor follows from the Jacobian of the arm; amplitudes, phases and
+frequency. What a joint's error epsilon(phi) = a sin(order phi) + b cos(order phi), output minus
+motor angle, would add to the sensor follows from the Jacobian of the arm; amplitudes, phases and
 orders are found by least squares in the frequency domain, each frequency weighted by its noise.
 """
 

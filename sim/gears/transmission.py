@@ -14,7 +14,7 @@ CONFIDENCE = 1.96
 
 @dataclass(frozen=True)
 class Term:
-    """One period of a joint's error: amplitude sin(order phi + phase), motor minus output angle."""
+    """One period of a joint's error: amplitude sin(order phi + phase), output minus motor angle."""
 
     joint: int
     """From 1."""
@@ -71,7 +71,7 @@ class Transmission:
         return sorted(out, key=lambda term: (term.joint, -term.amplitude))
 
     def _term(self, k: int) -> Term:
-        a, b = -self.coefficients[k]
+        a, b = self.coefficients[k]
         amplitude = float(np.hypot(a, b))
         P = self.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
         along = np.array([a, b]) / amplitude if amplitude else np.array([1.0, 0.0])

@@ -14,7 +14,7 @@ ARM = Arm(
     Limits(lower=(-3.0,) * 3, upper=(3.0,) * 3, speed=(3.0,) * 3),
 )
 ORDERS, AMPLITUDE, PHASE = (120.0, 100.0, 160.0), (120e-6, 100e-6, 90e-6), (0.5, 2.0, 4.0)
-"""Of joints 1 to 3: motor minus output angle."""
+"""Of joints 1 to 3: output minus motor angle."""
 DURATION, STEP = 40.0, 1e-3
 GRAVITY = np.array([0.0, 0.0, -9.81])
 LEVER, TARGET = np.array([0.03, 0.05, 0.02]), np.array([-0.05, 0.04, 0.0])
@@ -50,7 +50,7 @@ def recording(scene):
     t = np.arange(0.0, DURATION, STEP)
     phi = angles(rng, t)
     error = scene.gear * np.array(AMPLITUDE) * np.sin(np.array(ORDERS) * phi + PHASE)
-    output = CubicSpline(t, phi - error)
+    output = CubicSpline(t, phi + error)
     q, rate, second = output(t), output(t, 1), output(t, 2)
     T, a = robot.pose(q), robot.acceleration(q, rate, second)
     R, omega = T[:, :3, :3], np.einsum("nij,nj->ni", robot.jacobian(q), rate)[:, 3:]
