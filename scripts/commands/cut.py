@@ -37,8 +37,8 @@ def cut(part: Drawing, *, cfg: CutCfg = CutCfg(), common: Common = Common()) -> 
     report = Report(common)
     with checking_input():
         check_writable(common.out or RUNS / "cut")
-        plan = planned(part, cfg)
-        ready = None if cfg.plan_only else prepared(plan, cfg, common.seed)
+        job, plan = planned(part, cfg)
+        ready = None if cfg.plan_only else prepared(job, plan, cfg, common.seed)
     show_plan(report, plan)
     about: dict[str, Any] = {"part": part}
     with RunFolder("cut", seed=common.seed, out=common.out) as folder:

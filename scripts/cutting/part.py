@@ -6,8 +6,9 @@ from typing import Any
 from armside.sim.laser.measures import MotorAngles, SetUp
 from armside.sim.part.chain import MM
 from armside.sim.part.file import read_part
-from armside.sim.part.plan import Plan, plan
+from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import Job, PartExperiment, prepare
+from armside.sim.part_run.experiment import planned as plan_of
 from armside.sim.part_run.tool_measure import MEASURES
 
 from ..shell.effort import refuse_absurd
@@ -15,8 +16,8 @@ from .effort import effort
 from .part_options import CutCfg, cutting, reading, setup
 
 
-def planned(file: Path, cfg: CutCfg) -> Plan:
-    """Plan of a drawing.
+def planned(file: Path, cfg: CutCfg) -> tuple[Job, Plan]:
+    """A drawing in its cell, and its plan.
 
     Raises ValueError for a drawing that cannot be cut, with the place, and InputError for one that
     would take too long.
@@ -31,21 +32,16 @@ def planned(file: Path, cfg: CutCfg) -> Plan:
     what = f"{runs} runs along {length / MM:.4g} mm at {cfg.speed:g} mm/s"
     estimated = cfg.measure == "estimate"
     refuse_absurd(what, effort(length, cfg.speed * MM, runs, estimated=estimated))
-    return plan(part, cutting(cfg))
+    job = Job(part=part, cutting=cutting(cfg), setup=setup(cfg), across_tool=cfg.plane == "tool")
+    return job, plan_of(job)
 
 
-def prepared(found: Plan, cfg: CutCfg, seed: int) -> tuple[PartExperiment, SetUp]:
+def prepared(job: Job, plan: Plan, cfg: CutCfg, seed: int) -> tuple[PartExperiment, SetUp]:
     """The part before its first run, and what is learned from.
 
     Raises ValueError where the part leaves the reach or the limits, with the place.
     """
-    job = Job(
-        part=found.part,
-        cutting=found.cutting,
-        setup=setup(cfg),
-        across_tool=cfg.plane == "tool",
-    )
-    experiment = prepare(job, found, seed=seed)
+    experiment = prepare(job, plan, seed=seed)
     measure = MotorAngles() if cfg.measure == "motor" else MEASURES[cfg.measure]
     return experiment, measure.prepare(experiment)
 

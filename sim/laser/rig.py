@@ -60,11 +60,7 @@ def rig(
     if repetition:
         noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
     design = cell_model(setup.cell, setup.model) if nominal is None else nominal
-    carrying = design if setup.payload is None else with_payload(design, setup.payload)
-    known = carrying if setup.payload_known else design
-    if setup.friction_feedforward is not None:
-        drives = replace(known.drives, friction_feedforward=setup.friction_feedforward)
-        known = replace(known, drives=drives)
+    known = controlled(setup, design)
     statics = Statics(known)
     motion, reference = planned(statics)
     individual = _individual(setup, np.random.default_rng(drawing), design)
@@ -95,6 +91,16 @@ def rig(
         loaded=loaded,
         plant=plant,
     )
+
+
+def controlled(setup: Setup, design: RobotModel) -> RobotModel:
+    """The nominal robot of the controller, with the payload that it knows."""
+    carrying = design if setup.payload is None else with_payload(design, setup.payload)
+    known = carrying if setup.payload_known else design
+    if setup.friction_feedforward is None:
+        return known
+    drives = replace(known.drives, friction_feedforward=setup.friction_feedforward)
+    return replace(known, drives=drives)
 
 
 def _individual(setup: Setup, rng: np.random.Generator, design: RobotModel) -> Individual:

@@ -94,6 +94,10 @@ class Chain:
         element, along = self._locate(s)
         return self.heading[element] + self.curvature[element] * along
 
+    def curvature_at(self, s: ArrayLike) -> Array:
+        """Curvature [1/m] at arc lengths s [m]."""
+        return self.curvature[self._locate(s)[0]]
+
     def part(self, first: float, last: float) -> "Chain":
         """The chain between two arc lengths [m]."""
         inside = (self.ends > first + 1e-9) & (self.ends < last - 1e-9)

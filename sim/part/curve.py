@@ -61,16 +61,12 @@ class ChainCurve:
         offset, along = p - self.point(s), self.tangent(s)
         across = along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0]
         # On an arc the foot moves faster or slower than the point, by its distance.
-        stretch = np.maximum(1.0 - self._curvature(s) * across, 0.2)
+        stretch = np.maximum(1.0 - self.chain.curvature_at(s) * across, 0.2)
         return np.clip(np.einsum("ij,ij->i", offset, along) / stretch, -SPACING, SPACING)
 
     def _within(self, s: ArrayLike) -> Array:
         s = np.asarray(s, dtype=np.float64)
         return np.mod(s, self.length) if self.chain.closed else np.clip(s, 0.0, self.length)
-
-    def _curvature(self, s: Array) -> Array:
-        element = np.searchsorted(self.chain.ends, s, side="right") - 1
-        return self.chain.curvature[np.clip(element, 0, len(self.chain.bulge) - 1)]
 
     @cached_property
     def _table(self) -> tuple[KDTree, Array]:

@@ -1,6 +1,6 @@
 """Plan of a whole part: paths of the beam's centre, their order, speeds and times."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,6 +8,7 @@ import shapely
 
 from armside.arrays import Array
 
+from ..cut.profile_grid import BoundsAt
 from ..cut.speed_profile import Bends, Profile, profiles
 from ..cut.timing import PathLimits, rest_to_rest
 from .chain import MM, Chain
@@ -16,6 +17,9 @@ from .leads import Led, led
 from .order import order
 from .part import Contour, Kind, Part
 from .rounding import CORNER, SMOOTH, smooth
+
+JointsAlong = Callable[[Chain], BoundsAt | None]
+"""Limits of joints along a path in the drawing; None where they limit nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +104,10 @@ class Plan:
         return moving + len(self.cuts) * self.cutting.pierce
 
 
-def plan(part: Part, cutting: Cutting | None = None) -> Plan:
+def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None = None) -> Plan:
     """Plan of a part. The tool starts at the lower left corner of its box.
+
+    joints: limits of a robot's joints along a path; none if None.
 
     Raises ValueError, with contour and place, where the beam is too wide.
     """
@@ -115,7 +121,7 @@ def plan(part: Part, cutting: Cutting | None = None) -> Plan:
     depth = [contour.depth for contour in part.contours]
     sequence = order(entry, leave, depth, part.box[0])
     begins = np.vstack([part.box[0], leave[sequence[:-1]]])
-    speeds = _profiles([found.path for found, _ in led_paths], cutting)
+    speeds = _profiles([found.path for found, _ in led_paths], cutting, joints)
     cuts = []
     for i, begin in zip(sequence, begins, strict=True):
         (found, corners), contour = led_paths[i], part.contours[i]
@@ -149,11 +155,20 @@ def _path(contour: Contour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Le
         raise ValueError(f"{contour.name}: {error}") from error
 
 
-def _profiles(paths: Sequence[Chain], cutting: Cutting) -> list[Profile]:
-    """Speed profiles, one for all paths of the same elements."""
+def _profiles(
+    paths: Sequence[Chain], cutting: Cutting, joints: JointsAlong | None
+) -> list[Profile]:
+    """Speed profiles, one for all paths of the same elements that no joint limits."""
+    bounds = [None if joints is None else joints(path) for path in paths]
     elements = [np.column_stack([path.lengths, path.curvature]) for path in paths]
-    keys = [np.round(each, 9).tobytes() for each in elements]
-    different = {key: Bends(*each.T) for key, each in zip(keys, elements, strict=True)}
+    keys = [
+        (np.round(each, 9).tobytes(), None if bound is None else i)
+        for i, (each, bound) in enumerate(zip(elements, bounds, strict=True))
+    ]
+    different = {
+        key: Bends(each[:, 0], each[:, 1], bound)
+        for key, each, bound in zip(keys, elements, bounds, strict=True)
+    }
     found = profiles(list(different.values()), cutting.speed, cutting.limits)
     by_key = dict(zip(different, found, strict=True))
     return [by_key[key] for key in keys]

@@ -1,6 +1,6 @@
 """A whole part before its first run: planned, placed in the cell, and loaded into the robot."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,17 +9,22 @@ from armside.kinematics import UnreachableError
 
 from ..cut.path import Plane
 from ..cut.tool_motion import joint_reference
-from ..laser.rig import Rig, rig
+from ..laser.rig import Rig, controlled, rig
 from ..laser.setup import Setup
 from ..laser.specification import plane_at
 from ..part.chain import place
 from ..part.motion import PartMotion
 from ..part.part import Part
 from ..part.plan import Cutting, Plan, plan
+from ..robot.cell_model import cell_model
 from ..robot.model import RobotModel
 from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
+from .joint_bounds import JointBounds
 from .sequence import sequence
+
+EXCESS = 0.01
+"""Relative excess of a joint's speed limit between the places at which a plan looks at it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,27 +71,38 @@ class PartExperiment(Rig):
         return [cut.contour_time for cut in self.motion.cuts]
 
 
+def planned(job: Job) -> Plan:
+    """Plan of a job, within the limits of its robot's joints and drives.
+
+    Raises ValueError as `prepare` does.
+    """
+    setup = job.setup
+    controller = Statics(controlled(setup, cell_model(setup.cell, setup.model)))
+    bounds = JointBounds(setup, controller, job.plane, job.part.middle, job.cutting.speed)
+    return plan(job.part, job.cutting, bounds.along)
+
+
 def prepare(
-    job: Job, planned: Plan | None = None, *, seed: int = 0, nominal: RobotModel | None = None
+    job: Job, made: Plan | None = None, *, seed: int = 0, nominal: RobotModel | None = None
 ) -> PartExperiment:
     """Plan a part, draw the robot individual, set up the tracker and load the motion.
 
     Args:
-        planned: plan of the part, where it was made already.
+        made: plan of the part, where it was made already.
         seed, nominal: as of `armside.sim.laser.prepare`.
 
     Raises:
         ValueError: the part leaves the reach or the joint limits (where), the beam is too wide, or
             the robot cannot carry its payload.
     """
-    made = plan(job.part, job.cutting) if planned is None else planned
+    sheet = planned(job) if made is None else made
 
     def motion_and_reference(controller: Statics) -> tuple[PartMotion, Array]:
-        motion = sequence(job.setup, made, job.plane)
+        motion = sequence(job.setup, sheet, job.plane)
         return motion, reference(job.setup, controller, motion)
 
     motion, found = rig(job.setup, motion_and_reference, seed=seed, nominal=nominal)
-    return PartExperiment(**vars(found), job=job, plan=made, motion=motion)
+    return PartExperiment(**vars(found), job=job, plan=sheet, motion=motion)
 
 
 def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
@@ -110,7 +126,7 @@ def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
 
 def _check_speed(phi: Array, motion: PartMotion, most: Array) -> None:
     use = np.abs(np.gradient(phi, LOG_PERIOD, axis=0)) / most
-    if use.max() > 1.0 + 1e-6:
+    if use.max() > 1.0 + EXCESS:
         sample, axis = np.unravel_index(int(use.argmax()), use.shape)
         where = _where(motion, int(sample))
         raise ValueError(f"axis {axis + 1} would be too fast at {where}")
@@ -120,8 +136,3 @@ def _where(motion: PartMotion, sample: int) -> str:
     """Place in the drawing of a sample of the motion."""
     in_plane = motion.plane.from_base(motion.position[sample])[:2]
     return place(in_plane + np.array(motion.middle))
-
-
-def with_limits_hit(motion: PartMotion, hits: tuple[tuple[str, int, float], ...]) -> PartMotion:
-    """The motion with limits that were reached in planning."""
-    return replace(motion, limits_hit=(*motion.limits_hit, *hits))

@@ -1,0 +1,71 @@
+"""Speeds of a plan keep the limits of joints and drives, and lose no more than they must."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.cut.tool_motion import joint_reference
+from armside.sim.laser.setup import Setup
+from armside.sim.part.chain import joined, line
+from armside.sim.part.joining import Joined
+from armside.sim.part.part import part_of
+from armside.sim.part.plan import Cutting
+from armside.sim.part.rounding import smooth
+from armside.sim.part_run.experiment import Job, planned, prepare
+from armside.sim.part_run.sequence import sequence
+
+W, H, R = 0.3, 0.08, 5e-3
+OUTLINE = smooth(line((0.0, 0.0), (W, 0.0), (W, H), (0.0, H), (0.0, 0.0)), R)
+
+
+@pytest.fixture(scope="module")
+def job():
+    part = part_of([Joined(joined([OUTLINE]), ("outline",), "")])
+    return Job(part=part, cutting=Cutting(speed=0.167), setup=Setup(pose="p2"))
+
+
+def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(job):
+    """95 % of the length that ramps from corners and rest leave, as if each began at its end."""
+    (cut,) = planned(job).cuts
+    limits, radius = job.cutting.limits, R + 0.5 * job.cutting.beam
+    corner = np.sqrt(limits.acceleration * radius)
+    rise = 0.167 - corner
+    peak = min(limits.acceleration, np.sqrt(limits.jerk * rise))
+    ramp = 0.5 * (0.167 + corner) * (rise / peak + peak / limits.jerk)
+    lead = np.sqrt(limits.acceleration * 2e-3)  # the leads are quarter circles of 2 mm
+    rise = 0.167 - lead
+    peak = min(limits.acceleration, np.sqrt(limits.jerk * rise))
+    start = 0.5 * (0.167 + lead) * (rise / peak + peak / limits.jerk)
+    long, short = W - 2 * R, H - 2 * R
+    possible = (long - 2 * ramp) + 2 * (0.5 * long - ramp - start) + 2 * max(0.0, short - 2 * ramp)
+    fast = cut.profile.speed[:-1] >= 0.999 * 0.167
+    assert np.diff(cut.profile.s)[fast].sum() >= 0.95 * possible
+
+
+def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(job):
+    experiment = prepare(job)
+    run = experiment.plant.run(np.zeros_like(experiment.loaded.reference)).recording
+    cell, drives = experiment.setup.cell, experiment.nominal.drives
+    speed = np.gradient(run.truth.gear_angle, run.truth.time, axis=0)
+    assert (np.abs(speed) <= 1.01 * np.array(cell.limits.speed)).all()
+    assert (np.abs(run.motor_torque) <= 0.99 * drives.torque_limit).all()
+    assert run.limits_hit == ()
+
+
+def test_a_slow_joint_lowers_the_speed_where_it_needs_to(job):
+    """The profile keeps the programmed path within 1 % of the speeds of its joints, and uses them.
+
+    The anticipated deflection is on top of it: nine per cent of limits that are as low as these.
+    """
+    cell = job.setup.cell
+    slow = replace(cell.limits, speed=tuple(0.04 * v for v in cell.limits.speed))
+    setup = replace(job.setup, robot=replace(cell, limits=slow))
+    limited = replace(job, setup=setup)
+    (cut,), (free,) = planned(limited).cuts, planned(job).cuts
+    assert cut.seconds > 1.05 * free.seconds
+    motion = sequence(setup, planned(limited), limited.plane)
+    phi = joint_reference(motion, cell.robot, slow)
+    use = np.abs(np.gradient(phi, motion.step, axis=0)) / np.array(slow.speed)
+    assert use.max() <= 1.01
+    assert use.max() >= 0.95
