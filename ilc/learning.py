@@ -79,6 +79,7 @@ def learn(
     resume: LoopState | None = None,
     size_of: Callable[[Array], Array] = two_norm,
     divergence_ratio: float = DIVERGENCE_RATIO,
+    n_inputs: int | None = None,
 ) -> Iterator[Trial[Result]]:
     """Trials k = 0 .. iterations: that many updates, one run more.
 
@@ -91,6 +92,7 @@ def learn(
             same as those of one loop if the plant is in the same state.
         size_of: sizes of an error (N, n) that `divergence_ratio` applies to; 2-norms of columns.
         divergence_ratio: see `has_diverged`.
+        n_inputs: columns of a correction; as many as the reference has if None.
 
     The loop ends early, its last trial marked `diverged`, when an error is not finite or diverged.
 
@@ -103,14 +105,16 @@ def learn(
         raise ValueError(f"iterations must be >= 0, got {iterations}")
     if not divergence_ratio > 0.0:
         raise ValueError(f"divergence_ratio must be > 0, got {divergence_ratio}")
-    law.check(*reference.shape)
+    shape = len(reference), reference.shape[1] if n_inputs is None else n_inputs
+    law.check(*shape)
     if resume is not None and (first_correction is not None or first_result is not None):
         raise ValueError("resume takes neither first_correction nor first_result")
     given = first_correction if resume is None else resume.correction
     name = "first_correction" if resume is None else "the correction to resume from"
-    start = np.zeros_like(reference) if given is None else as_record(given, name)
-    if start.shape != reference.shape:
-        needed = f"the shape {reference.shape} of the reference"
+    start = np.zeros(shape) if given is None else as_record(given, name)
+    if start.shape != shape:
+        of = " of the reference" if shape == reference.shape else ": one column for each input"
+        needed = f"the shape {shape}{of}"
         raise ValueError(f"{name} must have {needed}, got {start.shape}")
 
     def trials() -> Iterator[Trial[Result]]:

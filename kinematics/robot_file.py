@@ -17,6 +17,11 @@
     upper = [2.9, 1.2, 1.2]              # [rad or m]
     speed = [2.1, 2.1, 2.1]              # [rad/s or m/s]
 
+    [[limits.coupled]]                   # ranges of sums of motor angles; as many as there are
+    coefficients = [0, -1, 1]
+    lower = -1.2                         # [rad]
+    upper = 1.2
+
     [[gear_error]]                       # transmission error of a gear, any number of terms
     joint = 1                            # motor, from 1
     order = 240                          # periods per turn of the output
@@ -29,19 +34,24 @@ Numbers may be text with pi, such as "-pi/2".
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from .dh import Convention, Joint, Link, Robot
-from .limits import Limits
+from .limits import CoupledRange, Limits
 
 LARGEST = 1_000_000
 """Bytes of a robot file; a table of joints needs a few thousand."""
-_ROBOT = ("name", "convention", "offset", "coupling", "link", "limits", "gear_error")
+KEYS = ("name", "convention", "offset", "coupling", "link", "limits")
+"""Keys of kinematics in a robot file."""
 _LINK = ("theta", "d", "a", "alpha", "joint")
 _LIMITS = ("lower", "upper", "speed")
+_COUPLED = ("coefficients", "lower", "upper")
+
+
+Content = TypeVar("Content")
 
 
 class GearTerm(NamedTuple):
@@ -71,15 +81,28 @@ def read_robot(file: Path) -> Arm:
         ValueError: the file is not as described above; the message names file and field.
         OSError: the file cannot be read.
     """
-    return _read(file)[0]
+    return read_toml(file, _arm_and_gears)[0]
 
 
 def read_gear_error(file: Path) -> tuple[GearTerm, ...]:
     """Transmission error of a robot file, none where it states none. Raises as `read_robot`."""
-    return _read(file)[1]
+    return read_toml(file, _arm_and_gears)[1]
 
 
-def _read(file: Path) -> tuple[Arm, tuple[GearTerm, ...]]:
+def _arm_and_gears(data: Mapping[str, Any]) -> tuple[Arm, tuple[GearTerm, ...]]:
+    refuse_unknown("the file", data, (*KEYS, "gear_error"))
+    arm = arm_of({name: value for name, value in data.items() if name != "gear_error"})
+    return arm, _gear_error(arm.robot, data.get("gear_error", []))
+
+
+def read_toml(file: Path, made: Callable[[Mapping[str, Any]], Content]) -> Content:
+    """What is made of the tables of a TOML file.
+
+    Raises:
+        ValueError: the file is too large or no TOML, or `made` refuses it; the message begins with
+            the name of the file.
+        OSError: the file cannot be read.
+    """
     if file.exists() and not file.is_file():
         raise ValueError(f"{file} is no regular file")
     with file.open("rb") as content:
@@ -87,26 +110,22 @@ def _read(file: Path) -> tuple[Arm, tuple[GearTerm, ...]]:
     if len(text) > LARGEST:
         raise ValueError(f"{file.name}: a robot file has at most {LARGEST} bytes")
     try:
-        data = tomllib.loads(text.decode())
-        arm = _arm(data)
-        return arm, _gear_error(arm.robot, data.get("gear_error", []))
+        return made(tomllib.loads(text.decode()))
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
 
 
-def _arm(data: Mapping[str, Any]) -> Arm:
-    _refuse_unknown("the file", data, _ROBOT)
-    rows = data.get("link")
-    if not isinstance(rows, list) or not rows:
-        raise ValueError("needs at least one [[link]]")
-    links = [_link(f"link {number}", row) for number, row in enumerate(rows, 1)]
+def arm_of(data: Mapping[str, Any]) -> Arm:
+    """Robot of the tables of a file. Raises ValueError or TypeError with the name of the field."""
+    refuse_unknown("the file", data, KEYS)
+    links = links_of("link", data.get("link"))
     name, convention = data.get("name", "robot"), data.get("convention", "standard")
     if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= 80):
         raise ValueError(f"name must be printable text of 1 to 80 characters, got {name!r}")
     robot = Robot(
         links,
-        [_numbers("coupling", row) for row in data["coupling"]] if "coupling" in data else None,
-        _numbers("offset", data["offset"]) if "offset" in data else None,
+        [numbers("coupling", row) for row in data["coupling"]] if "coupling" in data else None,
+        numbers("offset", data["offset"]) if "offset" in data else None,
         _choice("convention", convention, Convention),
         name,
     )
@@ -115,10 +134,17 @@ def _arm(data: Mapping[str, Any]) -> Arm:
     return Arm(robot, _limits(robot, data.get("limits", {})))
 
 
+def links_of(name: str, rows: Any) -> list[Link]:
+    """Links of the tables [[name]]. Raises ValueError; the message names table and field."""
+    if not isinstance(rows, list) or not rows:
+        raise ValueError(f"needs at least one [[{name}]]")
+    return [_link(f"{name} {number}", row) for number, row in enumerate(rows, 1)]
+
+
 def _link(where: str, row: Any) -> Link:
     if not isinstance(row, dict):
         raise ValueError(f"{where} must be a table [[link]]")
-    _refuse_unknown(where, row, _LINK)
+    refuse_unknown(where, row, _LINK)
     numbers = {name: _number(f"{where}: {name}", row[name]) for name in _LINK[:4] if name in row}
     return Link(**numbers, joint=_choice(f"{where}: joint", row.get("joint", "revolute"), Joint))
 
@@ -126,13 +152,13 @@ def _link(where: str, row: Any) -> Link:
 def _limits(robot: Robot, data: Any) -> Limits:
     if not isinstance(data, dict):
         raise ValueError("limits must be a table [limits]")
-    _refuse_unknown("limits", data, _LIMITS)
+    refuse_unknown("limits", data, (*_LIMITS, "coupled"))
     n, values = robot.n_joints, {}
     for name, default in zip(_LIMITS, (-pi, pi, pi), strict=True):
-        values[name] = tuple(_numbers(f"limits: {name}", data.get(name, [default] * n)))
+        values[name] = tuple(numbers(f"limits: {name}", data.get(name, [default] * n)))
         if len(values[name]) != n:
             raise ValueError(f"limits: {name} must have {n} numbers, got {len(values[name])}")
-    return Limits(**values)
+    return Limits(**values, coupled=_coupled(data.get("coupled", [])))
 
 
 def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:
@@ -142,7 +168,7 @@ def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:
 
 
 def _gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
-    _refuse_unknown(where, row, GearTerm._fields)
+    refuse_unknown(where, row, GearTerm._fields)
     if missing := [name for name in GearTerm._fields if name not in row]:
         raise ValueError(f"{where} lacks {missing[0]}")
     joint = row["joint"]
@@ -151,7 +177,23 @@ def _gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
     return GearTerm(joint, *(_number(f"{where}: {n}", row[n]) for n in GearTerm._fields[1:]))
 
 
-def _numbers(name: str, values: Any) -> list[float]:
+def _coupled(rows: Any) -> tuple[CoupledRange, ...]:
+    if not (isinstance(rows, list) and all(isinstance(row, dict) for row in rows)):
+        raise ValueError("limits: coupled must be tables [[limits.coupled]]")
+    found = list[CoupledRange]()
+    for number, row in enumerate(rows, 1):
+        where = f"limits: coupled {number}"
+        refuse_unknown(where, row, _COUPLED)
+        if missing := [name for name in _COUPLED if name not in row]:
+            raise ValueError(f"{where} lacks {', '.join(missing)}")
+        ends = {name: _number(f"{where}: {name}", row[name]) for name in _COUPLED[1:]}
+        factors = numbers(f"{where}: coefficients", row["coefficients"])
+        found.append(CoupledRange(coefficients=tuple(factors), **ends))
+    return tuple(found)
+
+
+def numbers(name: str, values: Any) -> list[float]:
+    """A list of numbers, or of text such as -pi/2. Raises ValueError with the name."""
     if not isinstance(values, list):
         raise ValueError(f"{name} must be a list of numbers, got {values!r}")
     return [_number(name, value) for value in values]
@@ -184,7 +226,8 @@ def _choice(name: str, value: Any, kind: Any) -> Any:
         raise ValueError(f"{name} must be one of {allowed}, got {value!r}") from None
 
 
-def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str]) -> None:
+def refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str]) -> None:
+    """Raise ValueError for a key that is not allowed."""
     if unknown := sorted(set(given) - set(allowed)):
         raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
 
@@ -200,6 +243,9 @@ def robot_toml(robot: Robot, limits: Limits, gear_error: Sequence[GearTerm] = ()
         lines.append(f'joint = "{link.joint.value}"')
     lines += ["", "[limits]"]
     lines += [f"{name} = {list(getattr(limits, name))}" for name in _LIMITS]
+    for bound in limits.coupled:
+        lines += ["", "[[limits.coupled]]", f"coefficients = {list(bound.coefficients)}"]
+        lines += [f"lower = {bound.lower!r}", f"upper = {bound.upper!r}"]
     for term in gear_error:
         lines += ["", "[[gear_error]]"]
         lines += [f"{name} = {value!r}" for name, value in term._asdict().items()]

@@ -65,6 +65,17 @@ def pose(name: str, poses: Mapping[str, ToolPose] = LARGE_ROBOT_POSES) -> ToolPo
 
 
 @dataclass(frozen=True, kw_only=True)
+class Learning:
+    """Design variables of Q(u + gamma q^delta e) for all motors of a robot."""
+
+    gamma: float
+    delta: int
+    """[samples]."""
+    cutoff: float
+    """[Hz]."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Cell:
     """Robot type with its limits, poses and programs: data only."""
 
@@ -79,6 +90,12 @@ class Cell:
     """Named poses of the tool."""
     programs: Mapping[str, tuple[Path, ...]]
     """Program files of each motion of the IMU experiment, by name."""
+    home: tuple[float, ...] | None = None
+    """Motor angles [rad] near which poses are reached; those of the zero pose if None."""
+    free_rotation: bool = False
+    """The tool's orientation is free: a contour sets its position alone."""
+    learning: Learning | None = None
+    """Default design of learning from motor angles; that of the thesis if None."""
 
 
 _PROGRAMS = assets.IRB1400_XML.parent / "programs"
@@ -110,6 +127,8 @@ IRB1400_CELL = Cell(
             _PROGRAMS / "irb1400_sequential_wrist.toml",
         ),
     },
+    # From T_u as identified on this robot: `armside.sim.laser.design_from_data`.
+    learning=Learning(gamma=1.0, delta=8, cutoff=20.0),
 )
 """The IRB1400 of thesis chapter 5."""
 

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from armside.arrays import Array
 from armside.kinematics import Joint, Robot
-from armside.sim.cell import CELLS
+from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.records.summary import summary
@@ -21,7 +21,7 @@ from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, check_read, options
 
 Action = Annotated[Literal["check", "show"], Parameter(help="Examine a model, or show its data.")]
-_MODEL = "MJCF file in place of that robot's own."
+_MODEL = "MJCF file in place of that robot's own, or a robot file (.toml) with its own MJCF."
 Model = Annotated[Path | None, Parameter(help=_MODEL, validator=check_read)]
 
 
@@ -30,8 +30,9 @@ Model = Annotated[Path | None, Parameter(help=_MODEL, validator=check_read)]
 class RobotCfg:
     """The robot."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Robot whose D-H table, limits and poses the controller has."""
+    robot: str = "large"
+    """Robot whose D-H table, limits and poses the controller has: large, irb1400, or a robot file
+    (.toml)."""
 
 
 def robot(
@@ -46,14 +47,17 @@ def robot(
 
     check: status 1 if a verdict fails. show: D-H table, limits and drives.
     """
-    report, cell, checks = Report(common), CELLS[cfg.robot], list[Check]()
+    report, checks, named = Report(common), list[Check](), cfg.robot
+    if model is not None and model.suffix == ".toml":
+        named, model = str(model), None
     with checking_input():
+        cell = find_cell(named)
         if action == "show":
             loaded = cell_model(cell, model)
         else:
             loaded = load_model(cell.xml if model is None else model)
     asked, examined = (
-        {"action": action, "model": model, "robot": cfg.robot},
+        {"action": action, "model": model, "robot": named},
         Examination(loaded, cell),
     )
     if action == "show":

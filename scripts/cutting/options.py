@@ -1,13 +1,16 @@
 """Options of `armside laser`, in the units that a person types."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
 
-from armside.sim.laser.design import DEFAULT_DESIGN, THESIS, Design
+from armside.sim.cell import Cell
+from armside.sim.cell_file import find_cell
+from armside.sim.laser.design import THESIS, Design, default_design
 
 from ..shell.options import FileToRead, options
 from .individual import IndividualCfg
@@ -31,6 +34,7 @@ LARGEST = {
 """Larger values, of either sign, are no machine's, and overflow in what is computed from them."""
 LARGEST_INVERSE_GAIN = 2.0
 """From here on a law that inverts the plant does not converge, however good its model."""
+SIX = 6
 SLOWEST = 1e-3
 """[mm/s] and [m/s^2], of speed and path acceleration."""
 
@@ -40,8 +44,8 @@ SLOWEST = 1e-3
 class LaserCfg(IndividualCfg):
     """Contour, place, robot and learning."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Robot."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
@@ -111,7 +115,7 @@ class LaserCfg(IndividualCfg):
         if self.individual is not None and self.friction_spread is not None:
             raise ValueError("friction-spread does not apply to an individual: its friction is own")
         motor = self.measure == "motor"
-        design = DEFAULT_DESIGN[self.robot] if motor else THESIS
+        design = default_design(self.cell) if motor else THESIS
         cutoff = design.cutoff if motor else (self._pass_band(),)
         defaults = {"gamma": design.gamma, "delta": design.delta, "cutoff": cutoff}
         for name, value in defaults.items():
@@ -147,8 +151,10 @@ class LaserCfg(IndividualCfg):
                 got = f"{getattr(self, name):g}"
                 raise ValueError(f"{said} must be >= {SLOWEST:g} {unit}, got {got}")
         for name in ("gamma", "delta", "cutoff"):
-            if (n := len(getattr(self, name))) not in (1, 6):
-                raise ValueError(f"{name} takes one value or six, got {n}")
+            axes = self.cell.robot.n_joints
+            if (n := len(getattr(self, name))) not in (1, axes):
+                many = "six" if axes == SIX else f"{axes}"
+                raise ValueError(f"{name} takes one value or {many}, got {n}")
             if not motor and n > 1:
                 raise ValueError(f"{name} takes one value with --measure {self.measure}")
         inverse = not motor and self.law in ("auto", "inverse")
@@ -158,6 +164,11 @@ class LaserCfg(IndividualCfg):
         if motor and self.law not in ("auto", "heuristic"):
             raise ValueError(f"law {self.law} needs --measure estimate or tracker")
         Design(gamma=self.gamma, delta=self.delta, cutoff=self.cutoff)
+
+    @cached_property
+    def cell(self) -> Cell:
+        """Cell of the robot. Raises ValueError for an unknown name or a wrong robot file."""
+        return find_cell(self.robot)
 
     def _refuse_huge(self) -> None:
         for name, (largest, unit) in LARGEST.items():

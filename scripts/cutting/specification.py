@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armside.sim.cell import CELLS, ToolPose, pose
+from armside.sim.cell import ToolPose, pose
 from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
@@ -68,7 +68,9 @@ def measure(cfg: LaserCfg) -> Measure:
     if cfg.identification is not None:
         from armside.sim.estimation.springs_file import read_springs
 
-        springs = read_springs(cfg.identification, cfg.robot, tool_pose(cfg).position)
+        springs = read_springs(
+            cfg.identification, cfg.robot, tool_pose(cfg).position, cfg.cell.robot.n_joints
+        )
     if cfg.measure == "motor":
         return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
     from armside.sim.estimation.commissioning import Commissioning, OnFault
@@ -131,7 +133,7 @@ def dimensions(cfg: LaserCfg) -> dict[str, float]:
 
 def tool_pose(cfg: LaserCfg) -> ToolPose:
     """The named pose, with position or orientation replaced where they are given."""
-    named = pose(cfg.pose, CELLS[cfg.robot].poses)
+    named = pose(cfg.pose, cfg.cell.poses)
     position, quaternion = named.position, named.quaternion
     if cfg.position is not None:
         x, y, z = cfg.position

@@ -91,17 +91,17 @@ def errors(
     *,
     motor_label: str = "motor error, 2-norm, normalised",
 ) -> None:
-    """Errors by iteration: six motors on the left, the tool on the right. Thesis Figs 9.9, 9.11.
+    """Errors by iteration: the motors on the left, the tool on the right. Thesis Figs 9.9, 9.11.
 
-    motor: (K, 6) normalised motor errors. arm_rms, arm_maxdev: (K,) [m].
+    motor: (K, n) normalised motor errors. arm_rms, arm_maxdev: (K,) [m].
     """
     figure = new_figure(9.6, 4.0)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.91, wspace=0.24)
     iterations = np.arange(len(motor))
-    for i, (color, marker) in enumerate(zip(COLORS, MARKERS, strict=True)):
-        label = f"motor {i + 1}"
-        left.plot(iterations, motor[:, i], marker=marker, color=color, ms=5, lw=1.3, label=label)
+    for i, values in enumerate(motor.T):
+        label, color, marker = f"motor {i + 1}", COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]
+        left.plot(iterations, values, marker=marker, color=color, ms=5, lw=1.3, label=label)
     left.set_yscale("log")
     left.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
     left.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

@@ -58,7 +58,8 @@ def write(
 
 def show(report: Report, outcome: dict[str, Any], path: Path) -> None:
     rows, kerf, iso = outcome["iterations"], outcome["kerf"], outcome["iso"]
-    columns = ["k", *(f"motor {i}" for i in range(1, 7)), "arm RMS", "arm max"]
+    axes = range(1, 1 + len(rows[0]["motor_inf"]))
+    columns = ["k", *(f"motor {i}" for i in axes), "arm RMS", "arm max"]
     for title, suffix, mrad, microns in (
         ("Raw: largest motor error [mrad of the motor shaft], tool deviation [µm]", "", 1e3, 1e6),
         ("Normalised by the largest at k = 0: thesis (9.5), (9.8), (9.9)", "_normalised", 1, 1),

@@ -67,6 +67,8 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 
     Raises ValueError for an unknown pose or options that misfit, OSError as `content`.
     """
+    if cfg.robot not in CELLS:
+        raise ValueError(f"a sweep takes a robot by name, {' or '.join(CELLS)}, got {cfg.robot}")
     run = {field.name: getattr(cfg, field.name) for field in fields(cfg)}
     for name in ("gamma", "delta", "cutoff"):
         if len(set(run[name])) == 1:

@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array, freeze_rows
-from armside.kinematics import Limits, Robot, inverse_path
+from armside.kinematics import (
+    Limits,
+    Robot,
+    UnsolvableGeometryError,
+    inverse_numeric_path,
+    inverse_path,
+)
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
@@ -167,18 +173,28 @@ def joint_reference(
     *,
     start: ArrayLike | None = None,
     shift: Array | None = None,
+    free_rotation: bool = False,
 ) -> Array:
-    """Joint reference (N, 6) [rad], arm side, of a tool motion: one branch of solutions throughout.
+    """Joint reference (N, n) [rad], arm side, of a tool motion: one branch of solutions throughout.
+
+    By a closed form where the robot has one, else by numeric inverse kinematics along the path.
 
     Args:
-        start: (6,) [rad], selects the nearest solution; zero pose by default.
+        start: (n,) [rad], selects the nearest solution; zero pose by default.
         shift: (N, 3) [m], subtracted from the programmed positions: an anticipated deflection.
+        free_rotation: positions alone are followed, whatever the tool's orientation.
 
     Raises UnreachableError for a position out of reach, ValueError for one outside of the limits.
     """
     position = motion.position if shift is None else motion.position - shift
+    near = np.zeros(robot.n_joints) if start is None else start
+    if free_rotation:
+        return inverse_numeric_path(robot, position, near, limits=limits)
     T_base_tool = transform(from_quaternion(motion.quaternion), position)
-    return inverse_path(robot, T_base_tool, start, limits)
+    try:
+        return inverse_path(robot, T_base_tool, start, limits)
+    except UnsolvableGeometryError:
+        return inverse_numeric_path(robot, T_base_tool, near, limits=limits)
 
 
 def plan_cut(
@@ -191,15 +207,16 @@ def plan_cut(
     start: ArrayLike | None = None,
     path_limits: PathLimits | None = None,
     step: float = 0.004,
+    free_rotation: bool = False,
 ) -> tuple[ToolMotion, Array]:
-    """Motion of a cut and its joint reference (N, 6) [rad], within path and joint limits.
+    """Motion of a cut and its joint reference (N, n) [rad], within path and joint limits.
 
     Where a joint would be too fast, the whole cut is slowed down and `limits_hit` names the joint.
     """
     reached, slowed = speed, ()
     while True:
         motion = cut(path, tool_quaternion, reached, limits=path_limits, step=step)
-        phi = joint_reference(motion, robot, joint_limits, start=start)
+        phi = joint_reference(motion, robot, joint_limits, start=start, free_rotation=free_rotation)
         use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
         if use.max() <= 1.0:
             break

@@ -1,4 +1,4 @@
-"""Design of the heuristic law: its variables, that of the thesis, and the default of each robot."""
+"""Design of the heuristic law: its variables, that of the thesis, and the default of a robot."""
 
 from dataclasses import dataclass, field
 
@@ -8,6 +8,7 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 
+from ..cell import CELLS, Cell
 from ..robot.virtual_robot import LOG_PERIOD
 
 
@@ -39,9 +40,15 @@ class Design:
 
 THESIS = Design(gamma=(0.9,), delta=(3,), cutoff=(10.0,))
 """Design of thesis chapter 9."""
-DEFAULT_DESIGN = {
-    "large": THESIS,
-    # From T_u as identified on this robot: `design_from_data`.
-    "irb1400": Design(gamma=(1.0,), delta=(8,), cutoff=(20.0,)),
-}
-"""By robot, for learning from motor angles."""
+
+
+def default_design(cell: Cell) -> Design:
+    """Design of a robot for learning from motor angles."""
+    own = cell.learning
+    if own is None:
+        return THESIS
+    return Design(gamma=(own.gamma,), delta=(own.delta,), cutoff=(own.cutoff,))
+
+
+DEFAULT_DESIGN = {name: default_design(cell) for name, cell in CELLS.items()}
+"""By name of the robot."""

@@ -132,6 +132,7 @@ def trials(
         first_correction=start,
         first_result=first,
         size_of=output.size,
+        n_inputs=first[0].recording.n_axes,
         divergence_ratio=DIVERGENCE_RATIO * (1.0 if start is None else FROM_A_MODEL),
     )
     smallest = np.inf

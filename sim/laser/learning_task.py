@@ -10,7 +10,7 @@ from armside.ilc.workbench.task import Task
 
 from ..evaluation.tool_error import tool_error
 from ..robot.virtual_robot import LOG_PERIOD
-from .design import DEFAULT_DESIGN, THESIS
+from .design import default_design
 from .experiment import prepare
 from .plant import CuttingPlant, Pass
 from .specification import Cut
@@ -27,7 +27,7 @@ def learning_task(cut: Cut, *, seed: int = 0, name: str = "", model: Model | Non
     Raises ValueError for a cut that cannot be made.
     """
     experiment = prepare(cut, seed=seed)
-    motion, design = experiment.motion, DEFAULT_DESIGN.get(str(cut.robot), THESIS)
+    motion, design = experiment.motion, default_design(cut.cell)
     if model is None and cut.robot == "large":
         model = SERVO
 

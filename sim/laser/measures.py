@@ -16,7 +16,7 @@ from ..instruments.imu import ImuCfg
 from ..notes import Note
 from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
-from .design import DEFAULT_DESIGN, THESIS, Design
+from .design import Design, default_design
 from .plant import Pass
 from .setup import Setup
 
@@ -110,7 +110,7 @@ class MotorAngles:
     imu = None
 
     def prepare(self, experiment: Prepared) -> SetUp:
-        design = self.design or DEFAULT_DESIGN.get(str(experiment.setup.robot), THESIS)
+        design = self.design or default_design(experiment.setup.cell)
         reference = experiment.loaded.reference if self.target is None else self.target
         design.law.check(*reference.shape)
         return lambda first: _MotorOutput(reference, design.law)

@@ -37,12 +37,23 @@ def plan(
         ValueError: the motion leaves the joint limits (where) or the reach (by how much).
     """
     motion, phi = plan_cut(
-        path, quaternion, speed, cell.robot, cell.limits, path_limits=path_limits, step=LOG_PERIOD
+        path,
+        quaternion,
+        speed,
+        cell.robot,
+        cell.limits,
+        start=cell.home,
+        path_limits=path_limits,
+        step=LOG_PERIOD,
+        free_rotation=cell.free_rotation,
     )
     shift = anticipated_shift(nominal, phi, LOG_PERIOD)
     if isinstance(path.curve, ArcsAndLines):
         shift = smoothed(shift)
-    return motion, joint_reference(motion, cell.robot, cell.limits, start=phi[0], shift=shift)
+    free = cell.free_rotation
+    return motion, joint_reference(
+        motion, cell.robot, cell.limits, start=phi[0], shift=shift, free_rotation=free
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

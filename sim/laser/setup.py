@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..cell import CELLS, Cell, ToolPose, pose
+from ..cell import Cell, ToolPose, pose
+from ..cell_file import find_cell
 from ..cut.timing import PathLimits
 from ..instruments.imu import ImuCfg
 from ..robot.effects import Effect
@@ -16,7 +17,7 @@ class Setup:
     """Robot individual with its tool at a pose of its cell. SI units."""
 
     robot: str | Cell = "large"
-    """Name of a cell, or a cell of one's own."""
+    """Name of a cell, its robot file, or a cell of one's own."""
     model: Path | None = None
     """MJCF in place of the cell's."""
     pose: str | ToolPose = "p1"
@@ -52,12 +53,8 @@ class Setup:
 
     @property
     def cell(self) -> Cell:
-        """The robot's cell. Raises ValueError for an unknown name."""
-        if isinstance(self.robot, Cell):
-            return self.robot
-        if self.robot not in CELLS:
-            raise ValueError(f"Unknown robot {self.robot!r}. Robots: {', '.join(CELLS)}")
-        return CELLS[self.robot]
+        """The robot's cell. Raises ValueError for an unknown name or a wrong robot file."""
+        return self.robot if isinstance(self.robot, Cell) else find_cell(self.robot)
 
     @property
     def tool_pose(self) -> ToolPose:

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from armside.arrays import Array
 
-from ..cell import CELLS
+from ..cell_file import find_cell
 from ..records.atomic import atomic
 from ..records.errors import InputError
 from ..records.signals import RecordedRun
@@ -51,7 +51,7 @@ def stored_shots(run: StoredRun) -> Shots:
         raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
     contours = stored_scene(run).contours if run.experiment in REDRAWN else []
     config = run.summary["config"]
-    source = Path(config.get("model") or CELLS[config["robot"]].xml)
+    source = Path(config.get("model") or find_cell(config["robot"]).xml)
     mj = drawn_model(run.robot, source, run.file("robot.xml"))
     return Shots(mj, run.signals.runs, contours)
 

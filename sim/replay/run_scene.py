@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..cell import CELLS
+from ..cell_file import find_cell
 from ..cut.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
@@ -35,7 +35,7 @@ def laser_scene(
     name: str = "",
 ) -> Scene:
     """Scene of a laser run with the summary `outcome`."""
-    rows, robot = outcome["iterations"], CELLS[outcome["config"]["robot"]].robot
+    rows, robot = outcome["iterations"], find_cell(outcome["config"]["robot"]).robot
     kept = [row for row in rows if row["k"] in {run.k for run in runs}]
     curves, text = learning(kept) if len(kept) == len(runs) else {}, about(outcome)
     return Scene(
@@ -59,8 +59,7 @@ def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
 
 def _check_config(config: Mapping[str, Any]) -> None:
     """Raise ValueError for options that no run has."""
-    if config["robot"] not in CELLS:
-        raise ValueError(f"unknown robot {config['robot']!r}; robots: {', '.join(CELLS)}")
+    find_cell(str(config["robot"]))
     if not isinstance(config["seed"], int):
         raise ValueError(f"its seed is no whole number: {config['seed']!r}")
 

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from .mjcf import ModelError
+from .mjcf import ModelError, axes_of
 
 ANY_SIGN = ("gear_error_phase", "gear_temperature", "elastic_compensation", "link_")
 """Beginnings of the names of custom numerics that may be negative."""
@@ -12,11 +12,17 @@ _DOFS = {"damping": "dof_damping", "armature": "dof_armature", "frictionloss": "
 
 
 def refuse_implausible(mj: mujoco.MjModel) -> None:
-    """Raise ModelError for a custom numeric that is not finite or has the wrong sign, and for
-    negative stiffness, damping, armature or friction of a joint."""
+    """Raise ModelError for a custom numeric that is not finite or has the wrong sign, for a link
+    without mass, and for negative stiffness, damping, armature or friction of a joint."""
     for i in range(mj.nnumeric):
         one = mj.numeric(i)
         _check(one.name, one.data)
+    for i in axes_of(mj):
+        link = mj.body(int(mj.joint(f"motor_{i}").bodyid[0]))
+        if not link.mass[0] > 0.0:
+            raise ModelError(
+                f"the body {link.name}, which motor_{i} moves, must have a mass > 0 kg"
+            )
     for what, name in _DOFS.items():
         _not_negative(mj, what, getattr(mj, name), mj.dof_jntid)
     _not_negative(mj, "stiffness", mj.jnt_stiffness, np.arange(mj.njnt))

@@ -1,0 +1,193 @@
+"""Cells on disk: a robot with its model, poses and programs in TOML, beside its MJCF.
+
+The kinematics are those of a robot file (`armside.kinematics.robot_file`: name, convention, offset,
+coupling, [[link]], [limits]), or of a URDF file. Beside them:
+
+    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file
+    urdf = "my_robot.urdf"               # in place of [[link]] and [limits]; a tree: FILE.urdf#TIP
+    orientation = "held"                 # or "free": contours set positions alone [default: held
+                                         # for six axes and more, free for fewer]
+    home = [0, 1.2]                      # motor angles near which poses are reached [rad; default:
+                                         # the zero pose]
+
+    [[imu]]                              # constant links from the tool to the IMU, as [[link]]
+    theta = "pi"                         # [default: the IMU is at the tool]
+
+    [pose.p1]                            # named poses of the tool, at least one
+    position = [0.7, 0.3, 1.0]           # [m], base axes
+    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]
+
+    [program]                            # motions of the IMU experiment: program files, beside this
+    simultaneous = ["programs/my_robot.toml"]
+
+    [learning]                           # default design [default: that of the thesis]
+    gamma = 0.9
+    delta = 3                            # [samples of 4 ms]
+    cutoff = 10                          # [Hz]
+
+Drives, springs and masses are those of the MJCF. Before anything runs, its kinematics are compared
+with those of this file.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside import kinematics
+from armside.kinematics import Joint
+from armside.kinematics.catalogue import find_arm
+from armside.kinematics.robot_file import (
+    KEYS,
+    Arm,
+    arm_of,
+    links_of,
+    numbers,
+    read_toml,
+    refuse_unknown,
+)
+
+from .cell import CELLS, Cell, Learning, ToolPose
+
+_OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning")
+_LEARNING = ("gamma", "delta", "cutoff")
+_UNIT = 1e-3
+"""Largest difference of a quaternion's length from 1."""
+HELD_FROM = 6
+"""Axes from which on the tool's orientation is held by default."""
+
+
+def find_cell(robot: str) -> Cell:
+    """Cell of a name, or of a robot file.
+
+    Raises:
+        ValueError: neither, or a wrong file; the message names file and field.
+        OSError: the file cannot be read.
+    """
+    if robot in CELLS:
+        return CELLS[robot]
+    if not robot.endswith(".toml"):
+        known = ", ".join(CELLS)
+        raise ValueError(f"Unknown robot {robot!r}. Robots: {known}, or a robot file (.toml)")
+    return read_cell(Path(robot))
+
+
+def read_cell(file: Path) -> Cell:
+    """Cell of a robot file.
+
+    Raises:
+        ValueError: the file is not as described above; the message names file and field.
+        OSError: the file cannot be read.
+    """
+    return read_toml(file, lambda data: _cell(data, file.parent))
+
+
+def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
+    refuse_unknown("the file", data, (*KEYS, *_OWN))
+    robot, limits = arm = _arm(data, folder)
+    home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
+    if home is not None and not limits.contain(home):
+        raise ValueError(f"home must be within the limits, got {list(home)}")
+    return Cell(
+        xml=_beside(folder, "model", data.get("model")),
+        robot=robot,
+        with_imu=_with_imu(arm, data),
+        limits=limits,
+        poses=_poses(data.get("pose")),
+        programs=_programs(data.get("program", {}), folder),
+        home=home,
+        free_rotation=_free(data, robot.n_joints),
+        learning=_learning(data["learning"]) if "learning" in data else None,
+    )
+
+
+def _arm(data: Mapping[str, Any], folder: Path) -> Arm:
+    of_table = {name: data[name] for name in KEYS if name in data}
+    if "urdf" not in data:
+        return arm_of(of_table)
+    if given := [name for name in of_table if name != "name"]:
+        raise ValueError(f"urdf has the kinematics: leave out {', '.join(given)}")
+    file, mark, links = str(data["urdf"]).partition("#")
+    arm = find_arm(f"{_beside(folder, 'urdf', file)}{mark}{links}")
+    return arm._replace(robot=replace_name(arm.robot, data["name"])) if "name" in data else arm
+
+
+def replace_name(robot: kinematics.Robot, name: str) -> kinematics.Robot:
+    """The robot under another name."""
+    parts = robot.links, robot.coupling, robot.offset, robot.convention
+    return kinematics.Robot(*parts, name)
+
+
+def _with_imu(arm: Arm, data: Mapping[str, Any]) -> kinematics.Robot:
+    if "imu" not in data:
+        return arm.robot
+    links = [replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"])]
+    robot = arm.robot
+    every, name = (*robot.links, *links), f"{robot.name} with IMU"
+    return kinematics.Robot(every, robot.coupling, robot.offset, robot.convention, name)
+
+
+def _beside(folder: Path, name: str, given: Any) -> Path:
+    """A file that is named relative to a folder."""
+    if not isinstance(given, str) or not given:
+        raise ValueError(f"{name} must be the name of a file, got {given!r}")
+    file = folder / given
+    if not file.is_file():
+        raise ValueError(f"{name} must be a file, there is no {file}")
+    return file
+
+
+def _free(data: Mapping[str, Any], n_axes: int) -> bool:
+    chosen = data.get("orientation", "held" if n_axes >= HELD_FROM else "free")
+    if chosen not in ("held", "free"):
+        raise ValueError(f"orientation must be one of held, free, got {chosen!r}")
+    return bool(chosen == "free")
+
+
+def _poses(tables: Any) -> dict[str, ToolPose]:
+    if not isinstance(tables, dict) or not tables:
+        raise ValueError("needs at least one table [pose.NAME]")
+    return {name: _pose(f"pose {name}", table) for name, table in tables.items()}
+
+
+def _pose(where: str, table: Any) -> ToolPose:
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table with a position")
+    refuse_unknown(where, table, ("position", "quaternion"))
+    x, y, z = _vector(f"{where}: position", table.get("position"), 3)
+    q = _vector(f"{where}: quaternion", table.get("quaternion", [1, 0, 0, 0]), 4)
+    length = float(np.linalg.norm(q))
+    if abs(length - 1.0) > _UNIT:
+        raise ValueError(f"{where}: quaternion must have length 1, got {length:.4g}")
+    a, b, c, d = q if abs(length - 1.0) < 1e-12 else (value / length for value in q)
+    return ToolPose((x, y, z), (a, b, c, d))
+
+
+def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
+    if not isinstance(table, dict) or not all(isinstance(v, list) for v in table.values()):
+        raise ValueError("program must be a table of lists of files")
+    return {
+        name: tuple(_beside(folder, f"program: {name}", file) for file in files)
+        for name, files in table.items()
+    }
+
+
+def _learning(table: Any) -> Learning:
+    if not isinstance(table, dict):
+        raise ValueError(f"learning must be a table, got {table!r}")
+    if missing := [name for name in _LEARNING if name not in table]:
+        raise ValueError(f"learning lacks {', '.join(missing)}")
+    refuse_unknown("learning", table, _LEARNING)
+    gamma, delta, cutoff = (_vector(f"learning: {n}", [table[n]], 1)[0] for n in _LEARNING)
+    if delta != int(delta):
+        raise ValueError(f"learning: delta must be a whole number of samples, got {delta:g}")
+    return Learning(gamma=gamma, delta=int(delta), cutoff=cutoff)
+
+
+def _vector(name: str, values: Any, size: int) -> tuple[float, ...]:
+    found = numbers(name, values)
+    if len(found) != size:
+        raise ValueError(f"{name} must have {size} numbers, got {len(found)}")
+    return tuple(found)
