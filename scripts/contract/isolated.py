@@ -4,12 +4,15 @@ A server process imports everything once and forks for each line.
 """
 
 import contextlib
+import faulthandler
 import multiprocessing
 import os
 import resource
 import signal
 import sys
+import threading
 from collections.abc import Callable
+from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from pathlib import Path
 from typing import NamedTuple
@@ -35,6 +38,10 @@ INTERRUPTED = 128 + signal.SIGINT
 """What a shell calls a process that Ctrl-C ended before or after `main` could answer it."""
 LONGEST = 300.0
 """[s], in which a line must have ended, whatever it waits for. After half of it comes Ctrl-C."""
+
+_POLLING = threading.Lock()
+"""Held where a process is started or asked for its status: each start asks for those of all others,
+and of two that read the same one's at once, one gets 255."""
 
 
 class Outcome(NamedTuple):
@@ -74,14 +81,16 @@ def run(
     """
     args = (words, str(folder), patience, fault)
     process: ForkServerProcess = context.Process(target=_main, args=args)
-    process.start()
-    process.join(LONGEST)
-    status = process.exitcode
+    with _POLLING:
+        process.start()
+    wait([process.sentinel], LONGEST)
+    with _POLLING:
+        status = process.exitcode
     if status == -signal.SIGINT:
         status = INTERRUPTED
-    if process.is_alive():
+    if status is None:
         process.kill()
-        process.join()
+        wait([process.sentinel])
     out, err, used = (_read(folder, name) for name in ("out", "err", "used"))
     interrupted, seconds, memory = map(float, (used or "0 0 0").split())
     return Outcome(status, out, err, bool(interrupted), seconds, memory)
@@ -102,6 +111,7 @@ def _main(
         os.dup2(file, descriptor)
         os.close(file)
     sys.stdout, sys.stderr = None, None  # as if they had been closed: `main` opens them
+    faulthandler.enable(2)  # what ends on a signal says where
     os.chdir(folder)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which a server ignores
     taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
