@@ -132,8 +132,10 @@ class Grid:
         for j in np.flatnonzero(most.max(axis=0) > 1.0):
             slope = joints.along[:, j] * self.unit / (4.0 * self.step)
             bend, offset = joints.bend[:, j] * self.unit, joints.offset[:, j]
+            size = np.maximum(1.0, 2.0 * np.abs(slope) + np.abs(bend))  # rows of order 1
+            slope, bend, offset = slope / size, bend / size, offset / size
             for sign in (1.0, -1.0):
-                bound = np.where(inside, 1.0 - sign * offset, np.inf)
+                bound = np.where(inside, 1.0 / size - sign * offset, np.inf)
                 found.append(Rows(-sign * slope, sign * bend, sign * slope, bound))
         return found
 

@@ -16,8 +16,8 @@ from scipy.linalg import solveh_banded
 
 from armside.arrays import Array
 
-STEPS = 60
-"""Most steps; 15 to 30 are usual."""
+STEPS = 200
+"""Most steps; 15 to 30 are usual, more where joints limit much of a path."""
 GAP = 1e-9
 """Largest mean complementarity at the end, where x is of the order of 1."""
 FEASIBLE = 1e-7
@@ -26,6 +26,10 @@ TO_BOUNDARY = 0.995
 """Fraction of the way to the boundary that a step may go."""
 HELD = 1e20
 """Weight that holds a point."""
+HEAVIEST = 1e14
+"""Largest weight of a row, at which it holds as an equation."""
+ROUNDING = 1e-12
+"""Relative shift of the normal matrix's diagonal, by which it stays positive definite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +90,7 @@ class Programme:
         band[1, :-1] = (w * b * c).sum(axis=0)[:-1]
         band[1, :-1] += (w * a * b).sum(axis=0)[1:]
         band[2, :-2] = (w * a * c).sum(axis=0)[1:-1]
+        band[0] *= 1.0 + ROUNDING
         band[0, self.held] += HELD
         return band
 
@@ -112,7 +117,8 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
         found = (gap < GAP) & (worst < FEASIBLE)
         if found.all():
             break
-        weight = z / slack
+        moving = A.per_path(np.where(found, 0.0, 1.0))
+        weight = np.where(moving > 0.0, np.minimum(z / slack, HEAVIEST), 1.0)
         band = A.normal(weight)
         # Predictor: straight to complementarity of zero.
         step = _direction(A, band, weight, slack, z, dual, primal, slack * z)
@@ -124,7 +130,6 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
             A, band, weight, slack, z, dual, primal, slack * z + step[1] * step[2] - target
         )
         along, beside = _length(A, slack, z, step, TO_BOUNDARY)
-        moving = A.per_path(np.where(found, 0.0, 1.0))
         x = x + moving * along * step[0]
         slack = slack + moving * along * step[1]
         z = z + moving * beside * step[2]

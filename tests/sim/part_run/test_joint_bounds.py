@@ -1,6 +1,7 @@
 """Speeds of a plan keep the limits of joints and drives, and lose no more than they must."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from armside.sim.cut.tool_motion import joint_reference
 from armside.sim.laser.setup import Setup
 from armside.sim.part.chain import joined, line
+from armside.sim.part.drawn import Reading
+from armside.sim.part.file import read_part
 from armside.sim.part.joining import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
@@ -69,3 +72,12 @@ def test_a_slow_joint_lowers_the_speed_where_it_needs_to(job):
     use = np.abs(np.gradient(phi, motion.step, axis=0)) / np.array(slow.speed)
     assert use.max() <= 1.01
     assert use.max() >= 0.95
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.16])
+def test_a_part_near_a_singularity_of_the_wrist_has_a_plan(speed):
+    file = Path(__file__).parents[3] / "docs/examples/bracket.dxf"
+    part = read_part(file, Reading(layers=("CUT",)))
+    found = planned(Job(part=part, cutting=Cutting(speed=speed), setup=Setup(pose="p1")))
+    for cut in found.cuts:
+        assert (cut.profile.speed <= cut.profile.allowed.max() * (1.0 + 1e-6)).all()
