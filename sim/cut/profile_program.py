@@ -161,7 +161,8 @@ def _length(
     """Step lengths (N,) of each path, of x with slack and of z."""
     lengths = []
     for value, change in ((slack, step[1]), (z, step[2])):
-        falling = np.where(change < 0.0, change, -1e-300)
-        free = np.minimum.reduceat((-value / falling).min(axis=0), A.starts)
+        free = np.full_like(value, np.inf)
+        np.divide(-value, change, out=free, where=change < -1e-100)
+        free = np.minimum.reduceat(free.min(axis=0), A.starts)
         lengths.append(A.per_path(np.minimum(1.0, most * free)))
     return lengths[0], lengths[1]
