@@ -75,6 +75,7 @@ def _judged(one: Judgement) -> dict[str, Any]:
         "sham_sensor_ratio": one.sham_sensor,
         "tool": _tool(one.tool),
         "sham_tool": _tool(one.sham_tool),
+        "smoothed": _tool(one.smoothed),
     }
 
 
@@ -118,7 +119,7 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
     report.table("Transmission error, 95 % intervals", head, rows)
     report.table(
         f"Judged on what was not learned from: RMS with over without, {outcome['sensor']}, tool",
-        ["recording", "sensor", "sham", "tool", "sham", "x", "y", "z"],
+        ["recording", "sensor", "sham", "tool", "sham", "x", "y", "z", "+ IMU"],
         [_judged_row(one) for one in outcome["judged"]],
     )
 
@@ -126,9 +127,11 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
 def _judged_row(one: dict[str, Any]) -> list[Any]:
     row = [one["recording"], one["sensor_ratio"], one["sham_sensor_ratio"]]
     if one["tool"] is None:
-        return [*row, None, None, None, None, None]
+        return [*row, None, None, None, None, None, None]
     axes = [float(ratio) for ratio in one["tool"]["ratio"]]
-    return [*row, one["tool"]["pooled"], one["sham_tool"]["pooled"], *axes]
+    smoothed = None if one["smoothed"] is None else one["smoothed"]["pooled"]
+    cells = [*row, one["tool"]["pooled"], one["sham_tool"]["pooled"], *axes, smoothed]
+    return [round(cell, 3) if isinstance(cell, float) else cell for cell in cells]
 
 
 def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:

@@ -14,6 +14,7 @@ from .judgement import Remaining, judged_rows, remaining, sensor_ratio
 from .learning import CANDIDATES, Course
 from .observation import Observation
 from .scan import Scan, resolution
+from .smoother import fused
 from .transmission import Transmission
 
 OUT_OF_RANGE = 1.1
@@ -61,6 +62,8 @@ class Judgement:
     tool: Remaining | None
     sham_tool: Remaining | None
     """The same by the tracker."""
+    smoothed: Remaining | None
+    """With the IMU of that recording smoothed into it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,11 +158,13 @@ def _judged(
     cfg: GearsCfg,
 ) -> Judgement:
     assert control is not None
-    tool: list[Remaining | None] = [None, None]
+    tool: list[Remaining | None] = [None, None, None]
     if one.tracker is not None:
         residual, rows = one.tool_residual()[0], judged_rows(one)
         estimates = [x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control)]
-        tool = [remaining(residual, estimate, rows, cfg.judged) for estimate in estimates]
+        estimates += [] if one.imu is None else [fused(one, found)]
+        judged = [remaining(residual, estimate, rows, cfg.judged) for estimate in estimates]
+        tool[: len(judged)] = judged
     return Judgement(
         recording=one.name,
         learned_from=source,
@@ -169,4 +174,5 @@ def _judged(
         sham_sensor=sensor_ratio(control, seen),
         tool=tool[0],
         sham_tool=tool[1],
+        smoothed=tool[2],
     )

@@ -32,6 +32,8 @@ class Scene:
     tracker_rate: float = 30e-6
     gear: float = 1.0
     """Factor on the transmission error."""
+    shake: float = 0.0
+    """[m] Vibration of the tool along the vertical, 8 Hz, that no motor makes."""
 
 
 def angles(rng, t):
@@ -53,6 +55,9 @@ def recording(scene):
     output = CubicSpline(t, phi + error)
     q, rate, second = output(t), output(t, 1), output(t, 2)
     T, a = robot.pose(q), robot.acceleration(q, rate, second)
+    burst = CubicSpline(t, scene.shake * np.sin(16.0 * np.pi * t) * np.sin(0.7 * t) ** 2)
+    T[:, 2, 3] += burst(t)
+    a[:, 2] += burst(t, 2)
     R, omega = T[:, :3, :3], np.einsum("nij,nj->ni", robot.jacobian(q), rate)[:, 3:]
     r = R @ LEVER
     turning = np.cross(a[:, 3:], r) + np.cross(omega, np.cross(omega, r))

@@ -117,6 +117,13 @@ def test_exact_gears_show_no_order(scenes):
     assert not done.judgements
 
 
+def test_smoothed_imu_follows_a_vibration_that_is_no_gear_error(scenes):
+    one = scenes.recording(scenes.Scene(4, shake=150e-6))
+    (judged,) = analyse(scenes.ARM, [one], CFG).judgements
+    assert judged.tool.pooled > 0.5
+    assert judged.smoothed.pooled < 0.6 * judged.tool.pooled
+
+
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
 def test_aubo_shows_two_periods_per_motor_turn_on_each_day():
     recordings, arm = [read_motion(AUBO / day) for day in DAYS], find_arm("aubo_i5")
@@ -127,6 +134,7 @@ def test_aubo_shows_two_periods_per_motor_turn_on_each_day():
     assert max(ratios) <= 0.78
     assert sorted(ratios)[1] <= 0.70
     assert min(shams) >= 0.98
+    assert max(one.smoothed.pooled for one in done.judgements if one.smoothed) <= 0.70
     for joint, orders in enumerate(((240, 242),) * 3 + ((200, 202),) * 2 + ((100, 101, 200),)):
         peak = done.scan.orders[joint][np.argmax(done.scan.explained[joint])]
         assert min(abs(peak - order) for order in orders) <= 2.0
