@@ -120,8 +120,10 @@ def test_exact_gears_show_no_order(scenes):
 def test_smoothed_imu_follows_a_vibration_that_is_no_gear_error(scenes):
     one = scenes.recording(scenes.Scene(4, shake=150e-6))
     (judged,) = analyse(scenes.ARM, [one], CFG).judgements
+    assert judged.tool
+    assert judged.smoothed
     assert judged.tool.pooled > 0.5
-    assert judged.smoothed.pooled < 0.6 * judged.tool.pooled
+    assert judged.smoothed.pooled < 0.75 * judged.tool.pooled
 
 
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
