@@ -51,7 +51,7 @@ def vibration(aligned: Aligned, found: Transmission) -> Array:
     residual = aligned.imu.residual(motion, aligned.recording.imu)[:, :3]
     window = (_window(seen) * _undisturbed(residual))[:, None]
     a = rfft(window * residual, axis=0)
-    f = np.asarray(rfftfreq(len(motion.time), 1.0 / RATE))
+    f = np.asarray(rfftfreq(len(motion.time), 1.0 / RATE), dtype=np.float64)
     a = np.asarray(a) - _of_gears(aligned, found, window, f)
     inside = (f >= BAND[0]) & (f <= BAND[1])
     power = _smooth(np.abs(a) ** 2, int(SMOOTHED * len(motion.time) / RATE))
