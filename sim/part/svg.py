@@ -20,6 +20,8 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 /
 """[m], of the units that are lengths; px is one of a screen."""
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 SVG = "{http://www.w3.org/2000/svg}"
+EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
+"""Namespaces of what editors keep beside a drawing."""
 SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
 GROUPS = {"svg", "g", "a", "switch", "symbol"}
 SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
@@ -84,7 +86,10 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         tag = element.tag.removeprefix(SVG)
         layers.add(layer)
         said = f"{tag} #{element.get('id', '(without id)')} on layer {layer or '(none)'}"
-        if not reading.chooses(layer):
+        if tag.startswith("{"):  # which no viewer draws
+            if not tag.startswith(EDITORS):
+                left_out[f"elements of namespace {tag[1:].split('}')[0]}"] += 1
+        elif not reading.chooses(layer):
             left_out[f"layer {layer or '(none)'}: elements"] += 1
         elif hidden:
             left_out["hidden elements"] += 1
@@ -106,7 +111,7 @@ def _elements(parent: Any, layer: str, hidden: bool) -> Iterator[tuple[Any, str,
             if clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
                 raise ValueError(f"group #{element.get('id')} has a {clip[0]}, not known here")
             yield from _elements(element, _layer(element.attrib, layer), gone)
-        elif tag not in SILENT | {"symbol"} and not tag.startswith("{"):
+        elif tag not in SILENT | {"symbol"}:
             yield element, layer, gone
 
 

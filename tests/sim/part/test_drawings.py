@@ -102,6 +102,17 @@ def test_an_svg_of_inkscape_has_its_shapes_the_right_way_up(tmp_path):
     assert areas(again, Kind.OUTLINE) == pytest.approx([outline])
 
 
+def test_elements_of_a_namespace_that_is_not_known_are_said(tmp_path):
+    foreign = '<cam:drill xmlns:cam="http://example.org/cam" x="1"/></svg>'
+    (tmp_path / "a.svg").write_text(INKSCAPE.replace("</svg>", foreign))
+    said = read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).notes
+    assert "elements of namespace http://example.org/cam that are not cut: 1" in said
+    (tmp_path / "a.svg").write_text(INKSCAPE)
+    assert not [
+        n for n in read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).notes if "names" in n
+    ]
+
+
 def test_a_contour_in_toml_is_a_part(tmp_path):
     (tmp_path / "c.toml").write_text("corner = 2\npoints = [[0, 0], [20, 0], [20, 10], [0, 10]]")
     area = 200.0 - 4.0 * (4.0 - np.pi)
