@@ -74,6 +74,18 @@ def find_cell(robot: str) -> Cell:
     return read_cell(Path(robot))
 
 
+def find_robot(name: str) -> Arm:
+    """Robot and limits as `find_arm` has them, and those of a cell's robot file.
+
+    Raises as `find_arm` and `read_cell`.
+    """
+    file = Path(name)
+    if name.endswith(".toml") and "model" in read_toml(file, lambda data: data):
+        cell = read_cell(file)
+        return Arm(cell.robot, cell.limits)
+    return find_arm(name)
+
+
 def read_cell(file: Path) -> Cell:
     """Cell of a robot file.
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from armside.kinematics import find_arm
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
+from armside.sim.cell_file import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -92,7 +92,7 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
 
     report = Report(common)
     with checking_input():
-        arm, source = find_arm(cfg.robot), read_poses(data)
+        arm, source = find_robot(cfg.robot), read_poses(data)
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
     with report.progress("calibrating", total=1) as step:
         try:

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from armside.kinematics import Arm, find_arm
+from armside.kinematics import Arm
+from armside.sim.cell_file import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -39,7 +40,7 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
     """
     report = Report(common)
     with checking_input():
-        arm = find_arm(cfg.robot)
+        arm = find_robot(cfg.robot)
     files, operations = _files(cfg, arm)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
     with run_folder(outcome, common) as folder:

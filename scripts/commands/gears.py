@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from armside.kinematics import find_arm
+from armside.sim.cell_file import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -66,7 +66,7 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     with checking_input():
         if not 1 <= len(data) <= LARGEST_NUMBER:
             raise ValueError(f"give 1 to {LARGEST_NUMBER} folders of recordings, got {len(data)}")
-        arm, recordings = find_arm(cfg.robot), [read_motion(folder) for folder in data]
+        arm, recordings = find_robot(cfg.robot), [read_motion(folder) for folder in data]
         scans = max(2, len(recordings)) * arm.robot.n_joints
         with report.progress("scanning", total=scans) as step:
             done = analyse(arm, recordings, cfg.configuration(), step)

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from armside.kinematics import Robot, find_arm
+from armside.kinematics import Robot
+from armside.sim.cell_file import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -31,7 +32,7 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
 
     report = Report(common)
     with checking_input():
-        robot = describe(find_arm(cfg.robot).robot)
+        robot = describe(find_robot(cfg.robot).robot)
     found = robot.singularities
     values: dict[str, Any] = {
         "table": [[as_text(value) for value in row] for row in robot.table],

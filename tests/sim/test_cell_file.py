@@ -4,11 +4,13 @@ import re
 import shutil
 from dataclasses import fields
 
+import numpy as np
 import pytest
 
 from armside import assets
+from armside.kinematics.codegen.urdf import urdf
 from armside.sim.cell import CELLS
-from armside.sim.cell_file import find_cell, read_cell
+from armside.sim.cell_file import find_cell, find_robot, read_cell
 from armside.sim.robot.cell_model import cell_model
 
 FOLDER = assets.LARGE_ROBOT_XML.parent
@@ -28,6 +30,22 @@ def test_a_robot_is_found_by_name_or_by_file():
     assert find_cell(str(TWO_LINK)).robot.n_joints == 2
     with pytest.raises(ValueError, match=r"Unknown robot 'scara'\. Robots: large, irb1400, or a"):
         find_cell("scara")
+
+
+def test_a_urdf_in_place_of_the_links_gives_the_same_geometry(tmp_path):
+    """Written from the table, named in the file: the model is held to it as to the table."""
+    arm = find_robot(str(TWO_LINK))
+    (tmp_path / "arm.urdf").write_text(urdf(*arm))
+    file = changed(tmp_path, r"(?s)\[\[link\]\].*(?=\[pose.p1\])", 'urdf = "arm.urdf"\n\n')
+    read = read_cell(file)
+    assert read.robot.n_joints == 2
+    assert read.robot.name == arm.robot.name
+    np.testing.assert_allclose(read.limits.upper, arm.limits.upper)
+    cell_model(read)
+    shorter = (tmp_path / "arm.urdf").read_text().replace("0.6", "0.5")
+    (tmp_path / "arm.urdf").write_text(shorter)
+    with pytest.raises(ValueError, match=r"two_link\.xml"):
+        cell_model(read_cell(file))
 
 
 def test_fewer_than_six_axes_leave_the_orientation_free_unless_it_is_held(tmp_path):
