@@ -57,6 +57,7 @@ def circles(
     magnified = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
     closed = np.vstack([reference, reference[:1]]) * 1e3
     reach = [1.06 * _largest([path[:, axis] for path in (closed, *magnified)]) for axis in (0, 1)]
+    reach[0] = max(reach)  # panels are square, or wider than high
     scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
     if names is None:

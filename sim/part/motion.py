@@ -15,7 +15,7 @@ from ..cut.timing import Timing
 from ..cut.tool_motion import LimitHit
 from .chain import Chain
 from .curve import centred
-from .part import Kind
+from .kind import Kind
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,6 @@
 """A part: its outline, holes and open cuts, told apart and checked."""
 
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -14,20 +13,10 @@ from armside.arrays import Array
 
 from .chain import MM, Chain, place
 from .joining import Joined
+from .kind import Kind
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
-
-
-class Kind(Enum):
-    """Kind of a contour by its place in the part."""
-
-    OUTLINE = "outline"
-    """The material is inside; cut last."""
-    HOLE = "hole"
-    """The scrap is inside."""
-    OPEN = "open"
-    """A cut along a line, scrap on neither side."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,9 +13,10 @@ from ..cut.speed_profile import Bends, Profile, profiles
 from ..cut.timing import PathLimits, rest_to_rest
 from .chain import MM, Chain
 from .kerf import compensated
+from .kind import Kind
 from .leads import Led, led
 from .order import order
-from .part import Contour, Kind, Part
+from .part import Contour, Part
 from .rounding import CORNER, SMOOTH, smooth
 
 JointsAlong = Callable[[Chain], BoundsAt | None]

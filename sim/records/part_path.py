@@ -8,8 +8,8 @@ import numpy as np
 from ..cut.path import Plane
 from ..cut.timing import Timing
 from ..part.chain import Chain
+from ..part.kind import Kind
 from ..part.motion import CutLeg, Leg, PartMotion
-from ..part.part import Kind
 from .summary import plain
 
 SCALARS = ("middle", "tool_quaternion", "n_samples", "step", "rest_before", "limits_hit")

@@ -633,6 +633,7 @@ def test_results_are_not_kept_in_memory(tmp_path):
         tracemalloc.stop()
         return most
 
+    peak(40)  # imports
     few, many, resumed = peak(20), peak(120), peak(120)
     quarter = 100 * 2000 * 8 / 4  # of what the further results alone would take
     assert many < few + quarter

@@ -7,7 +7,7 @@ from ezdxf import units
 from armside.sim.part.chain import Chain
 from armside.sim.part.drawn import Reading, Unit
 from armside.sim.part.file import read_part
-from armside.sim.part.part import Kind
+from armside.sim.part.kind import Kind
 
 from .drawings import bracket, flange, frame, new, save
 

@@ -7,7 +7,7 @@ from scipy.integrate import quad
 from armside.sim.part.drawn import Reading, Unit
 from armside.sim.part.dxf import drawing_of
 from armside.sim.part.file import read_part
-from armside.sim.part.part import Kind
+from armside.sim.part.kind import Kind
 
 from .drawings import QUARTER, frame, new, save
 

@@ -10,8 +10,8 @@ import shapely
 from armside.sim.part.drawn import Reading
 from armside.sim.part.file import read_part
 from armside.sim.part.kerf import compensated
+from armside.sim.part.kind import Kind
 from armside.sim.part.order import order, travel
-from armside.sim.part.part import Kind
 from armside.sim.part.plan import Cutting, plan
 from armside.sim.part.rounding import smooth
 
