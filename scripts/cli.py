@@ -45,7 +45,10 @@ def load(name: str) -> Callable[..., None]:
         case "laser":
             from .commands.laser import laser as command
         case "cut":
-            from .commands.cut import cut as command
+            from .shell.extras import needs
+
+            with needs("parts", "armside cut", "shapely, ezdxf and svgelements"):
+                from .commands.cut import cut as command
         case "imu":
             from .commands.imu import imu as command
         case "identify":
