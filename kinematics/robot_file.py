@@ -26,10 +26,10 @@
     joint = 1                            # motor, from 1
     order = 240                          # periods per turn of the output
     amplitude = 1.2e-4                   # [rad], arm side
-    phase = 2.6                          # [rad]; output minus motor angle is
-                                         # amplitude sin(order phi + phase)
+    phase = 2.6                          # [rad]
 
-Numbers may be text with pi, such as "-pi/2".
+Numbers may be text with pi, such as "-pi/2". A gear's output minus its motor angle is the sum of
+its terms amplitude sin(order phi + phase).
 """
 
 import json
