@@ -4,6 +4,7 @@ heartbeats by which trials of killed processes are tried again.
 Optuna is imported here only where it is used: it takes half a second.
 """
 
+import logging
 import random
 import re
 import sys
@@ -107,6 +108,8 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
     import optuna
     from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 
+    # A pool whose server goes away would print the traceback of what the command says in one line.
+    logging.getLogger("sqlalchemy.pool").addHandler(logging.NullHandler())
     options = _options(storage)
     _refuse_foreign(storage, options)
     _make_folder(storage)
