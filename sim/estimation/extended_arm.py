@@ -1,6 +1,6 @@
 """The arm's full extended Kalman filter: its whole motion is the state, relinearised each step.
 
-    x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (6), b_a (3), b_g (3))
+    x = (q, q', accelerometer low-pass (6), gyro low-pass (6), tau_d (a), b_a (3), b_g (3))
 
 Mass, gravity and velocity forces are those of the nominal arm at the estimate; the readings and
 their gradients are the toolbox's measurement equation. The deviation form linearises once, this
@@ -45,25 +45,29 @@ class ExtendedEstimate:
 class ExtendedArm:
     """Full filter and smoother on the same arm, noise and parameters as an `ArmEstimator`."""
 
-    def __init__(self, known: ArmEstimator, robot: kinematics.Robot) -> None:
-        """robot: D-H description of the arm, tool at its end.
+    def __init__(
+        self,
+        known: ArmEstimator,
+        robot: kinematics.Robot,
+        imu_links: tuple[kinematics.Link, ...] = IMU_LINKS,
+    ) -> None:
+        """robot: D-H description of the arm, tool at its end; imu_links: from there to the IMU.
 
-        Raises ValueError for an arm with degrees of freedom beyond its six axes.
+        Raises ValueError for an arm with degrees of freedom beyond its axes.
         """
         self.known, self.model = known, known.model
         if self.model.n_free != robot.n_joints:
             raise ValueError(
                 f"the full filter has {robot.n_joints} axes, the arm {self.model.n_free}"
             )
-        self._mj = known.arm.mj
-        self._data = mujoco.MjData(self._mj)
-        self._mass = np.empty((6, 6))
+        self._motion_of = known.arm.motion
+        self._data = self._motion_of.data()
         self._tool = kinematics.compile(robot)
-        with_imu = replace(robot, links=(*robot.links, *IMU_LINKS), name=f"{robot.name} with IMU")
+        with_imu = replace(robot, links=(*robot.links, *imu_links), name=f"{robot.name} with IMU")
         self._sensor = kinematics.compile_measurement(with_imu)
 
     def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples) -> ExtendedEstimate:
-        """The tool in one run: log (N,), (N, 6) and IMU samples."""
+        """The tool in one run: log (N,), (N, a) and IMU samples."""
         from scipy.interpolate import CubicSpline
 
         model = self.model
@@ -73,10 +77,10 @@ class ExtendedArm:
         inputs = np.hstack((spline(fine), spline(fine, 1)))
         slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / STEP
         y = self._on_steps(fine, samples)
-        start = np.zeros(len(model.A))
-        start[:6] = at_rest(self.known.arm, inputs[0, :6])
+        n, start = model.n_free, np.zeros(len(model.A))
+        start[:n] = at_rest(self.known.arm, inputs[0, :n])
         _, reading, _ = self._motion(start, inputs[0])
-        start[[12, 13, 14]] = reading[:3]
+        start[2 * n : 2 * n + 3] = reading[:3]
         start[-6:] = np.nanmean(y[fine < REST], axis=0) - reading
         _, Q = sampled_noise(model.A, model.intensity, STEP)
         result = extended(
@@ -117,38 +121,42 @@ class ExtendedArm:
     def _motion(self, x: Array, u: Array) -> tuple[Array, Array, ArmFilter]:
         """x', reading of an ideal IMU (6,), and the filter's matrices at x and u = (phi, phi')."""
         model, arm = self.model, self.model.arm
-        q, q_dot, torque = x[:6], x[6:12], x[model.n_mechanical : model.n_mechanical + 6]
-        pull = arm.stiffness @ (u[:6] - q) + arm.damping * (u[6:] - q_dot) + torque
+        n, m, axes = model.n_free, model.n_mechanical, arm.axes
+        q, q_dot, torque, pull = x[:n], x[n : 2 * n], x[m : m + n], np.empty(n)
+        spring = arm.stiffness @ (u[:n] - q[axes]) + arm.damping * (u[n:] - q_dot[axes])
+        pull[axes] = spring + torque
         mass, missing = self._forces(q, q_dot, pull)
         q_ddot: Array = np.asarray(np.linalg.solve(mass, missing), dtype=np.float64)
-        local = self._linearised(q, q_dot, q_ddot)
+        local = self._linearised(mass, q, q_dot, q_ddot)
         rate = local.A @ x
-        rate[:6], rate[6:12] = q_dot, q_ddot
+        rate[:n], rate[n : 2 * n] = q_dot, q_ddot
         # The toolbox's y: motor angles, angular velocity, specific force.
-        reading = self._sensor.reading(q, q_dot, q_ddot)[[9, 10, 11, 6, 7, 8]]
+        y = self._sensor.reading(*(part[axes] for part in (q, q_dot, q_ddot)))
+        reading = y[[n + 3, n + 4, n + 5, n, n + 1, n + 2]]
         for k, triad in enumerate((self.known.imu.accelerometer, self.known.imu.gyroscope)):
-            low = np.arange(12 + 6 * k, 15 + 6 * k)
+            low = 2 * n + 6 * k + np.arange(3)
             omega, ideal = 2.0 * np.pi * triad.bandwidth, reading[3 * k : 3 * k + 3]
             rate[low + 3] = omega**2 * (ideal - x[low]) - np.sqrt(2.0) * omega * x[low + 3]
         return rate, reading, local
 
     def _forces(self, q: Array, q_dot: Array, pull: Array) -> tuple[Array, Array]:
-        data = self._data
-        data.qpos[:], data.qvel[:] = q, q_dot
-        mujoco.mj_fwdPosition(self._mj, data)
-        mujoco.mj_fwdVelocity(self._mj, data)
-        mujoco.mj_fullM(self._mj, data, self._mass)
-        return self._mass, pull - data.qfrc_bias + data.qfrc_passive
+        data, motion = self._data, self._motion_of
+        motion.move(data, q, q_dot, np.zeros_like(q))
+        mujoco.mj_inverse(motion.mj, data)
+        return motion.mass(data), pull - motion.forces(data, data.qfrc_inverse)
 
-    def _linearised(self, q: Array, q_dot: Array, q_ddot: Array) -> ArmFilter:
+    def _linearised(self, mass: Array, q: Array, q_dot: Array, q_ddot: Array) -> ArmFilter:
         """The filter's matrices with the mass and the measurement's gradient of this state."""
-        model = self.model
-        H = self._sensor.jacobian(q, q_dot, q_ddot)
-        J, mass = np.vstack((H[9:, 12:], H[6:9, 6:12])), self._mass.copy()
-        moved = replace(model.arm, mass=mass, imu_jacobian=J, imu_gravity=H[9:, :6])
+        model, n, axes = self.model, self.model.n_free, self.model.arm.axes
+        H = self._sensor.jacobian(*(part[axes] for part in (q, q_dot, q_ddot)))
+        J, gravity = np.empty((6, n)), np.empty((3, n))
+        J[:3, axes], J[3:, axes] = H[n + 3 :, 2 * n :], H[n : n + 3, n : 2 * n]
+        gravity[:, axes] = H[n + 3 :, :n]
+        moved = replace(model.arm, mass=mass, imu_jacobian=J, imu_gravity=gravity)
         return arm_filter(moved, model.imu, model.process_noise)
 
     def _path(self, states: Array) -> Array:
         """(N, 3): the tool's displacement from rest."""
-        position = self._tool.pose(np.ascontiguousarray(states[:, :6]))[:, :3, 3]
+        angles = states[:, self.model.arm.axes]
+        position = self._tool.pose(np.ascontiguousarray(angles))[:, :3, 3]
         return position - position[: round(0.1 / STEP)].mean(axis=0)

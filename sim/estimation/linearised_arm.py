@@ -2,8 +2,8 @@
 
     M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
 
-dq and dphi are deviations of arm and motors from rest, S picks the axes among the arm's degrees
-of freedom, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
+dq and dphi are deviations of arm and motors from rest, S picks the axes among the arm's free
+joints, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
 rotates the joints by hundredths of a radian, so the matrices are constant.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..robot.free_motion import FreeMotion
 from .nominal import NominalArm
 from .observer import at_rest
 
@@ -90,37 +91,34 @@ class LinearisedArm:
 
 def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
     """The arm at rest with its motors at phi, (a,) [rad]."""
-    mj = arm.mj
-    q = at_rest(arm, phi)
-    data = mujoco.MjData(mj)
-    data.qpos[:] = q
+    motion, q = arm.motion, at_rest(arm, phi)
+    mj, data = motion.mj, motion.data()
+    motion.place(data, q)
     mujoco.mj_forward(mj, data)
-    mass = np.empty((mj.nv, mj.nv))
-    mujoco.mj_fullM(mj, data, mass)
     tool, imu = mj.site("tool0").id, mj.site("imu").id
-    J_tool, J_imu = np.empty((2, 6, mj.nv))
-    mujoco.mj_jacSite(mj, data, J_tool[:3], J_tool[3:], tool)
-    mujoco.mj_jacSite(mj, data, J_imu[:3], J_imu[3:], imu)
+    J_tool, J_imu = motion.jacobian(data, tool), motion.jacobian(data, imu)
     R_imu_base = data.site_xmat[imu].reshape(3, 3).T
     J_imu = np.vstack((R_imu_base @ J_imu[:3], R_imu_base @ J_imu[3:]))
-    gradient, tilt = _gradients(mj, q, imu)
-    passive, springs = mj.dof_damping.copy(), (arm.axes, arm.stiffness, arm.damping)
+    gradient, tilt = _gradients(motion, q, imu)
+    passive = mj.dof_damping[motion.joints]
+    springs = arm.axes, arm.stiffness, arm.damping
     up = -R_imu_base @ mj.opt.gravity
+    mass = motion.mass(data)
     return LinearisedArm(q, mass, gradient, passive, *springs, J_tool, J_imu, tilt, up)
 
 
-def _gradients(mj: mujoco.MjModel, q: Array, imu: int) -> tuple[Array, Array]:
+def _gradients(motion: FreeMotion, q: Array, imu: int) -> tuple[Array, Array]:
     """Central differences of the passive and gravity forces, and of gravity in the IMU's axes."""
-    data = mujoco.MjData(mj)
+    mj, data = motion.mj, motion.data()
 
     def at(moved: Array) -> tuple[Array, Array]:
-        data.qpos[:] = moved
+        motion.place(data, moved)
         mujoco.mj_forward(mj, data)
         up = -data.site_xmat[imu].reshape(3, 3).T @ mj.opt.gravity
-        return data.qfrc_bias - data.qfrc_passive, up
+        return motion.forces(data, data.qfrc_bias - data.qfrc_passive), up
 
-    force, up = np.empty((mj.nv, mj.nv)), np.empty((3, mj.nv))
-    for i, turn in enumerate(_TURN * np.eye(mj.nv)):
+    force, up = np.empty((len(q), len(q))), np.empty((3, len(q)))
+    for i, turn in enumerate(_TURN * np.eye(len(q))):
         (f1, u1), (f0, u0) = at(q + turn), at(q - turn)
         force[:, i], up[:, i] = (f1 - f0) / (2.0 * _TURN), (u1 - u0) / (2.0 * _TURN)
     return force, up

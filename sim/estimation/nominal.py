@@ -9,12 +9,13 @@ with q the arm's angles and phi the motor's, both on the arm side of the gear. T
 robot: `NominalCfg` sets its errors, and nothing is read from an individual.
 
 K is symmetric. The gears are its diagonal; the elasticity of the structure, which the nominal robot
-lacks, couples the axes by entries off the diagonal.
+lacks, couples the axes by entries off the diagonal. A closed chain is reduced to its free joints.
 """
 
 import copy
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -23,8 +24,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..robot.flexibility import Flexibility, without
+from ..robot.free_motion import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
-from ..robot.model import RobotModel
+from ..robot.model import RobotModel, posture
 
 
 def pairs_of(n_axes: int) -> tuple[tuple[int, int], ...]:
@@ -62,16 +64,24 @@ class NominalArm:
     """Actuators spring_1..n pull the axes towards the angles they are given, spring_i_j their
     differences."""
     axes: np.ndarray
-    """(n,) degree of freedom of each axis."""
+    """(n,) each axis among the free joints."""
     stiffness: Array
     """(n, n) [N m/rad], symmetric; diagonal as long as only gears are known."""
     damping: Array
     """(n,) [N m s/rad]."""
 
+    @cached_property
+    def motion(self) -> FreeMotion:
+        """Free joints, and how passive ones of closed chains follow them."""
+        joints = free_joints(self.mj)
+        follow = np.eye(self.mj.nv)[:, joints]
+        follow[:, self.axes] = posture(self.mj, joints[self.axes])
+        return FreeMotion(self.mj, follow)
+
     @property
     def n_free(self) -> int:
-        """Degrees of freedom: the axes, and those of the structure if it is known."""
-        return int(self.mj.nv)
+        """Free joints: the axes, and those of the structure if it is known."""
+        return len(self.motion.joints)
 
     def with_springs(self, stiffness: ArrayLike, damping: ArrayLike) -> "NominalArm":
         """The same arm on other springs: stiffness (n, n) symmetric, damping (n,).
@@ -101,12 +111,11 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     """Nominal arm of a robot loaded from its MJCF file, as the file has it: payload and all.
 
     Raises:
-        ModelError: the robot's arm has loops, or lacks a gear spring or the body of the tool.
+        ModelError: the robot's arm lacks a gear spring or the body of the tool, or has an equality
+            that neither closes a chain nor is a brake.
     """
     spec = robot.parsed()
-    if spec.equalities:
-        closed = f"{spec.modelname} closes loops by equalities"
-        raise ModelError(f"an estimator needs an open chain; {closed}")
+    _release_brakes(spec)
     numbers = range(1, robot.n_axes + 1)
     missing = [f"flex_{i}" for i in numbers if spec.joint(f"flex_{i}") is None]
     if missing:
@@ -119,9 +128,20 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     _replace_motors_by_springs(spec, robot.n_axes)
     _reweigh(spec, cfg)
     mj = spec.compile()
-    axes = np.array([int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers])
+    gear_dofs = [int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers]
+    axes = np.searchsorted(free_joints(mj), gear_dofs)
     arm = NominalArm(mj=mj, axes=axes, stiffness=np.diag(stiffness), damping=damping)
     return arm.with_springs(arm.stiffness, damping)
+
+
+def _release_brakes(spec: mujoco.MjSpec) -> None:
+    """Delete the brakes, which hold motors. Raises ModelError for equalities of another kind."""
+    for equality in list(spec.equalities):
+        if equality.name.startswith("brake_"):
+            spec.delete(equality)
+        elif equality.type != mujoco.mjtEq.mjEQ_CONNECT:
+            allowed = "an estimator takes brakes and connections of closed chains"
+            raise ModelError(f"{allowed}, not the equality {equality.name!r}")
 
 
 def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:

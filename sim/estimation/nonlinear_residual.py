@@ -14,6 +14,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..robot.free_motion import FreeMotion
 from .linearised_arm import LinearisedArm
 from .nominal import NominalArm
 
@@ -35,9 +36,9 @@ def nonlinear_residual(
 
     linear: the same arm at rest, before the motion.
     """
-    torque, reading = _inverse(arm.mj, linear.q + q, q_dot, q_ddot)
+    torque, reading = _inverse(arm.motion, linear.q + q, q_dot, q_ddot)
     still = np.zeros((1, linear.n_free))
-    rest_torque, rest_reading = _inverse(arm.mj, linear.q[None], still, still)
+    rest_torque, rest_reading = _inverse(arm.motion, linear.q[None], still, still)
     J = linear.imu_jacobian
     return NonlinearResidual(
         torque=torque
@@ -49,14 +50,14 @@ def nonlinear_residual(
     )
 
 
-def _inverse(mj: mujoco.MjModel, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array]:
+def _inverse(motion: FreeMotion, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array]:
     """Torques (N, n) that motions take, gear springs left out, and readings (N, 6) of the IMU."""
-    data = mujoco.MjData(mj)
+    mj, data = motion.mj, motion.data()
     sensors = [mj.sensor(name).adr[0] + np.arange(3) for name in ("imu_acc", "imu_gyro")]
     picked = np.concatenate(sensors)
     torque, reading = np.empty_like(q), np.empty((len(q), 6))
     for i in range(len(q)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], q_dot[i], q_ddot[i]
+        motion.move(data, q[i], q_dot[i], q_ddot[i])
         mujoco.mj_inverse(mj, data)
-        torque[i], reading[i] = data.qfrc_inverse, data.sensordata[picked]
+        torque[i], reading[i] = motion.forces(data, data.qfrc_inverse), data.sensordata[picked]
     return torque, reading

@@ -35,7 +35,7 @@ class ArmMotion:
     time: Array
     """(M,) [s], every physics step."""
     q: Array
-    """(M, nv) [rad], the arm's angles; q_dot (M, nv) [rad/s]."""
+    """(M, n) [rad], angles of the arm's free joints; q_dot (M, n) [rad/s]."""
     q_dot: Array
     tool_position: Array
     """(M, 3) [m], TCP0 in base axes."""
@@ -47,40 +47,42 @@ class ArmMotion:
 
 
 def at_rest(arm: NominalArm, phi: Array) -> Array:
-    """(nv,) [rad], the arm's angles with its motors held at phi (a,).
+    """(n,) [rad], the arm's free joints with its motors held at phi (a,).
 
     Raises RuntimeError when the springs cannot carry the arm.
     """
-    mj = arm.mj
-    data = mujoco.MjData(mj)
-    data.qpos[arm.axes] = phi
+    motion = arm.motion
+    mj, data = motion.mj, motion.data()
+    q = np.zeros(arm.n_free)
+    q[arm.axes] = phi
     data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
     spring = _spring_matrix(arm)
     for _ in range(_NEWTON_STEPS):
+        motion.place(data, q)
         data.qvel[:] = data.qacc[:] = 0.0
         mujoco.mj_inverse(mj, data)
         mujoco.mj_fwdActuation(mj, data)
-        missing = data.qfrc_inverse - data.qfrc_actuator
+        missing = motion.forces(data, data.qfrc_inverse - data.qfrc_actuator)
         if np.abs(missing).max() < _REST_TORQUE:
-            return data.qpos.copy()
-        data.qpos -= np.linalg.solve(spring, missing)
+            return q
+        q -= np.linalg.solve(spring, missing)
     raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
 
 
 def _spring_matrix(arm: NominalArm) -> Array:
-    """(nv, nv) [N m/rad], of gears and structure."""
-    spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid])
+    """(n, n) [N m/rad], of gears and structure."""
+    spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid][arm.motion.joints])
     spring[arm.axes[:, None], arm.axes] += arm.stiffness
     return spring
 
 
 def fastest_mode(arm: NominalArm, q: Array) -> float:
-    """Highest natural frequency [Hz] of the arm at its angles q (nv,), motors held."""
-    data, mass = mujoco.MjData(arm.mj), np.empty((arm.mj.nv, arm.mj.nv))
-    data.qpos[:] = q
-    mujoco.mj_forward(arm.mj, data)
-    mujoco.mj_fullM(arm.mj, data, mass)
-    square = np.linalg.eigvals(np.linalg.solve(mass, _spring_matrix(arm))).real
+    """Highest natural frequency [Hz] of the arm at its angles q (n,), motors held."""
+    motion = arm.motion
+    data = motion.data()
+    motion.place(data, q)
+    mujoco.mj_forward(motion.mj, data)
+    square = np.linalg.eigvals(np.linalg.solve(motion.mass(data), _spring_matrix(arm))).real
     return float(np.sqrt(max(square.max(), 0.0))) / (2.0 * np.pi)
 
 
@@ -113,7 +115,7 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
     """The arm's motion from motor angles and rates (M, a) at every physics step."""
     mj = arm.mj
     data = mujoco.MjData(mj)
-    data.qpos[:] = at_rest(arm, phi[0])
+    arm.motion.place(data, at_rest(arm, phi[0]))
     initial = np.empty(mujoco.mj_stateSize(mj, int(_FULL_STATE)))
     mujoco.mj_getState(mj, data, initial, int(_FULL_STATE))
     controls = arm.spring_input(phi, phi_dot)
@@ -121,7 +123,7 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
         result = rollout.rollout([mj], [data], initial[None], controls[None])
     states, sensors = (np.asarray(part, dtype=np.float64)[0] for part in result)
     moved = np.vstack((initial, states[:-1]))  # a state row belongs to the end of its step
-    nq = mj.nq
+    free = 1 + arm.motion.joints
 
     def sensor(name: str) -> Array:
         adr, dim = int(mj.sensor(name).adr[0]), int(mj.sensor(name).dim[0])
@@ -129,4 +131,4 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> ArmMotion:
 
     time = np.arange(len(phi), dtype=np.float64) * float(mj.opt.timestep)
     tool, imu = (sensor("tool0_pos"), sensor("tool0_quat")), (sensor("imu_acc"), sensor("imu_gyro"))
-    return ArmMotion(time, moved[:, 1 : 1 + nq], moved[:, 1 + nq : 1 + 2 * nq], *tool, *imu)
+    return ArmMotion(time, moved[:, free], moved[:, mj.nq + free], *tool, *imu)

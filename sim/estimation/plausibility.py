@@ -37,7 +37,7 @@ def check_plausible(
     """Raise EstimateError for an estimate that the encoders contradict.
 
     displacement: (N, 3) [m], of the tool from rest, base axes. linear: the arm at rest before the
-    motion. motor_angle: (N, 6) [rad], every `period` [s].
+    motion. motor_angle: (N, a) [rad], every `period` [s].
     """
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
     phi, _, phi_ddot = interpolate(smooth, period, 1)
@@ -54,18 +54,20 @@ def check_plausible(
 
 
 def rigid_position(arm: NominalArm, phi: Array) -> Array:
-    """(N, 3) [m], the tool of the rigid arm at motor angles (N, 6), base axes."""
-    mj = arm.mj
-    data, site, position = mujoco.MjData(mj), mj.site("tool0").id, np.empty((len(phi), 3))
+    """(N, 3) [m], the tool of the rigid arm at motor angles (N, a), base axes."""
+    motion, q = arm.motion, np.zeros(arm.n_free)
+    mj, data, position = motion.mj, motion.data(), np.empty((len(phi), 3))
+    site = mj.site("tool0").id
     for i, angles in enumerate(phi):
-        data.qpos[arm.axes] = angles
+        q[arm.axes] = angles
+        motion.place(data, q)
         mujoco.mj_kinematics(mj, data)
         position[i] = data.site_xpos[site]
     return position
 
 
 def quasi_static_deflection(linear: LinearisedArm, phi: Array, phi_ddot: Array) -> Array:
-    """(N, 3) [m], displacement of the tool by springs, for motor angles from rest (N, 6)."""
+    """(N, 3) [m], displacement of the tool by springs, for motor angles from rest (N, a)."""
     axes = linear.axes
     pull = phi @ (linear.stiffness - linear.spring_matrix[axes][:, axes]).T
     load = np.zeros((len(phi), linear.n_free))

@@ -62,7 +62,7 @@ class ToolPath:
     programmed path if None."""
 
     def assumed(self, experiment: Prepared) -> NominalArm:
-        """The assumed arm. Raises ValueError for a robot with closed loops."""
+        """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
         return assumed_arm(
             experiment.nominal,
             self.stiffness_error,

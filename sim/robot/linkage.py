@@ -78,6 +78,23 @@ class Linkage:
         Z[:, self._passive] = 0.0
         return Z
 
+    def following_acceleration(self, data: mujoco.MjData) -> Array:
+        """(nv,) [rad/s^2], of the passive joints by the rates of all, after mj_comVel.
+
+        J q'' + J' q' = 0 with the other joints' q'' zero: what `tangent` leaves of q''.
+        """
+        left = np.concatenate([self._rate(data, a) - self._rate(data, b) for a, b in self._cuts])
+        acceleration = np.zeros(self._mj.nv)
+        passive = self.jacobian(data)[:, self._passive]
+        acceleration[self._passive] = -np.linalg.lstsq(passive, left)[0]
+        return acceleration
+
+    def _rate(self, data: mujoco.MjData, site: int) -> Array:
+        """J' q' of a site, (3,) [m/s^2]."""
+        rate, body = np.empty((3, self._mj.nv)), int(self._mj.site_bodyid[site])
+        mujoco.mj_jacDot(self._mj, data, rate, None, data.site_xpos[site], body)
+        return rate @ data.qvel
+
 
 def passive_joints(mj: mujoco.MjModel) -> np.ndarray:
     """Degrees of freedom of the joints link_*."""

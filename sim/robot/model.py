@@ -95,7 +95,7 @@ def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
         spec=spec,
         motor=motor,
         flex=_flex_dofs(mj),
-        posture=_posture(mj, motor),
+        posture=posture(mj, motor),
         integrator=_integrators(mj),
         springs=mj.jnt_dofadr[np.flatnonzero(mj.jnt_stiffness > 0.0)],
         drives=read_drives(mj),
@@ -129,8 +129,11 @@ def _flex_dofs(mj: mujoco.MjModel) -> np.ndarray:
     return _dofs(mj, "flex") if present else np.array([], dtype=int)
 
 
-def _posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
-    """Motors are their own angles; the model states how each passive joint follows them."""
+def posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
+    """(nv, n) joint angles for those of the axes, at degrees of freedom `motor` (n,).
+
+    Motors are their own angles; the model states how each passive joint follows them.
+    """
     n = len(motor)
     posture = np.zeros((mj.nv, n))
     posture[motor, range(n)] = 1.0

@@ -74,7 +74,7 @@ class Rules:
         object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor(self.robot))
+        object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor)
         object.__setattr__(self, "nominal", cell_model(self.cell))
         if isinstance(self.individual, Individual):
             check_applies(self.nominal, self.individual)

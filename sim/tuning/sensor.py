@@ -35,17 +35,12 @@ class RewardSensor(Enum):
     MOTOR = "motor"
     """The motor angles, by rigid forward kinematics."""
 
-    def sensor(self, robot: str) -> Sensor:
-        """The sensor of a robot. Raises ValueError for a robot that it cannot serve."""
+    @property
+    def sensor(self) -> Sensor:
+        """Set up by the first run of an episode."""
         if self is RewardSensor.TRACKER:
             return _by_tracker
-        if self is RewardSensor.MOTOR:
-            return _by_motors
-        if robot != "large":
-            raise ValueError(
-                f"reward 'estimate' needs an open chain: the large robot, got {robot!r}"
-            )
-        return _by_estimate
+        return _by_motors if self is RewardSensor.MOTOR else _by_estimate
 
     @property
     def label(self) -> str:

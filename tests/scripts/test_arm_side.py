@@ -87,7 +87,6 @@ def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path
     [
         ("--law inverse", "--measure estimate"),
         ("--measure estimate --gamma 1 1 1 1 1 1", "gamma takes one value"),
-        ("--measure estimate --robot irb1400 --pose p1", "open chain"),
         ("--measure estimate --identification nowhere", "no identification"),
         ("--identification nowhere", "no identification"),
         ("--measure tracker --stiffness-error 100", "stiffness-error"),

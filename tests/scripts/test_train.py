@@ -72,7 +72,6 @@ def test_a_folder_that_cannot_be_made_is_found_before_learning(armside, monkeypa
     [
         ("--seed 899999990", "sealed test seeds"),
         ("--robots 0", "robots must be >= 1"),
-        ("--robot irb1400 --reward estimate", "needs an open chain"),
     ],
 )
 def test_bad_input_is_one_line(armside, options, message):

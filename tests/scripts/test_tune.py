@@ -329,7 +329,6 @@ def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypa
         ("--payload 5000", "cannot carry its load"),
         ("--study=", "study must have a name"),
         ("--trials 0", "trials must be >= 1"),
-        ("--robot irb1400 --reward estimate", "needs an open chain"),
         ("--sampler genius", "sampler"),
         ("--seed 900000000", "sealed test seeds"),
     ],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside import kinematics
-from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
+from armside.assets import LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.filters import butterworth, recursion
 from armside.kinematics.robots import IMU_LINKS
@@ -29,7 +29,6 @@ from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.robot.effects import Effect
-from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model
 
 IMU = ImuCfg()
@@ -352,11 +351,6 @@ def test_springs_too_soft_for_an_arm_are_no_explanation():
     true = linearised(true_arm, log.motor_angle[0]).locked_modes()[0]
     assert slowest == pytest.approx(true, rel=0.15)
     assert path_error(output(run), run) < 0.2 * path_error(rigid_path(run), run)
-
-
-def test_an_arm_with_loops_is_refused():
-    with pytest.raises(ModelError, match="open chain"):
-        nominal_arm(load_model(IRB1400_XML))
 
 
 @pytest.mark.parametrize(

@@ -150,7 +150,6 @@ def test_a_cell_of_ones_own_is_a_robot():
         ({"cut": Cut(pose="p9")}, "Unknown pose 'p9'"),
         ({"cut": Cut(), "measure": "nose"}, "Unknown measure 'nose'. Measures: motor, estimate"),
         ({"cut": Cut(radius=5.0)}, "outside"),
-        ({"cut": Cut(robot="irb1400"), "measure": "estimate"}, "open chain"),
     ],
 )
 def test_what_cannot_be_done_is_said_before_the_first_run(arguments, said):

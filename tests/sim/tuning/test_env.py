@@ -225,7 +225,6 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
         ({"robot": "r2d2"}, "Unknown robot 'r2d2'. It can be: large, irb1400"),
         ({"motors": "all"}, "Unknown motors 'all'. It can be: shared, each"),
         ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, estimate, motor"),
-        ({"reward": "estimate", "robot": "irb1400"}, "needs an open chain"),
         ({"iterations": 0}, "iterations must be a whole number in 1 .. 10, got 0"),
         ({"iterations": 2.5}, "iterations must be a whole number in 1 .. 10, got 2.5"),
         ({"iterations": "5"}, "iterations must be a whole number in 1 .. 10, got '5'"),
