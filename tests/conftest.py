@@ -1,7 +1,10 @@
 """Shared by all tests: programs and graphics that a bare machine may lack."""
 
+import importlib.util
 import os
 import shutil
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -68,3 +71,16 @@ def graphics():
         if os.environ.get("ARMSIDE_CI"):
             pytest.fail(str(error))
         pytest.skip("needs the library libEGL")
+
+
+@pytest.fixture(scope="session")
+def scenes():
+    """Module of the synthetic recordings of an arm in motion."""
+    file = Path(__file__).parent / "sim" / "gears" / "synthetic.py"
+    spec = importlib.util.spec_from_file_location("synthetic", file)
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["synthetic"] = module
+    spec.loader.exec_module(module)
+    return module

@@ -1,10 +1,12 @@
 """`armside imu`: a robot moves with an IMU on its tool; the kinematics predict what it measures."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, Literal
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from cyclopts import Parameter
 
 from armside.sim.imu import (
     Compensation,
@@ -30,6 +32,12 @@ from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
 
 STANDARD = ProcessingCfg()
+ROBOTS = ("irb1400", "large")
+"""Virtual robots."""
+LARGEST_NUMBER = 20
+"""Recordings of one command."""
+LARGEST_CUTOFF = 25.0
+"""[Hz], where motor angles are low-passed before they are differentiated."""
 LONGEST_DELAY = 1000.0
 """[ms], of a sensor's low-pass."""
 AT_REST = Effort(0.1, 4e6)
@@ -41,8 +49,11 @@ AT_REST = Effort(0.1, 4e6)
 class ImuOptions:
     """Motion of the robot, and processing of measurement and prediction."""
 
-    robot: Literal["irb1400", "large"] = "irb1400"
-    """Robot that moves."""
+    robot: str = "irb1400"
+    """Robot that moves: irb1400 or large. With --recording: a name (ur10, irb120, aubo_i5, ...) or
+    a robot file."""
+    recording: Annotated[tuple[Path, ...], Parameter(consume_multiple=True)] = ()
+    """Folders of recordings of a real robot (docs/real.md), in place of a virtual one."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
     """All motors at once, one at a time, or none: motors off, then on."""
     program: FileToRead = None
@@ -69,6 +80,7 @@ class ImuOptions:
     """Delay of the gyro's low-pass that is compensated [ms]."""
 
     def __post_init__(self) -> None:
+        self._check_choice()
         for name in ("off", "on"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"{name} must be > 0 s, got {getattr(self, name):g}")
@@ -78,6 +90,24 @@ class ImuOptions:
                 raise ValueError(f"{said} must be at most {LONGEST_DELAY:g} ms, got {got}")
         if self.motion == "rest" and self.program is not None:
             raise ValueError("program and motion rest exclude each other")
+
+    def _check_choice(self) -> None:
+        """Raise ValueError for a robot that is not virtual, or options that ask for one."""
+        if not self.recording:
+            if self.robot not in ROBOTS:
+                known = ", ".join(ROBOTS)
+                raise ValueError(f"robot must be one of {known}, got {self.robot}")
+            return
+        if len(self.recording) > LARGEST_NUMBER:
+            raise ValueError(f"give 1 to {LARGEST_NUMBER} recordings, got {len(self.recording)}")
+        ours = {"robot", "recording", "cutoff"}
+        for field in fields(self):
+            if field.name not in ours and getattr(self, field.name) != field.default:
+                name = field.name.replace("_", "-")
+                raise ValueError(f"--{name} is of the virtual robot, and excludes --recording")
+        if not 0.0 < self.cutoff <= LARGEST_CUTOFF:
+            text = f"> 0 and at most {LARGEST_CUTOFF:g} Hz with --recording"
+            raise ValueError(f"cutoff must be {text}, got {self.cutoff:g}")
 
     def experiment(self) -> ImuExperiment | RestExperiment:
         """Experiment of these options, in SI. Raises ValueError for what is not allowed."""
@@ -100,10 +130,13 @@ class ImuOptions:
 def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
     """Move a robot with an IMU on its tool and predict what the IMU measures.
 
-    Writes summary.json, signals.parquet, imu.parquet, replay.rrd and figures as PNG.
+    Writes summary.json, signals.parquet, imu.parquet, replay.rrd and figures as PNG; of recordings
+    of a real robot summary.json and figures.
     """
     from ..figures import imu_results as shown
 
+    if cfg.recording:
+        return _recorded(cfg, common)
     report, said = Report(common), list[Note]()
     with checking_input():
         check_writable(common.out or RUNS / "imu")
@@ -129,4 +162,29 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
         leave(folder, outcome["config"])
     report.notes(said)
     show(report)
+    report.results(outcome, folder.path)
+
+
+def _recorded(cfg: ImuOptions, common: Common) -> None:
+    """Chapter 5 on recordings of a real robot."""
+    from armside.sim.cell_file import find_robot
+    from armside.sim.imu.recorded import process
+    from armside.sim.measured import read_motion
+
+    from ..figures import recorded_imu as shown
+
+    report, done = Report(common), []
+    with checking_input():
+        arm, recordings = find_robot(cfg.robot), [read_motion(folder) for folder in cfg.recording]
+        with report.progress("aligning", total=len(recordings)) as step:
+            for recording in recordings:
+                done.append(process(arm, recording, cfg.cutoff))
+                step()
+    notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
+    outcome = summary("imu", cfg, common, notes=notes, **shown.results(done))
+    with run_folder(outcome, common) as folder:
+        shown.write(folder, done)
+    for note in notes:
+        report.line(note)
+    shown.tables(report, done)
     report.results(outcome, folder.path)

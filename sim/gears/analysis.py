@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Arm, Limits, compile
+from armside.kinematics import Arm, compile
 
 from ..measured.motion import MotionRecording
+from ..measured.plausible import check_angles
 from .aligned import Aligned, Sensor, align
 from .judgement import Remaining, judged_rows, remaining, sensor_ratio
 from .learning import CANDIDATES, Course
@@ -16,9 +17,6 @@ from .observation import Observation
 from .scan import Scan, resolution
 from .smoother import fused
 from .transmission import Transmission
-
-OUT_OF_RANGE = 1.1
-"""Motor angle relative to its limit from which the unit is doubted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +94,7 @@ def analyse(
     """
     sensor, robot = _sensor(recordings, cfg.sensor), compile(arm.robot)
     for recording in recordings:
-        _check_angles(arm.limits, recording)
+        check_angles(arm.limits, recording)
     aligned = tuple(align(robot, recording) for recording in recordings)
     alone = len(aligned) == 1
     parts = [(0.0, 0.5), (0.5, 1.0)] if alone else [(0.0, 1.0)]
@@ -122,22 +120,6 @@ def analyse(
         found=course.learn(everything)[0],
         judgements=tuple(judgements),
     )
-
-
-def _check_angles(limits: Limits, recording: MotionRecording) -> None:
-    """Raise ValueError for motor angles that are far out of range: degrees, or another robot."""
-    angles = np.abs(recording.encoders.values).max(axis=0)
-    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
-    if angles.shape != bound.shape:
-        text = f"the robot has {len(bound)} motors, the recording has {len(angles)}"
-        raise ValueError(f"{recording.name}: {text}")
-    worst = int((angles / bound).argmax())
-    if angles[worst] > OUT_OF_RANGE * bound[worst]:
-        unit = "are the angles in degrees?"
-        if angles[worst] < 2.0 * bound[worst]:
-            unit = "is it this robot?"
-        text = f"reaches {angles[worst]:.3g}, its limit is {bound[worst]:.3g} rad; {unit}"
-        raise ValueError(f"{recording.name}: motor_angle_{worst + 1} {text}")
 
 
 def _sensor(recordings: Sequence[MotionRecording], asked: Sensor | None) -> Sensor:

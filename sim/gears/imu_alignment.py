@@ -55,6 +55,8 @@ class ImuAlignment:
     """(3,) [rad/s] and [m/s^2]."""
     lever: Array
     """(3,) [m], the IMU in the tool frame."""
+    gravity: Array
+    """(3,) [m/s^2], base axes."""
 
     @property
     def R_imu_tool(self) -> Array:
@@ -68,19 +70,27 @@ class ImuAlignment:
 
     def residual(self, motion: JointMotion, imu: Stream) -> Array:
         """(M, 6): measured less encoders' acceleration [m/s^2] and angular rate, base axes."""
+        return self.measured(motion, imu) - self.predicted(motion)
+
+    def measured(self, motion: JointMotion, imu: Stream) -> Array:
+        """(M, 6), specific force [m/s^2] and angular rate [rad/s] of the IMU in base axes."""
         force = _at(imu.time, imu.values[:, :3], self.clock(motion, self.accelerometer_delay))
         gyro = _at(imu.time, imu.values[:, 3:], self.clock(motion, self.gyro_delay))
         force = (force - self.accelerometer_bias) @ np.linalg.inv(self.M_accelerometer).T
         gyro = (gyro - self.gyro_bias) @ np.linalg.inv(self.M_gyro).T
         to_base = np.einsum("nij,knj->nki", motion.R, np.stack([force, gyro]))
+        return to_base.reshape(-1, 6)
+
+    def predicted(self, motion: JointMotion) -> Array:
+        """(M, 6), the same by the encoders."""
         omega, alpha, r = (
             motion.velocity[:, 3:],
             motion.acceleration[:, 3:],
             motion.lever(self.lever),
         )
         turning = np.cross(alpha, r) + np.cross(omega, np.cross(omega, r))
-        expected = motion.acceleration[:, :3] + turning - GRAVITY
-        return np.concatenate([to_base[:, 0] - expected, to_base[:, 1] - omega], axis=1)
+        force = motion.acceleration[:, :3] + turning - self.gravity
+        return np.concatenate([force, omega], axis=1)
 
     def covered(self, motion: JointMotion, imu: Stream) -> NDArray[np.bool_]:
         """(M,) bool, samples of the motion that the IMU saw."""
@@ -88,16 +98,22 @@ class ImuAlignment:
         return (t > imu.time[0]) & (t < imu.time[-1])
 
 
-def align_imu(motion: JointMotion, imu: Stream) -> ImuAlignment:
+def align_imu(
+    motion: JointMotion, imu: Stream, fraction: float = 1.0, *, level: bool = True
+) -> ImuAlignment:
     """Alignment by least squares.
+
+    fraction: of the recording, from its start, that may be used. level: the base is taken as level;
+    otherwise its tilt against gravity is fitted too.
 
     Raises:
         ValueError: the IMU did not see this motion, or its units are wrong.
     """
     R, omega = motion.R, motion.velocity[:, 3:]
     own_speed, speed = (np.linalg.norm(w, axis=1) for w in (imu.values[:, 3:], omega))
-    start = coarse_lag("IMU", (imu.time, own_speed), (motion.time, speed))
-    slow = _Slow(motion, imu)
+    last = int(fraction * len(motion.time))
+    start = coarse_lag("IMU", (imu.time, own_speed), (motion.time[:last], speed[:last]))
+    slow = _Slow(motion, imu, last)
     w = np.einsum("nji,nj->ni", R, omega)
     turned = slow.predicted(w)
 
@@ -115,12 +131,14 @@ def align_imu(motion: JointMotion, imu: Stream) -> ImuAlignment:
     levers = slow.predicted((_cross(alpha) + _cross(w) @ _cross(w)).reshape(-1, 9)).reshape(
         -1, 3, 3
     )
+    axes = slow.predicted(R.reshape(-1, 9)).reshape(-1, 3, 3)
 
     def of_force(x: Array) -> tuple[Array, Array, Array]:
-        return slow.fit(force + levers @ x[1:], slow.reading(x[0], rate)[:, :3])
+        tilted = axes.transpose(0, 2, 1) @ (_tilted(x[4:]) - GRAVITY)
+        return slow.fit(force + levers @ x[1:4] - tilted, slow.reading(x[0], rate)[:, :3])
 
-    first = np.array([gyro_delay, 0.0, 0.0, 0.0])
-    scale = np.array([1e-2, 0.1, 0.1, 0.1])
+    first = np.array([gyro_delay, 0.0, 0.0, 0.0] + ([] if level else [0.0, 0.0]))
+    scale = np.array([1e-2, 0.1, 0.1, 0.1, 1e-2, 1e-2])[: len(first)]
     found = least_squares(lambda x: of_force(x)[0].ravel(), first, x_scale=scale).x
     _, M_accelerometer, accelerometer_bias = of_force(found)
     _check_units("specific force", M_accelerometer)
@@ -132,19 +150,28 @@ def align_imu(motion: JointMotion, imu: Stream) -> ImuAlignment:
         M_accelerometer=M_accelerometer,
         gyro_bias=gyro_bias,
         accelerometer_bias=accelerometer_bias,
-        lever=found[1:],
+        lever=found[1:4],
+        gravity=_tilted(found[4:]),
     )
+
+
+def _tilted(tilt: Array) -> Array:
+    """Gravity (3,) [m/s^2] in the axes of a base that is tilted by (2,) [rad] in x and y."""
+    if not len(tilt):
+        return GRAVITY
+    down = np.array([tilt[0], tilt[1], -1.0])
+    return np.linalg.norm(GRAVITY) * down / np.linalg.norm(down)
 
 
 class _Slow:
     """Readings and predictions of one recording in the band of the fit, at fewer samples."""
 
-    def __init__(self, motion: JointMotion, imu: Stream) -> None:
+    def __init__(self, motion: JointMotion, imu: Stream, last: int) -> None:
         time = np.arange(imu.time[0], imu.time[-1], 1.0 / RATE)
         even = lowpass(_at(imu.time, imu.values, time), SLOW)
         self._spline, self._ends = CubicSpline(time, even), (time[0] + MARGIN, time[-1] - MARGIN)
         margin = int(MARGIN * RATE)
-        self._rows = slice(margin, -margin, STRIDE)
+        self._rows = slice(margin, last - margin, STRIDE)
         self._time, self._middle = motion.time[self._rows], motion.time.mean()
         self._inside = np.ones(len(self._time), dtype=bool)
 

@@ -3,6 +3,7 @@
 `run(ImuExperiment(), seed=0)` moves the virtual robot with an IMU on its tool and predicts what the
 IMU measures from logged motor angles alone. The steps are functions of arrays of their own:
 synchronise the clocks, predict, compensate for gravity and offsets, filter both sides alike.
+`recorded.process` does the same with a recording of a real robot, whose constants it finds.
 SI units; vectors in base axes, accelerations without gravity.
 """
 

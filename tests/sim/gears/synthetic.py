@@ -34,6 +34,8 @@ class Scene:
     """Factor on the transmission error."""
     shake: float = 0.0
     """[m] Vibration of the tool along the vertical, 8 Hz, that no motor makes."""
+    tilt: tuple[float, float] = (0.0, 0.0)
+    """[rad] Of gravity in the axes of the base, towards x and y."""
 
 
 def angles(rng, t):
@@ -61,7 +63,8 @@ def recording(scene):
     R, omega = T[:, :3, :3], np.einsum("nij,nj->ni", robot.jacobian(q), rate)[:, 3:]
     r = R @ LEVER
     turning = np.cross(a[:, 3:], r) + np.cross(omega, np.cross(omega, r))
-    force = np.einsum("nji,nj->ni", R, a[:, :3] + turning - GRAVITY) @ (1.01 * MOUNTING).T
+    gravity = GRAVITY + 9.81 * np.array([*scene.tilt, 0.0])
+    force = np.einsum("nji,nj->ni", R, a[:, :3] + turning - gravity) @ (1.01 * MOUNTING).T
     gyro = np.einsum("nji,nj->ni", R, omega) @ (1.02 * MOUNTING).T
     ideal = CubicSpline(t + scene.imu_offset, np.hstack([force, gyro]))
     t_imu = np.arange(1.0, DURATION - 1.0, 1 / 113.0)
