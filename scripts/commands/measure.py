@@ -3,19 +3,19 @@
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
 from cyclopts import Parameter
 
-from armside.sim.cell import CELLS
+from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.recorded import CircleTurn, measure_signals, measure_table
 from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
 from armside.sim.records.signals import signals_of
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
-from armside.sim.robot.model import load_model
+from armside.sim.robot.cell_model import cell_model
 
 from ..cutting.options import LARGEST
 from ..shell.console import Report, keep
@@ -30,8 +30,9 @@ LARGEST_GEAR = 1e6
 class MeasureCfg:
     """Gears and circle, for a file without them. A file of `armside convert` holds both."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Robot with these gear ratios, where --gear is not given."""
+    robot: str = "large"
+    """Robot with these gear ratios, where --gear is not given: large, irb1400, or a robot file
+    (.toml)."""
     gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
@@ -95,7 +96,7 @@ def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
     """Gear ratios given, or those of the robot. Raises ValueError if it has other motors."""
     if cfg.gear:
         return np.array(cfg.gear)
-    gear, names = load_model(CELLS[cfg.robot].xml).drives.gear, table.column_names
+    gear, names = cell_model(find_cell(cfg.robot)).drives.gear, table.column_names
     motors = sum(re.fullmatch(r"reference_\d+", name) is not None for name in names)
     if 0 < motors != len(gear):
         raise ValueError(

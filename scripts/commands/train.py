@@ -20,6 +20,7 @@ from ..shell.errors import checking_input
 from ..shell.extras import needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, FileToRead, options, seed_range
+from ..studies.contours import Radius, Shapes, contour_options
 from ..studies.tuned_design import first_action, whole_batches
 
 DISCOUNT = 1.0
@@ -33,12 +34,17 @@ OF_A_ROBOT, OF_A_STEP = Effort(1.0, 10e6), Effort(0.1)
 class TrainCfg:
     """Task of the policy, and length of its training."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Which robot."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
     motors: Literal["shared", "each"] = "shared"
     """One design for all motors, or one for each."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
     """Sensor that the reward is computed from."""
+    shape: Shapes = ("circle",)
+    """Shapes of the contours; of several, each episode draws one."""
+    radius: Radius = ()
+    """Radius of a circle, half the size of another shape, or the range that each episode draws from
+    [mm] [default: 5; slot 15, square and hexagon 10]."""
     robots: int = 64
     """Robot cells that learn at the same time."""
     steps: int = 12800
@@ -52,12 +58,18 @@ class TrainCfg:
         for name in ("robots", "steps"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        _ = self.rules, first_action(self.start, Motors(self.motors))  # raise ValueError
+        first_action(self.start, Motors(self.motors), self.rules.n_axes)  # raises ValueError
 
     @property
     def rules(self) -> Rules:
         """Rules of the episodes."""
-        return Rules(robot=self.robot, motors=self.motors, reward=self.reward)
+        return Rules(**self.task)
+
+    @property
+    def task(self) -> dict[str, Any]:
+        """Options of the env."""
+        of_contour = contour_options(self.shape, self.radius)
+        return {"robot": self.robot, "motors": self.motors, "reward": self.reward, **of_contour}
 
 
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
@@ -76,10 +88,9 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
         check_writable(common.out or RUNS / "train")
         with needs("learn", "armside train", "Stable-Baselines3"):
             from ..studies import ppo
-        task: dict[str, Any] = {"robot": cfg.robot, "motors": cfg.motors, "reward": cfg.reward}
-        env = IlcTuningVectorEnv(cfg.robots, **task, autoreset_mode="SameStep")
+        env = IlcTuningVectorEnv(cfg.robots, **cfg.task, autoreset_mode="SameStep")
     steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
-    start = first_action(cfg.start, Motors(cfg.motors))
+    start = first_action(cfg.start, Motors(cfg.motors), rules.n_axes)
     learning = report.progress("learning", total=steps)
     with noticing(lambda: "") as stop, closing(env), learning as step:
 

@@ -60,7 +60,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
                 study,
                 partial(evaluate, objective),
                 cfg.trials,
-                studies.parameters(THESIS, Motors(cfg.motors)),
+                studies.parameters(THESIS, Motors(cfg.motors), objective.rules.n_axes),
                 check=stop.check,
                 step=step,
                 new_best=lambda trial: new_best(report, trial, sensor),

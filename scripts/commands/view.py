@@ -1,12 +1,12 @@
 """`armside view`: MuJoCo's viewer of a robot, with a slider for each motor."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import mujoco
 import numpy as np
 
-from armside.sim.cell import CELLS
+from armside.sim.cell_file import find_cell
+from armside.sim.robot.cell_model import cell_model
 
 from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
@@ -21,8 +21,8 @@ SERVO = 2.0 * np.pi * 5.0
 class ViewCfg:
     """The robot to show."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Robot."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
     model: FileToRead = None
     """MJCF file to show in place of that robot's own."""
 
@@ -48,9 +48,13 @@ def posable(cfg: ViewCfg) -> mujoco.MjModel:
     The drives of the asset need the torques of a controller, which the viewer has not. The springs
     between motors and links stay as they are.
 
-    Raises ValueError where the file is no model, or has no joints motor_1, motor_2 ...
+    Raises ValueError where the file is no model, has no joints motor_1, motor_2 ..., or a robot of
+    a file disagrees with its model.
     """
-    source = cfg.model or CELLS[cfg.robot].xml
+    cell = find_cell(cfg.robot)
+    source = cfg.model or cell.xml
+    if cfg.model is None:
+        cell_model(cell)  # raises for a model of another geometry
     scene = source.with_name(f"{source.stem}_scene.xml")
     spec = mujoco.MjSpec.from_file(str(scene if scene.is_file() else source))
     motors = [joint for joint in spec.joints if joint.name.startswith("motor_")]

@@ -56,8 +56,8 @@ class CutCfg(IndividualCfg):
     """Limit of the controller for acceleration along and across the path [m/s^2]."""
     plan_only: Annotated[bool, _OF_PLAN] = False
     """Plan and draw the plan, and move nothing."""
-    robot: Literal["large", "irb1400"] = "large"
-    """Robot."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None

@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.sim.cell import ToolPose, pose
 from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
+from armside.sim.cut.shapes import CORNER
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import Design
@@ -20,8 +21,6 @@ from .options import RADIUS, LaserCfg
 MM = 1e-3
 SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}
 """[mm], where none is given."""
-CORNER = 0.15
-"""Corner radius over size: 40 mm/s around a corner of 3 mm is below what the planner allows."""
 _POLYGON = ("size", "corner")
 _OWN = {"circle": ("radius",), "square": _POLYGON, "slot": ("size", "width"), "hexagon": _POLYGON}
 _NOT_GIVEN = {"radius": RADIUS, "size": None, "width": None, "corner": None}

@@ -23,7 +23,7 @@ from ..shell.registry import unknown
 from .point import Point
 from .resolved import Resolver
 
-SEED = "seed"
+SEED, ROBOT = "seed", "robot"
 TYPES: Mapping[str, Any] = get_type_hints(LaserCfg) | {SEED: int}
 """Types of the options that can be axes."""
 OF_A_POINT = Effort(0.5, 5e3)
@@ -124,6 +124,8 @@ def _value(name: str, word: str) -> Any:
             error.verbose = False
         raise InputError(f"{name}={word}: {one_line(error)}") from error
     # Workers may have another working folder.
+    if name == ROBOT and value.endswith(".toml"):
+        return str(Path(value).absolute())
     return value.absolute() if isinstance(value, Path) else value
 
 

@@ -4,7 +4,6 @@ Options that mean the same run have the same key, whichever way they were writte
 another content is another configuration, wherever it is.
 """
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import cache, lru_cache
@@ -14,7 +13,7 @@ from typing import Any, NamedTuple
 import mujoco
 
 from armside.sim.cell import CELLS, ToolPose
-from armside.sim.records.files import check_file
+from armside.sim.cell_file import find_cell
 from armside.sim.records.summary import plain
 from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.effects import Effect, available
@@ -23,7 +22,8 @@ from armside.sim.robot.model import load_model
 
 from ..cutting.options import LaserCfg
 from ..cutting.specification import MM, cut, dimensions, tool_pose
-from ..shell.errors import InputError, one_line
+from ..shell.errors import one_line
+from .contents import digest_of_file, model_content, robot_content
 from .store import digest_of
 
 FILES = ("contour", "model", "identification", "individual", "twin")
@@ -45,18 +45,12 @@ def content_of(name: str, path: Path) -> str:
 
         return digest(path)
     if name == "identification":
-        return _digest(path / "summary.json")
+        return digest_of_file(path / "summary.json")
     if name == "individual":
-        return _digest(path)
+        return digest_of_file(path)
     if name == "contour":  # the suffix decides how it is read
-        return path.suffix.lower() + _digest(path)
-    check_file(path)
-    try:
-        parts = mujoco.mju_getXMLDependencies(str(path))
-    except mujoco.FatalError as error:
-        raise InputError(f"{path} is not a usable MJCF model: {error}") from error
-    whole = [_digest(path), *sorted(_digest(Path(part)) for part in parts)]
-    return hashlib.sha256("".join(whole).encode()).hexdigest()
+        return path.suffix.lower() + digest_of_file(path)
+    return robot_content(path) if name == "robot" else model_content(path)
 
 
 def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
@@ -67,8 +61,6 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 
     Raises ValueError for an unknown pose or options that misfit, OSError as `content`.
     """
-    if cfg.robot not in CELLS:
-        raise ValueError(f"a sweep takes a robot by name, {' or '.join(CELLS)}, got {cfg.robot}")
     run = {field.name: getattr(cfg, field.name) for field in fields(cfg)}
     for name in ("gamma", "delta", "cutoff"):
         if len(set(run[name])) == 1:
@@ -82,11 +74,11 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
         run["shape"] = None
     # The place: position [mm] and orientation of the tool, and the pose that has both.
     ours = _rounded(tool_pose(cfg))
-    named = (name for name, pose in CELLS[cfg.robot].poses.items() if _rounded(pose) == ours)
+    named = (name for name, pose in cfg.cell.poses.items() if _rounded(pose) == ours)
     run |= {"pose": next(named, None), "position": ours[0], "quaternion": ours[1]}
     if cfg.payload is None or cfg.temperature is None:
-        known = content("model", cfg.model) if cfg.model else ""
-        of_model = _of_model(cfg.model or CELLS[cfg.robot].xml, known)
+        known = content("model", cfg.model) if cfg.model else _content_of_robot(cfg, content)
+        of_model = _of_model(cfg.model or cfg.cell.xml, known)
         run |= {name: value for name, value in of_model.items() if run[name] is None}
     if "load-friction" in cfg.without:
         run["temperature"] = None
@@ -104,9 +96,15 @@ def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
     if what["identification"]:  # it is known by how its place was written
         what["identified_at"] = plain((cfg.pose, cfg.position, cfg.quaternion))
     files = {name: getattr(cfg, name) for name in FILES if what[name]}
-    return what | {
-        name: content(name, file) for name, file in files.items() if isinstance(file, Path)
-    }
+    found = {name: content(name, file) for name, file in files.items() if isinstance(file, Path)}
+    if of_robot := _content_of_robot(cfg, content):
+        found["robot"] = of_robot
+    return what | found
+
+
+def _content_of_robot(cfg: LaserCfg, content: Content) -> str:
+    """Content of a robot file; empty for a robot with a name."""
+    return "" if cfg.robot in CELLS else content("robot", Path(cfg.robot))
 
 
 class _Known(NamedTuple):
@@ -139,10 +137,8 @@ class Resolver:
         if known.cfg is not None:
             try:
                 asked = cut(known.cfg)
-                if known.cfg.model is not None:
-                    content = self._content("model", known.cfg.model)
-                    if wrong := _geometry_error(known.cfg.robot, known.cfg.model, content):
-                        return wrong
+                if wrong := self._wrong_geometry(known.cfg):
+                    return wrong
                 if known.cfg.twin is not None:
                     from armside.sim.twin.library import stored_twin
 
@@ -150,6 +146,15 @@ class Resolver:
             except (ValueError, OSError) as error:
                 return one_line(error)
         return known.error
+
+    def _wrong_geometry(self, cfg: LaserCfg) -> str:
+        """Why the model is not that of the robot; empty if it is."""
+        content = _content_of_robot(cfg, self._content)
+        if cfg.model is not None:
+            content += self._content("model", cfg.model)
+        if not content:
+            return ""
+        return _geometry_error(cfg.robot, cfg.model or cfg.cell.xml, content)
 
     def _resolve(self, items: tuple[tuple[str, Any], ...]) -> _Known:
         options, cfg = dict(items), None
@@ -188,13 +193,10 @@ def _of_model(source: Path, content: str) -> dict[str, float | None]:
 
 @cache
 def _geometry_error(robot: str, source: Path, content: str) -> str:
-    """Why a file is no model of the robot; empty if it is one. content: of that file."""
+    """Why a file is no model of the robot; empty if it is one. content: of that file, and of a
+    robot's."""
     try:
-        cell_model(CELLS[robot], source)
+        cell_model(find_cell(robot), source)
     except ModelError as error:
         return one_line(error)
     return ""
-
-
-def _digest(file: Path) -> str:
-    return hashlib.sha256(check_file(file).read_bytes()).hexdigest()

@@ -1,14 +1,18 @@
 """Options of `armside tune`."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
+from armside.sim.cell import CELLS
 from armside.sim.records.summary import plain
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import FASTEST, SLOWEST
 
+from ..jobs.contents import robot_content
 from ..jobs.store import digest_of
 from ..shell.options import options
+from .contours import Radius, Shapes, contour_options
 from .proposals import Pruner, Sampler
 
 
@@ -17,8 +21,8 @@ from .proposals import Pruner, Sampler
 class TuneCfg:
     """What to tune, on which jobs, and how to search."""
 
-    robot: Literal["large", "irb1400"] = "large"
-    """Which robot."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
     motors: Literal["shared", "each"] = "shared"
     """One design for all motors, or one for each."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
@@ -28,8 +32,13 @@ class TuneCfg:
     speed: float | None = None
     """Programmed speed, 1 to 100 [mm/s] [default: drawn for each episode]."""
     payload: float | None = None
-    """Mass of the large robot's tool [kg], the IRB1400 keeps its own [default: drawn for each
-    episode]."""
+    """Mass of the tool [kg] [default: drawn for each episode; other robots than the large one keep
+    their own]."""
+    shape: Shapes = ("circle",)
+    """Shapes of the contours; of several, each episode draws one."""
+    radius: Radius = ()
+    """Radius of a circle, half the size of another shape, or the range that each episode draws from
+    [mm] [default: 5; slot 15, square and hexagon 10]."""
     episodes: int = 4
     """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
     iterations: int = 5
@@ -63,7 +72,11 @@ class TuneCfg:
     def rules(self) -> Rules:
         """Rules of the episodes."""
         return Rules(
-            robot=self.robot, motors=self.motors, reward=self.reward, iterations=self.iterations
+            robot=self.robot,
+            motors=self.motors,
+            reward=self.reward,
+            iterations=self.iterations,
+            **contour_options(self.shape, self.radius),
         )
 
     @property
@@ -76,11 +89,19 @@ class TuneCfg:
     def identity(self, seed: int) -> dict[str, Any]:
         """Options that make two studies comparable: all of the task, nothing of the search."""
         search = ("trials", "sampler", "pruner", "study", "storage")
-        return {key: v for key, v in plain(self).items() if key not in search} | {"seed": seed}
+        task = {key: v for key, v in plain(self).items() if key not in search} | {"seed": seed}
+        # What is as it was before there was a choice has no part in the identity of older studies.
+        for name, value in (("shape", ["circle"]), ("radius", [])):
+            if task[name] == value:
+                del task[name]
+        if self.robot not in CELLS:
+            task["robot_content"] = robot_content(self.robot)
+        return task
 
     def named(self, seed: int) -> "TuneCfg":
         """The same with the name of its study, which only comparable studies share."""
         if self.study:
             return self
         key = digest_of(self.identity(seed))[:8]
-        return replace(self, study=f"{self.robot}-{self.motors}-{self.reward}-{key}")
+        robot = Path(self.robot).stem
+        return replace(self, study=f"{robot}-{self.motors}-{self.reward}-{key}")

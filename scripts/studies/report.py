@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.sim.robot.six_axes import N_AXES
 from armside.sim.tuning.action import VARIABLES
 from armside.sim.tuning.sensor import RewardSensor
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def new_best(report: Report, trial: "optuna.trial.FrozenTrial", sensor: RewardSensor) -> None:
-    """Print a best design, in lines that a terminal of 60 columns holds; not those of six motors,
+    """Print a best design, in lines that a terminal of 60 columns holds; not those of every motor,
     which are printed at the end."""
     report.line(f"best so far, trial {trial.number}: ratio {trial.value:.3f} {sensor.label}")
     known = [(v, trial.params[v.name]) for v in VARIABLES if v.name in trial.params]
@@ -38,11 +37,12 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
         [[best[name] for name in ("trial", "ratio", TRUE, *names)] for best in bests],
     )
     if not shared:
-        columns = [[outcome["best"][n] for n in parameter_names(v.name)] for v in VARIABLES]
+        n_axes = sum(name.startswith(f"{VARIABLES[0].name}_") for name in outcome["best"])
+        columns = [[outcome["best"][n] for n in parameter_names(v.name, n_axes)] for v in VARIABLES]
         report.table(
             f"Best design, of trial {outcome['best']['trial']}",
             ["motor", *heads],
-            list(zip(range(1, N_AXES + 1), *columns, strict=True)),
+            list(zip(range(1, n_axes + 1), *columns, strict=True)),
         )
     if found := outcome["importance"]:
         rows = [[name, i["share"], i["by_chance"]] for name, i in found.items()]

@@ -24,7 +24,8 @@ def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
 
     rules = objective.rules
     ratio, hopeless = Ratio(1.0, 1.0), False
-    for k, ratio in enumerate(objective.ratios(studies.suggest(trial, Motors(rules.motors))), 1):
+    design = studies.suggest(trial, Motors(rules.motors), rules.n_axes)
+    for k, ratio in enumerate(objective.ratios(design), 1):
         trial.report(ratio.measured, k)
         going_on = ratio.measured < WORST and k < rules.iterations
         hopeless = going_on and trial.should_prune()

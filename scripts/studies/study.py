@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from armside.sim.laser.design import Design
 from armside.sim.notes import Cause, Note
-from armside.sim.robot.six_axes import N_AXES
-from armside.sim.tuning.action import VARIABLES, Motors, Scale
+from armside.sim.tuning.action import SIX, VARIABLES, Motors, Scale
 from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
@@ -95,7 +94,7 @@ def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
     return known
 
 
-def suggest(trial: "optuna.Trial", motors: Motors) -> Design:
+def suggest(trial: "optuna.Trial", motors: Motors, n_axes: int = SIX) -> Design:
     """Ask the study for a design."""
     values: dict[str, tuple[Any, ...]] = {}
     for v in VARIABLES:
@@ -104,24 +103,24 @@ def suggest(trial: "optuna.Trial", motors: Motors) -> Design:
         else:
             log = v.scale is Scale.LOGARITHMIC
             ask = partial(trial.suggest_float, low=v.low, high=v.high, log=log)
-        names = [v.name] if motors is Motors.SHARED else parameter_names(v.name)
+        names = [v.name] if motors is Motors.SHARED else parameter_names(v.name, n_axes)
         values[v.name] = tuple(map(ask, names))
     return Design(**values)
 
 
-def parameter_names(variable: str) -> list[str]:
-    """Names of the parameters of six motors."""
-    return [f"{variable}_{i}" for i in range(1, 7)]
+def parameter_names(variable: str, n_axes: int = SIX) -> list[str]:
+    """Names of the parameters of all motors."""
+    return [f"{variable}_{i}" for i in range(1, n_axes + 1)]
 
 
-def parameters(design: Design, motors: Motors) -> dict[str, float]:
+def parameters(design: Design, motors: Motors, n_axes: int = SIX) -> dict[str, float]:
     """A design as the parameters of a study."""
     if motors is Motors.SHARED:
         return {v.name: getattr(design, v.name)[0] for v in VARIABLES}
     return {
         name: value
-        for variable, values in design.arrays(N_AXES).items()
-        for name, value in zip(parameter_names(variable), values.tolist(), strict=True)
+        for variable, values in design.arrays(n_axes).items()
+        for name, value in zip(parameter_names(variable, n_axes), values.tolist(), strict=True)
     }
 
 

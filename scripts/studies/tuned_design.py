@@ -1,12 +1,14 @@
 """The start of a training: the design that `armside tune` found, and the number of steps."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from armside.sim.laser.design import Design
-from armside.sim.tuning.action import VARIABLES, Motors, action_of
+from armside.sim.tuning.action import SIX, VARIABLES, Motors, action_of
 
 from .study import parameter_names
 
@@ -19,7 +21,9 @@ def load_design(file: Path) -> Design:
     """
     try:
         best = json.loads(file.read_text(encoding="utf-8"))["best"]
-        names = {v.name: [v.name] if v.name in best else parameter_names(v.name) for v in VARIABLES}
+        names = {
+            v.name: [v.name] if v.name in best else _of_motors(best, v.name) for v in VARIABLES
+        }
         values = {name: tuple(best[i] for i in of) for name, of in names.items()}
     except FileNotFoundError:
         raise ValueError(f"{file} does not exist") from None
@@ -28,14 +32,20 @@ def load_design(file: Path) -> Design:
     return Design(**values)
 
 
-def first_action(file: Path | None, motors: Motors) -> np.ndarray:
-    """Action of the design in a file, (3,) or (18,); without one, of the middle of the ranges.
+def _of_motors(best: Mapping[str, Any], variable: str) -> list[str]:
+    """Names of a variable's values, one for each motor."""
+    n_axes = sum(name.startswith(f"{variable}_") for name in best)
+    return parameter_names(variable, max(n_axes, 1))
+
+
+def first_action(file: Path | None, motors: Motors, n_axes: int = SIX) -> np.ndarray:
+    """Action of the design in a file, (3,) or (3 n,); without one, of the middle of the ranges.
 
     Raises ValueError as `load_design`, and for a design out of the ranges.
     """
     if file is None:
-        return np.zeros(len(VARIABLES) * motors.count, np.float32)
-    return action_of(load_design(file), motors)
+        return np.zeros(len(VARIABLES) * motors.count(n_axes), np.float32)
+    return action_of(load_design(file), motors, n_axes)
 
 
 def whole_batches(steps: int, batch: int) -> int:

@@ -143,7 +143,7 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
     drawn = Individual(
         friction=friction,
         gear_stiffness=gear_stiffness,
-        structure_stiffness=structure_stiffness,
+        structure_stiffness=structure_stiffness if n_structure else 1.0,
         ripple_phase=ripple_phase,
         position=position,
         orientation=orientation,
@@ -158,7 +158,7 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
         lost_motion=factor(spread.lost_motion, n),
         mass=factor(spread.mass, n),
         gear_damping=factor(spread.damping, n),
-        structure_damping=factor(spread.damping, n_structure),
+        structure_damping=factor(spread.damping, n_structure) if n_structure else 1.0,
         centre_of_mass=spread.centre_of_mass * rng.standard_normal((n, 3)),
     )
     if not Linkage(design.mj).is_open:

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..laser.design import Design
-from ..robot.six_axes import N_AXES
+
+SIX = 6
+"""Axes of the robots of the thesis, where no other number is given."""
 
 
 class Scale(Enum):
@@ -65,18 +67,18 @@ class Motors(Enum):
     SHARED = "shared"
     EACH = "each"
 
-    @property
-    def count(self) -> int:
-        """Values of one variable."""
-        return 1 if self is Motors.SHARED else N_AXES
+    def count(self, n_axes: int = SIX) -> int:
+        """Values of one variable, for a robot of so many axes."""
+        return 1 if self is Motors.SHARED else n_axes
 
 
-def design_of(action: ArrayLike, motors: Motors) -> Design:
+def design_of(action: ArrayLike, motors: Motors, n_axes: int = SIX) -> Design:
     """The design that an action stands for.
 
     Raises ValueError for a wrong shape, NaN or values outside of [-1, 1]; names the first bad one.
     """
-    expected = (len(VARIABLES) * motors.count,)
+    count = motors.count(n_axes)
+    expected = (len(VARIABLES) * count,)
     try:
         values = np.asarray(action).astype(np.float64, casting="same_kind")
     except (TypeError, ValueError):
@@ -86,7 +88,7 @@ def design_of(action: ArrayLike, motors: Motors) -> Design:
     wrong = ~((values >= -1.0) & (values <= 1.0))  # true for NaN too
     if wrong.any():
         i = int(np.argmax(wrong))
-        name = VARIABLES[i // motors.count].name
+        name = VARIABLES[i // count].name
         raise ValueError(f"an action must be in [-1, 1], got {values[i]} at index {i} ({name})")
     gamma, delta, cutoff = (
         tuple(v.physical(part).tolist())
@@ -95,15 +97,18 @@ def design_of(action: ArrayLike, motors: Motors) -> Design:
     return Design(gamma=gamma, delta=tuple(int(d) for d in delta), cutoff=cutoff)
 
 
-def action_of(design: Design, motors: Motors) -> np.ndarray:
+def action_of(design: Design, motors: Motors, n_axes: int = SIX) -> np.ndarray:
     """The float32 action that stands for a design, to the rounding of float32.
 
-    Raises ValueError for a design outside of the ranges, or of six motors where they share one.
+    Raises ValueError for a design outside of the ranges, or of another number of motors.
     """
-    parts = []
+    parts, count = [], motors.count(n_axes)
     for variable in VARIABLES:
         value = np.array(getattr(design, variable.name), dtype=np.float64)
-        if len(value) > motors.count:
-            raise ValueError(f"{variable.name} has six values, but all motors share one design")
-        parts.append(variable.normalised(np.broadcast_to(value, motors.count)))
+        if len(value) > 1 and motors is Motors.SHARED:
+            several = f"{variable.name} has {len(value)} values"
+            raise ValueError(f"{several}, but all motors share one design")
+        if len(value) not in (1, count):
+            raise ValueError(f"{variable.name} has {len(value)} values, the robot {count} motors")
+        parts.append(variable.normalised(np.broadcast_to(value, count)))
     return np.concatenate(parts).astype(np.float32)

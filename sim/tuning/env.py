@@ -1,6 +1,7 @@
 """`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
 
 import copy
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
@@ -18,7 +19,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     """One step is one ILC iteration: learn with the design of the action, run, observe.
 
     Action: float32 in [-1, 1], -1 is low, +1 is high. With one design for all motors it has shape
-    (3,), in the order of the table; with one for each motor (18,), six of each variable.
+    (3,), in the order of the table; with one for each of n motors (3 n,), n of each variable.
 
     | variable | low | high | unit | scale |
     |---|---|---|---|---|
@@ -26,7 +27,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | delta | 0 | 25 | samples of 4 ms | whole numbers |
     | cutoff | 1 | 30 | Hz | logarithmic |
 
-    Observation: (50,) float32, signals of a robot cell after a run, without the tool's position.
+    Observation: (8 n + 2,) float32, signals of a robot cell with n axes after a run, without the
+    tool's position. With six axes:
 
     | entries | feature | unit | low | high | scale |
     |---|---|---|---|---|---|
@@ -42,9 +44,11 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | 49:50 | iteration k | - | 0 | 10 | linear |
 
     Errors and corrections are those of the motor shaft; with a twin, errors of the twin's motors.
+    Where contours are drawn, the radius (0.001 to 0.1 m, log10) follows, and an entry for each of
+    the shapes, +1 for the one that is cut and -1 for the others. Prismatic axes have m for rad.
     Low becomes -1 and high +1; values outside are clipped, values that are not finite become +1.
 
-    Reward: log(RMS before / RMS after) of the tool's circle as measured by the configured sensor,
+    Reward: log(RMS before / RMS after) of the tool's contour as measured by the configured sensor,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
 
     Info: `armside.sim.tuning.rules.Rules.info`. Tasks: `armside.sim.tuning.task`.
@@ -56,19 +60,21 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     def __init__(
         self,
         *,
-        robot: str = "large",
+        robot: str | PathLike[str] = "large",
         motors: str = "shared",
         reward: str = "tracker",
         iterations: int = 5,
         sealed: bool = False,
         individual: int | Drawn | Individual | None = None,
         twin: str | PathLike[str] | None = None,
+        shape: str | Sequence[str] = "circle",
+        radius: float | Sequence[float] | None = None,
         render_mode: str | None = None,
         picture: str = "drawing",
     ) -> None:
         """
         Args:
-            robot: large or irb1400.
+            robot: large, irb1400, or a robot file (.toml).
             motors: shared, one design for all motors, or each.
             reward: the sensor that the reward is computed from: tracker, estimate or motor.
             iterations: learning iterations of an episode, 1 to 10.
@@ -76,8 +82,12 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             individual: the robot of every episode, as the option of `reset`; drawn if None.
             twin: folder of `armside commission` for that individual: the first run of an episode is
                 corrected by it, and learning goes on around its correction.
+            shape: circle, square, slot or hexagon, or several, one of which each episode draws.
+            radius: [m] of a circle, half the side of a square, the width of a hexagon or the length
+                of a slot; or a range (low, high) that each episode draws from. By default 5 mm, for
+                a slot 15 and for the others 10.
             render_mode: rgb_array or None.
-            picture: drawing (circle and errors, no GL needed) or mujoco (the robot).
+            picture: drawing (contour and errors, no GL needed) or mujoco (the robot).
 
         Raises ValueError for a value that does not exist; the message lists those that do.
         """
@@ -89,6 +99,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             sealed=sealed,
             individual=individual,
             twin=twin,
+            shape=shape,
+            radius=radius,
         )
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
@@ -104,10 +116,11 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """Draw a task, or take from `options` what they give, and run once without learning.
 
         options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass
-        of the tool, [kg]) and `individual` (a seed, a `Drawn` or an `Individual`).
+        of the tool, [kg]), `individual` (a seed, a `Drawn` or an `Individual`), `shape` and
+        `radius` [m].
 
         Returns:
-            observation (50,) float32, and info of `armside.sim.tuning.rules`.
+            observation float32, and info of `armside.sim.tuning.rules`.
 
         Raises:
             ValueError: options that do not exist, out of reach (`UnreachableError`) or
@@ -129,10 +142,10 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """Learn once and run.
 
         Args:
-            action: (3,) or (18,), in [-1, 1].
+            action: (3,) or (3 n,), in [-1, 1].
 
         Returns:
-            observation (50,) float32, reward, diverged, budget used up, and info.
+            observation float32, reward, diverged, budget used up, and info.
 
         Raises:
             ValueError: an action of the wrong shape, outside of its space or NaN; the episode goes

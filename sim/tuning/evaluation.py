@@ -11,11 +11,11 @@ from armside.arrays import Array
 from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..notes import Note
-from .action import Motors, action_of
+from .action import SIX, Motors, action_of
 from .rules import Rules
 
 Policy = Callable[[np.ndarray], np.ndarray]
-"""From an observation (50,) to an action, (3,) or (18,)."""
+"""From an observation to an action, as the spaces of `Rules` have them."""
 
 
 @dataclass(frozen=True)
@@ -68,10 +68,10 @@ def evaluate(
         yield from pool.map(lambda seed: run_episode(rules, seed, policy), seeds)
 
 
-def always(design: Design, motors: Motors) -> Policy:
+def always(design: Design, motors: Motors, n_axes: int = SIX) -> Policy:
     """The policy that takes the same design in each iteration.
 
-    Raises ValueError for a design outside of the ranges, or of six motors where they share one.
+    Raises ValueError for a design outside of the ranges, or of another number of motors.
     """
-    action = action_of(design, motors)
+    action = action_of(design, motors, n_axes)
     return lambda observed: action

@@ -12,9 +12,8 @@ from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..notes import Note, counted
 from .rules import Rules
-from .sensor import RewardSensor
 from .situation import Situation, restarted
-from .task import Task, experiment
+from .task import Task
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -52,12 +51,11 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
 
     Raises ValueError where a job cannot be done or a seed is sealed.
     """
-    imu = RewardSensor(rules.reward).imu
     episodes = []
     for seed in seeds:
         rules.check_seed(seed)
         drawn = rules.draw(np.random.default_rng(seed), fixed)
-        episodes.append(Episode(drawn, experiment(rules.robot, rules.nominal, drawn, imu)))
+        episodes.append(Episode(*rules.prepared(drawn)))
     return episodes
 
 

@@ -2,16 +2,17 @@
 `armside.sim.tuning.env.IlcTuningEnv`. The tool's true position is no part of it.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures.norms import two_norm
 
-from ..robot.six_axes import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
+from .action import SIX
+from .shapes import LARGEST, SMALLEST, Shapes
 from .situation import Situation
 
 
@@ -30,36 +31,76 @@ class Feature:
 BANDS = ((0.0, 3.0), (3.0, 8.0), (8.0, 16.0), (16.0, 125.0))
 """[Hz]"""
 
-FEATURES = (
-    Feature("motor error, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
-    Feature("motor error, infinity-norm", N_AXES, "rad", 1e-4, 1e1),
-    *(
-        Feature(f"motor error, RMS in {low:g}-{high:g} Hz", N_AXES, "rad", 1e-6, 1e1)
-        for low, high in BANDS
-    ),
-    Feature("correction, 2-norm over the record", N_AXES, "rad", 1e-3, 1e2),
-    Feature("joint position at the start, motors, arm side", N_AXES, "rad", -6.2832, 6.2832, False),
-    Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
-    Feature("iteration k", 1, "-", 0.0, 10.0, False),
-)
-SIZE = sum(feature.size for feature in FEATURES)
 
+@dataclass(frozen=True)
+class Layout:
+    """Features of a robot with so many axes, and of its contours where they are drawn."""
 
-def _per_entry(values: Iterable[float]) -> Array:
-    return np.repeat(np.array(list(values)), [feature.size for feature in FEATURES])
+    n_axes: int = SIX
+    shapes: Shapes = field(default_factory=Shapes)
 
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """In their order."""
+        n, turn = self.n_axes, 6.2832
+        every = (
+            Feature("motor error, 2-norm over the record", n, "rad", 1e-3, 1e2),
+            Feature("motor error, infinity-norm", n, "rad", 1e-4, 1e1),
+            *(
+                Feature(f"motor error, RMS in {low:g}-{high:g} Hz", n, "rad", 1e-6, 1e1)
+                for low, high in BANDS
+            ),
+            Feature("correction, 2-norm over the record", n, "rad", 1e-3, 1e2),
+            Feature("joint position at the start, motors, arm side", n, "rad", -turn, turn, False),
+            Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
+            Feature("iteration k", 1, "-", 0.0, 10.0, False),
+        )
+        if not self.shapes.are_drawn:
+            return every
+        radius = Feature("radius of the contour", 1, "m", SMALLEST, LARGEST)
+        return (*every, radius, Feature("shape", len(self.shapes.names), "-", 0.0, 1.0, False))
 
-_LOGARITHMIC = _per_entry(f.logarithmic for f in FEATURES)
-_LOW = _per_entry(np.log(f.low) if f.logarithmic else f.low for f in FEATURES)
-_HIGH = _per_entry(np.log(f.high) if f.logarithmic else f.high for f in FEATURES)
+    @cached_property
+    def size(self) -> int:
+        """Number of entries."""
+        return sum(feature.size for feature in self.features)
 
+    @cached_property
+    def _scales(self) -> tuple[Array, Array, Array]:
+        """Logarithmic or not, low and high of each entry."""
+        sizes = [f.size for f in self.features]
+        rows = [
+            [f.logarithmic for f in self.features],
+            [np.log(f.low) if f.logarithmic else f.low for f in self.features],
+            [np.log(f.high) if f.logarithmic else f.high for f in self.features],
+        ]
+        logarithmic, low, high = (np.repeat(np.array(row), sizes) for row in rows)
+        return logarithmic, low, high
 
-def normalised(values: Array) -> Array:
-    """Physical values (..., 50) to [-1, 1], clipped; not finite becomes +1."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scaled = np.where(_LOGARITHMIC, np.log(values), values)
-    part = np.where(np.isfinite(values), (scaled - _LOW) / (_HIGH - _LOW), 1.0)
-    return 2.0 * np.clip(part, 0.0, 1.0) - 1.0
+    def normalised(self, values: Array) -> Array:
+        """Physical values (..., size) to [-1, 1], clipped; not finite becomes +1."""
+        logarithmic, low, high = self._scales
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scaled = np.where(logarithmic, np.log(values), values)
+        part = np.where(np.isfinite(values), (scaled - low) / (high - low), 1.0)
+        return 2.0 * np.clip(part, 0.0, 1.0) - 1.0
+
+    def of(self, situation: Situation) -> np.ndarray:
+        """(size,) float32 in [-1, 1]."""
+        loaded, task = situation.experiment.loaded, situation.task
+        values = [
+            situation.two_norm,
+            situation.inf_norm,
+            *band_rms(situation.motor_error, LOG_PERIOD, BANDS),
+            two_norm(situation.correction * loaded.model.drives.gear),
+            loaded.reference[0],
+            np.array([situation.experiment.motion.programmed_speed]),
+            np.array([float(situation.k)]),
+        ]
+        if self.shapes.are_drawn:
+            values.append(np.array([task.radius]))
+            values.append(np.array([float(name == task.shape) for name in self.shapes.names]))
+        return self.normalised(np.concatenate(values)).astype(np.float32)
 
 
 def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...]) -> Array:
@@ -75,18 +116,3 @@ def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...
     nyquist = 0.5 / period
     inside = [(frequency >= low) & ((frequency < high) | (high >= nyquist)) for low, high in bands]
     return np.sqrt(np.stack([power[band].sum(axis=0) for band in inside]))
-
-
-def observation(situation: Situation) -> np.ndarray:
-    """(50,) float32 in [-1, 1], as `FEATURES` says."""
-    loaded = situation.experiment.loaded
-    values = (
-        situation.two_norm,
-        situation.inf_norm,
-        *band_rms(situation.motor_error, LOG_PERIOD, BANDS),
-        two_norm(situation.correction * loaded.model.drives.gear),
-        loaded.reference[0],
-        np.array([situation.experiment.motion.programmed_speed]),
-        np.array([float(situation.k)]),
-    )
-    return normalised(np.concatenate(values)).astype(np.float32)

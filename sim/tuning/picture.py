@@ -12,16 +12,16 @@ from .situation import Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
 MAGNIFICATIONS = (20.0, 10.0, 5.0, 2.0)
-"""Largest magnification of the deviation from the programmed circle."""
+"""Largest magnification of the deviation from the programmed contour."""
 LARGEST_SHOWN = 0.6
-"""Fraction of the radius."""
+"""Fraction of the smallest radius of the contour."""
 
 
 class Picture(Enum):
     """Content of `render`."""
 
     DRAWING = "drawing"
-    """Circle and errors over the iterations."""
+    """Contour and errors over the iterations."""
     MUJOCO = "mujoco"
     """The robot where its run starts; needs OpenGL, in software or hardware."""
 
@@ -45,21 +45,22 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
 
     figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
-    circle, errors = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
-    radius = history[0].experiment.cut.curve.smallest_radius
-    factor = magnification(history, radius)
-    turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    circle.plot(1e3 * radius * np.cos(turn), 1e3 * radius * np.sin(turn), "k:", lw=1)
+    contour, errors = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
+    curve = history[0].experiment.cut.curve
+    factor = magnification(history, curve.smallest_radius)
+    programmed = curve.point(np.linspace(0.0, curve.length, 361))
+    contour.plot(*(1e3 * programmed.T), "k:", lw=1)
     for situation in history:
         path = situation.measured.path
-        shown = path * (1.0 + (factor - 1.0) * (1.0 - radius / np.hypot(*path.T)))[:, None]
+        shown = path + (factor - 1.0) * (path - curve.point(curve.nearest(path)))
         newest = situation is history[-1]
-        circle.plot(*(1e3 * shown.T), lw=1.5 if newest else 0.7, color="C3" if newest else "0.7")
-    circle.set_aspect("equal")
-    edge = 1e3 * (1.05 + LARGEST_SHOWN) * radius
-    circle.set(xlim=(-edge, edge), ylim=(-edge, edge))
+        contour.plot(*(1e3 * shown.T), lw=1.5 if newest else 0.7, color="C3" if newest else "0.7")
+    contour.set_aspect("equal")
+    beside = (0.05 + LARGEST_SHOWN) * curve.smallest_radius
+    edge = 1e3 * (np.abs(programmed).max() + beside)
+    contour.set(xlim=(-edge, edge), ylim=(-edge, edge))
     label = RewardSensor(rules.reward).label
-    circle.set_title(f"tool {label}, deviation x {factor:g} [mm]", fontsize=8)
+    contour.set_title(f"tool {label}, deviation x {factor:g} [mm]", fontsize=8)
     k = [situation.k for situation in history]
     norms = np.array([situation.two_norm / situation.first_norm for situation in history])
     for i, motor in enumerate(norms.T):
@@ -75,14 +76,14 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     errors.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     errors.yaxis.set_minor_formatter(NullFormatter())
     errors.legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    for axes in (circle, errors):
+    for axes in (contour, errors):
         axes.tick_params(labelsize=7)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
 
 def magnification(history: Sequence[Situation], radius: float) -> float:
-    """Magnification of the measured deviations from a circle of `radius` [m]."""
+    """Magnification of the measured deviations from a contour of that smallest radius [m]."""
     largest = max(np.nan_to_num(situation.measured.maxdev) for situation in history)
     return next((m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius), 1.0)
 

@@ -24,7 +24,7 @@ class Network:
             )
 
     def __call__(self, observed: np.ndarray) -> np.ndarray:
-        """The action, float32, for an observation (50,) or one in each row."""
+        """The action, float32, for an observation (n,) or one in each row."""
         x = np.asarray(observed, dtype=np.float64)
         for W, b in zip(self.weights[:-1], self.biases[:-1], strict=True):
             x = np.tanh(x @ W.T + b)

@@ -3,9 +3,9 @@
 The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS after (9.6).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
+from ..cell_file import find_cell
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
@@ -20,14 +21,15 @@ from ..robot.applicable import check_applies
 from ..robot.cell_model import cell_model
 from ..robot.individual import Individual
 from ..robot.model import RobotModel
-from ..robot.six_axes import N_AXES
 from ..robot.spread import Drawn
 from ..twin.correction import Corrected
 from ..twin.library import learned, stored_twin
-from . import observation, task
+from . import task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
+from .observation import Layout
 from .sensor import RewardSensor, Sensor
+from .shapes import Shapes, shapes_of
 from .situation import Situation, advance, begin
 from .task import TEST_SEEDS, Task
 
@@ -51,7 +53,8 @@ class Score(NamedTuple):
 class Rules:
     """Configuration common to all episodes. Safe to use from several threads."""
 
-    robot: str = "large"
+    robot: str | PathLike[str] = "large"
+    """Name of a cell, or a robot file."""
     motors: str = "shared"
     reward: str = "tracker"
     iterations: int = 5
@@ -62,19 +65,30 @@ class Rules:
     """The robot of every episode, or its seed; drawn if None."""
     twin: str | PathLike[str] | None = None
     """Folder of the twin of that individual, which corrects the first run of every episode."""
+    shape: str | Sequence[str] = "circle"
+    """Shape of the contours, or several to draw from."""
+    radius: float | Sequence[float] | None = None
+    """[m], of the contours, or a range to draw from; that of the shape if None. See
+    `armside.sim.cut.shapes.contour_of`."""
+    cell: Cell = field(init=False, repr=False)
+    """The robot's cell."""
+    layout: Layout = field(init=False, repr=False)
+    """Entries of the observation."""
     nominal: RobotModel = field(init=False, repr=False)
     """Nominal robot of the controller."""
     sensor: Sensor = field(init=False, repr=False)
     """Sensor that the reward is computed from."""
 
     def __post_init__(self) -> None:
-        _one_of("robot", self.robot, CELLS)
+        object.__setattr__(self, "cell", _cell(self.robot))
         _one_of("motors", self.motors, [m.value for m in Motors])
         _one_of("reward", self.reward, [s.value for s in RewardSensor])
         object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
         object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor)
+        layout = Layout(self.cell.robot.n_joints, shapes_of(self.shape, self.radius))
+        object.__setattr__(self, "layout", layout)
         object.__setattr__(self, "nominal", cell_model(self.cell))
         if isinstance(self.individual, Individual):
             check_applies(self.nominal, self.individual)
@@ -83,22 +97,33 @@ class Rules:
         if self.twin is not None:
             if self.individual is None:
                 raise ValueError("a twin is of one robot: give its individual too")
-            stored_twin(self.twin).check(Cut(robot=self.robot))
+            stored_twin(self.twin).check(Cut(robot=self.cell))
 
     @property
-    def cell(self) -> Cell:
-        """The robot's cell."""
-        return CELLS[self.robot]
+    def robot_or_cell(self) -> str | Cell:
+        """Name of a robot that has one, else its cell."""
+        return self.robot if isinstance(self.robot, str) and self.robot in CELLS else self.cell
+
+    @property
+    def n_axes(self) -> int:
+        """Motors of the robot."""
+        return self.layout.n_axes
+
+    @property
+    def shapes(self) -> Shapes:
+        """Contours that are cut."""
+        return self.layout.shapes
 
     @property
     def action_space(self) -> Box:
-        """(3,) or (18,), in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
-        return Box(-1.0, 1.0, (len(VARIABLES) * Motors(self.motors).count,), np.float32)
+        """(3,) or three of each motor, in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
+        size = len(VARIABLES) * Motors(self.motors).count(self.n_axes)
+        return Box(-1.0, 1.0, (size,), np.float32)
 
     @property
     def observation_space(self) -> Box:
-        """(50,), in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
-        return Box(-1.0, 1.0, (observation.SIZE,), np.float32)
+        """(50,) with six axes, in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
+        return Box(-1.0, 1.0, (self.layout.size,), np.float32)
 
     def check_seed(self, seed: Any) -> int | None:
         """A seed of Python or NumPy, or None.
@@ -120,12 +145,16 @@ class Rules:
         """Draw a task. See `armside.sim.tuning.task.draw`."""
         if self.individual is not None and isinstance(options, Mapping | None):
             options = {"individual": self.individual} | dict(options or {})
-        return task.draw(self.robot, rng, options)
+        return task.draw(self.robot_or_cell, rng, options, self.shapes)
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
+        return self.first(*self.prepared(drawn))
+
+    def prepared(self, drawn: Task) -> tuple[Task, Experiment]:
+        """A task within reach and its experiment. Raises as `task.experiment`."""
         imu = RewardSensor(self.reward).imu
-        return self.first(drawn, task.experiment(self.robot, self.nominal, drawn, imu))
+        return task.within_reach(self.robot_or_cell, self.nominal, drawn, imu)
 
     def first(self, drawn: Task, experiment: Experiment) -> Situation:
         """The first run of a task, corrected by the twin if there is one."""
@@ -134,7 +163,7 @@ class Rules:
 
     def design(self, action: ArrayLike) -> Design:
         """The design of an action. Raises ValueError as `design_of` does."""
-        return design_of(action, Motors(self.motors))
+        return design_of(action, Motors(self.motors), self.n_axes)
 
     def advance(self, situation: Situation, design: Design) -> Situation:
         """One iteration of learning."""
@@ -162,7 +191,7 @@ class Rules:
 
     def observe(self, situation: Situation) -> np.ndarray:
         """See `armside.sim.tuning.observation`."""
-        return observation.observation(situation)
+        return self.layout.of(situation)
 
     def info(
         self, situation: Situation, design: Design | None = None, score: Score | None = None
@@ -174,14 +203,14 @@ class Rules:
         - k, status (running, done or diverged);
         - the task, which as options of `reset` gives the same episode: pose, speed [m/s], payload
           [kg] (None where a robot keeps its own tool), individual (one that is no seed needs the
-          seed of `reset` too, for noise); and speed_reached [m/s];
+          seed of `reset` too, for noise), shape, radius [m]; and speed_reached [m/s];
         - truth: rms_true, maxdev_true [m];
-        - motors: motor_error_two, motor_error_inf, (6,) [rad] of the shaft;
+        - motors: motor_error_two, motor_error_inf, one for each [rad] of the shaft;
         - reward terms: rms_seen, maxdev_seen [m] as the configured sensor has them; of a step
           log_decrease, log(RMS before / RMS after), NaN where there is none;
         - with a twin: rms_predicted [m], expected of the first run, and trusted, whether it is
           corrected;
-        - of a step: gamma, delta [samples] and cutoff [Hz], (6,) each.
+        - of a step: gamma, delta [samples] and cutoff [Hz], one for each motor.
         """
         drawn = situation.task
         status = "done" if self.truncated(situation) else "running"
@@ -192,6 +221,8 @@ class Rules:
             "speed": drawn.speed,
             "payload": drawn.payload,
             "individual": drawn.individual,
+            "shape": drawn.shape,
+            "radius": drawn.radius,
             "speed_reached": float(situation.experiment.motion.reached_speed),
             "rms_true": float(situation.true.rms),
             "maxdev_true": float(situation.true.maxdev),
@@ -201,7 +232,7 @@ class Rules:
             "maxdev_seen": float(situation.measured.maxdev),
             **_of_twin(situation.twin),
             **({} if score is None else {"log_decrease": score.log_decrease}),
-            **({} if design is None else design.arrays(N_AXES)),
+            **({} if design is None else design.arrays(self.n_axes)),
         }
 
 
@@ -209,6 +240,15 @@ def _of_twin(found: Corrected | None) -> dict[str, Any]:
     if found is None:
         return {}
     return {"rms_predicted": found.prediction.expected, "trusted": found.trusted}
+
+
+def _cell(robot: Any) -> Cell:
+    if isinstance(robot, PathLike) or (isinstance(robot, str) and robot.endswith(".toml")):
+        return find_cell(fspath(robot))
+    if robot not in list(CELLS):
+        known = ", ".join(CELLS)
+        raise ValueError(f"Unknown robot {robot!r}. It can be: {known}, or a robot file (.toml)")
+    return CELLS[robot]
 
 
 def _one_of(name: str, value: Any, allowed: Any) -> None:

@@ -4,9 +4,12 @@
 |---|---|
 | pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
 | speed | uniform in [20, 60] mm/s |
-| payload | mass of the tool, uniform in [20, 80] kg; the IRB1400 keeps its own |
+| payload | mass of the tool, uniform in [20, 80] kg for the large robot; others keep their own |
 | individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.spread.Spread()` |
+| shape, radius | a circle of 5 mm, or as the env was made: `sim.tuning.shapes.Shapes` |
 
+A robot of a file may not reach 50 mm beside its poses. Its draws stay in the directions in which
+its tool can move, and are halved until the contour can be cut.
 A given individual may be of the production line, `sim.robot.spread.Drawn(N)`, or any `Individual`.
 The ranges are an ESTIMATE of what a cell meets in a year. The controller knows the payload,
 and nothing of the individual.
@@ -19,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from ..cell import CELLS, Cell, ToolPose, pose
+from ..cut.shapes import RADII, contour_of
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
@@ -27,6 +31,8 @@ from ..robot.individual import Individual
 from ..robot.model import RobotModel
 from ..robot.spread import Drawn
 from .checks import whole
+from .reach import candidates
+from .shapes import Shapes, check_radius, check_shape
 
 POSE_SPREAD = 0.050  # [m]
 SPEEDS = (0.020, 0.060)
@@ -35,13 +41,10 @@ SLOWEST, FASTEST = 0.001, 0.1
 """[m/s], that may be asked for: thesis 9.3.1 goes no further than 100 mm/s."""
 PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
 """[kg], by robot; a robot that is not here keeps the tool of its model."""
-RADIUS = 0.005
-"""[m], of every circle. Thesis 9.2."""
-
 TEST_SEEDS = range(900_000_000, 900_000_100)
 """Seeds of episodes that results are reported on. Training and search refuse them."""
 
-OPTIONS = ("pose", "speed", "payload", "individual")
+OPTIONS = ("pose", "speed", "payload", "individual", "shape", "radius")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,15 +60,27 @@ class Task:
     """The robot individual, or its seed."""
     seed: int
     """Of the tracker's set-up and all noise; the individual's where that is a seed."""
+    shape: str = "circle"
+    radius: float = RADII["circle"]
+    """[m], as `armside.sim.cut.shapes.contour_of` has it."""
+    near: ToolPose | None = None
+    """Named pose that a robot of a file was moved from; it may be moved less. None: it may not."""
 
 
-def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
+def draw(
+    robot: str | Cell,
+    rng: np.random.Generator,
+    options: Mapping[str, Any] | None = None,
+    shapes: Shapes = Shapes(),
+) -> Task:
     """Draw a task; what `options` gives is taken instead.
 
     The draws do not depend on the options: fixing the speed leaves the pose of a seed.
 
+    robot: name of a cell, or a cell.
     options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass of
-    the tool, [kg]) and `individual` (a seed, a `Drawn` or an `Individual`).
+    the tool, [kg]), `individual` (a seed, a `Drawn` or an `Individual`), `shape` and `radius`
+    (0.001 to 0.1 m).
 
     Raises ValueError for an option that does not exist or is out of range.
     """
@@ -75,21 +90,27 @@ def draw(robot: str, rng: np.random.Generator, options: Mapping[str, Any] | None
     unknown = [name for name in options if name not in OPTIONS]
     if unknown:
         raise ValueError(f"Unknown option {unknown[0]!r} of reset. Options: {', '.join(OPTIONS)}")
-    cell = CELLS[robot]
+    cell, ranges = (robot, None) if isinstance(robot, Cell) else (CELLS[robot], PAYLOADS.get(robot))
     base = list(cell.poses.values())[rng.integers(len(cell.poses))]
     offset = rng.uniform(-POSE_SPREAD, POSE_SPREAD, 3)
     x, y, z = (np.array(base.position) + offset).tolist()
-    payload = float(rng.uniform(*PAYLOADS.get(robot, (0.0, 1.0))))
+    payload = float(rng.uniform(*(ranges or (0.0, 1.0))))
     drawn = {
         "pose": replace(base, position=(x, y, z)),
         "speed": float(rng.uniform(*SPEEDS)),
-        "payload": payload if robot in PAYLOADS else None,
+        "payload": payload if ranges else None,
         "individual": int(rng.integers(2**31)),
     }
+    # Whatever came later is drawn later: earlier tasks stay as they were.
+    shape, radius = shapes.draw(rng)
+    drawn |= {"shape": shape, "radius": radius}
+    if radius is None:
+        drawn["radius"] = RADII[check_shape(options.get("shape", shape))]
     taken = {name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS}
     robot_or_seed = taken["individual"]
     seed = robot_or_seed if isinstance(robot_or_seed, int) else drawn["individual"]
-    return Task(**taken, seed=seed)
+    near = base if isinstance(robot, Cell) and "pose" not in options else None
+    return Task(**taken, seed=seed, near=near)
 
 
 def _option(cell: Cell, name: str, value: Any) -> Any:
@@ -99,6 +120,10 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
         if not isinstance(value, ToolPose):
             raise ValueError(f"pose must be a name or a ToolPose, got {value!r}")
         return value
+    if name == "shape":
+        return check_shape(value)
+    if name == "radius":
+        return check_radius(value)
     if name == "individual":
         return value if isinstance(value, Drawn | Individual) else whole("individual", value, 0)
     if name == "payload" and value is None:
@@ -115,9 +140,9 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
 
 
 def experiment(
-    robot: str, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
+    robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> Experiment:
-    """The experiment of a task: a circle, cut by one individual.
+    """The experiment of a task: a contour, cut by one individual.
 
     nominal: the robot's model. imu: the kind of unit at the tool.
 
@@ -128,6 +153,25 @@ def experiment(
     if isinstance(individual, int):
         # A stream apart from those that `prepare` spawns.
         individual = spread.draw(np.random.default_rng([individual, 1]), nominal)
-    base = Cut(robot=robot, radius=RADIUS, individual=individual, imu=imu)
-    cut = replace(base, pose=task.pose, speed=task.speed, payload=task.payload)
+    base = Cut(robot=robot, radius=task.radius, individual=individual, imu=imu)
+    contour = None if task.shape == "circle" else contour_of(task.shape, task.radius)
+    cut = replace(base, pose=task.pose, speed=task.speed, payload=task.payload, contour=contour)
     return prepare(cut, seed=task.seed, nominal=nominal)
+
+
+def within_reach(
+    robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
+) -> tuple[Task, Experiment]:
+    """A task and its experiment, moved less far from its named pose where that is out of reach.
+
+    Raises as `experiment`, for the named pose itself where no place near it will do.
+    """
+    if task.near is None or not isinstance(robot, Cell):
+        return task, experiment(robot, nominal, task, imu)
+    *others, last = (replace(task, pose=p) for p in candidates(robot, task.near, task.pose))
+    for moved in others:
+        try:
+            return moved, experiment(robot, nominal, moved, imu)
+        except ValueError:
+            continue
+    return last, experiment(robot, nominal, last, imu)

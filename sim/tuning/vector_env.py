@@ -36,21 +36,23 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     over start again by themselves, at the next step as Gymnasium does by default, or as
     `autoreset_mode` says.
 
-    Observations (num_envs, 50) float32, actions (num_envs, 3) or (num_envs, 18) float32, rewards
-    (num_envs,) float64, ends (num_envs,) bool.
+    Observations and actions (num_envs, ...) float32 as of the single env, rewards (num_envs,)
+    float64, ends (num_envs,) bool.
     """
 
     def __init__(
         self,
         num_envs: int = 1,
         *,
-        robot: str = "large",
+        robot: str | PathLike[str] = "large",
         motors: str = "shared",
         reward: str = "tracker",
         iterations: int = 5,
         sealed: bool = False,
         individual: int | Drawn | Individual | None = None,
         twin: str | PathLike[str] | None = None,
+        shape: str | Sequence[str] = "circle",
+        radius: float | Sequence[float] | None = None,
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
@@ -75,6 +77,8 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             sealed=sealed,
             individual=individual,
             twin=twin,
+            shape=shape,
+            radius=radius,
         )
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)

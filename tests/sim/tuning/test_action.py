@@ -36,11 +36,11 @@ def test_the_action_space_has_the_documented_shape(motors, size):
 
 @pytest.mark.parametrize("motors", list(Motors))
 def test_the_ends_of_an_action_are_the_ends_of_the_ranges(motors):
-    n = 3 * motors.count
+    n = 3 * motors.count()
     for end, name in ((-1.0, "low"), (1.0, "high")):
         made = design_of(np.full(n, end), motors)
         for variable in VARIABLES:
-            assert getattr(made, variable.name) == (getattr(variable, name),) * motors.count
+            assert getattr(made, variable.name) == (getattr(variable, name),) * motors.count()
 
 
 @pytest.mark.parametrize("motors", list(Motors))

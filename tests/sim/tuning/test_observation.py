@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 
 from armside.sim.tuning.env import IlcTuningEnv
-from armside.sim.tuning.observation import BANDS, FEATURES, SIZE, band_rms, normalised
+from armside.sim.tuning.observation import BANDS, Layout, band_rms
 from armside.sim.tuning.rules import Rules
+
+SIX = Layout()
+FEATURES, SIZE = SIX.features, SIX.size
 
 
 def test_the_table_of_the_env_says_what_the_entries_are():
     row = r"^ +\| (\d+):(\d+) \| (.*) \| (\S+) \| (\S+) \| (\S+) \| (\w+) \|$"
-    rows = re.findall(row, IlcTuningEnv.__doc__, re.M)
+    rows = re.findall(row, IlcTuningEnv.__doc__ or "", re.M)
     ends = np.cumsum([feature.size for feature in FEATURES]).tolist()
     assert [(int(a), int(b)) for a, b, *_ in rows] == list(zip([0, *ends[:-1]], ends, strict=True))
     for (_, _, name, unit, low, high, scale), feature in zip(rows, FEATURES, strict=True):
@@ -48,4 +51,4 @@ def test_features_are_scaled_clipped_and_never_nan():
     tiny = np.where(logarithmic, 0.0, -1e9)
     wide = np.stack([low, middle, high, tiny, np.full(SIZE, 1e9), low * np.nan, high * np.inf])
     expected = np.array([-1.0, 0.0, 1.0, -1.0, 1.0, 1.0, 1.0])
-    assert normalised(wide) == pytest.approx(np.tile(expected[:, None], SIZE))
+    assert SIX.normalised(wide) == pytest.approx(np.tile(expected[:, None], SIZE))
