@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ..laws.guarded import Best
 from ..learning import LoopState
 
@@ -26,6 +28,8 @@ class RunState:
     loop: LoopState
     generators: Sequence[Mapping[str, Any]] = ()
     """States of the bit generators of all noise, in a fixed order."""
+    start: Array | None = None
+    """u_0, (N, n), that the law learns around; None for a loop from zero."""
 
     def restore(self, generators: Sequence[np.random.Generator]) -> None:
         """Set sources of noise to the stored states. ValueError if they are others."""
@@ -55,6 +59,7 @@ def save_states(file: Path, states: Mapping[str, RunState]) -> list[str]:
             "memory": loop.memory,
             "first_size": loop.first_size,
             "generators": [dict(each) for each in state.generators],
+            "start": state.start,
         }
         try:
             trees[key] = _packed(content, arrays)
@@ -82,7 +87,8 @@ def _state(content: dict[str, Any]) -> RunState | None:
         return None
     names = ("k", "correction", "error", "memory", "first_size")
     loop = LoopState(**{name: content[name] for name in names})
-    return RunState(loop=loop, generators=tuple(content["generators"]))
+    generators = tuple(content["generators"])
+    return RunState(loop=loop, generators=generators, start=content.get("start"))
 
 
 def _packed(value: Any, arrays: dict[str, Any]) -> Any:

@@ -13,14 +13,15 @@ from armside.sim.part_run.results import Rows, results, rows_of
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 
-from ..cutting.part import plan_entries, planned, prepared
+from ..cutting.earlier import FromCfg, earlier, kept_state, save_state, show_transfer
+from ..cutting.part import part_of, plan_entries, planned, prepared, uncorrected
 from ..cutting.part_options import CutCfg
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, check_read
 
-Drawing = Annotated[Path, Parameter(validator=check_read)]
+Drawing = Annotated[Path | None, Parameter(validator=check_read)]
 ENDS = {
     "diverged": "learning diverged at iteration {k}",
     "worse": "learning made the tool worse than before",
@@ -28,19 +29,33 @@ ENDS = {
 """Endings that are failures."""
 
 
-def cut(part: Drawing, *, cfg: CutCfg = CutCfg(), common: Common = Common()) -> None:
+def cut(
+    part: Drawing = None,
+    *,
+    cfg: CutCfg = CutCfg(),
+    of: FromCfg = FromCfg(),
+    common: Common = Common(),
+) -> None:
     """Cut a whole part from a drawing (.dxf, .svg, .toml) and learn all its contours at once.
 
     Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
-    the first and last run, and replay.rrd.
+    the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
-    report = Report(common)
+    report, before, start = Report(common), None, None
     with checking_input():
         check_writable(common.out or RUNS / "cut")
+        if of.start is not None:
+            cfg, common, before = earlier(of.start, "cut", cfg, common, cfg.iterations)
+        part = part_of(part, before)
         job, plan = planned(part, cfg)
         ready = None if cfg.plan_only else prepared(job, plan, cfg, common.seed)
+        if before is not None and ready is not None:
+            resume = before.resume
+            start = before.correction(ready[0].motion) if resume is None else resume.start
     show_plan(report, plan)
     about: dict[str, Any] = {"part": part}
+    if before is not None:
+        about["started_from"] = before.entry
     with RunFolder("cut", seed=common.seed, out=common.out) as folder:
         write_plan(folder, plan)
         if ready is None:
@@ -49,12 +64,19 @@ def cut(part: Drawing, *, cfg: CutCfg = CutCfg(), common: Common = Common()) -> 
             (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         else:
             experiment, set_up = ready
-            found = learn(experiment, set_up, cfg.iterations)
+            resume = None if before is None else before.resume
+            found = learn(experiment, set_up, cfg.iterations, start=start, resume=resume)
             kept, rows, said = _learned(report, found, cfg.iterations + 1)
+            save_state(folder, kept_state(kept[-1].state, experiment.plant, start))
+            if before is not None and before.changed:
+                about["started_from"]["uncorrected"] = uncorrected(job, plan, cfg, common.seed)
             notes = all_notes(plan, said, rows)
             outcome = summary("cut", cfg, common, **about, **results(experiment, rows), notes=notes)
             write_results(folder, experiment, kept, outcome)
     report.notes(notes)
+    if before is not None and ready is not None:
+        without = outcome["started_from"].get("uncorrected", {}).get("arm_rms")
+        show_transfer(report, before, without, outcome["iterations"])
     if ready is not None:
         show_results(report, outcome)
     report.results(outcome, folder.path)

@@ -11,6 +11,7 @@ from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import Measure, SetUp
 from armside.sim.laser.results import results
 
+from .earlier import Earlier
 from .first_cut import ByTwin, corrected
 from .options import LaserCfg
 from .specification import cut, measure
@@ -24,6 +25,7 @@ class Prepared:
     measure: Measure
     set_up: SetUp
     by_twin: ByTwin | None = None
+    earlier: Earlier | None = None
 
     @classmethod
     def of(cls, experiment: Experiment, measure: Measure) -> "Prepared":
@@ -33,7 +35,11 @@ class Prepared:
 
     @property
     def start(self) -> Array | None:
-        """(N, 6) [rad], arm side, correction of the first run; None for none."""
+        """(N, n) [rad], arm side, correction of the first run; None for none."""
+        if self.earlier is not None:
+            resume = self.earlier.resume
+            own = self.earlier.correction(self.experiment.motion)
+            return own if resume is None else resume.start
         return None if self.by_twin is None else self.by_twin.start
 
     def by_twin_of(self, folder: Path) -> "Prepared":
@@ -47,7 +53,16 @@ class Prepared:
 
     def iterations(self, count: int) -> Iterator[Iteration]:
         """Iterations k = 0 .. `count`, until done or diverged."""
-        return iterate(self.experiment, self.set_up, count, start=self.start)
+        resume = None if self.earlier is None else self.earlier.resume
+        return iterate(self.experiment, self.set_up, count, start=self.start, resume=resume)
+
+    @property
+    def uncorrected(self) -> Iteration | None:
+        """The first run without correction, where one was taken over from another experiment."""
+        if self.earlier is None or not self.earlier.changed:
+            return None
+        fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
+        return next(iterate(fresh, self.measure.prepare(fresh), 0))
 
 
 def prepared(cfg: LaserCfg, seed: int) -> Prepared:

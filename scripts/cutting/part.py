@@ -9,11 +9,25 @@ from armside.sim.part.file import read_part
 from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import Job, PartExperiment, prepare
 from armside.sim.part_run.experiment import planned as plan_of
+from armside.sim.part_run.learning import learn
+from armside.sim.part_run.results import results, rows_of
 from armside.sim.part_run.tool_measure import MEASURES
+from armside.sim.records.files import check_file
 
 from ..shell.effort import refuse_absurd
+from ..shell.errors import InputError
+from .earlier import Earlier
 from .effort import effort
 from .part_options import CutCfg, cutting, reading, setup
+
+
+def part_of(file: Path | None, before: Earlier | None) -> Path:
+    """The drawing that was given, or that of the earlier run. Raises InputError for none."""
+    if file is not None:
+        return file
+    if before is None:
+        raise InputError("a drawing is needed (.dxf, .svg, .toml), or --from RUN")
+    return check_file(Path(before.run.summary["part"]))
 
 
 def planned(file: Path, cfg: CutCfg) -> tuple[Job, Plan]:
@@ -44,6 +58,13 @@ def prepared(job: Job, plan: Plan, cfg: CutCfg, seed: int) -> tuple[PartExperime
     experiment = prepare(job, plan, seed=seed)
     measure = MotorAngles() if cfg.measure == "motor" else MEASURES[cfg.measure]
     return experiment, measure.prepare(experiment)
+
+
+def uncorrected(job: Job, plan: Plan, cfg: CutCfg, seed: int) -> dict[str, Any]:
+    """Measures of all contours in a first run without correction."""
+    experiment, set_up = prepared(job, plan, cfg, seed)
+    (first,) = learn(experiment, set_up, 0)
+    return results(experiment, [rows_of(first)])["iterations"][0]
 
 
 def plan_entries(found: Plan) -> dict[str, Any]:

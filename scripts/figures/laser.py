@@ -91,15 +91,17 @@ def errors(
     arm_maxdev: Sequence[float | None],
     *,
     motor_label: str = "motor error, 2-norm, normalised",
+    ks: Sequence[int] | None = None,
 ) -> None:
     """Errors by iteration: the motors on the left, the tool on the right. Thesis Figs 9.9, 9.11.
 
-    motor: (K, n) normalised motor errors. arm_rms, arm_maxdev: (K,) [m].
+    motor: (K, n) normalised motor errors. arm_rms, arm_maxdev: (K,) [m]. ks: (K,) iterations,
+    0 .. K - 1 if None.
     """
     figure = new_figure(9.6, 4.0)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.91, wspace=0.24)
-    iterations = np.arange(len(motor))
+    iterations = np.arange(len(motor)) if ks is None else np.array(ks)
     for i, values in enumerate(motor.T):
         label, color, marker = f"motor {i + 1}", COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]
         left.plot(iterations, values, marker=marker, color=color, ms=5, lw=1.3, label=label)

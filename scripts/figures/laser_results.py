@@ -46,9 +46,11 @@ def write(
     )
     reference = curve.point(np.linspace(0.0, curve.length, 361))
     paths = [it.tool.path for it in iterations]
-    figures.circles(folder / "circles.png", reference, paths, rms=rms, maxdev=maxdev)
+    names = [f"k = {it.k}" for it in iterations]
+    figures.circles(folder / "circles.png", reference, paths, rms=rms, maxdev=maxdev, names=names)
     label = "motor error, ∞-norm, normalised"
-    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, motor_label=label)
+    errors: dict[str, Any] = {"motor_label": label, "ks": [row["k"] for row in rows]}
+    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, **errors)
     # The first cut and the last, as the tool truly made them.
     shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
     cuts = [(it.k, kerf(curve, it.tool_true.path, outcome["kerf"]["beam"])) for it in shown]

@@ -114,7 +114,8 @@ def write_results(
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
     )
     label = "motor error, ∞-norm, normalised"
-    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, motor_label=label)
+    errors: dict[str, Any] = {"motor_label": label, "ks": [row["k"] for row in rows]}
+    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, **errors)
 
 
 def write_plan(folder: RunFolder, plan: Plan) -> Path:

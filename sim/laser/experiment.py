@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.learning import Trial
+from armside.ilc.learning import LoopState, Trial
 
 from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
@@ -66,6 +66,8 @@ class Iteration:
     diverged: bool
     notes: tuple[Note, ...] = ()
     """Notes of the learning loop."""
+    state: LoopState | None = field(default=None, repr=False)
+    """State of the loop after it; None for a run that was not made by one."""
 
 
 def prepare(
@@ -107,6 +109,7 @@ def evaluated(
         tool_true=true_tool_error(motion, run),
         diverged=trial.diverged,
         notes=notes,
+        state=None if trial.first_size is None else trial.state,
     )
 
 

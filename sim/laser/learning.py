@@ -12,11 +12,13 @@ from armside.ilc.laws import Law
 from armside.ilc.laws.around import Around
 from armside.ilc.laws.guarded import Guarded
 from armside.ilc.plant import Plant
+from armside.ilc.workbench.state import RunState
 
 from ..notes import Cause, Note
 from .experiment import Experiment, Iteration, evaluated, prepare
 from .measures import Measure, MotorAngles, Noted, Output, SetUp
 from .plant import Pass
+from .resume import first_trial, restore
 from .specification import Cut
 from .tool_measure import Source, ToolPath
 
@@ -71,11 +73,17 @@ def iterate(
     law: Law | None = None,
     plant: Plant[Pass] | None = None,
     start: Array | None = None,
+    resume: RunState | None = None,
 ) -> Iterator[Iteration]:
-    """As `learn`, for a prepared experiment and measure: `measure.prepare`."""
+    """As `learn`, for a prepared experiment and measure: `measure.prepare`.
+
+    resume: state after an earlier run, which is gone on from; see `trials`.
+    """
+    start = start if resume is None else resume.start
     first = first_run(experiment, plant, start)
     output = set_up(first)
-    yield from learned(experiment, output, first, iterations, law=law, plant=plant, start=start)
+    about = {"law": law, "plant": plant, "start": start, "resume": resume}
+    yield from learned(experiment, output, first, iterations, **about)
 
 
 def first_run(
@@ -96,6 +104,7 @@ def learned(
     plant: Plant[Pass] | None = None,
     repeats: int = 1,
     start: Array | None = None,
+    resume: RunState | None = None,
 ) -> Iterator[Iteration]:
     """As `learn`, from an output that was set up by the first run.
 
@@ -103,7 +112,7 @@ def learned(
     """
     used = experiment.plant if plant is None else plant
     more = [first_run(experiment, plant, start) for _ in range(repeats - 1)]
-    found = trials(used, output, [first, *more], iterations, law=law, start=start)
+    found = trials(used, output, [first, *more], iterations, law=law, start=start, resume=resume)
     for trial, notes in found:
         yield evaluated(experiment, trial, trial.result[0], notes)
 
@@ -116,26 +125,39 @@ def trials(
     *,
     law: Law | None = None,
     start: Array | None = None,
+    resume: RunState | None = None,
 ) -> Iterator[tuple[learning.Trial[list[Pass]], tuple[Note, ...]]]:
     """Trials k = 0 .. `iterations` with notes of the loop, from the runs of k = 0.
 
-    first: runs of k = 0; as many are averaged in each iteration.
+    Args:
+        first: runs of k = 0; as many are averaged in each iteration.
+        resume: state after trial K of an earlier loop: the trials are then 0, which is that of
+            `first`, and K + 1 .. K + iterations, the same as those of one loop.
+
+    Raises InputError where `first` is not the first run of the loop that is resumed.
     """
     law = output.law if law is None else law
     law = law if start is None else Around(law, start)
+    loop = None if resume is None else resume.loop
+    if resume is not None:
+        yield first_trial(output, first, resume), ()
+        restore(plant, resume)
     found = learning.learn(
         _Repeated(plant, len(first)),
         law,
         output.reference,
         iterations,
         output_of=lambda runs: np.mean([output(run) for run in runs], axis=0),
-        first_correction=start,
-        first_result=first,
+        first_correction=None if loop else start,
+        first_result=None if loop else first,
+        resume=loop,
         size_of=output.size,
         n_inputs=first[0].recording.n_axes,
         divergence_ratio=DIVERGENCE_RATIO * (1.0 if start is None else FROM_A_MODEL),
     )
     smallest = np.inf
+    if loop is not None and isinstance(law, Guarded):
+        smallest = min(np.inf if loop.memory is None else loop.memory.size, law.size(loop.error))
     for trial in found:
         notes = output.notes if isinstance(output, Noted) else ()
         if isinstance(law, Guarded):

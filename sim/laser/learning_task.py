@@ -9,6 +9,7 @@ from armside.ilc.models.system_matrix import Model
 from armside.ilc.workbench.task import Task
 
 from ..evaluation.tool_error import tool_error
+from ..part.carried import place
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import default_design
 from .experiment import prepare
@@ -34,7 +35,6 @@ def learning_task(cut: Cut, *, seed: int = 0, name: str = "", model: Model | Non
     def measures(run: Pass) -> Mapping[str, float]:
         return {"arm_rms": tool_error(motion, run.tracker.time, run.tracker.position).rms}
 
-    at_contour = float(np.interp(motion.contour_time[0], motion.time, motion.arc_length))
     return Task(
         name=name or str(cut.robot),
         reference=experiment.loaded.reference,
@@ -44,7 +44,7 @@ def learning_task(cut: Cut, *, seed: int = 0, name: str = "", model: Model | Non
         measures_of=measures,
         generators_of=_generators,
         model=model,
-        place=motion.arc_length - at_contour,  # leads are longer at a higher speed
+        place=place(motion),
         cutoff=design.cutoff[0],
         design=(design.gamma[0], design.delta[0]),
     )

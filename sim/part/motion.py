@@ -128,6 +128,15 @@ class PartMotion:
         """(N, 4), base to tool."""
         return np.tile(self.tool_quaternion, (self.n_samples, 1))
 
+    @cached_property
+    def arc_length(self) -> Array:
+        """(N,) [m], of all moves and cuts together."""
+        travelled = np.zeros(self.n_samples)
+        for leg in self.legs:
+            s, _, _ = leg.timing.at(np.clip(self.time - leg.start, 0.0, leg.timing.duration))
+            travelled += np.clip(s, 0.0, leg.path.length)
+        return np.maximum.accumulate(travelled)
+
     @property
     def motion_end(self) -> float:
         """[s]."""

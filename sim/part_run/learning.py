@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from armside.arrays import Array
+from armside.ilc.learning import LoopState
+from armside.ilc.workbench.state import RunState
 
 from ..evaluation.contour_error import ContourError, contour_errors
 from ..instruments.sampling import rate_of, stride
@@ -33,20 +35,30 @@ class PartIteration:
     """By the ground truth."""
     diverged: bool
     notes: tuple[Note, ...] = ()
+    state: LoopState | None = field(default=None, repr=False)
+    """State of the loop after it."""
 
 
 def learn(
-    experiment: PartExperiment, set_up: SetUp, iterations: int, *, start: Array | None = None
+    experiment: PartExperiment,
+    set_up: SetUp,
+    iterations: int,
+    *,
+    start: Array | None = None,
+    resume: RunState | None = None,
 ) -> Iterator[PartIteration]:
     """Iterations k = 0 .. `iterations` of a part, until done or diverged.
 
     Args:
         set_up: of the measure that is learned from: `measure.prepare(experiment)`.
         start: (N, 6) [rad], correction of the first run; zero if None.
+        resume: state after an earlier run, which is gone on from; see `laser.learning.trials`.
     """
+    start = start if resume is None else resume.start
     zero = np.zeros_like(experiment.loaded.reference)
     first = experiment.plant.run(zero if start is None else start)
-    found = trials(experiment.plant, set_up(first), [first], iterations, start=start)
+    about = {"start": start, "resume": resume}
+    found = trials(experiment.plant, set_up(first), [first], iterations, **about)
     beam, motion = experiment.job.cutting.beam, experiment.motion
     for trial, notes in found:
         (run,) = trial.result
@@ -59,6 +71,7 @@ def learn(
             contours_true=contour_errors(motion, *_true(run), beam),
             diverged=trial.diverged,
             notes=notes,
+            state=trial.state,
         )
 
 
