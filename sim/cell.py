@@ -12,6 +12,8 @@ import numpy as np
 from armside import assets, kinematics
 from armside.arrays import Array
 
+from .hardware.estimate import Taken
+
 
 @dataclass(frozen=True)
 class ToolPose:
@@ -96,6 +98,8 @@ class Cell:
     """The tool's orientation is free: a contour sets its position alone."""
     learning: Learning | None = None
     """Default design of learning from motor angles; that of the thesis if None."""
+    estimates: tuple[Taken, ...] = ()
+    """Numbers of the hardware that a robot file without an MJCF leaves to estimates."""
 
 
 _PROGRAMS = assets.IRB1400_XML.parent / "programs"

@@ -1,9 +1,10 @@
-"""Cells on disk: a robot with its model, poses and programs in TOML, beside its MJCF.
+"""Cells on disk: a robot with its hardware or model, poses and programs in TOML.
 
 The kinematics are those of a robot file (`armside.kinematics.robot_file`: name, convention, offset,
 coupling, [[link]], [limits]), or of a URDF file. Beside them:
 
-    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file
+    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file [default:
+                                         # built from this file]
     urdf = "my_robot.urdf"               # in place of [[link]] and [limits]; a tree: FILE.urdf#TIP
     orientation = "held"                 # or "free": contours set positions alone [default: held
                                          # for six axes and more, free for fewer]
@@ -15,7 +16,8 @@ coupling, [[link]], [limits]), or of a URDF file. Beside them:
 
     [pose.p1]                            # named poses of the tool, at least one
     position = [0.7, 0.3, 1.0]           # [m], base axes
-    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]
+    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]; or
+                                         # rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
     [program]                            # motions of the IMU experiment: program files, beside this
     simultaneous = ["programs/my_robot.toml"]
@@ -25,8 +27,10 @@ coupling, [[link]], [limits]), or of a URDF file. Beside them:
     delta = 3                            # [samples of 4 ms]
     cutoff = 10                          # [Hz]
 
-Drives, springs and masses are those of the MJCF. Before anything runs, its kinematics are compared
-with those of this file.
+Drives, springs and masses are those of the MJCF. Without `model` they are those of the tables
+[hardware], [base], [[body]], [drives], [gears], [[structure]], [effects] and [tool] of this file
+(`armside.sim.hardware`), or estimated, and the MJCF is built from them. Before anything runs, the
+kinematics of the MJCF are compared with those of this file.
 """
 
 from collections.abc import Mapping
@@ -37,8 +41,10 @@ from typing import Any
 import numpy as np
 
 from armside import kinematics
+from armside.arrays import Array
 from armside.kinematics import Joint
 from armside.kinematics.catalogue import find_arm
+from armside.kinematics.equations.inertial_model import Body
 from armside.kinematics.robot_file import (
     KEYS,
     Arm,
@@ -48,10 +54,16 @@ from armside.kinematics.robot_file import (
     read_toml,
     refuse_unknown,
 )
+from armside.kinematics.rotation import to_quaternion
+from armside.kinematics.urdf import read_urdf
 
 from .cell import CELLS, Cell, Learning, ToolPose
+from .hardware.build import build, cached
+from .hardware.description import LinkBody
+from .hardware.estimate import Taken
+from .hardware.reading import TABLES, read_hardware
 
-_OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning")
+_OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
 _LEARNING = ("gamma", "delta", "cutoff")
 _UNIT = 1e-3
 """Largest difference of a quaternion's length from 1."""
@@ -80,7 +92,7 @@ def find_robot(name: str) -> Arm:
     Raises as `find_arm` and `read_cell`.
     """
     file = Path(name)
-    if name.endswith(".toml") and "model" in read_toml(file, lambda data: data):
+    if name.endswith(".toml") and read_toml(file, lambda data: set(data) & set(_OWN)):
         cell = read_cell(file)
         return Arm(cell.robot, cell.limits)
     return find_arm(name)
@@ -102,10 +114,13 @@ def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
     home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
     if home is not None and not limits.contain(home):
         raise ValueError(f"home must be within the limits, got {list(home)}")
+    with_imu = _with_imu(arm, data)
+    xml, estimates = _hardware(arm, with_imu, home, data, folder)
     return Cell(
-        xml=_beside(folder, "model", data.get("model")),
+        xml=xml,
+        estimates=estimates,
         robot=robot,
-        with_imu=_with_imu(arm, data),
+        with_imu=with_imu,
         limits=limits,
         poses=_poses(data.get("pose")),
         programs=_programs(data.get("program", {}), folder),
@@ -113,6 +128,45 @@ def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
         free_rotation=_free(data, robot.n_joints),
         learning=_learning(data["learning"]) if "learning" in data else None,
     )
+
+
+def _hardware(
+    arm: Arm,
+    with_imu: kinematics.Robot,
+    home: tuple[float, ...] | None,
+    data: Mapping[str, Any],
+    folder: Path,
+) -> tuple[Path, tuple[Taken, ...]]:
+    """MJCF that the file names, or that is built from it, with the estimates in that."""
+    if "model" in data:
+        if given := [name for name in TABLES if name in data]:
+            raise ValueError(f"model has the hardware: leave out {', '.join(given)}")
+        return _beside(folder, "model", data["model"]), ()
+    hardware = read_hardware(data, arm.robot.n_joints)
+    if "urdf" in data and not hardware.bodies:
+        hardware = replace(hardware, bodies=_bodies_of_urdf(data, folder))
+    built = build(arm.robot, arm.limits, hardware, home=home, with_imu=with_imu)
+    return cached(arm.robot.name, built.text), built.taken
+
+
+def _bodies_of_urdf(data: Mapping[str, Any], folder: Path) -> tuple[LinkBody, ...]:
+    """Bodies of the moving links of a URDF file; none where it has no masses."""
+    file, _, links = str(data["urdf"]).partition("#")
+    base, _, tip = links.rpartition(":")
+    arm = read_urdf(_beside(folder, "urdf", file), base or None, tip or None)
+    if arm.bodies is None:
+        return ()
+    moving = [b for b, link in zip(arm.bodies, arm.robot.links, strict=True) if link.moves]
+    return tuple(_link_body(body) for body in moving)
+
+
+def _link_body(body: Body) -> LinkBody:
+    if not float(body.mass) > 0.0:
+        return LinkBody()
+    x, y, z = map(float, body.com)
+    xx, yy, zz, xy, xz, yz = map(float, body.inertia)
+    inertia = xx, yy, zz, xy, xz, yz
+    return LinkBody(mass=float(body.mass), centre=(x, y, z), inertia=inertia)
 
 
 def _arm(data: Mapping[str, Any], folder: Path) -> Arm:
@@ -167,14 +221,31 @@ def _poses(tables: Any) -> dict[str, ToolPose]:
 def _pose(where: str, table: Any) -> ToolPose:
     if not isinstance(table, dict):
         raise ValueError(f"{where} must be a table with a position")
-    refuse_unknown(where, table, ("position", "quaternion"))
+    refuse_unknown(where, table, ("position", "quaternion", "rotation"))
     x, y, z = _vector(f"{where}: position", table.get("position"), 3)
+    if "rotation" in table:
+        if "quaternion" in table:
+            raise ValueError(f"{where}: give quaternion or rotation, not both")
+        a, b, c, d = to_quaternion(_rotation(f"{where}: rotation", table["rotation"])).tolist()
+        return ToolPose((x, y, z), (a, b, c, d))
     q = _vector(f"{where}: quaternion", table.get("quaternion", [1, 0, 0, 0]), 4)
     length = float(np.linalg.norm(q))
     if abs(length - 1.0) > _UNIT:
         raise ValueError(f"{where}: quaternion must have length 1, got {length:.4g}")
     a, b, c, d = q if abs(length - 1.0) < 1e-12 else (value / length for value in q)
     return ToolPose((x, y, z), (a, b, c, d))
+
+
+def _rotation(where: str, rows: Any) -> Array:
+    """Rotation matrix (3, 3), whose columns are the tool's axes in base axes."""
+    if not (isinstance(rows, list) and len(rows) == 3 and all(isinstance(r, list) for r in rows)):
+        raise ValueError(f"{where} must be 3 rows of 3 numbers, got {rows!r}")
+    R = np.array([_vector(where, row, 3) for row in rows])
+    if np.abs(R.T @ R - np.eye(3)).max() > _UNIT:
+        raise ValueError(f"{where} must have columns of length 1 at right angles, got {rows}")
+    if np.linalg.det(R) < 0.0:
+        raise ValueError(f"{where} must be right-handed, got a reflection: {rows}")
+    return R
 
 
 def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:

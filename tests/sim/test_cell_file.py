@@ -56,7 +56,7 @@ def test_fewer_than_six_axes_leave_the_orientation_free_unless_it_is_held(tmp_pa
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('model = "two_link.xml"', "", "model must be the name of a file, got None"),
+        ('model = "two_link.xml"', "model = 3", "model must be the name of a file, got 3"),
         ('"two_link.xml"', '"none.xml"', "model must be a file, there is no"),
         ('"free"', '"loose"', "orientation must be one of held, free, got 'loose'"),
         (r"\[-0.5, 1.5\]", "[0.0]", "home must have 2 numbers, got 1"),
