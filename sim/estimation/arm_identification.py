@@ -33,8 +33,9 @@ SOFTEST = 0.4
 """Lowest mode over that of the assumed arm. Gears and structure in series give 0.6 to 0.8; below
 lie springs that explain a record by the change of gravity sag along the cut. ESTIMATE."""
 _STARTS = ((0.0, 0.0), (-0.3, -0.3), (-0.3, 0.0), (-0.7, -0.3), (-0.7, 0.3), (-1.1, 0.0))
-"""Starts of log K of axes 1 to 3 and of the wrist. A structure in series with the gears of the
-first only softens them. The wrist is not searched beyond its prior, where wrong minima lie."""
+"""Starts of log K of the axes before the wrist and of the wrist. A structure in series with the
+gears of the first only softens them. The wrist is not searched beyond its prior, where wrong minima
+lie."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +111,7 @@ def identify(
     Raises RuntimeError where no start leads to a minimum.
     """
     n = len(arm.axes)
-    nominal, sd = linearised(arm, rest), prior.standard_deviation(n)
+    nominal, sd = linearised(arm, rest), prior.standard_deviation(arm)
     innovations = _Innovations(arm, nominal, run, imu, prior, process_noise)
     starts = [np.repeat((*k, 0.0), (*arm_and_wrist(n), sd.size - n)) for k in _STARTS]
     rigid = estimate_parameters(innovations, np.zeros(sd.size), sd, starts)
@@ -121,7 +122,7 @@ def identify(
     best = estimate_parameters(innovations, np.zeros(sd.size), sd, [rigid.theta])
     springs = springs_at(arm, prior, best.theta, process_noise.fraction)
     fit = replace(best, costs=rigid.costs)
-    return Identified(springs, fit, prior.names(n), whiteness(best.innovation))
+    return Identified(springs, fit, prior.names(arm), whiteness(best.innovation))
 
 
 def synchronised(

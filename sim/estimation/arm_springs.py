@@ -2,9 +2,9 @@
 
     theta = (log K_11..K_nn, log D scale, clock offset, log process noise, mounting (3), rho_ij)
 
-relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). An elastic structure couples axes that
-rotate the tool alike: in an arm of six axes those in its vertical plane with each other, and the
-others. Arms of other numbers of axes are taken to have springs in their gears alone.
+relative to the nominal arm: K_ij = rho_ij sqrt(K_ii K_jj). An elastic structure couples axes of
+equal parity (`coupled_axes`): in an arm of six axes those in its vertical plane with each other,
+and the others.
 """
 
 from dataclasses import dataclass, fields
@@ -15,15 +15,11 @@ from armside.arrays import Array
 
 from .nominal import NominalArm
 
-COUPLED = ((1, 2), (1, 4), (2, 4), (0, 3), (0, 5), (3, 5))
-"""Axes 2, 3, 5 and axes 1, 4, 6, counted from 0."""
-COUPLED_AXES = 6
-
 
 def arm_and_wrist(n_axes: int) -> tuple[int, int]:
-    """Number of axes that stand in the structure, and of those behind them: the wrist."""
-    arm = min(n_axes, 3)
-    return arm, n_axes - arm
+    """Number of axes that stand in the structure, and of those behind them: a wrist of up to 3."""
+    wrist = min(max(n_axes - 3, 0), 3)
+    return n_axes - wrist, wrist
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,10 +27,10 @@ class SpringPrior:
     """Prior standard deviations of the parameters around the nominal arm."""
 
     stiffness: float = 0.6
-    """Log K of axes 1 to 3: the structure they stand in is in series with their gears and makes
-    them softer, twice and more. ESTIMATE."""
+    """Log K of the axes before the wrist: the structure they stand in is in series with their gears
+    and makes them softer, twice and more. ESTIMATE."""
     wrist_stiffness: float = 0.2
-    """Log K of the axes from 4 on: uniform within +- 30 % is a standard deviation of 0.17. A wider
+    """Log K of the wrist: uniform within +- 30 % is a standard deviation of 0.17. A wider
     one lets the wrist explain what is not its own, and ends in wrong minima."""
     damping: float = 0.5
     """Log of the damping's scale."""
@@ -54,21 +50,21 @@ class SpringPrior:
         if not self.coupling >= 0.0:
             raise ValueError(f"coupling must be >= 0, got {self.coupling}")
 
-    def pairs(self, n_axes: int) -> tuple[tuple[int, int], ...]:
+    def pairs(self, arm: NominalArm) -> tuple[tuple[int, int], ...]:
         """Axes that the structure may couple, counted from 0."""
-        return COUPLED if self.coupling > 0.0 and n_axes == COUPLED_AXES else ()
+        return arm.coupled if self.coupling > 0.0 else ()
 
-    def standard_deviation(self, n_axes: int) -> Array:
+    def standard_deviation(self, arm: NominalArm) -> Array:
         """(m,), of theta; its mean is 0."""
         values = self.stiffness, self.wrist_stiffness, self.damping, self.clock, self.process_noise
-        repeats = (*arm_and_wrist(n_axes), 1, 1, 1, 3, len(self.pairs(n_axes)))
+        repeats = (*arm_and_wrist(len(arm.axes)), 1, 1, 1, 3, len(self.pairs(arm)))
         return np.repeat([*values, self.mounting, self.coupling], repeats)
 
-    def names(self, n_axes: int) -> tuple[str, ...]:
+    def names(self, arm: NominalArm) -> tuple[str, ...]:
         """(m,), of the entries of theta."""
-        stiffness = (f"stiffness {i}" for i in range(1, n_axes + 1))
+        stiffness = (f"stiffness {i + 1}" for i in range(len(arm.axes)))
         mounting = (f"mounting {axis}" for axis in "xyz")
-        pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs(n_axes))
+        pairs = (f"coupling {i + 1}-{j + 1}" for i, j in self.pairs(arm))
         return (*stiffness, "damping", "clock", "process noise", *mounting, *pairs)
 
 
@@ -97,7 +93,7 @@ def springs_at(arm: NominalArm, prior: SpringPrior, theta: Array, fraction: floa
     n = len(arm.axes)
     own = np.diag(arm.stiffness) * np.exp(theta[:n])
     K = np.diag(own)
-    for rho, (i, j) in zip(theta[n + 6 :], prior.pairs(n), strict=True):
+    for rho, (i, j) in zip(theta[n + 6 :], prior.pairs(arm), strict=True):
         K[i, j] = K[j, i] = rho * np.sqrt(own[i] * own[j])
     damping, clock, noise = theta[n : n + 3]
     mounting = theta[n + 3 : n + 6].copy()

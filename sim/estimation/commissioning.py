@@ -67,6 +67,8 @@ class Commissioned:
     """Plant model of the law."""
     fault: ImuError | None
     """Fault for which the IMU is not used."""
+    lowest_mode: float = 0.0
+    """Of the plant's arm [Hz], motors held, where its springs were identified; else 0."""
 
 
 def commission(
@@ -116,7 +118,9 @@ def commission(
     known = estimator(arm, assumed, rest, imu, cfg.process_noise)
     on = known if cfg.law_identified else estimator(arm, nominal, rest, imu, cfg.process_noise)
     plant = ArmPlant(robot=robot, arm=on.model.arm, period=LOG_PERIOD)
-    return Commissioned(assumed, identified, known, plant, fault)
+    trusted = springs is not None and cfg.law_identified
+    lowest = float(plant.arm.locked_modes()[0]) if trusted else 0.0
+    return Commissioned(assumed, identified, known, plant, fault, lowest)
 
 
 def _check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:

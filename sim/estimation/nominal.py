@@ -27,6 +27,7 @@ from ..robot.flexibility import Flexibility, without
 from ..robot.free_motion import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
 from ..robot.model import RobotModel, posture
+from .coupled_axes import coupled_axes
 
 
 def pairs_of(n_axes: int) -> tuple[tuple[int, int], ...]:
@@ -77,6 +78,11 @@ class NominalArm:
         follow = np.eye(self.mj.nv)[:, joints]
         follow[:, self.axes] = posture(self.mj, joints[self.axes])
         return FreeMotion(self.mj, follow)
+
+    @cached_property
+    def coupled(self) -> tuple[tuple[int, int], ...]:
+        """Axes that the structure may couple, counted from 0."""
+        return coupled_axes(self.mj, [f"flex_{i + 1}" for i in range(len(self.axes))])
 
     @property
     def n_free(self) -> int:

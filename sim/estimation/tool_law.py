@@ -16,6 +16,9 @@ from armside.ilc.laws.regularised_inverse import RegularisedInverse
 from ..robot.virtual_robot import LOG_PERIOD
 from .arm_plant import ArmPlant
 
+STIFFEST = 20.0
+"""Largest pass band by the arm's lowest mode [Hz], as of learning from the motors' angles."""
+
 
 class ToolLawKind(Enum):
     """Law for errors of the tool."""
@@ -33,7 +36,7 @@ class ToolLaw:
     gamma: float = 0.9
     """Learning gain."""
     cutoff: float | None = None
-    """Of Q [Hz]; `pass_band` of the programmed contour if None."""
+    """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
     rotation_weight: float = 0.1
@@ -43,13 +46,22 @@ class ToolLaw:
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
 
-    def law(self, plant: ArmPlant, turn_rate: float, *, rotations: bool = True) -> Law:
+    def law(
+        self,
+        plant: ArmPlant,
+        turn_rate: float,
+        *,
+        rotations: bool = True,
+        lowest_mode: float = 0.0,
+    ) -> Law:
         """The law on a plant's model. Raises ValueError for design variables out of range.
 
-        turn_rate: of the programmed contour [turns/s]. rotations: errors have orientations, not
-        positions alone.
+        Args:
+            turn_rate: of the programmed contour [turns/s].
+            rotations: errors have orientations, not positions alone.
+            lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
-        cutoff = pass_band(turn_rate) if self.cutoff is None else self.cutoff
+        cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
         rotation = self.rotation_weight if rotations else 0.0
         weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
         size = tuple(float(s) for s in plant.input_size)
@@ -75,10 +87,13 @@ class ToolLaw:
         return Guarded(law=chosen, weight=weight) if self.guarded else chosen
 
 
-def pass_band(turn_rate: float) -> float:
+def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:
     """Cutoff of Q [Hz] for a contour with `turn_rate` turns a second.
 
     10 Hz. Of a fast contour the third harmonic has to pass, which it does with a gain of three
     quarters at four times the first; above 15 Hz models identified from one run no longer hold.
+    An arm whose lowest identified mode is higher is learned up to it, at most to `STIFFEST`: its
+    model holds there, and drives leave errors that a soft arm's law must not touch.
     """
-    return min(max(10.0, 4.0 * turn_rate), 15.0)
+    by_contour = min(max(10.0, 4.0 * turn_rate), 15.0)
+    return max(by_contour, min(lowest_mode, STIFFEST))

@@ -111,9 +111,14 @@ class ToolOutput:
 
     @property
     def law(self) -> Law:
-        """Law on the commissioned arm. Raises ValueError for design variables out of range."""
-        rotations, turn_rate = self.measure.source is not Source.TRACKER, self.experiment.turn_rate
-        return self.measure.law.law(self.known.plant, turn_rate, rotations=rotations)
+        """Law on the commissioned arm. Raises ValueError for design variables out of range.
+
+        A tool whose orientation is free turns as its position asks: no error of the program.
+        """
+        turn_rate, free = self.experiment.turn_rate, self.experiment.setup.cell.free_rotation
+        rotations = self.measure.source is not Source.TRACKER and not free
+        how = {"rotations": rotations, "lowest_mode": self.known.lowest_mode}
+        return self.measure.law.law(self.known.plant, turn_rate, **how)
 
     @property
     def notes(self) -> tuple[Note, ...]:

@@ -45,6 +45,14 @@ def test_the_design_variables_reach_the_law():
     assert default.law(PLANT, 1.27).cutoff == pass_band(1.27)
 
 
+def test_a_stiff_arm_is_learned_up_to_its_lowest_mode():
+    law = ToolLaw(guarded=False)
+    assert law.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 12.0
+    assert law.law(PLANT, 1.27, lowest_mode=45.0).cutoff == 20.0
+    assert law.law(PLANT, 3.2, lowest_mode=12.0).cutoff == pass_band(3.2)
+    assert law.law(PLANT, 1.27, lowest_mode=6.0).cutoff == pass_band(1.27) == 10.0
+
+
 def test_each_kind_is_its_law():
     optimal = ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False).law(PLANT, 1.27)
     assert isinstance(optimal, RecordOptimal)
