@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from armside.sim.cell import LARGE_ROBOT_POSES, pose
+from armside.sim.cell import pose
+from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
@@ -41,10 +42,12 @@ MEASURES = 4
 @options
 @dataclass(frozen=True, kw_only=True)
 class CompareCfg(IndividualCfg):
-    """Cuts of the large robot."""
+    """Cuts of one robot."""
 
-    poses: Annotated[tuple[str, ...], _Several] = tuple(LARGE_ROBOT_POSES)
-    """Poses: p1, p2, p3 of thesis (9.3)."""
+    robot: str = "large"
+    """Robot: large, irb1400, or a robot file (.toml)."""
+    poses: Annotated[tuple[str, ...], _Several] = ()
+    """Named poses [default: all of the robot; p1, p2 and p3 of thesis (9.3) of the large one]."""
     speeds: Annotated[tuple[float, ...], _Several] = (40.0, 100.0)
     """Programmed speeds [mm/s]."""
     raised_acceleration: float = 2.2
@@ -63,11 +66,12 @@ class CompareCfg(IndividualCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        known = find_cell(self.robot).poses
+        object.__setattr__(self, "poses", self.poses or tuple(known))
         for name in self.poses:
-            pose(name)
-        for name in ("poses", "speeds"):
-            if not getattr(self, name):
-                raise ValueError(f"{name} takes one value or more, got none")
+            pose(name, known)
+        if not self.speeds:
+            raise ValueError("speeds takes one value or more, got none")
         for speed in self.speeds:
             if not SLOWEST <= speed <= LARGEST["speed"][0]:
                 raise ValueError(f"speeds must be > 0 mm/s, at most 10000, got {speed:g}")
@@ -86,7 +90,9 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
         if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):
             limits.append(PathLimits(acceleration=cfg.raised_acceleration))
         for limit, name in product(limits, cfg.poses):
-            cut = Cut(pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot)
+            cut = Cut(
+                robot=cfg.robot, pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot
+            )
             yield Case(cut=cut, seed=seed)
 
 

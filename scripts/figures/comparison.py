@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.cell import LARGE_CELL
 from armside.sim.laser.comparison import Case, rms
 from armside.sim.laser.experiment import Iteration
 
@@ -89,4 +88,4 @@ def write_replay(file: Path, case: Case, found: Learned) -> None:
         for k, it in enumerate(shown)
     ]
     mj, motion = experiment.loaded.model.mj, experiment.motion
-    write_scenes(file, [Scene(mj=mj, runs=runs, motion=motion, robot=LARGE_CELL.robot)])
+    write_scenes(file, [Scene(mj=mj, runs=runs, motion=motion, robot=case.cut.cell.robot)])

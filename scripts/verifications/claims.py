@@ -43,6 +43,10 @@ def _load(name: str) -> Function:
             from .irb1400 import imu as claim
         case "estimation":
             from .estimation import estimation as claim
+        case "estimation-irb1400":
+            from .estimation_arms import irb1400 as claim
+        case "estimation-arms":
+            from .estimation_arms import arms as claim
         case "estimation-controls":
             from .controls import controls as claim
         case "imu-causes":
@@ -72,6 +76,7 @@ _SEEDS = {
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
     **{"first-cut": 6, "first-cut-imu": 6, "imu-twin": 2},
+    **{"estimation-irb1400": 10, "estimation-arms": 3},
     **{"laser-irb1400": 20, "laser-irb1400-design": 20},
 }
 """A new claim is one entry here and two lines in `_load`."""
