@@ -12,7 +12,8 @@ from ..equations.inertial_model import Body, InertialModel
 from ..limits import Limits
 from .bodies import summed
 from .chain import chain, children
-from .elements import Document, Inertial, Kind, UrdfJoint, read_document
+from .document import read_document
+from .elements import Document, Inertial, Kind, UrdfJoint
 from .table import Axis, table
 
 
@@ -49,13 +50,14 @@ def read_urdf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
         OSError: the file cannot be read.
     """
     try:
-        document = read_document(file)
-        return _arm(document, chain(document, base, tip))
+        return arm_of(read_document(file), base, tip)
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
 
 
-def _arm(document: Document, joints: tuple[UrdfJoint, ...]) -> UrdfArm:
+def arm_of(document: Document, base: str | None = None, tip: str | None = None) -> UrdfArm:
+    """The chain from the base link to the tip link of a document; raises as `chain`."""
+    joints = chain(document, base, tip)
     T, axes, places = np.eye(4), [], [(joints[0].parent, np.eye(4))]
     for joint in joints:
         T = T @ joint.origin
