@@ -29,6 +29,19 @@ def chain_transform(links: Iterable[Link]) -> Array:
     return T
 
 
+def link_frames(robot: Robot, phi: Array) -> list[Array]:
+    """Frame (4, 4) of each link in base axes at motor angles phi (n,), in either convention."""
+    T, frames, variables = np.eye(4), [], iter(robot.joint_variables(phi))
+    for link in robot.links:
+        variable = float(next(variables)) if link.moves else 0.0
+        rod = link_transform(Link(a=link.a, alpha=link.alpha))
+        screw = link_transform(replace(link, a=0, alpha=0), variable)
+        standard = robot.convention is Convention.STANDARD
+        T = T @ screw @ rod if standard else T @ rod @ screw
+        frames.append(T)
+    return frames
+
+
 def standard_links(robot: Robot) -> tuple[Link, ...]:
     """The same chain as standard links; a modified table gains one constant link in front."""
     if robot.convention is Convention.STANDARD:

@@ -28,7 +28,7 @@ COMMANDS = {
     "sweep": "Run the laser experiment over a grid of its options.",
     "model": "Describe a robot: D-H table, reach, singularities.",
     "robot": "Check a robot model against its D-H table and drives.",
-    "export": "Write a robot's equations as code, or the robot as URDF.",
+    "export": "Write a robot's equations as code, or the robot as URDF or MJCF.",
     "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
     "gears": "Find the transmission error of a real arm's gears.",

@@ -62,6 +62,7 @@ from .hardware.build import build, cached
 from .hardware.description import LinkBody
 from .hardware.estimate import Taken
 from .hardware.reading import TABLES, read_hardware
+from .robot.mjcf_arm import read_mjcf
 
 _OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
 _LEARNING = ("gamma", "delta", "cutoff")
@@ -87,15 +88,26 @@ def find_cell(robot: str) -> Cell:
 
 
 def find_robot(name: str) -> Arm:
-    """Robot and limits as `find_arm` has them, and those of a cell's robot file.
+    """Robot and limits as `find_arm` has them, of a cell's robot file, and of an MJCF.
 
-    Raises as `find_arm` and `read_cell`.
+    An MJCF is named as a URDF is: FILE.xml, FILE.xml#TIP, FILE.xml#BASE:TIP.
+
+    Raises as `find_arm`, `read_cell` and `read_mjcf`.
     """
-    file = Path(name)
-    if name.endswith(".toml") and read_toml(file, lambda data: set(data) & set(_OWN)):
-        cell = read_cell(file)
+    model, _, links = name.partition("#")
+    if model.endswith(".xml"):
+        base, _, tip = links.rpartition(":")
+        arm = read_mjcf(Path(model), base or None, tip or None)
+        return Arm(arm.robot, arm.limits)
+    if is_cell_file(name):
+        cell = read_cell(Path(name))
         return Arm(cell.robot, cell.limits)
     return find_arm(name)
+
+
+def is_cell_file(name: str) -> bool:
+    """True for a TOML file that has more than the kinematics of a robot."""
+    return name.endswith(".toml") and bool(read_toml(Path(name), lambda d: set(d) & set(_OWN)))
 
 
 def read_cell(file: Path) -> Cell:

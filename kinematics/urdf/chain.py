@@ -1,4 +1,4 @@
-"""Chain of joints from a base link to a tip link of a URDF file."""
+"""Chain of joints from a base link to a tip link of a document."""
 
 from collections import defaultdict
 
@@ -80,11 +80,13 @@ def _only_end(document: Document, base: str) -> str:
 
 
 def _check(joint: UrdfJoint) -> None:
+    if joint.fault is not None:
+        raise ValueError(joint.fault)
     if joint.mimics is not None:
         raise ValueError(
             f"joint {joint.name!r} mimics {joint.mimics!r}; joints must be independent"
         )
-    if joint.kind in (Kind.FLOATING, Kind.PLANAR):
+    if joint.kind in (Kind.FLOATING, Kind.PLANAR, Kind.BALL):
         allowed = "revolute, continuous, prismatic, fixed"
         kind = joint.kind.value
         raise ValueError(f"joint {joint.name!r} is {kind}; a chain may have joints: {allowed}")

@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from .elements import Document, Inertial
+from .elements import Document, Fault, Inertial
 from .inertial_element import inertial_of
 from .joint_element import joint_of
 
@@ -17,10 +17,10 @@ LARGEST = 10_000_000
 
 
 def read_document(file: Path) -> Document:
-    """Elements of a file.
+    """Elements of a file; faults of single inertials and joints are kept with them.
 
     Raises:
-        ValueError: says which element is wrong and what is allowed.
+        ValueError: the file is damaged; says which element is wrong and what is allowed.
         OSError: the file cannot be read.
     """
     if file.exists() and not file.is_file():
@@ -47,9 +47,12 @@ def _root(text: str) -> Element:
 
 
 def _document(root: Element) -> Document:
-    links: dict[str, Inertial | None] = {}
+    links: dict[str, Inertial | Fault | None] = {}
     for element, name in _named(root, "link"):
-        links[name] = inertial_of(f"link {name!r}", element.find("inertial"))
+        try:
+            links[name] = inertial_of(f"link {name!r}", element.find("inertial"))
+        except ValueError as error:
+            links[name] = Fault(str(error))
     joints = tuple(joint_of(element, name, links) for element, name in _named(root, "joint"))
     if not links:
         raise ValueError("needs at least one <link>")

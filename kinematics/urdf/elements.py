@@ -13,7 +13,7 @@ WHOLE_TURN = 2 * pi
 
 
 class Kind(Enum):
-    """Types of joint that a URDF file knows; the last two have more than one degree of freedom."""
+    """Types of joint; the last three have more than one degree of freedom. Only MJCF has balls."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -21,6 +21,7 @@ class Kind(Enum):
     FIXED = "fixed"
     FLOATING = "floating"
     PLANAR = "planar"
+    BALL = "ball"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class UrdfJoint:
     speed: float
     """[rad/s or m/s]; pi where the file has none, as in a robot file."""
     mimics: str | None
+    fault: str | None = None
+    """What is wrong with it; a chain without the joint may be used all the same."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,16 @@ class Inertial:
 
 
 @dataclass(frozen=True)
+class Fault:
+    """Sentence on what is wrong with the inertial of a link; an arm that it moves is refused."""
+
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Document:
     """Name of the robot; inertial of each link, None where it has none; joints in file order."""
 
     name: str
-    links: dict[str, Inertial | None]
+    links: dict[str, Inertial | Fault | None]
     joints: tuple[UrdfJoint, ...]

@@ -8,15 +8,17 @@ from .values import attribute, number, transform
 
 
 def inertial_of(where: str, element: Element | None) -> Inertial | None:
-    """Mass properties of a link, None where it has none. Raises ValueError with the link."""
+    """Mass properties of a link, None where it has none, or zeros. Raises ValueError with the link."""
     if element is None:
         return None
-    mass = number(f"{where}: mass", attribute(element, "mass", "value"))
-    if mass <= 0:
-        raise ValueError(f"{where}: mass must be > 0 kg, got {mass:g}")
     names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     values = [attribute(element, "inertia", name) or 0.0 for name in names]
     inertia = [number(f"{where}: {n}", v) for n, v in zip(names, values, strict=True)]
+    mass = number(f"{where}: mass", attribute(element, "mass", "value"))
+    if mass == 0 and not any(inertia):
+        return None
+    if mass <= 0:
+        raise ValueError(f"{where}: mass must be > 0 kg, got {mass:g}")
     try:
         body = Body(mass=mass, inertia=(*inertia,))  # pyright: ignore[reportArgumentType]
     except ValueError as error:

@@ -13,27 +13,31 @@ from .values import attribute, number, transform, vector
 
 
 def joint_of(element: Element, name: str, links: Collection[str]) -> UrdfJoint:
-    """A joint between two of the links.
+    """A joint between two of the links; wrong numbers are its fault.
 
     Raises:
-        ValueError: names the joint, what is wrong and what is allowed.
+        ValueError: its type or its ends are wrong; names the joint and what is allowed.
     """
     where, given = f"joint {name!r}", element.get("type", "")
-    if given not in (allowed := [kind.value for kind in Kind]):
+    if given not in (allowed := [kind.value for kind in Kind if kind is not Kind.BALL]):
         raise ValueError(f"{where}: type must be one of {', '.join(allowed)}, got {given!r}")
     kind, mimic = Kind(given), element.find("mimic")
-    parent, child = (_end(where, element, tag, links) for tag in ("parent", "child"))
-    return UrdfJoint(
-        name=name,
-        kind=kind,
-        parent=parent,
-        child=child,
-        origin=transform(where, element),
-        axis=_axis(where, element),
-        range=_range(where, kind, element),
-        speed=_speed(where, kind, element),
-        mimics=None if mimic is None else mimic.get("joint", ""),
-    )
+    ends = [_end(where, element, tag, links) for tag in ("parent", "child")]
+    mimics = None if mimic is None else mimic.get("joint", "")
+    try:
+        numbers = _numbers(where, kind, element)
+    except ValueError as error:
+        nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), pi
+        return UrdfJoint(name, kind, *ends, *nowhere, mimics, str(error))
+    return UrdfJoint(name, kind, *ends, *numbers, mimics)
+
+
+def _numbers(
+    where: str, kind: Kind, element: Element
+) -> tuple[Array, Array, tuple[float, float], float]:
+    """Origin, axis, range and greatest speed."""
+    origin, axis = transform(where, element), _axis(where, kind, element)
+    return origin, axis, _range(where, kind, element), _speed(where, kind, element)
 
 
 def _end(where: str, element: Element, tag: str, links: Collection[str]) -> str:
@@ -43,7 +47,10 @@ def _end(where: str, element: Element, tag: str, links: Collection[str]) -> str:
     return str(link)
 
 
-def _axis(where: str, element: Element) -> Array:
+def _axis(where: str, kind: Kind, element: Element) -> Array:
+    """Unit vector (3,); that of a joint without an axis is not read."""
+    if kind in (Kind.FIXED, Kind.FLOATING):
+        return np.array([1.0, 0.0, 0.0])
     axis = vector(where, element, "axis", "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
     if length < 1e-6:
@@ -52,8 +59,10 @@ def _axis(where: str, element: Element) -> Array:
 
 
 def _speed(where: str, kind: Kind, element: Element) -> float:
+    if kind is Kind.FIXED:
+        return pi
     speed = number(f"{where}: limit velocity", attribute(element, "limit", "velocity") or pi)
-    if kind is not Kind.FIXED and speed <= 0:
+    if speed <= 0:
         raise ValueError(f"{where}: limit velocity must be > 0, got {speed:g}")
     return speed
 

@@ -13,7 +13,7 @@ from ..limits import Limits
 from .bodies import summed
 from .chain import chain, children
 from .document import read_document
-from .elements import Document, Inertial, Kind, UrdfJoint
+from .elements import Document, Fault, Inertial, Kind, UrdfJoint
 from .table import Axis, table
 
 
@@ -84,7 +84,10 @@ def _bodies(
     robot: Robot,
     frames: list[Array],
 ) -> tuple[Body, ...] | None:
-    """Bodies of the robot's links; what is fixed to the base moves nothing and is left out."""
+    """Bodies of the robot's links; what is fixed to the base moves nothing and is left out.
+
+    Raises ValueError for a wrong inertial of a link that the chain moves.
+    """
     on_chain, below = {joint.name for joint in joints}, children(document)
     groups: list[list[tuple[Array, Inertial]]] = [[]]
     for number, (name, T) in enumerate(places):
@@ -93,7 +96,10 @@ def _bodies(
         fixed = [(name, T)]
         while fixed:
             link, place = fixed.pop()
-            if (inertial := document.links[link]) is not None:
+            inertial = document.links[link]
+            if isinstance(inertial, Fault) and len(groups) > 1:
+                raise ValueError(inertial.sentence)
+            if isinstance(inertial, Inertial):
                 groups[-1].append((place, inertial))
             for joint in below[link]:
                 if joint.name in on_chain:

@@ -19,7 +19,7 @@ class ModelCfg:
 
     robot: str = "irb1400"
     """Robot by name (irb1400, irb1400-imu with the links to its IMU, large, ur10, irb120, aubo_i5)
-    or a robot file (TOML, or URDF: FILE.urdf, FILE.urdf#TIP_LINK)."""
+    or a robot file (TOML; URDF: FILE.urdf, FILE.urdf#TIP_LINK; MJCF: FILE.xml, FILE.xml#TIP)."""
     latex: bool = False
     """Print the table and the zero pose as LaTeX."""
     plot: bool = False
