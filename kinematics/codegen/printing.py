@@ -2,6 +2,7 @@
 
 import textwrap
 from itertools import product
+from typing import ClassVar
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -12,6 +13,9 @@ from ..expressions.exact import Expression
 
 class Printer(C99CodePrinter):
     """Infix arithmetic that C, Python, MATLAB and Fortran all read; differences are methods."""
+
+    # Without the macros of math.h: M_PI_4 is a name in no other language, nor in strict C99.
+    math_macros: ClassVar[dict[Expression, str]] = {}
 
     def _number(self, value: float) -> str:
         return repr(value)

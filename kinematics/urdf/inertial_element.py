@@ -8,7 +8,7 @@ from .values import attribute, number, transform
 
 
 def inertial_of(where: str, element: Element | None) -> Inertial | None:
-    """Mass properties of a link, None where it has none, or zeros. Raises ValueError with the link."""
+    """Mass properties of a link, None where it has none, or zeros. ValueError names the link."""
     if element is None:
         return None
     names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")

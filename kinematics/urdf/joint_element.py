@@ -22,14 +22,14 @@ def joint_of(element: Element, name: str, links: Collection[str]) -> UrdfJoint:
     if given not in (allowed := [kind.value for kind in Kind if kind is not Kind.BALL]):
         raise ValueError(f"{where}: type must be one of {', '.join(allowed)}, got {given!r}")
     kind, mimic = Kind(given), element.find("mimic")
-    ends = [_end(where, element, tag, links) for tag in ("parent", "child")]
+    parent, child = (_end(where, element, tag, links) for tag in ("parent", "child"))
     mimics = None if mimic is None else mimic.get("joint", "")
     try:
         numbers = _numbers(where, kind, element)
     except ValueError as error:
         nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), pi
-        return UrdfJoint(name, kind, *ends, *nowhere, mimics, str(error))
-    return UrdfJoint(name, kind, *ends, *numbers, mimics)
+        return UrdfJoint(name, kind, parent, child, *nowhere, mimics, str(error))
+    return UrdfJoint(name, kind, parent, child, *numbers, mimics)
 
 
 def _numbers(

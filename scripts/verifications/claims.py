@@ -23,6 +23,8 @@ def _load(name: str) -> Function:
     match name:
         case "kinematics":
             from .kinematics import kinematics as claim
+        case "urdf":
+            from .urdf import urdf as claim
         case "laser":
             from .laser import laser as claim
         case "ablations":
@@ -71,7 +73,7 @@ def _load(name: str) -> Function:
 
 
 _SEEDS = {
-    **{"kinematics": 10, "laser": 20, "ablations": 3, "env": 1000},
+    **{"kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
