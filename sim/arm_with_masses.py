@@ -4,10 +4,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from armside.kinematics import Arm, Body, UrdfArm, read_urdf
-from armside.kinematics.robot_file import read_toml
 
 from .cell import CELLS
-from .cell_file import find_cell, find_robot
+from .cell_file import find_cell, find_robot, is_cell_file
 from .robot.cell_model import cell_model
 from .robot.mjcf_arm import read_mjcf
 from .robot.serial_bodies import serial_bodies
@@ -37,8 +36,8 @@ def arm_with_masses(name: str) -> HeavyArm:
         return _of_tree(read_urdf(Path(file), base or None, tip or None))
     if file.endswith(".xml"):
         return _of_tree(read_mjcf(Path(file), base or None, tip or None))
-    is_cell = name.endswith(".toml") and "model" in read_toml(Path(name), lambda data: data)
-    return _of_cell(name) if name in CELLS or is_cell else HeavyArm(find_robot(name))
+    is_cell = name in CELLS or is_cell_file(name)
+    return _of_cell(name) if is_cell else HeavyArm(find_robot(name))
 
 
 def _of_tree(tree: UrdfArm) -> HeavyArm:

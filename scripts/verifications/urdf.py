@@ -17,8 +17,8 @@ from armside.kinematics import CATALOGUE, UrdfArm, read_urdf
 from armside.kinematics.codegen.interpreted import interpreted
 from armside.kinematics.codegen.urdf import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
-from armside.kinematics.robot_file import read_toml
 from armside.sim.arm_with_masses import arm_with_masses
+from armside.sim.cell_file import is_cell_file
 from armside.sim.evaluation.check import Check, Table, all_hold
 
 from ..shell.extras import needs
@@ -64,8 +64,7 @@ def _many(count: int) -> Check:
 def shipped_robots() -> list[str]:
     """Names and robot files of this project."""
     folder = Path(assets.LARGE_ROBOT_XML).parent
-    files = [f for f in sorted(folder.glob("*.toml")) if "model" in read_toml(f, lambda data: data)]
-    return [*CATALOGUE, *map(str, files)]
+    return [*CATALOGUE, *filter(is_cell_file, map(str, sorted(folder.glob("*.toml"))))]
 
 
 def shipped(name: str, seeds: Sequence[int]) -> Row:
