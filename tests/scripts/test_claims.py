@@ -18,7 +18,7 @@ from armside.scripts.verifications.claims import CLAIMS
 from .verdicts import CLOSE, failing, fails_by_itself
 
 FULL_INSTANCES = {
-    "kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100,
+    "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100,
     "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000, "chapter9": 5, "imu": 20,
     "estimation": 10, "estimation-controls": 10, "imu-causes": 5, "imu-large": 10, "imu-rest": 10,
     "laser-irb1400": 20, "laser-irb1400-design": 20,

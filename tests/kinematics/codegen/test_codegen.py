@@ -96,8 +96,6 @@ def handful(random_model, random_robot) -> list[StraightLineProgram]:
     programs.append(imu_equations.measurement(IRB1400_IMU))
     for n, convention in ((2, Convention.STANDARD), (7, Convention.MODIFIED)):
         programs.append(forward_kinematics.acceleration(random_robot(rng, n, convention)))
-    # An angle that math.h of some compilers has a macro for.
-    programs.append(forward_kinematics.pose(Robot([Link(theta=np.pi / 4, a=1), Link(a=1)])))
     model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
     programs += [dynamics.inverse_dynamics(model), dynamics.mass_matrix(model)]
     symbols = [Link("q[1](t)", "d[1]", "a[1]", "alpha[1]"), Link("q[2](t)", 0, "a[2]", 0)]
