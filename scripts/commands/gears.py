@@ -78,4 +78,5 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     for note in notes:
         report.line(note)
     shown.tables(report, outcome)
+    shown.bands_table(report, done)
     report.results(outcome, folder.path)

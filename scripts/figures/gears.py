@@ -76,6 +76,7 @@ def _judged(one: Judgement) -> dict[str, Any]:
         "tool": _tool(one.tool),
         "sham_tool": _tool(one.sham_tool),
         "smoothed": _tool(one.smoothed),
+        "bands": [vars(band) for band in one.bands],
     }
 
 
@@ -124,6 +125,28 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
     )
 
 
+def bands_table(report: Report, done: GearAnalysis) -> None:
+    """Fused position against the tracker in bands, on the terminal."""
+    for judgement in done.judgements:
+        rows = [
+            [
+                f"{band.band[0]:g}-{band.band[1]:g}",
+                UM * band.rms,
+                UM * band.floor,
+                round(band.gears, 3),
+                None if band.fused is None else round(band.fused, 3),
+                round(band.beyond_floor(band.gears if band.fused is None else band.fused), 3),
+            ]
+            for band in judgement.bands
+        ]
+        if rows:
+            report.table(
+                f"{judgement.recording}: tool by the tracker, RMS with over without, all axes",
+                ["Hz", "encoders [µm]", "floor [µm]", "gears", "+ IMU", "less floor"],
+                rows,
+            )
+
+
 def _judged_row(one: dict[str, Any]) -> list[Any]:
     row = [one["recording"], one["sensor_ratio"], one["sham_sensor_ratio"]]
     if one["tool"] is None:
@@ -143,6 +166,7 @@ def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:
     draw_scan(folder / "scan.png", done)
     if any(one.tool is not None for one in done.judgements):
         draw_tool(folder / "tool.png", done)
+        draw_fused(folder / "fused.png", done)
 
 
 def draw_scan(file: Path, done: GearAnalysis) -> None:
@@ -189,3 +213,34 @@ def draw_tool(file: Path, done: GearAnalysis) -> None:
     low, high = done.cfg.judged
     figure.suptitle(f"Error of the tool at {low:g} to {high:g} Hz by the tracker, {one.name}")
     save(figure, file)
+
+
+def draw_fused(file: Path, done: GearAnalysis) -> None:
+    """Spectra of the tool's error: encoders, with gear error, with the IMU; the tracker's floor."""
+    judged = [one for one in done.judgements if one.spectra is not None]
+    figure = new_figure(8.0, 1.2 + 2.2 * len(judged))
+    panels = figure.subplots(len(judged), 1, sharex=True, squeeze=False)[:, 0]
+    height = 1.2 + 2.2 * len(judged)
+    figure.subplots_adjust(left=0.11, right=0.97, bottom=0.55 / height, top=1.0 - 0.5 / height)
+    for one, panel in zip(judged, panels, strict=True):
+        assert one.spectra is not None
+        curves = {"encoders": (one.spectra.encoders, REFERENCE)}
+        curves["+ gear error"] = (one.spectra.gears, COLORS[0])
+        if one.spectra.fused is not None:
+            curves["+ gear error and IMU"] = (one.spectra.fused, COLORS[1])
+        for label, (density, color) in curves.items():
+            panel.loglog(one.spectra.frequency, UM * density, color=color, lw=1.0, label=label)
+        panel.axhline(UM * floor_density(one), color=INK, lw=0.8, ls="--", label="floor")
+        panel.set_xlim(0.5, 40.0)
+        panel.set_ylabel("[µm/√Hz]")
+        panel.set_title(one.recording, loc="left", fontsize=9)
+    panels[0].legend(frameon=False, fontsize=8, ncols=2)
+    panels[-1].set_xlabel("frequency [Hz]")
+    figure.suptitle("Error of the tool by the tracker, all axes")
+    save(figure, file)
+
+
+def floor_density(one: Judgement) -> float:
+    """Amplitude density of the tracker's noise [m/sqrt(Hz)], all axes."""
+    band = one.bands[0]
+    return band.floor / float(np.sqrt(band.band[1] - band.band[0]))

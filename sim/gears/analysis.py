@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from armside.kinematics import Arm, compile
 from ..measured.motion import MotionRecording
 from ..measured.plausible import check_angles
 from .aligned import Aligned, Sensor, align
+from .bands import InBand, Spectra, in_bands, spectra
 from .judgement import Remaining, judged_rows, remaining, sensor_ratio
 from .learning import CANDIDATES, Course
 from .observation import Observation
@@ -62,6 +64,9 @@ class Judgement:
     """The same by the tracker."""
     smoothed: Remaining | None
     """With the IMU of that recording smoothed into it."""
+    bands: tuple[InBand, ...]
+    """Both in bands of frequency; empty without tracker."""
+    spectra: Spectra | None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,13 +145,6 @@ def _judged(
     cfg: GearsCfg,
 ) -> Judgement:
     assert control is not None
-    tool: list[Remaining | None] = [None, None, None]
-    if one.tracker is not None:
-        residual, rows = one.tool_residual()[0], judged_rows(one)
-        estimates = [x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control)]
-        estimates += [] if one.imu is None else [fused(one, found)]
-        judged = [remaining(residual, estimate, rows, cfg.judged) for estimate in estimates]
-        tool[: len(judged)] = judged
     return Judgement(
         recording=one.name,
         learned_from=source,
@@ -154,7 +152,24 @@ def _judged(
         sham=control,
         sensor=sensor_ratio(found, seen),
         sham_sensor=sensor_ratio(control, seen),
-        tool=tool[0],
-        sham_tool=tool[1],
-        smoothed=tool[2],
+        **_by_tracker(one, found, control, cfg),
     )
+
+
+def _by_tracker(
+    one: Aligned, found: Transmission, control: Transmission, cfg: GearsCfg
+) -> dict[str, Any]:
+    """Entries of a judgement that a tracker makes."""
+    if one.tracker is None:
+        return {"tool": None, "sham_tool": None, "smoothed": None, "bands": (), "spectra": None}
+    residual, rows = one.tool_residual()[0], judged_rows(one)
+    gears, sham = (x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control))
+    both = None if one.imu is None else fused(one, found)
+    smoothed = None if both is None else remaining(residual, both, rows, cfg.judged)
+    return {
+        "tool": remaining(residual, gears, rows, cfg.judged),
+        "sham_tool": remaining(residual, sham, rows, cfg.judged),
+        "smoothed": smoothed,
+        "bands": in_bands(residual, gears, both, rows),
+        "spectra": spectra(residual, gears, both, rows),
+    }

@@ -48,7 +48,7 @@ def test_summary_tables_and_files(armside, tmp_path, folder):
         summary["judged"][0]["tool"]["pooled"] < 0.7 < summary["judged"][0]["sham_tool"]["pooled"]
     )
     files = {file.name for file in (tmp_path / "out").iterdir()}
-    assert files == {"summary.json", "robot.toml", "scan.png", "tool.png"}
+    assert files == {"summary.json", "robot.toml", "scan.png", "tool.png", "fused.png"}
     (stated,) = read_gear_error(tmp_path / "out" / "robot.toml")
     assert (stated.joint, stated.order) == (2, term["order"])
     assert (stated.amplitude, stated.phase) == (term["amplitude"], term["phase"])

@@ -11,6 +11,7 @@ from armside.kinematics import find_arm
 from armside.sim.gears import GearsCfg, analyse
 from armside.sim.gears.joint_motion import lowpass
 from armside.sim.gears.judgement import JUDGED_FROM
+from armside.sim.gears.smoother import fused
 from armside.sim.measured import Stream, read_motion
 
 CFG = GearsCfg(largest_order=200.0)
@@ -93,7 +94,8 @@ def destroyed(one, aligned):
 
 def assert_only_clock_base_and_tool_enter(arm, recordings, cfg, analysis):
     """What is learned is the same to the last bit, and the estimate of the tool's error within 2 %,
-    when the tracker's fast part and second half are destroyed."""
+    with the IMU smoothed in and without, when the tracker's fast part and second half are
+    destroyed."""
     pairs = zip(recordings, analysis.aligned, strict=True)
     ruined = analyse(arm, [destroyed(*pair) for pair in pairs], cfg)
     for before, after in zip(analysis.judgements, ruined.judgements, strict=True):
@@ -104,6 +106,8 @@ def assert_only_clock_base_and_tool_enter(arm, recordings, cfg, analysis):
     ):
         own = [judged.found.tool_error(one.motion, one.target) for one in (before, after)]
         assert np.linalg.norm(own[0] - own[1]) < 0.02 * np.linalg.norm(own[0])
+        both = [fused(one, judged.found) for one in (before, after)]
+        assert np.linalg.norm(both[0] - both[1]) < 0.02 * np.linalg.norm(both[0])
 
 
 def test_nothing_of_the_judged_tracker_but_clock_base_and_tool_enters(analysis, recordings, scenes):
