@@ -32,6 +32,7 @@ COMMANDS = {
     "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
     "gears": "Find the transmission error of a real arm's gears.",
+    "path-logs": "Compare motor logs of a real robot's path with the virtual robot.",
     "calibrate": "Choose the large robot's unknown numbers again.",
     "verify": "Check a claim over many seeds and write its table.",
     "reproduce": "Make the figures of the thesis again, with verdicts.",
@@ -89,6 +90,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.bench import bench as command
         case "calibrate-arm":
             from .commands.calibrate_arm import calibrate_arm as command
+        case "path-logs":
+            from .commands.path_logs import path_logs as command
         case "gears":
             from .commands.gears import gears as command
         case "calibrate":

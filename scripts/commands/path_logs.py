@@ -1,0 +1,56 @@
+"""`armside path-logs`: motor logs of a real robot on a path, beside the virtual large robot."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from armside.sim.records.summary import summary
+
+from ..shell.console import Report, run_folder
+from ..shell.errors import RunFailed, checking_input, one_line
+from ..shell.options import Common, options
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class PathLogsOptions:
+    """The robot, and the runs of the virtual one."""
+
+    robot: str = "large"
+    """Robot of the logs by name or a robot file; large has the geometry of an IRB6640."""
+    runs: int = 3
+    """Runs of the virtual large robot at each speed."""
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.runs <= 20:
+            raise ValueError(f"runs must be 2 to 20, got {self.runs}")
+
+
+def path_logs(
+    data: Path, /, *, cfg: PathLogsOptions = PathLogsOptions(), common: Common = Common()
+) -> None:
+    """Compare repeated motor logs of a real robot with the virtual large robot on the same path.
+
+    data: folder of waypoints (command.csv) and logs (docs/real.md). Writes summary.json and
+    path-logs.png: error and scatter across the path by speed.
+    """
+    from armside.sim.cell_file import find_robot
+    from armside.sim.measured.abb_logs import read_path_logs
+    from armside.sim.path_logs import compare_logs
+
+    from ..figures import path_logs as shown
+
+    report = Report(common)
+    with checking_input():
+        arm, logs = find_robot(cfg.robot), read_path_logs(data)
+        with report.progress("running", total=cfg.runs * len(logs.speeds)) as step:
+            try:
+                done = compare_logs(arm, logs, cfg.runs, common.seed, step)
+            except RuntimeError as error:
+                raise RunFailed(one_line(error)) from error
+    found: dict[str, Any] = shown.results(done)
+    outcome = summary("path-logs", cfg, common, data=data, **found)
+    with run_folder(outcome, common) as folder:
+        shown.draw(folder / "path-logs.png", done)
+    shown.tables(report, done)
+    report.results(outcome, folder.path)
