@@ -27,6 +27,7 @@ def test_ratio_is_what_each_estimate_leaves_and_the_floor_is_the_noise(signals):
     assert band.rms == pytest.approx(AMPLITUDE / np.sqrt(2.0), rel=0.02)
     assert band.gears == pytest.approx(0.5, abs=0.02)
     assert band.fused == pytest.approx(expected / band.rms, rel=0.15)
+    assert band.fused is not None
     assert band.beyond_floor(band.fused) < 0.04
     assert band.beyond_floor(1.0) == pytest.approx(1.0)
 
