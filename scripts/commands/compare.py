@@ -14,6 +14,7 @@ from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
+from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.notes import notes
@@ -80,6 +81,8 @@ class CompareCfg(IndividualCfg):
         if not 0.0 <= self.stiffness_error < 100.0:
             raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
         PathLimits(acceleration=self.raised_acceleration)
+        if self.imu and self.robot != "large":
+            raise ValueError(f"imu.png is of cuts of the large robot: leave --imu out of {self.robot}")
 
 
 def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
@@ -114,7 +117,7 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
         if cfg.twin is not None:
-            stored_twin(cfg.twin)
+            stored_twin(cfg.twin).check(todo[0].cut)
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
     found: list[dict[str, list[Iteration]]] = []
@@ -142,7 +145,8 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
 
 def _by_twin(case: Case, folder: Path, iterations: int) -> list[Iteration]:
     """First run by a twin's correction; learning goes on from the motor angles."""
-    job = Prepared.of(case.experiment(), MotorAngles()).by_twin_of(folder)
+    measure = MotorAngles(default_design(case.cut.cell))
+    job = Prepared.of(case.experiment(), measure).by_twin_of(folder)
     return list(job.iterations(iterations))
 
 

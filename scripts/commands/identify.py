@@ -75,5 +75,9 @@ def _print(report: Report, outcome: dict[str, Any]) -> None:
     low, high = said["nis_expected"]
     report.line(
         f"NIS {said['nis']:.2f}, {low:.2f} to {high:.2f} if the filter is right about innovations; "
-        f"NEES of the tool's position {said['nees']:.1f}, 3 if it is right about the tool"
+        f"NEES of the tool's position {said['nees']:.1f}, {said['nees_expected']:g} if it is right "
+        "about the tool"
     )
+    if outcome["not_identified"]:
+        names = ", ".join(outcome["not_identified"])
+        report.line(f"Not identified by this cut, kept as assumed: {names}")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from ..estimation.arm_springs import Springs
 from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
+from .design import default_design
 from .experiment import Experiment, Iteration, prepare
 from .learning import first_run, iterate, learned
 from .measures import MotorAngles
@@ -42,9 +43,10 @@ class Case:
         return output, learned(experiment, output, first, iterations, repeats=repeats)
 
     def from_motors(self, iterations: int) -> Iterator[Iteration]:
-        """Learn from the motor angles, as the thesis does."""
+        """Learn from the motor angles, as the thesis does, with the default design of the robot."""
         experiment = self.experiment()
-        return iterate(experiment, MotorAngles().prepare(experiment), iterations)
+        measure = MotorAngles(default_design(self.cut.cell))
+        return iterate(experiment, measure.prepare(experiment), iterations)
 
     def compared(self, iterations: int, measure: ToolPath = COMPARED) -> dict[str, list[Iteration]]:
         """Iterations by measured output; one identification serves all laws."""
