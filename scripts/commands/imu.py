@@ -50,12 +50,13 @@ class ImuOptions:
     """Motion of the robot, and processing of measurement and prediction."""
 
     robot: str = "irb1400"
-    """Robot that moves: irb1400 or large. With --recording: a name (ur10, irb120, aubo_i5, ...) or
-    a robot file."""
+    """Robot that moves: irb1400, large, or a robot file (.toml). With --recording also other names
+    (ur10, irb120, aubo_i5, ...)."""
     recording: Annotated[tuple[Path, ...], Parameter(consume_multiple=True)] = ()
     """Folders of recordings of a real robot (docs/real.md), in place of a virtual one."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
-    """All motors at once, one at a time, or none: motors off, then on."""
+    """All motors at once, one at a time, or none: motors off, then on. A robot file that has no
+    programs moves about its home."""
     program: FileToRead = None
     """Motion program (TOML) in place of that motion's own."""
     flexibility: Literal["full", "gears", "rigid"] = "full"
@@ -94,8 +95,8 @@ class ImuOptions:
     def _check_choice(self) -> None:
         """Raise ValueError for a robot that is not virtual, or options that ask for one."""
         if not self.recording:
-            if self.robot not in ROBOTS:
-                known = ", ".join(ROBOTS)
+            if self.robot not in ROBOTS and not self.robot.endswith(".toml"):
+                known = f"{', '.join(ROBOTS)}, or a robot file (.toml)"
                 raise ValueError(f"robot must be one of {known}, got {self.robot}")
             return
         if len(self.recording) > LARGEST_NUMBER:

@@ -39,14 +39,17 @@ def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
 
 
 def motor_angles(file: Path, time: Array, angle: Array) -> None:
-    """Logged motor angles (N, 6) [rad], arm side. Thesis Figs. 5.4 and 5.5."""
+    """Logged motor angles (N, n) [rad], arm side. Thesis Figs. 5.4 and 5.5."""
+    n_axes = angle.shape[1]
     figure = new_figure(9.0, 6.4)
     figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
-    grid = figure.subplots(3, 2, sharex=True, sharey=True)
+    grid = figure.subplots(-(-n_axes // 2), 2, sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
-    for i, axes in enumerate(grid.flat):
+    for i, axes in enumerate(grid.flat[:n_axes]):
         axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
         axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
+    for axes in grid.flat[n_axes:]:
+        axes.set_visible(False)
     for axes in grid[:, 0]:
         axes.set_ylabel("angle [rad]", fontsize=8)
     for axes in grid[-1]:

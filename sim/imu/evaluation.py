@@ -81,7 +81,7 @@ class Measures:
     loop_error: float
     """Widest opening of a closed chain [m]."""
     idle_peaks: Array
-    """(6,) [rad], see `phases.idle_peaks`. Thesis 5.3.2."""
+    """(n,) [rad], see `phases.idle_peaks`. Thesis 5.3.2."""
 
 
 def measure(
@@ -113,7 +113,7 @@ def measure(
 
 
 def position(robot: kinematics.Robot, motor_angle: Array) -> Array:
-    """Origin of the last frame (N, 3) [m] in base axes, by D-H from motor angles (N, 6) [rad]."""
+    """Origin of the last frame (N, 3) [m] in base axes, by D-H from motor angles (N, n) [rad]."""
     return kinematics.compile(robot).pose(np.ascontiguousarray(motor_angle))[:, :3, 3]
 
 

@@ -10,7 +10,6 @@ from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
 from ..moves.planner import JointMotion, plan_program
-from ..moves.program_file import read_program
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
@@ -66,13 +65,12 @@ def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
 
     Raises ValueError or OSError for a program that is wrong, unreachable or missing.
     """
-    cell, robot = experiment.cell, VirtualRobot(experiment.model())
-    planned = []
-    for path in experiment.programs:
-        program = read_program(path)
+    cell, model = experiment.cell, experiment.model()
+    robot, planned = VirtualRobot(model), list[PlannedProgram]()
+    for name, program in experiment.programs(model).items():
         motion = plan_program(program, cell.robot, cell.limits, step=LOG_PERIOD)
         since = synchronised_at(program, motion)
-        planned.append(PlannedProgram(path.stem, robot.load(motion.phi), motion, since))
+        planned.append(PlannedProgram(name, robot.load(motion.phi), motion, since))
     return planned
 
 

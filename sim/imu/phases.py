@@ -42,14 +42,14 @@ def under_way(motion: JointMotion, time: Array, speed: float) -> NDArray[np.bool
 
 
 def idle_peaks(recording: Recording) -> Array:
-    """Largest displacement of each motor while only others move, (6,) [rad], from the log.
+    """Largest displacement of each motor while only others move, (n,) [rad], from the log.
 
     For every move of another motor, the largest departure of an idle motor from its angle at the
     start of that move; NaN for a motor that is never idle while another moves. Thesis 5.3.2.
     """
     period = float(recording.time[1] - recording.time[0])
     moving = np.abs(np.gradient(recording.reference, period, axis=0)) > MOVING
-    peaks = np.full(6, np.nan)
+    peaks = np.full(recording.reference.shape[1], np.nan)
     for start, stop in _stretches(np.any(moving, axis=1)):
         for axis in np.flatnonzero(~moving[start:stop].any(axis=0)):
             angle = recording.motor_angle[start:stop, axis]

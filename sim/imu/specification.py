@@ -5,15 +5,21 @@ from pathlib import Path
 from typing import Literal
 
 import mujoco
+import numpy as np
+
+from armside.arrays import Array
 
 from ..cell import CELLS, Cell
+from ..cell_file import find_cell
 from ..instruments.imu import ImuCfg
+from ..moves.about_home import dynamics_of, programs_about
+from ..moves.instructions import Program
+from ..moves.program_file import read_program
 from ..robot.cell_model import cell_model
 from ..robot.flexibility import Flexibility, variant, without
 from ..robot.model import RobotModel
 from .processing import ProcessingCfg
 
-RobotName = Literal["irb1400", "large"]
 Motion = Literal["simultaneous", "sequential"]
 SHORTEST_REST = 3.0  # Record that a power spectrum needs [s]
 
@@ -22,7 +28,8 @@ SHORTEST_REST = 3.0  # Record that a power spectrum needs [s]
 class RobotSetup:
     """Virtual robot with an IMU on its tool."""
 
-    robot: RobotName = "irb1400"
+    robot: str = "irb1400"
+    """Name of a cell, or its robot file."""
     flexibility: Flexibility = Flexibility.FULL
     torque_feedforward: bool = True
     """The servo anticipates the torque of inertia, gravity and friction."""
@@ -30,8 +37,14 @@ class RobotSetup:
 
     @property
     def cell(self) -> Cell:
-        """Kinematics, limits and motion programs of the robot."""
-        return CELLS[self.robot]
+        """Kinematics, limits and motion programs of the robot. Raises as `find_cell`."""
+        return find_cell(self.robot)
+
+    @property
+    def home(self) -> Array:
+        """(n,) [rad], motor angles at which the robot rests."""
+        cell = self.cell
+        return np.zeros(cell.robot.n_joints) if cell.home is None else np.array(cell.home)
 
     def spec(self) -> mujoco.MjSpec:
         """MJCF of the robot with its flexibility, parsed."""
@@ -62,21 +75,32 @@ class ImuExperiment(RobotSetup):
         if cutoff >= nyquist:
             raise ValueError(f"cutoff must be below {nyquist:g} Hz, got {cutoff:g}")
 
-    @property
-    def programs(self) -> tuple[Path, ...]:
-        """Files of the motion programs. Raises ValueError where the robot lacks the motion."""
+    def programs(self, model: RobotModel) -> dict[str, Program]:
+        """Motion programs by name: of files, or about home for a robot that has none.
+
+        model: of the robot.
+
+        Raises ValueError where the robot has programs, but none of the motion, and ProgramError or
+        OSError for a wrong file.
+        """
+        cell, home = self.cell, self.home
+        files = cell.programs.get(self.motion, ())
         if self.program is not None:
-            return (self.program,)
-        programs = self.cell.programs
-        if self.motion not in programs:
+            files = (self.program,)
+        if not files and not cell.programs:
+            return programs_about(home, cell.limits, model, self.motion)
+        if not files:
             missing = f"motion {self.motion!r} has no program for {self.robot}"
-            raise ValueError(f"{missing}. It has: {', '.join(programs)}")
-        return programs[self.motion]
+            raise ValueError(f"{missing}. It has: {', '.join(cell.programs)}")
+        if self.robot in CELLS:
+            return {file.stem: read_program(file) for file in files}
+        known = dynamics_of(home, cell.limits, model)
+        return {file.stem: read_program(file, len(home), known) for file in files}
 
 
 @dataclass(frozen=True, kw_only=True)
 class RestExperiment(RobotSetup):
-    """Robot in its zero pose with its motors off, then on. Thesis 5.1.1."""
+    """Robot in its zero pose, or at its home, with its motors off, then on. Thesis 5.1.1."""
 
     imu: ImuCfg = field(default_factory=lambda: ImuCfg(clock_offset=0.0))
     off: float = 25.0
@@ -85,7 +109,7 @@ class RestExperiment(RobotSetup):
     """Time with the motors on [s]."""
 
     def __post_init__(self) -> None:
-        if self.robot != "irb1400":
+        if self.robot != "irb1400" and not len(self.model().brakes):
             raise ValueError(f"motion rest needs brakes, which robot {self.robot} lacks")
         if not min(self.off, self.on) >= SHORTEST_REST:
             raise ValueError(f"off and on must be at least {SHORTEST_REST:g} s for a spectrum")

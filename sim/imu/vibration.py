@@ -16,7 +16,6 @@ from .specification import RestExperiment
 SETTLING_TIME = 0.5  # Left out after the motors are switched on [s]
 SEGMENT = 2.0  # Segment of a power spectrum [s]: a resolution of 0.5 Hz
 QUANTILE = 0.997  # The level that a normal signal exceeds as rarely as three standard deviations
-ZERO_POSE = np.zeros(6)  # Pose of thesis 5.1.1 [rad]
 
 
 @dataclass(frozen=True)
@@ -56,10 +55,10 @@ class RestResult:
 
 
 def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
-    """Record the robot in its zero pose, motors off, then on."""
+    """Record the robot in the zero pose of thesis 5.1.1, or at its home: motors off, then on."""
     n = round((experiment.off + experiment.on) / LOG_PERIOD) + 1
     robot = VirtualRobot(experiment.model())
-    loaded = robot.load(np.tile(ZERO_POSE, (n, 1)), motors_on_at=experiment.off)
+    loaded = robot.load(np.tile(experiment.home, (n, 1)), motors_on_at=experiment.off)
     run = sense(loaded, experiment.imu, seed)
     rest = at_rest(run.samples, experiment.off, experiment.imu.rate)
     return RestResult(experiment, run, rest, largest_gap(run.recording, loaded.model.mj))

@@ -17,7 +17,7 @@ TINY = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """Limits at K places, evenly from w = 0 to 1. Six motors, then the tool where it has a path.
+    """Limits at K places, evenly from w = 0 to 1. Motors, then the tool where it has a path.
 
     They hold while w' <= speed and bend w'^2 + along |w''| <= 1 in every column.
     """
@@ -26,7 +26,7 @@ class Bounds:
     """(K,) [1/s]."""
     along: Array
     bend: Array
-    """(K, 7) [s^2]: first and second derivatives by w over the limit of acceleration."""
+    """(K, n + 1) [s^2]: first and second derivatives by w over the limit of acceleration."""
 
 
 def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Array, Array]:
@@ -37,7 +37,7 @@ def tool_derivatives(curve: Curve, w: Array, robot: CompiledRobot) -> tuple[Arra
 
 
 def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
-    """(6,) [rad/s^2], reduced with the square of the programmed fraction of full speed."""
+    """(n,) [rad/s^2], reduced with the square of the programmed fraction of full speed."""
     full = np.array(dynamics.joint_acceleration)
     return full * speed.share**2 if speed.share else full
 

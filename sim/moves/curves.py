@@ -12,7 +12,9 @@ from armside.kinematics import (
     CompiledRobot,
     Limits,
     UnreachableError,
+    UnsolvableGeometryError,
     inverse_nearest,
+    inverse_numeric_path,
     inverse_path,
 )
 from armside.kinematics.rigid import transform
@@ -26,6 +28,8 @@ NODE_ANGLE = np.deg2rad(0.5)
 """Angle between the orientations of two solutions [rad]."""
 LARGEST_FRACTION = 0.49
 """Largest fraction of a move that a zone takes at either end."""
+HELD_FROM = 6
+"""Axes from which on a move sets the tool's orientation too."""
 SAMPLES = 201
 """Points of a curve at which its extremes are looked for."""
 
@@ -42,7 +46,7 @@ class Curve:
     """True where the tool follows a line or circle: limits of the path apply."""
 
     def at(self, w: ArrayLike, derivative: int = 0) -> Array:
-        """phi or a derivative by w, shape (..., 6)."""
+        """phi or a derivative by w, shape (..., n)."""
         span = self.last - self.first
         u = self.first + span * np.asarray(w, dtype=np.float64)
         return span**derivative * self.polynomial(u, derivative)
@@ -69,10 +73,22 @@ def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> A
         return np.array(to.motors)
     T_start = robot.pose(start)
     T = transform(_end_rotation(T_start, to), np.array(to.position))
+    near = start if to.near is None else np.array(to.near)
     try:
-        return inverse_nearest(robot.robot, T, start if to.near is None else to.near, limits)
+        return inverse_nearest(robot.robot, T, near, limits)
+    except UnsolvableGeometryError:
+        return _numeric(robot, T[np.newaxis], near, limits)[0]
     except UnreachableError as error:
         raise ValueError(_unreachable("at its target", error, robot)) from error
+
+
+def _numeric(robot: CompiledRobot, T: Array, start: Array, limits: Limits | None) -> Array:
+    """Motor angles (N, n) of poses T (N, 4, 4), near `start` and along from there.
+
+    An arm with fewer than six axes reaches positions; its tool is turned as they have it.
+    """
+    targets = T if robot.robot.n_joints >= HELD_FROM else T[:, :3, 3]
+    return inverse_numeric_path(robot.robot, targets, start, limits=limits)
 
 
 def _unreachable(where: str, error: UnreachableError, robot: CompiledRobot) -> str:
@@ -133,6 +149,8 @@ def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRo
     poses = transform(from_quaternion(slerp(q_start, q_end, u)), path.point(u))
     try:
         phi = inverse_path(robot.robot, poses, start)
+    except UnsolvableGeometryError:
+        phi = _numeric(robot, poses, start, None)
     except UnreachableError as error:
         where = f"{100 * u[error.index]:.0f} % of the way"
         raise ValueError(_unreachable(where, error, robot)) from error
@@ -143,7 +161,7 @@ def check_limits(curve: Curve, limits: Limits) -> None:
     """Raise ValueError where a curve leaves a joint's range, with joint, angle and place."""
     w = np.linspace(0.0, 1.0, SAMPLES)
     phi = curve.at(w)
-    ranges = list(zip(np.eye(6), limits.lower, limits.upper, strict=True))
+    ranges = list(zip(np.eye(len(limits.lower)), limits.lower, limits.upper, strict=True))
     ranges += [(np.array(b.coefficients), b.lower, b.upper) for b in limits.coupled]
     for c, low, high in ranges:
         value = phi @ c

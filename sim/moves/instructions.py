@@ -1,5 +1,6 @@
 """Motion instructions in the manner of RAPID, as data in SI units."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +15,13 @@ class Target:
     """End of a move: motor angles, or a tool pose."""
 
     motors: tuple[float, ...] | None = None
-    """(6,) [rad], arm side."""
+    """(n,) [rad], arm side."""
     position: tuple[float, float, float] | None = None
     """[m], TCP0 in base axes."""
     quaternion: tuple[float, float, float, float] | None = None
     """Base to tool; None keeps the orientation."""
     near: tuple[float, ...] | None = None
-    """(6,) [rad]: MoveJ takes the solution for a pose that is nearest to these motor angles, or to
+    """(n,) [rad]: MoveJ takes the solution for a pose that is nearest to these motor angles, or to
     its start if None."""
 
     def __post_init__(self) -> None:
@@ -28,10 +29,13 @@ class Target:
             raise ValueError("a target has either motors or a position")
         if self.motors is not None and (self.quaternion is not None or self.near is not None):
             raise ValueError("a target with motors has no orientation and no near")
-        for name, length in (("motors", 6), ("position", 3), ("quaternion", 4), ("near", 6)):
+        for name, length in (("position", 3), ("quaternion", 4), ("motors", None), ("near", None)):
             value = getattr(self, name)
-            if value is not None and not (len(value) == length and np.isfinite(value).all()):
-                raise ValueError(f"{name} must be {length} finite numbers, got {value}")
+            if value is None:
+                continue
+            if len(value) != (length or len(value)) or not np.isfinite(value).all():
+                many = "" if length is None else f"{length} "
+                raise ValueError(f"{name} must be {many}finite numbers, got {value}")
         if self.quaternion is not None and np.linalg.norm(self.quaternion) < 1e-9:
             raise ValueError("orientation must not be all zero")
 
@@ -117,7 +121,7 @@ class Dynamics:
     """Limits of acceleration and jerk of a program."""
 
     joint_acceleration: tuple[float, ...] = (14.0, 12.0, 12.0, 50.0, 50.0, 70.0)
-    """(6,) [rad/s^2]. ESTIMATE for the IRB1400, from its peak torques."""
+    """(n,) [rad/s^2]. ESTIMATE for the IRB1400, from its peak torques."""
     path_acceleration: float = 9.0
     """Acceleration of the tool in MoveL and MoveC, along and across its path [m/s^2]. ESTIMATE."""
     jerk_time: float = 0.05
@@ -126,8 +130,8 @@ class Dynamics:
 
     def __post_init__(self) -> None:
         limits = np.array([*self.joint_acceleration, self.path_acceleration, self.jerk_time])
-        if len(self.joint_acceleration) != 6 or not (limits > 0.0).all():
-            raise ValueError(f"six joint accelerations and all limits must be > 0, got {self}")
+        if not self.joint_acceleration or not (limits > 0.0).all():
+            raise ValueError(f"joint accelerations and all limits must be > 0, got {self}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +140,7 @@ class Program:
 
     instructions: tuple[Instruction, ...]
     start: tuple[float, ...] = (0.0,) * 6
-    """(6,) [rad], motor angles."""
+    """(n,) [rad], motor angles, as many as the robot has."""
     dynamics: Dynamics = Dynamics()
     source: str = "program"
     """Name of the file it was read from."""
@@ -146,8 +150,22 @@ class Program:
     def __post_init__(self) -> None:
         if all(isinstance(i, Wait) for i in self.instructions):
             raise ProgramError(f"{self.source}: a program needs at least one move")
-        if len(self.start) != 6 or not np.isfinite(self.start).all():
-            raise ProgramError(f"{self.source}: start must be 6 finite motor angles")
+        if not self.start or not np.isfinite(self.start).all():
+            raise ProgramError(f"{self.source}: start must be finite motor angles")
+        for name, given in self._of_motors():
+            if len(given) != len(self.start):
+                many = f"{len(self.start)} numbers, one for each motor, got {len(given)}"
+                raise ProgramError(f"{self.source}: {name} must be {many}")
+
+    def _of_motors(self) -> Iterator[tuple[str, tuple[float, ...]]]:
+        """Values for each motor, with what they are."""
+        yield "joint_acceleration", self.dynamics.joint_acceleration
+        for instruction in self.instructions:
+            if not isinstance(instruction, Wait):
+                to = instruction.to
+                for name, given in (("motors", to.motors), ("near", to.near)):
+                    if given is not None:
+                        yield name, given
 
     def move(self, index: int) -> Move:
         """The instruction of that index, which is a move."""

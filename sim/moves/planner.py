@@ -50,7 +50,7 @@ class JointMotion:
     time: Array
     """(N,) [s], from 0."""
     phi: Array
-    """(N, 6) [rad], arm side."""
+    """(N, n) [rad], arm side."""
     instruction: NDArray[np.int64]
     """(N,), index of the current instruction; that of the last one after the end."""
     reports: tuple[MoveReport, ...]

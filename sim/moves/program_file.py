@@ -1,6 +1,6 @@
 """Motion programs as TOML files, in degrees, mm, mm/s and percent.
 
-    start = [0, 0, 0, 0, 0, 0]                # motor angles, deg; the zero pose if left out
+    start = [0, 0, 0, 0, 0, 0]                # each motor's angle, deg; the zero pose if left out
 
     [targets.corner]                          # named targets; a move may also hold one inline
     position = [968, -127, 1030]              # mm, TCP0 in base axes
@@ -22,6 +22,7 @@
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,28 +44,33 @@ from .instructions import (
 MM, MS, DEG = 1e-3, 1e-3, np.pi / 180.0
 
 
-def read_program(path: Path) -> Program:
-    """Program of a file.
+def read_program(path: Path, n_axes: int = 6, dynamics: Dynamics = Dynamics()) -> Program:
+    """Program of a file, for a robot of so many axes.
+
+    dynamics: limits where the file has none.
 
     Raises ProgramError with file, line and reason, OSError where the file cannot be read.
     """
-    return parse_program(path.read_text(encoding="utf-8"), source=path.name)
+    text = path.read_text(encoding="utf-8")
+    return parse_program(text, source=path.name, n_axes=n_axes, dynamics=dynamics)
 
 
-def parse_program(text: str, *, source: str = "program") -> Program:
+def parse_program(
+    text: str, *, source: str = "program", n_axes: int = 6, dynamics: Dynamics = Dynamics()
+) -> Program:
     """Program of a text; the module docstring describes its form."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ProgramError(f"{source}: {error}") from error
-    return _Reader(text, source).program(data)
+    return _Reader(text, source, n_axes, dynamics).program(data)
 
 
 class _Reader:
     """Reader of one text, with the lines of its tables for messages."""
 
-    def __init__(self, text: str, source: str) -> None:
-        self.source = source
+    def __init__(self, text: str, source: str, n_axes: int, dynamics: Dynamics) -> None:
+        self.source, self.n_axes, self.dynamics = source, n_axes, dynamics
         self.text_lines = text.splitlines()
         heads = [i for i, line in enumerate(self.text_lines) if re.match(r"\s*\[", line)]
         ends = [*heads[1:], len(self.text_lines)]
@@ -73,8 +79,9 @@ class _Reader:
     def program(self, data: Mapping[str, Any]) -> Program:
         whole = (0, len(self.text_lines))
         self._in(whole, lambda: _only(data, {"start", "targets", "dynamics", "program"}))
+        n = self.n_axes
         targets = {
-            name: self._in(self._named("targets", name), lambda t=table: _target(t))
+            name: self._in(self._named("targets", name), lambda t=table: _target(t, n))
             for name, table in self._table(data, "targets").items()
         }
         dynamics = self._table(data, "dynamics")
@@ -85,14 +92,14 @@ class _Reader:
         if len(steps) != len(places):
             raise ProgramError(f"{self.source}: write each instruction as a [[program]] table")
         instructions = tuple(
-            self._in(place, lambda s=step: _instruction(s, targets))
+            self._in(place, lambda s=step: _instruction(s, targets, n))
             for step, place in zip(steps, places, strict=True)
         )
         top = (0, self.blocks[0][1] if self.blocks else len(self.text_lines))
         return Program(
             instructions=instructions,
-            start=self._in(top, lambda: _numbers("start", data.get("start", [0] * 6), 6, DEG)),
-            dynamics=self._in(self._named("dynamics"), lambda: _dynamics(dynamics)),
+            start=self._in(top, lambda: _numbers("start", data.get("start", [0] * n), n, DEG)),
+            dynamics=self._in(self._named("dynamics"), lambda: _dynamics(dynamics, self.dynamics)),
             source=self.source,
             lines=tuple(a + 1 for a, _ in places),
         )
@@ -127,7 +134,7 @@ def _only(table: Mapping[str, Any], names: set[str]) -> None:
             raise ValueError(f"{name} is not known here. Known: {', '.join(sorted(names))}")
 
 
-def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target]) -> Instruction:
+def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target], n: int) -> Instruction:
     kind = _required(table, "do")
     if kind == "Wait":
         _only(table, {"do", "seconds"})
@@ -136,13 +143,13 @@ def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target]) -> Ins
         raise ValueError(f"do: unknown instruction {kind!r}. Known: MoveJ, MoveL, MoveC, Wait")
     _only(table, {"do", "to", "speed", "zone"} | ({"via"} if kind == "MoveC" else set()))
     common: dict[str, Any] = {
-        "to": _to(_required(table, "to"), targets),
+        "to": _to(_required(table, "to"), targets, n),
         "speed": _speed(_required(table, "speed")),
         "zone": _number("zone", table.get("zone", 0.0)) * MM,
     }
     if kind != "MoveC":
         return MoveJ(**common) if kind == "MoveJ" else MoveL(**common)
-    via = _to(_required(table, "via"), targets, "via").position
+    via = _to(_required(table, "via"), targets, n, "via").position
     if via is None:
         raise ValueError("via needs a position")
     return MoveC(**common, via=via)
@@ -154,7 +161,7 @@ def _required(table: Mapping[str, Any], name: str) -> Any:
     return table[name]
 
 
-def _to(value: Any, targets: Mapping[str, Target], key: str = "to") -> Target:
+def _to(value: Any, targets: Mapping[str, Target], n: int, key: str = "to") -> Target:
     if isinstance(value, str):
         if value not in targets:
             known = ", ".join(targets) or "none"
@@ -162,20 +169,20 @@ def _to(value: Any, targets: Mapping[str, Target], key: str = "to") -> Target:
         return targets[value]
     if not isinstance(value, dict):
         raise ValueError(f"{key} must be the name of a target or a table, got {value!r}")
-    return _target(value)
+    return _target(value, n)
 
 
-def _target(table: Mapping[str, Any]) -> Target:
+def _target(table: Mapping[str, Any], n_axes: int) -> Target:
     _only(table, {"motors", "position", "orientation", "near"})
 
     def numbers(name: str, n: int, unit: float) -> Any:
         return _numbers(name, table[name], n, unit) if name in table else None
 
     return Target(
-        motors=numbers("motors", 6, DEG),
+        motors=numbers("motors", n_axes, DEG),
         position=numbers("position", 3, MM),
         quaternion=numbers("orientation", 4, 1.0),
-        near=numbers("near", 6, DEG),
+        near=numbers("near", n_axes, DEG),
     )
 
 
@@ -188,14 +195,15 @@ def _speed(value: Any) -> Speed:
     return Speed(path=_number("speed", value) * MM)
 
 
-def _dynamics(table: Mapping[str, Any]) -> Dynamics:
+def _dynamics(table: Mapping[str, Any], known: Dynamics) -> Dynamics:
+    n_axes = len(known.joint_acceleration)
     read: dict[str, Callable[[str, Any], Any]] = {
-        "joint_acceleration": lambda name, value: _numbers(name, value, 6, 1.0),
+        "joint_acceleration": lambda name, value: _numbers(name, value, n_axes, 1.0),
         "path_acceleration": _number,
         "jerk_time": lambda name, value: _number(name, value) * MS,
     }
     _only(table, set(read))
-    return Dynamics(**{name: read[name](name, value) for name, value in table.items()})
+    return replace(known, **{name: read[name](name, value) for name, value in table.items()})
 
 
 def _number(name: str, value: Any) -> float:

@@ -1,10 +1,12 @@
-"""Commands that take a robot take its file: sweep, tune, train, measure, view and cut."""
+"""Commands that take a robot take its file: sweep, tune, train, measure, view, compare and imu."""
 
 import shutil
 
 import pytest
 
 from armside import assets
+from armside.scripts.commands.compare import CompareCfg, cases
+from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg
 from armside.scripts.commands.view import ViewCfg, posable
@@ -94,3 +96,19 @@ def test_each_refuses_a_file_whose_table_is_not_its_model(longer):
             use()
     with pytest.raises(InputError, match="its tool is 10 mm and 0 deg off the D-H model"):
         parse([f"robot={longer}"], 0)
+
+
+def test_a_comparison_is_of_the_poses_of_its_robot(robot):
+    cfg = CompareCfg(robot=str(robot), speeds=(40.0,))
+    assert [case.cut.pose for case in cases(cfg, 0)] == ["p1", "p2", "p3"]
+    with pytest.raises(ValueError, match="Unknown pose 'p9'"):
+        CompareCfg(robot=str(robot), poses=("p9",))
+    with pytest.raises(ValueError, match=r"imu.png is of cuts of the large robot"):
+        CompareCfg(robot=str(robot), imu=True)
+
+
+def test_the_imu_experiment_refuses_a_robot_that_is_neither_known_nor_a_file(robot, longer):
+    with pytest.raises(ValueError, match="irb1400, large, or a robot file"):
+        ImuOptions(robot="ur10")
+    with pytest.raises(ModelError, match="its tool is 10 mm and 0 deg off the D-H model"):
+        ImuOptions(robot=str(longer)).experiment().model()
