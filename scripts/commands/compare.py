@@ -82,7 +82,9 @@ class CompareCfg(IndividualCfg):
             raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
         PathLimits(acceleration=self.raised_acceleration)
         if self.imu and self.robot != "large":
-            raise ValueError(f"imu.png is of cuts of the large robot: leave --imu out of {self.robot}")
+            raise ValueError(
+                f"imu.png is of cuts of the large robot: leave --imu out of {self.robot}"
+            )
 
 
 def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
