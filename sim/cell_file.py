@@ -44,7 +44,6 @@ from armside import kinematics
 from armside.arrays import Array
 from armside.kinematics import Joint
 from armside.kinematics.catalogue import find_arm
-from armside.kinematics.equations.inertial_model import Body
 from armside.kinematics.robot_file import (
     KEYS,
     Arm,
@@ -62,6 +61,7 @@ from .hardware.build import build, cached
 from .hardware.description import LinkBody
 from .hardware.estimate import Taken
 from .hardware.reading import TABLES, read_hardware
+from .hardware.urdf_bodies import bodies_of
 from .robot.mjcf_arm import read_mjcf
 
 _OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
@@ -165,20 +165,7 @@ def _bodies_of_urdf(data: Mapping[str, Any], folder: Path) -> tuple[LinkBody, ..
     """Bodies of the moving links of a URDF file; none where it has no masses."""
     file, _, links = str(data["urdf"]).partition("#")
     base, _, tip = links.rpartition(":")
-    arm = read_urdf(_beside(folder, "urdf", file), base or None, tip or None)
-    if arm.bodies is None:
-        return ()
-    moving = [b for b, link in zip(arm.bodies, arm.robot.links, strict=True) if link.moves]
-    return tuple(_link_body(body) for body in moving)
-
-
-def _link_body(body: Body) -> LinkBody:
-    if not float(body.mass) > 0.0:
-        return LinkBody()
-    x, y, z = map(float, body.com)
-    xx, yy, zz, xy, xz, yz = map(float, body.inertia)
-    inertia = xx, yy, zz, xy, xz, yz
-    return LinkBody(mass=float(body.mass), centre=(x, y, z), inertia=inertia)
+    return bodies_of(read_urdf(_beside(folder, "urdf", file), base or None, tip or None))
 
 
 def _arm(data: Mapping[str, Any], folder: Path) -> Arm:

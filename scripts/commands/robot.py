@@ -1,27 +1,30 @@
-"""`armside robot`: a robot model examined beside its D-H table, or shown."""
+"""`armside robot`: a robot model examined, shown or built, and a new robot file."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from cyclopts import Parameter
 
-from armside.arrays import Array
-from armside.kinematics import Joint, Robot
+from armside.sim.cell import Cell
 from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.records.summary import summary
 from armside.sim.robot.cell_model import cell_model
-from armside.sim.robot.model import load_model
+from armside.sim.robot.model import RobotModel, load_model
 
-from ..shell.console import Report, keep
+from ..robots.tables import axes_of, estimates_of, numbers, print_check, print_data, table_of
+from ..shell.console import Report, keep, run_folder
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, check_read, options
 
-Action = Annotated[Literal["check", "show"], Parameter(help="Examine a model, or show its data.")]
-_MODEL = "MJCF file in place of that robot's own, or a robot file (.toml) with its own MJCF."
+_ACTION = "Examine a model, show its data, build an MJCF from a robot file, or write a new one."
+Action = Annotated[Literal["check", "show", "build", "new"], Parameter(help=_ACTION)]
+_MODEL = (
+    "check, show: MJCF in place of that robot's own, or a robot file (.toml). build: a robot file. "
+    "new: URDF, MJCF or D-H table (.toml) to start from [default: a template]."
+)
 Model = Annotated[Path | None, Parameter(help=_MODEL, validator=check_read)]
 
 
@@ -33,6 +36,8 @@ class RobotCfg:
     robot: str = "large"
     """Robot whose D-H table, limits and poses the controller has: large, irb1400, or a robot file
     (.toml)."""
+    tip: str | None = None
+    """new: last link of a URDF, or last body or site of an MJCF, that is a tree."""
 
 
 def robot(
@@ -43,33 +48,39 @@ def robot(
     cfg: RobotCfg = RobotCfg(),
     common: Common = Common(),
 ) -> None:
-    """Check a robot model against its D-H table, drives and time step, or show its data.
+    """Check a robot model against its D-H table, drives and time step, show, build or start one.
 
-    check: status 1 if a verdict fails. show: D-H table, limits and drives.
+    check: status 1 if a verdict fails. show: D-H table, limits and drives; a picture with --out.
+    build: MJCF and a robot file that names it. new: a robot file with every default as a comment.
     """
-    report, checks, named = Report(common), list[Check](), cfg.robot
+    report = Report(common)
+    if action == "new":
+        _new(model, cfg, report, common)
+    elif action == "build":
+        _build(cfg.robot if model is None else str(model), report, common)
+    elif action == "show":
+        _show(*_named(model, cfg), report, common)
+    else:
+        _check(*_named(model, cfg), report, common)
+
+
+def _named(model: Path | None, cfg: RobotCfg) -> tuple[str, Path | None]:
+    """Robot, and MJCF in place of its own."""
     if model is not None and model.suffix == ".toml":
-        named, model = str(model), None
+        return str(model), None
+    return cfg.robot, model
+
+
+def _check(named: str, model: Path | None, report: Report, common: Common) -> None:
     with checking_input():
         cell = find_cell(named)
-        if action == "show":
-            loaded = cell_model(cell, model)
-        else:
-            loaded = load_model(cell.xml if model is None else model)
-    asked, examined = (
-        {"action": action, "model": model, "robot": named},
-        Examination(loaded, cell),
-    )
-    if action == "show":
-        found = {"table": _table(cell.robot), "axes": _axes(examined)}
-        _show(report, cell.robot.name, found)
-    else:
-        checks, found = examined.checks(), _numbers(examined)
-        found["checks"] = [asdict(check) | {"holds": check.holds} for check in checks]
-        _print(report, found, checks)
+        loaded = load_model(cell.xml if model is None else model)
+    examined = Examination(loaded, cell)
+    checks, found = examined.checks(), numbers(examined)
+    found["checks"] = [asdict(check) | {"holds": check.holds} for check in checks]
+    print_check(report, found, checks)
     failed = [check for check in checks if not check.holds]
-    status = "failed" if failed else "done"
-    outcome = summary("robot", asked, common, status=status, **found)
+    outcome = _summary("check", named, model, common, "failed" if failed else "done", found)
     keep(outcome, common)
     report.summary(outcome)
     if failed:
@@ -82,116 +93,66 @@ def _complaint(failed: list[Check], n: int, axis: int | None) -> str:
     return f"{len(failed)} of {n} verdicts fail: {said}{where}"
 
 
-def _numbers(examined: Examination) -> dict[str, Any]:
-    """Entries of the summary, SI."""
-    model = examined.model
-    return {
-        "configurations": len(examined.configurations),
-        "agreement": list(examined.agreements),
-        "first_axis": examined.first_axis,
-        "reach": examined.reach,
-        "mass": examined.mass,
-        "time_step": model.timestep,
-        "locked_modes": examined.locked_modes,
-        "free_modes": examined.free_modes,
-        "highest_mode": examined.highest_mode,
-        "axes": _axes(examined),
-    }
+def _show(named: str, model: Path | None, report: Report, common: Common) -> None:
+    with checking_input():
+        cell = find_cell(named)
+        loaded = cell_model(cell, model)
+    examined = Examination(loaded, cell)
+    found = {"table": table_of(cell.robot), "axes": axes_of(examined)}
+    found["estimates"] = estimates_of(examined)
+    print_data(report, cell.robot.name, found)
+    outcome = _summary("show", named, model, common, "done", found)
+    _keep_picture(outcome, loaded, cell, common)
+    report.summary(outcome)
 
 
-def _axes(examined: Examination) -> list[dict[str, Any]]:
-    """Limits, drive and load of each axis, arm side, SI."""
-    drives, limits = examined.model.drives, examined.cell.limits
-    columns = {
-        "lower": limits.lower,
-        "upper": limits.upper,
-        "margin": examined.margins,
-        "speed": limits.speed,
-        "gear": drives.gear,
-        "torque_limit": np.abs(drives.gear) * drives.torque_limit,
-        "rotor_inertia": examined.model.mj.dof_armature[examined.model.motor],
-        "holding": examined.holding,
-    }
-    rows = zip(*columns.values(), strict=True)
-    return [{"axis": i} | dict(zip(columns, row, strict=True)) for i, row in enumerate(rows, 1)]
+def _keep_picture(outcome: dict[str, Any], loaded: RobotModel, cell: Cell, common: Common) -> None:
+    if common.out is None:
+        return
+    from ..robots.picture import draw_robot
+
+    with run_folder(outcome, common) as folder:
+        draw_robot(folder / "robot.png", loaded, cell)
 
 
-def _table(robot: Robot) -> list[dict[str, Any]]:
-    """Denavit-Hartenberg parameters of each link, SI, at zero motor angles."""
-    theta = iter(robot.joint_variables(np.zeros(robot.n_joints)))
-    motion = iter(robot.coupling)
-    rows = list[dict[str, Any]]()
-    for link in robot.links:
-        own = {name: float(getattr(link, name)) for name in ("theta", "d", "a", "alpha")}
-        moved = ""
-        if link.moves:
-            own["theta" if link.joint is Joint.REVOLUTE else "d"] += float(next(theta))
-            terms = ((factor, i) for i, factor in enumerate(next(motion), 1) if factor)
-            moved = " ".join(f"{factor:+g} phi_{i}" for factor, i in terms)
-        rows.append(own | {"joint": link.joint.value, "motion": moved})
-    return rows
+def _build(named: str, report: Report, common: Common) -> None:
+    from armside.sim.robot_files import built_files
+
+    with checking_input():
+        cell = find_cell(named)
+        examined = Examination(cell_model(cell), cell)
+        files = built_files(cell, Path(named).stem)
+    found = {"files": sorted(files), "estimates": estimates_of(examined)}
+    _write(files, _summary("build", named, None, common, "done", found), report, common)
 
 
-def _print(report: Report, found: dict[str, Any], checks: list[Check]) -> None:
-    report.table(
-        f"D-H table against MJCF in {found['configurations']} configurations, every spring at zero",
-        ("site", "largest [um]", "[urad]", "at motor angles [deg]"),
-        [
-            (one.site, 1e6 * one.position, 1e6 * one.rotation, _degrees(one.at))
-            for one in found["agreement"]
-        ],
-    )
-    _print_axes(report, found["axes"])
-    for name, words in (("locked_modes", "held"), ("free_modes", "free")):
-        report.line(f"Modes [Hz], motors {words}: {' '.join(f'{f:.1f}' for f in found[name])}")
-    report.line(
-        f"Mass {found['mass']:.1f} kg, tool up to {found['reach']:.3f} m from the base, "
-        f"time step {1e3 * found['time_step']:g} ms"
-    )
-    rows = [(check.statement, check.ours, check.band, check.verdict) for check in checks]
-    report.table("Verdicts", ("quantity", "value", "allowed", "verdict"), rows)
+def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> None:
+    from armside.sim.robot_files import commented, read_source, template
+
+    with checking_input():
+        source = template() if model is None else read_source(model, cfg.tip)
+        files = {"robot.toml": commented(source)}
+    found = {"files": sorted(files), "axes": source.arm.robot.n_joints}
+    _write(files, _summary("new", source.said, model, common, "done", found), report, common)
 
 
-def _print_axes(report: Report, axes: list[dict[str, Any]]) -> None:
-    report.table(
-        "Axes, arm side of the gear; load: greatest torque of gravity over the drive's limit",
-        (
-            "axis",
-            "from [deg]",
-            "to",
-            "speed [deg/s]",
-            "gear",
-            "limit [N m]",
-            "inertia [kg m^2]",
-            "load",
-        ),
-        [
-            (
-                one["axis"],
-                *(float(np.rad2deg(one[name])) for name in ("lower", "upper", "speed")),
-                *(float(one[name]) for name in ("gear", "torque_limit", "rotor_inertia")),
-                round(float(one["holding"]), 4),
-            )
-            for one in axes
-        ],
-    )
+def _write(files: dict[str, str], outcome: dict[str, Any], report: Report, common: Common) -> None:
+    with run_folder(outcome, common) as folder:
+        for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_text(text, encoding="utf-8")
+    for name in files:
+        report.line(str(folder.path / name))
+    report.summary(outcome)
 
 
-def _show(report: Report, name: str, found: dict[str, Any]) -> None:
-    report.table(
-        f"{name}: D-H table at zero motor angles",
-        ("link", "theta [deg]", "d [mm]", "a [mm]", "alpha [deg]", "joint", "moved by"),
-        [
-            (
-                str(i),
-                *(float(np.rad2deg(row["theta"])), 1e3 * row["d"], 1e3 * row["a"]),
-                *(float(np.rad2deg(row["alpha"])), row["joint"], row["motion"]),
-            )
-            for i, row in enumerate(found["table"], 1)
-        ],
-    )
-    _print_axes(report, found["axes"])
-
-
-def _degrees(phi: Array) -> str:
-    return " ".join(f"{angle:.1f}" for angle in np.rad2deg(phi))
+def _summary(
+    action: str,
+    named: str,
+    model: Path | None,
+    common: Common,
+    status: str,
+    found: dict[str, Any],
+) -> dict[str, Any]:
+    asked = {"action": action, "model": model, "robot": named}
+    return summary("robot", asked, common, status=status, **found)

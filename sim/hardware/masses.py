@@ -14,7 +14,7 @@ from armside.arrays import Array
 from .chain import Frame, points
 from .description import Hardware, LinkBody
 from .estimate import BASE, LEAST, PER_CUBE, TOOL, Report
-from .inertia import DENSITY, SMALLEST, Six, matrix, of_cylinder, rotated
+from .inertia import DENSITY, Six, of_cylinder, rotated
 
 _CYLINDER = f"ESTIMATE: uniform cylinder of {DENSITY:g} kg/m^3 to the next joint"
 
@@ -112,7 +112,7 @@ def _link(number: int, body: LinkBody, mass: float, frame: Frame, report: Report
         centre = report.take(f"{name}: centre", frame.along / 2.0, "ESTIMATE: midway, joint axes")
     else:
         centre = origin + R @ np.array(body.centre)
-    if body.inertia is None or np.linalg.eigvalsh(matrix(body.inertia))[0] < SMALLEST:
+    if body.inertia is None:
         estimated.append("inertia")
         inertia = _estimated(f"{name}: inertia", mass, frame.along, report)
     else:

@@ -1,0 +1,1 @@
+"""`armside robot`: tables, pictures and files of a robot."""

@@ -1,0 +1,74 @@
+"""`armside robot new`, `build`, `show` and `check` of robot files."""
+
+import json
+
+import mujoco
+import pytest
+
+from armside import assets
+from armside.scripts.cli import main
+
+SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
+
+
+def test_from_an_empty_folder_to_a_model_of_plain_mujoco(tmp_path, capsys):
+    new, built = tmp_path / "new", tmp_path / "built"
+    assert main(["robot", "new", "--out", str(new), "--quiet"]) == 0
+    file = str(new / "robot.toml")
+    assert main(["robot", "build", file, "--out", str(built), "--quiet"]) == 0
+    mj = mujoco.MjModel.from_xml_path(str(built / "robot.xml"))
+    assert mj.njnt == 12
+    assert mj.ngeom > 6
+    capsys.readouterr()
+    assert main(["robot", "check", str(built / "robot.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["estimates"] == []
+    assert main(["robot", "check", file, "--json"]) == 0
+    estimates = json.loads(capsys.readouterr().out)["estimates"]
+    said = {one["field"]: one for one in estimates}
+    assert said["drives: gear_ratio"]["values"] == [100.0] * 6
+    assert said["hardware: mass"]["rule"].startswith("ESTIMATE")
+
+
+def test_check_lists_what_is_estimated_and_slides_in_millimetres(capsys):
+    assert main(["robot", "check", str(SCARA)]) == 0
+    shown = capsys.readouterr().out
+    assert "gears: stiffness" in shown
+    rows = [line.split("│") for line in shown.splitlines() if "│" in line]
+    slide = next(row for row in rows if row[1].strip() == "3" and row[5].strip() == "mm")
+    assert [float(word) for word in slide[2:5]] == [0.0, 200.0, 1100.0]
+
+
+def test_a_picture_of_the_robot_goes_with_its_data(tmp_path, capsys):
+    status = main(["robot", "show", str(SCARA), "--out", str(tmp_path / "shown"), "--quiet"])
+    if status == 2 and "cannot draw without window" in capsys.readouterr().err:
+        pytest.skip("this machine has no OpenGL")
+    assert status == 0
+    assert (tmp_path / "shown" / "robot.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["new", "none.urdf"], "none.urdf"),
+        (["new", str(SCARA), "--tip", "a"], "tip chooses a chain of a URDF or MJCF"),
+        (["build", str(SCARA.with_name("README.md"))], "Unknown robot"),
+        (["fly"], "fly"),
+    ],
+)
+def test_bad_input_writes_nothing(words, said, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["robot", *words, "--out", str(out)]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert len(error.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_a_wrong_robot_file_is_one_line_with_file_field_and_what_is_allowed(tmp_path, capsys):
+    file = tmp_path / "arm.toml"
+    text = SCARA.read_text(encoding="utf-8")
+    file.write_text(text.replace("gear_ratio = [50,", "gear_ratio = [-50,"), encoding="utf-8")
+    for words in (["robot", "check", str(file)], ["laser", "--robot", str(file)]):
+        assert main(words) == 2
+        said = "arm.toml: drives: gear_ratio must be a finite number > 0, got -50"
+        assert capsys.readouterr().err.strip() == f"armside: {said}"
