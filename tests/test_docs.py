@@ -3,7 +3,8 @@
 A block marked `python` is run; the blocks of one page share their names, as a reader's would.
 In blocks marked `sh` or `console` each line that starts with `armside` is run, with or without
 `$ ` before it. Commands that take minutes are only parsed. A line that several pages show and
-that reads no file is run once, and each page goes on with the folder that it wrote.
+that reads no file is run once, and each page goes on with the folder that it wrote. A block marked
+`toml` whose first line is `# NAME.toml` is written to that file.
 """
 
 import fcntl
@@ -26,6 +27,7 @@ SHOWS = {"view": {"view"}, "replay": {"--web", "--png", "--video"}}
 run them."""
 SEVERAL_PAGES = "armside commission --individual 7 --cuts 4 --out twin"
 """Run once for all pages and workers: it makes its folder from nothing else."""
+NAMED = re.compile(r"# (\w+\.toml)\n")
 FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -99,6 +101,8 @@ def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, shared_fo
                 run_once(command, shared_folder)
             else:
                 run_command(command)
+        if block.language == "toml" and (named := NAMED.match(block.text)):
+            (tmp_path / named[1]).write_text(block.text, encoding="utf-8")
         if block.language == "python":
             padding = "\n" * block.line  # so that a traceback names the line of the page
             exec(compile(padding + block.text, str(page), "exec"), names)

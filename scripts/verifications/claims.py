@@ -67,6 +67,10 @@ def _load(name: str) -> Function:
             from .imu_twin import imu_twin as claim
         case "laser-irb1400-design":
             from .irb1400_laser import design as claim
+        case "robots":
+            from .robots import robots as claim
+        case "robots-design":
+            from .robots import design as claim
         case _:
             raise unknown("claim", name, CLAIMS)
     return claim
@@ -79,6 +83,7 @@ _SEEDS = {
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
     **{"first-cut": 6, "first-cut-imu": 6, "imu-twin": 2},
     **{"estimation-irb1400": 10, "estimation-arms": 3},
+    **{"robots": 5, "robots-design": 5},
     **{"laser-irb1400": 20, "laser-irb1400-design": 20},
 }
 """A new claim is one entry here and two lines in `_load`."""

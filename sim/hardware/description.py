@@ -45,8 +45,6 @@ class Hardware:
     """Of the whole robot with its base, without the tool [kg]."""
     timestep: float = 0.0005
     """Physics step [s]."""
-    gravity: Vector = (0.0, 0.0, -9.82)
-    """[m/s^2], in base axes."""
     base: LinkBody = LinkBody()
     bodies: tuple[LinkBody, ...] = ()
     """One for each moving link, in the axes of its D-H frame; none: all estimated."""

@@ -50,7 +50,7 @@ def _head(name: str, given: Hardware, comment: str = "") -> list[str]:
         *([f"<!--\n{comment}\n-->"] if comment else []),
         f"<mujoco model={quoteattr(name)}>",
         '  <compiler angle="radian" autolimits="true" inertiafromgeom="false"/>',
-        f'  <option {option} gravity="{row(given.gravity)}"/>',
+        f'  <option {option} gravity="0 0 -9.82"/>',
         '  <size nkey="1"/>',
     ]
 

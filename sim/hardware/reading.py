@@ -12,7 +12,7 @@ from .keys import DRIVES, EACH, EFFECTS, GEARS, PHASES, Key
 from .numbers import scalar, table, tables, vector3
 
 TABLES = ("hardware", "base", "body", "drives", "gears", "structure", "effects", "tool")
-_WHOLE = ("mass", "time_step", "gravity")
+_WHOLE = ("mass", "time_step")
 _BODY = ("mass", "centre", "inertia")
 _HINGE = ("name", "link", "direction", "point", "stiffness", "damping", "damping_ratio")
 STRUCTURE_DAMPING = 0.01
@@ -55,8 +55,6 @@ def _whole(given: Mapping[str, Any]) -> dict[str, Any]:
         found["mass"] = scalar("hardware: mass", given["mass"], "kg")
     if "time_step" in given:
         found["timestep"] = scalar("hardware: time_step", given["time_step"], "s", high=0.004)
-    if "gravity" in given:
-        found["gravity"] = vector3("hardware: gravity", given["gravity"], "m/s^2")
     return found
 
 

@@ -68,8 +68,8 @@ def _masses(given: Hardware, built: Built, n: int) -> list[str]:
         lines.append(f"# mass = {number(whole.values[0])} # [kg], tool excluded. {whole.rule}")
     else:
         lines.append("# mass = # [kg] of the whole robot, tool excluded")
-    lines += ["# time_step = 0.0005 # [s]", f"gravity = {row(given.gravity)} # [m/s^2], base axes"]
-    lines += ["", "# one for each moving link, in the axes of its D-H frame"]
+    lines += ["# time_step = 0.0005 # [s]", ""]
+    lines += ["# one for each moving link, in the axes of its D-H frame"]
     masses = iter(said["body: mass"].values if "body: mass" in said else ())
     for body in given.bodies or (LinkBody(),) * n:
         lines += ["", "[[body]]" if body != LinkBody() else "# [[body]]"]

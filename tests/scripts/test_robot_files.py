@@ -1,12 +1,16 @@
 """`armside robot new`, `build`, `show` and `check` of robot files."""
 
 import json
+import tomllib
+from pathlib import Path
 
 import mujoco
 import pytest
 
 from armside import assets
 from armside.scripts.cli import main
+from armside.sim.hardware import TABLES
+from armside.sim.hardware.keys import DRIVES, EFFECTS, GEARS
 
 SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
 
@@ -72,3 +76,15 @@ def test_a_wrong_robot_file_is_one_line_with_file_field_and_what_is_allowed(tmp_
         assert main(words) == 2
         said = "arm.toml: drives: gear_ratio must be a finite number > 0, got -50"
         assert capsys.readouterr().err.strip() == f"armside: {said}"
+
+
+def test_the_docs_describe_every_key_and_show_the_shipped_file():
+    page = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
+    for name, key in {**DRIVES, **GEARS, **EFFECTS}.items():
+        row = next(line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
+        assert f"| {key.unit} | {key.meaning} | {key.default or 'from the stiffness'} |" in row
+    shown = page.split("```toml\n")[1].split("```")[0]
+    shipped = SCARA.with_name("kr16_like.toml").read_text(encoding="utf-8")
+    assert tomllib.loads(shown) == tomllib.loads(shipped)
+    for table in TABLES:
+        assert f"[{table}]" in page
