@@ -16,9 +16,14 @@ from .dh import Convention as Convention
 from .dh import Joint as Joint
 from .dh import Link as Link
 from .dh import Robot as Robot
+from .dynamics_derivatives import (
+    compile_inverse_dynamics_jacobian as compile_inverse_dynamics_jacobian,
+)
 from .equations.inertial_model import Body as Body
 from .equations.inertial_model import InertialModel as InertialModel
 from .equations.inertial_model import Motor as Motor
+from .frames import compile_frame_jacobian as compile_frame_jacobian
+from .frames import compile_frame_pose as compile_frame_pose
 from .inverse.closed_form import Branches as Branches
 from .inverse.closed_form import Singularity as Singularity
 from .inverse.closed_form import UnreachableError as UnreachableError

@@ -52,7 +52,7 @@ class CompiledRobot:
     """
 
     def __init__(self, robot: Robot, cache: Path | str | None = None) -> None:
-        _refuse_symbols("compile", robot.name, robot.free_symbols)
+        refuse_symbols("compile", robot.name, robot.free_symbols)
         self.robot, self._cache = robot, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -109,7 +109,7 @@ class CompiledDynamics:
     """
 
     def __init__(self, model: InertialModel, cache: Path | str | None = None) -> None:
-        _refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
+        refuse_symbols("compile_dynamics", model.robot.name, model.free_symbols)
         self.model, self._n, self._cache = model, model.robot.n_joints, cache
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -214,7 +214,7 @@ class CompiledMeasurement:
     def __init__(
         self, robot: Robot, gravity: tuple[float, ...], frame: int | None, cache: Path | str | None
     ) -> None:
-        _refuse_symbols("compile_measurement", robot.name, robot.free_symbols)
+        refuse_symbols("compile_measurement", robot.name, robot.free_symbols)
         self.robot, self._imu, self._cache = robot, (gravity, frame), cache
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -261,7 +261,8 @@ def compile_measurement(
     return CompiledMeasurement(robot, tuple(g.tolist()), frame, cache)
 
 
-def _refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:
+def refuse_symbols(function: str, name: str, symbols: frozenset[Any]) -> None:
+    """Raise ValueError with the symbols of what a function needs as numbers."""
     if symbols:
         names = ", ".join(sorted(map(str, symbols)))
         raise ValueError(f"{function} needs a robot of numbers; {name} has symbols: {names}")

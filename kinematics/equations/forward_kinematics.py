@@ -32,30 +32,30 @@ def pose(robot: Robot) -> StraightLineProgram:
     return tape.program("pose", motor_inputs(robot, "phi"), [out], notes(robot))
 
 
-def _columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
+def columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
     """(v, omega) of the tool for each joint variable at unit rate. Thesis (3.46), (3.51)."""
-    columns = []
+    found = []
     to_tool = chain.tool_lever
     for axis in reversed(chain.axes):
         if axis.joint is Joint.REVOLUTE:
-            columns.append((crossed(tape, axis.direction, to_tool), axis.direction))
+            found.append((crossed(tape, axis.direction, to_tool), axis.direction))
         else:
-            columns.append((axis.direction, ZERO))
+            found.append((axis.direction, ZERO))
         to_tool = added(tape, axis.lever, to_tool)
-    return columns[::-1]
+    return found[::-1]
 
 
 @separated
 def jacobian(robot: Robot) -> StraightLineProgram:
     """J, 6 x n: (v, omega) of the tool origin in base axes from motor rates. Thesis (3.39)."""
     tape = Tape()
-    columns = [(*v, *w) for v, w in _columns(_chain(robot, tape), tape)]
+    six = [(*v, *w) for v, w in columns(_chain(robot, tape), tape)]
     # J_phi = J_theta coupling, (4.10) differentiated
     weights = [[exact(k) for k in column] for column in robot.coupling.T]
     coupled = [
         [
             tape(sp.Add(*(e * k for e, k in zip(row, weight, strict=True))))
-            for row in zip(*columns, strict=True)
+            for row in zip(*six, strict=True)
         ]
         for weight in weights
     ]
