@@ -34,7 +34,11 @@ from .inverse.numeric import NotConvergedError as NotConvergedError
 from .inverse.numeric import inverse_numeric as inverse_numeric
 from .inverse.numeric import inverse_numeric_path as inverse_numeric_path
 from .inverse.path_failure import Cause as Cause
+from .inverse.scara import scara_branches as scara_branches
+from .inverse.seven_axes import elbow_angle as elbow_angle
+from .inverse.seven_axes import seven_axis_branches as seven_axis_branches
 from .inverse.six_axes import UnsolvableGeometryError as UnsolvableGeometryError
+from .inverse.stanford import stanford_branches as stanford_branches
 from .limits import CoupledRange as CoupledRange
 from .limits import Limits as Limits
 from .measured_arms import AUBO_I5 as AUBO_I5

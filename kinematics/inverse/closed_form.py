@@ -23,6 +23,7 @@ from ..cache import cached_module
 from ..dh import Robot
 from ..limits import Limits
 from .parallel_arm import ParallelArm, has_parallel_axes, parallel_arm
+from .path_failure import least_passed, limit_passed
 from .six_axes import ClosedArm, UnsolvableGeometryError
 from .targets import check_rigid
 from .wrist_arm import wrist_arm
@@ -124,12 +125,12 @@ def inverse_nearest(
         raise ValueError(f"T must have shape (4, 4), got {np.shape(T)}; see inverse_path")
     candidates = found.phi[found.exists]
     if limits is not None:
-        candidates = _unwrapped(robot, candidates)
-        candidates = candidates[limits.contain(candidates)]
+        every = _unwrapped(robot, candidates)
+        candidates = every[limits.contain(every)]
         if not len(candidates):
             raise ValueError(
                 f"the target is in reach of {robot.name}, but all {found.exists.sum()} branches "
-                "are outside the joint limits"
+                f"are outside the joint limits: in the best {least_passed(every, limits)} [rad]"
             )
     return candidates[np.argmin(((candidates - start) ** 2).sum(axis=-1))]
 
@@ -159,8 +160,9 @@ def inverse_path(
     if limits is not None and not (inside := limits.contain(path)).all():
         k = int(np.argmin(inside))
         phi = np.degrees(path[k]).round(2).tolist()
-        where = f"target {k} of {len(path)}"
-        raise ValueError(f"{where} leaves the joint limits of {robot.name} at phi = {phi} deg")
+        where = f"target {k} of {len(path)} leaves the joint limits of {robot.name}"
+        passed = limit_passed(path[k], limits)
+        raise ValueError(f"{where}: {passed} [rad], at phi = {phi} deg")
     return path
 
 

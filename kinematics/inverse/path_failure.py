@@ -36,6 +36,16 @@ def limit_passed(phi: Array, limits: Limits, slack: float = 0.0) -> str | None:
     return f"{words[worst]} {at:.4f}, and its range is {low:.4f} to {high:.4f}"
 
 
+def least_passed(phi: Array, limits: Limits) -> str:
+    """The range that the best of configurations phi (k, n), all beyond the limits, is beyond."""
+    ends = np.maximum(phi - np.asarray(limits.upper), np.asarray(limits.lower) - phi)
+    beyond = ends.max(axis=1)
+    for bound in limits.coupled:
+        value = phi @ np.asarray(bound.coefficients)
+        beyond = np.maximum(beyond, np.maximum(value - bound.upper, bound.lower - value))
+    return str(limit_passed(phi[int(np.argmin(beyond))], limits))
+
+
 def joint_jump(robot: Robot, before: Array, phi: Array) -> str:
     """The revolute joint that turns most between two configurations (n,), in words."""
     turn = np.abs(robot.coupling @ (phi - before))
