@@ -164,10 +164,11 @@ def _limits(robot: Robot, data: Any) -> Limits:
 def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise ValueError("gear_error must be tables [[gear_error]]")
-    return tuple(_gear_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
+    return tuple(gear_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
 
 
-def _gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
+def gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
+    """A term of a table [[gear_error]]. Raises ValueError; the message names table and field."""
     refuse_unknown(where, row, GearTerm._fields)
     if missing := [name for name in GearTerm._fields if name not in row]:
         raise ValueError(f"{where} lacks {missing[0]}")

@@ -25,7 +25,7 @@ from armside.sim.records.summary import summary
 from armside.sim.twin.library import stored_twin
 
 from ..cutting.effort import effort
-from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.known_gears import KnownGearsCfg, known_state
 from ..cutting.learning import Prepared
 from ..cutting.options import LARGEST, SLOWEST
 from ..shell.console import Report, run_folder
@@ -42,7 +42,7 @@ MEASURES = 4
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class CompareCfg(IndividualCfg):
+class CompareCfg(KnownGearsCfg):
     """Cuts of one robot."""
 
     robot: str = "large"
@@ -69,6 +69,8 @@ class CompareCfg(IndividualCfg):
         super().__post_init__()
         known = find_cell(self.robot).poses
         object.__setattr__(self, "poses", self.poses or tuple(known))
+        if self.gears is not None and self.twin is not None:
+            raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
         for name in self.poses:
             pose(name, known)
         if not self.speeds:
@@ -89,7 +91,7 @@ class CompareCfg(IndividualCfg):
 
 def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
     """Each pose and speed; a speed that the controller lowers also with its limit raised."""
-    robot = robot_state(cfg)
+    robot = known_state(cfg, find_cell(cfg.robot).robot)
     for speed in cfg.speeds:
         limits = [PathLimits()]
         if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):

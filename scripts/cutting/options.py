@@ -13,7 +13,7 @@ from armside.sim.cell_file import find_cell
 from armside.sim.laser.design import THESIS, Design, default_design
 
 from ..shell.options import FileToRead, options
-from .individual import IndividualCfg
+from .known_gears import KnownGearsCfg
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
 _OfDesign = Parameter(consume_multiple=True, show_default=False)
@@ -41,7 +41,7 @@ SLOWEST = 1e-3
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class LaserCfg(IndividualCfg):
+class LaserCfg(KnownGearsCfg):
     """Contour, place, robot and learning."""
 
     robot: str = "large"
@@ -110,6 +110,8 @@ class LaserCfg(IndividualCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.gears is not None and self.twin is not None:
+            raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
         if self.individual is None and self.friction_spread is None:
             object.__setattr__(self, "friction_spread", FRICTION_SPREAD)
         if self.individual is not None and self.friction_spread is not None:

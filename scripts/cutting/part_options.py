@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 from cyclopts import Group, Parameter
 
+from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.setup import Setup
@@ -14,7 +15,7 @@ from armside.sim.part.drawn import Reading, Unit
 from armside.sim.part.plan import Cutting
 
 from ..shell.options import FileToRead, options
-from .individual import IndividualCfg, robot_state
+from .known_gears import KnownGearsCfg, known_state
 from .options import FRICTION_SPREAD, LARGEST, SLOWEST, SMALLEST_BEAM
 
 _PLAN = Group("Drawing and plan", sort_key=1)
@@ -29,7 +30,7 @@ LONGEST_PIERCE = 600.0
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class CutCfg(IndividualCfg):
+class CutCfg(KnownGearsCfg):
     """Drawing, plan, robot and learning."""
 
     layers: Annotated[tuple[str, ...], _SEVERAL] = ()
@@ -124,7 +125,7 @@ def setup(cfg: CutCfg) -> Setup:
         payload=cfg.payload,
         friction_spread=FRICTION_SPREAD * 1e-2,
         imu=None if cfg.measure == "motor" else ImuCfg(),
-        **robot_state(cfg),
+        **known_state(cfg, find_cell(cfg.robot).robot),
     )
     found.tool_pose  # noqa: B018 - raises for an unknown pose
     return found

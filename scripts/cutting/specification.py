@@ -15,7 +15,7 @@ from armside.sim.laser.specification import Cut, LeadIn
 
 from ..shell.effort import refuse_absurd
 from .effort import effort
-from .individual import robot_state
+from .known_gears import known_state
 from .options import RADIUS, LaserCfg
 
 MM = 1e-3
@@ -44,7 +44,7 @@ def cut(cfg: LaserCfg) -> Cut:
         limits=PathLimits(acceleration=cfg.path_acceleration),
         payload=cfg.payload,
         friction_spread=(cfg.friction_spread or 0.0) * 1e-2,
-        **robot_state(cfg),
+        **known_state(cfg, cfg.cell.robot),
         imu=None if cfg.measure == "motor" else ImuCfg(),
     )
 

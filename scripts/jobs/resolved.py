@@ -26,7 +26,7 @@ from ..shell.errors import one_line
 from .contents import digest_of_file, model_content, robot_content
 from .store import digest_of
 
-FILES = ("contour", "model", "identification", "individual", "twin")
+FILES = ("contour", "model", "identification", "individual", "twin", "gears")
 """Options that name a file or a folder of files, or may."""
 Content = Callable[[str, Path], str]
 """Hash of the content of an option's file."""
@@ -46,7 +46,7 @@ def content_of(name: str, path: Path) -> str:
         return digest(path)
     if name == "identification":
         return digest_of_file(path / "summary.json")
-    if name == "individual":
+    if name in ("individual", "gears"):
         return digest_of_file(path)
     if name == "contour":  # the suffix decides how it is read
         return path.suffix.lower() + digest_of_file(path)

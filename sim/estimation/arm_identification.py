@@ -56,7 +56,8 @@ class Run:
     time: Array
     """(N,) [s], of the motor log."""
     phi: Array
-    """(N, n) [rad], motor angles from rest, low-passed."""
+    """(N, n) [rad], outputs of the gears from rest: motor angles, low-passed, with the gear error
+    that is known."""
     phi_dot: Array
     """(N, n) [rad/s]."""
     imu_time: Array
@@ -74,7 +75,7 @@ class Run:
 def prepared(arm: NominalArm, time: Array, motor_angle: Array, samples: ImuSamples) -> Run:
     """A run's log (N,), (N, n) and the IMU's samples; of the arm its springs do not matter."""
     period = float(time[1] - time[0])
-    smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    smooth = arm.gear_output(ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle))
     phi, phi_dot, phi_ddot = interpolate(smooth, period, 1)
     linear, moved = linearised(arm, phi[0]), phi - phi[0]
     n = len(linear.axes)

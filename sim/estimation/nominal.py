@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..robot.drives import EXACT, GearError
 from ..robot.flexibility import Flexibility, without
 from ..robot.free_motion import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
@@ -70,6 +71,13 @@ class NominalArm:
     """(n, n) [N m/rad], symmetric; diagonal as long as only gears are known."""
     damping: Array
     """(n,) [N m s/rad]."""
+    gear_error: GearError = EXACT
+    """Known transmission error, as `armside gears` finds it; none as long as none is known."""
+
+    def gear_output(self, motor_angle: Array) -> Array:
+        """Outputs of the gears (M, n) [rad], which pull the springs, at motor angles (M, n)."""
+        known = self.gear_error
+        return motor_angle if known is EXACT else motor_angle + known(motor_angle)
 
     @cached_property
     def motion(self) -> FreeMotion:

@@ -105,7 +105,7 @@ def observe(arm: NominalArm, motor_angle: Array, period: float) -> ArmMotion:
 
     The log is low-passed without phase and splined to the physics rate; it starts at rest.
     """
-    smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    smooth = arm.gear_output(ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle))
     arm = integrable(arm, at_rest(arm, smooth[0]))
     phi, phi_dot, _ = interpolate(smooth, period, substeps(float(arm.mj.opt.timestep), period))
     return dragged(arm, phi, phi_dot)

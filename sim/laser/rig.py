@@ -13,6 +13,7 @@ from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..robot.applicable import check_applies
 from ..robot.cell_model import cell_model
 from ..robot.effects import available
+from ..robot.gear_terms import gear_error_of
 from ..robot.individual import Individual, embodied, with_payload
 from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
@@ -63,6 +64,8 @@ def rig(
     known = controlled(setup, design)
     statics = Statics(known)
     motion, reference = planned(statics)
+    if setup.gear_error:
+        reference = reference - gear_error_of(setup.gear_error, design.n_axes)(reference)
     individual = _individual(setup, np.random.default_rng(drawing), design)
     friction = individual.friction * (1.0 + setup.friction_drift)
     real = embodied(

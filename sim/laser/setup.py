@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from armside.kinematics.robot_file import GearTerm
+
 from ..cell import Cell, ToolPose, pose
 from ..cell_file import find_cell
 from ..cut.timing import PathLimits
@@ -44,6 +46,9 @@ class Setup:
     """Effects of gears and drives that are left out, for ablations."""
     imu: ImuCfg | None = None
     """Unit at the tool."""
+    gear_error: tuple[GearTerm, ...] = ()
+    """Transmission error of this individual that the controller knows: motors are asked for r -
+    epsilon(r), so that the gears' outputs follow r, and estimators add epsilon to motor angles."""
 
     def __post_init__(self) -> None:
         for effect in self.without:

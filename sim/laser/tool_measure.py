@@ -19,6 +19,8 @@ from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
+from ..robot.drives import EXACT
+from ..robot.gear_terms import gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 from .measures import Prepared, SetUp
@@ -63,10 +65,12 @@ class ToolPath:
 
     def assumed(self, experiment: Prepared) -> NominalArm:
         """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
+        known, nominal = experiment.setup.gear_error, experiment.nominal
         return assumed_arm(
-            experiment.nominal,
+            nominal,
             self.stiffness_error,
             experiment.seed,
+            gear_error=gear_error_of(known, nominal.n_axes) if known else EXACT,
             damping=self.damping_factor,
             payload=experiment.added_payload + self.payload_error,
         )
