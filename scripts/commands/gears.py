@@ -1,23 +1,34 @@
 """`armside gears`: transmission error of gears from encoders and a sensor at the tool."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from armside.sim.cell_file import find_robot
+from armside.kinematics import CATALOGUE, Arm
+from armside.sim.cell import CELLS
+from armside.sim.cell_file import find_cell, find_robot
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.setup import Setup
 from armside.sim.records.summary import summary
 
+from ..cutting.individual import IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
 
+if TYPE_CHECKING:
+    from armside.sim.gears import GearsCfg
+    from armside.sim.measured import MotionRecording
+
 LARGEST_NUMBER = 20
 """Recordings of one command."""
+MOST_RUNS = 10
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class GearsOptions:
+class GearsOptions(IndividualCfg):
     """The robot, the sensor that is learned from, and the bands of frequency."""
 
     robot: str
@@ -25,51 +36,65 @@ class GearsOptions:
     FILE.urdf, FILE.urdf#TIP_LINK)."""
     sensor: Literal["imu", "tracker"] | None = None
     """Sensor to learn from [default: the IMU where there is one]."""
-    band: tuple[float, float] = (2.5, 16.0)
-    """Band that is learned from [Hz]."""
-    judged: tuple[float, float] = (4.0, 12.0)
-    """Band in which a tracker judges [Hz]."""
-    largest_order: float = 420.0
-    """Largest order of the scan [periods per turn of a joint]."""
+    band: tuple[float, float] | None = None
+    """Band that is learned from [Hz] [default: 2.5 16; of a virtual robot 0.6 3.5]."""
+    judged: tuple[float, float] | None = None
+    """Band in which a tracker judges [Hz] [default: 4 12; of a virtual robot 0.6 3]."""
+    largest_order: float | None = None
+    """Largest order of the scan [periods per turn of a joint] [default: 420; of a virtual robot
+    520]."""
+    elastic: bool | None = None
+    """Find also how much the arm amplifies errors towards its first resonance [default: with a
+    virtual robot]."""
     terms: int = 4
     """Most orders of one joint."""
+    pose: str | None = None
+    """Pose around which a virtual robot moves [default: the second one]."""
+    runs: int | None = None
+    """Runs of a virtual robot, 1 to 10 [default: 4]."""
 
     def __post_init__(self) -> None:
-        self.configuration()
+        super().__post_init__()
+        if self.runs is not None and not 1 <= self.runs <= MOST_RUNS:
+            raise ValueError(f"runs must be 1 to {MOST_RUNS}, got {self.runs}")
+        self.configuration(virtual=False)
 
-    def configuration(self) -> Any:
+    def configuration(self, *, virtual: bool) -> "GearsCfg":
         """Configuration of the analysis. Raises ValueError for what is not allowed."""
-        from armside.sim.gears import GearsCfg
+        from armside.sim.gears import VIRTUAL, GearsCfg
 
-        return GearsCfg(
-            sensor=self.sensor,
-            band=self.band,
-            judged=self.judged,
-            largest_order=self.largest_order,
-            per_joint=self.terms,
-        )
+        start = VIRTUAL if virtual else GearsCfg()
+        names = ("sensor", "band", "judged", "largest_order", "elastic")
+        given = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return replace(start, per_joint=self.terms, **given)
+
+    def refuse_virtual(self) -> None:
+        """Raise ValueError for options of a virtual robot, where recordings are given."""
+        own = ("pose", "runs", "individual", "temperature")
+        given = [name for name in own if getattr(self, name) is not None]
+        given += [name for name in ("friction_drift", "without") if getattr(self, name)]
+        if given:
+            said = given[0].replace("_", "-")
+            raise ValueError(f"{said} is of a virtual robot: give no recordings with it")
 
 
 def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     """Find the transmission error of an arm's gears, without knowing their ratios.
 
     data: one folder for each recording (docs/real.md). Each is judged by what the others teach; a
-    single one is judged on its second half. Writes summary.json, robot.toml with the error, and
-    pictures.
+    single one is judged on its second half. Without any, a virtual robot (large, irb1400, a robot
+    file) makes the runs. Writes summary.json, gears.toml, robot.toml with the error, and pictures.
     """
     from armside.sim.gears import analyse
-    from armside.sim.measured import read_motion
 
     from ..figures import gears as shown
 
     report = Report(common)
     with checking_input():
-        if not 1 <= len(data) <= LARGEST_NUMBER:
-            raise ValueError(f"give 1 to {LARGEST_NUMBER} folders of recordings, got {len(data)}")
-        arm, recordings = find_robot(cfg.robot), [read_motion(folder) for folder in data]
+        arm, recordings = _recordings(data, cfg, common.seed, report)
         scans = max(2, len(recordings)) * arm.robot.n_joints
         with report.progress("scanning", total=scans) as step:
-            done = analyse(arm, recordings, cfg.configuration(), step)
+            done = analyse(arm, recordings, cfg.configuration(virtual=not data), step)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     found: dict[str, Any] = shown.results(done)
     outcome = summary("gears", cfg, common, data=list(data), notes=notes, **found)
@@ -80,3 +105,31 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     shown.tables(report, outcome)
     shown.bands_table(report, done)
     report.results(outcome, folder.path)
+
+
+def _recordings(
+    data: Sequence[Path], cfg: GearsOptions, seed: int, report: Report
+) -> "tuple[Arm, list[MotionRecording]]":
+    """The arm, and its recordings: given, or made by a virtual robot."""
+    from armside.sim.measured import read_motion
+
+    if len(data) > LARGEST_NUMBER:
+        raise ValueError(f"give at most {LARGEST_NUMBER} folders of recordings, got {len(data)}")
+    if data:
+        cfg.refuse_virtual()
+        return find_robot(cfg.robot), [read_motion(folder) for folder in data]
+    from armside.sim.gears.virtual_run import RUNS, recorded
+
+    if cfg.robot in CATALOGUE and cfg.robot not in CELLS:
+        runnable = f"{', '.join(CELLS)} and robot files with a model"
+        raise ValueError(f"give recordings of {cfg.robot}: only {runnable} can be run")
+    cell = find_cell(cfg.robot)
+    pose = cfg.pose or [*cell.poses, "p1"][1]
+    setup = Setup(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
+    made: list[MotionRecording] = []
+    runs = RUNS if cfg.runs is None else cfg.runs
+    with report.progress("running", total=runs) as step:
+        for run in range(runs):
+            made.append(recorded(setup, seed, run))
+            step()
+    return Arm(cell.robot, cell.limits), made

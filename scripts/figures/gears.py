@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from armside.kinematics.gear_file import gear_toml
 from armside.kinematics.robot_file import Arm, GearTerm, robot_toml
 from armside.sim.gears import GearAnalysis, Judgement, Remaining
 from armside.sim.gears.joint_motion import bandpass
@@ -39,6 +40,7 @@ def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
         "terms": [
             {
                 "order": term.order,
+                "order_deviation": term.order_deviation,
                 "amplitude": term.amplitude,
                 "amplitude_interval": [
                     term.amplitude - CONFIDENCE * term.amplitude_deviation,
@@ -49,6 +51,7 @@ def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
             }
             for term in found
         ],
+        "resonance": _resonance(done, joint),
         "tool_rms": _tool_rms(done, joint),
         "resolution": done.resolution[joint],
         "scan_peak": {
@@ -57,6 +60,14 @@ def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
             "over_median": explained[best] / done.scan.typical[joint],
         },
     }
+
+
+def _resonance(done: GearAnalysis, joint: int) -> float | None:
+    """[Hz], that amplifies a joint's error; None where none was looked for or found."""
+    softness = None if done.found is None else done.found.softness
+    if softness is None or softness[joint] <= 0.0:
+        return None
+    return float(softness[joint] ** -0.5)
 
 
 def _tool_rms(done: GearAnalysis, joint: int) -> float:
@@ -158,11 +169,14 @@ def _judged_row(one: dict[str, Any]) -> list[Any]:
 
 
 def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:
-    """robot.toml with the transmission error, and pictures."""
+    """gears.toml and robot.toml with the transmission error, and pictures."""
     terms = [] if done.found is None else done.found.terms
     rows = [GearTerm(t.joint, t.order, t.amplitude, t.phase) for t in terms]
     text = robot_toml(arm.robot, arm.limits, rows)
     (folder / "robot.toml").write_text(text, encoding="utf-8")
+    deviations = [(t.order_deviation, t.amplitude_deviation, t.phase_deviation) for t in terms]
+    known = gear_toml(arm.robot, rows, deviations)
+    (folder / "gears.toml").write_text(known, encoding="utf-8")
     draw_scan(folder / "scan.png", done)
     if any(one.tool is not None for one in done.judgements):
         draw_tool(folder / "tool.png", done)

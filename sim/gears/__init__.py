@@ -6,9 +6,11 @@ motor angle, would add to the sensor follows from the Jacobian of the arm; ampli
 orders are found by least squares in the frequency domain, each frequency weighted by its noise.
 """
 
+from .analysis import VIRTUAL as VIRTUAL
 from .analysis import GearAnalysis as GearAnalysis
 from .analysis import GearsCfg as GearsCfg
 from .analysis import Judgement as Judgement
 from .analysis import analyse as analyse
+from .excitation import Excitation as Excitation
 from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission

@@ -1,13 +1,13 @@
 """Choice of orders and least-squares fit of their amplitudes, from one or several recordings."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from armside.arrays import Array
 
-from .observation import Observation, as_real
+from .observation import Observation, Spectrum, as_real
 from .scan import Candidate
 from .transmission import Transmission
 
@@ -38,6 +38,11 @@ class Normal:
     def solve(self) -> Array:
         """Coefficients (2 P,), with the ridge."""
         return np.asarray(np.linalg.solve(self.gram + _ridge(self.gram), self.score), np.float64)
+
+    def refined(self) -> Array:
+        """Coefficients (2 P,), solved twice: the ridge then takes nothing off what is well told."""
+        x = self.solve()
+        return x + replace(self, score=self.score - self.gram @ x).solve()
 
     def explained(self) -> float:
         """Energy that the solution explains."""
@@ -82,32 +87,67 @@ def chosen(
 
 
 def fit(
-    observations: Sequence[Observation], equations: Normal, terms: Sequence[Candidate]
+    observations: Sequence[Observation],
+    equations: Normal,
+    terms: Sequence[Candidate],
+    softness_spread: float = np.inf,
 ) -> Transmission:
-    """Transmission error with these terms; `equations` are those of the terms, summed."""
-    x, bread = equations.solve(), np.linalg.inv(equations.gram + _ridge(equations.gram))
-    meat = sum((_scores(one, terms, x) for one in observations), np.zeros_like(bread))
+    """Transmission error with these terms; `equations` are those of the terms, summed.
+
+    Its covariance is that of amplitudes, phases and orders found together, and of the softness of
+    the arm where that was found too, which varies between joints by `softness_spread` [s^2].
+    """
+    x = equations.refined().reshape(-1, 2)
+    gram, meat = np.zeros((2, 1, 1))
+    for one in observations:
+        X = _with_slopes(one, terms, x)
+        residual = one.target - X[:, :, : x.size] @ x.ravel()
+        real = as_real(X).astype(np.float64)
+        gram, meat = gram + real.T @ real, meat + _scores(one, X, residual)
+    bread = np.linalg.inv(gram + _ridge(gram) + _prior(len(gram), x, softness_spread))
+    covariance = bread @ meat @ bread
+    n = x.size
+    orders = covariance[n : n + len(terms), n : n + len(terms)]
     return Transmission(
         joints=tuple(joint for joint, _ in terms),
         orders=np.array([order for _, order in terms]),
-        coefficients=x.reshape(-1, 2),
-        covariance=bread @ meat @ bread,
+        coefficients=x,
+        covariance=covariance[:n, :n],
+        order_deviations=np.sqrt(np.diag(orders)),
     )
 
 
-def _scores(one: Observation, terms: Sequence[Candidate], x: Array) -> Array:
+def _prior(size: int, x: Array, softness_spread: float) -> Array:
+    """(m, m), of the softnesses, which follow coefficients and orders."""
+    weight = np.zeros(size)
+    weight[x.size + len(x) :] = 0.5 / softness_spread**2
+    return np.diag(weight)
+
+
+def _with_slopes(one: Observation, terms: Sequence[Candidate], x: Array) -> Spectrum:
+    """Columns of the terms, then what changes with their orders and with each joint's softness."""
+    columns = [one.columns(*term) for term in terms]
+    slopes = [one.order_slope(*term, c) for term, c in zip(terms, x, strict=True)]
+    if one.softness is not None:
+        seen: dict[int, Spectrum] = {}
+        for (joint, _), pair, c in zip(terms, columns, x, strict=True):
+            seen[joint] = seen.get(joint, 0.0) + pair @ c
+        slopes += [one.softness_slope(joint, own) for joint, own in seen.items()]
+    return np.concatenate([*columns, np.stack(slopes, axis=2)], axis=2)
+
+
+def _scores(one: Observation, X: Spectrum, residual: Spectrum) -> Array:
     """Sum of the outer products of the scores of stretches of time, which vary in noise.
 
-    (2 P, 2 P). Vibration comes and goes with the motion, so frequencies are not independent.
+    (m, m). Vibration comes and goes with the motion, so frequencies are not independent.
     """
-    X = np.concatenate([one.columns(*term) for term in terms], axis=2)
-    residual = one.in_time(one.target - X @ x)
-    length = int(BLOCK * one.sampling)
-    starts = np.arange(0, len(residual), length)
-    scores = np.zeros((len(starts), len(x)))
-    for k in range(len(x)):
-        product = (one.in_time(X[:, :, k]) * residual).sum(axis=1)
+    left = one.in_time(residual)
+    starts = np.arange(0, len(left), int(BLOCK * one.sampling))
+    scores = np.zeros((len(starts), X.shape[2]))
+    for k in range(X.shape[2]):
+        product = (one.in_time(X[:, :, k]) * left).sum(axis=1)
         scores[:, k] = np.add.reduceat(product, starts)
     # as_real counts each bin once, a real signal twice, over the number of samples
-    scores *= len(residual) / 2.0
-    return scores.T @ scores
+    scores *= len(left) / 2.0
+    freedom = len(starts) / max(1, len(starts) - scores.shape[1])
+    return freedom * scores.T @ scores

@@ -1,7 +1,7 @@
 """Learning of the transmission error from any of several observations, each scanned once."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import add
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from .elasticity import softened
 from .fit import Normal, chosen, fit, normal
 from .observation import Observation
 from .scan import COARSE, Candidate, Scan, grids, peaks, refined, scan
@@ -32,6 +33,8 @@ class Course:
     largest_order: float
     per_joint: int
     """Most terms of one joint."""
+    elastic: bool = False
+    """Find the softness of the arm too."""
     step: Callable[[], None] = lambda: None
     """Called after each joint of each scan."""
 
@@ -60,12 +63,14 @@ class Course:
         return self._fit(lesson, terms), self._fit(lesson, sham(terms, self.apart))
 
     def _equations(self, lesson: Sequence[int], candidates: Sequence[Candidate]) -> Normal:
-        parts = (normal(self.observations[k], candidates) for k in lesson)
-        return reduce(add, parts)
+        return _summed([self.observations[k] for k in lesson], candidates)
 
     def _fit(self, lesson: Sequence[int], terms: Sequence[Candidate]) -> Transmission:
-        own = [self.observations[k] for k in lesson]
-        return fit(own, self._equations(lesson, terms), terms)
+        own = reweighted([self.observations[k] for k in lesson], terms)
+        if self.elastic:
+            own, softness, spread = softened(own, terms)
+            return replace(fit(own, _summed(own, terms), terms, spread), softness=softness)
+        return fit(own, _summed(own, terms), terms)
 
     def _refined(self, lesson: Sequence[int], terms: list[Candidate]) -> list[Candidate]:
         """Orders between those of the scan, each beside the terms that were found before."""
@@ -80,6 +85,22 @@ class Course:
             ]
             out.append(refined(own, targets, term, min(0.5 * COARSE, 0.5 * self.apart[term[0]])))
         return out
+
+
+def reweighted(
+    observations: Sequence[Observation], terms: Sequence[Candidate]
+) -> list[Observation]:
+    """The observations with the noise that a first fit of these terms leaves."""
+    x = _summed(observations, terms).solve().reshape(-1, 2)
+    models = [
+        sum((one.columns(*t) @ c for t, c in zip(terms, x, strict=True)), np.zeros(()))
+        for one in observations
+    ]
+    return [one.reweighted(model) for one, model in zip(observations, models, strict=True)]
+
+
+def _summed(observations: Sequence[Observation], candidates: Sequence[Candidate]) -> Normal:
+    return reduce(add, (normal(one, candidates) for one in observations))
 
 
 def sham(terms: Sequence[Candidate], apart: Array) -> list[Candidate]:

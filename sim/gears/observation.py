@@ -3,10 +3,14 @@
 A joint's error e(t) moves a point at the tool by J e and turns the tool by z e. Of that an
 accelerometer sees d^2(J e)/dt^2 + (z e) x g and a gyro d(z e)/dt, both in base axes; a tracker sees
 J e. Derivatives are exact in the frequency domain. Each channel is divided by the smoothed
-amplitude of its own residual, so that each frequency counts by its noise.
+amplitude of its own residual, so that each frequency counts by its noise: that of the final fit is
+what a first one leaves.
+
+An elastic arm follows more than it is asked for as its first resonance comes near: an error of
+joint j arrives at the tool 1 / (1 - softness_j f^2) times as large.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -44,6 +48,10 @@ class Observation:
     """[Hz]."""
     sampling: float
     """[Hz], of the samples."""
+    softness: Array | None = None
+    """(n,) [s^2], 1 / f_j^2 of each joint's first resonance; None for a rigid arm."""
+    explained: Spectrum | None = None
+    """(B, c) complex, part of the residual's spectrum that is no noise, as far as it is known."""
 
     @property
     def n_joints(self) -> int:
@@ -57,12 +65,33 @@ class Observation:
 
     def columns(self, joint: int, order: float) -> Spectrum:
         """(B, c, 2) complex, weighted spectra of the errors sin and cos(order phi) of a joint."""
-        z = self._factor(joint, order) * self._jacobians[joint]
-        whole: Any = fft(z, axis=1, overwrite_x=True)
+        return self._columns(joint, self._factor(joint, order))
+
+    def order_slope(self, joint: int, order: float, coefficients: Array) -> Spectrum:
+        """(B, c) complex, derivative by the order of the columns times coefficients (2,)."""
+        angle = self.phi[self._rows, joint].astype(np.float32)
+        turned = self._columns(joint, self._factor(joint, order) * angle)
+        return turned @ np.array([-coefficients[1], coefficients[0]])
+
+    def softness_slope(self, joint: int, seen: Spectrum) -> Spectrum:
+        """(B, c) complex, derivative by the softness of what a joint's terms add (B, c)."""
+        f = self._omega / (2.0 * np.pi)
+        return (f**2 * self._gain(joint))[:, None] * seen
+
+    def _columns(self, joint: int, factor: Spectrum) -> Spectrum:
+        whole: Any = fft(factor * self._jacobians[joint], axis=1, overwrite_x=True)
         bins = self._bins
         positive, negative = whole[:, bins], np.conj(whole[:, -bins])
         pair = np.stack([(positive - negative) / 2j, (positive + negative) / 2.0], axis=2)
-        return self._sensed(pair.transpose(1, 0, 2)) / self._weight[:, :, None]
+        weight = self._weight / self._gain(joint)[:, None]
+        return self._sensed(pair.transpose(1, 0, 2)) / weight[:, :, None]
+
+    def _gain(self, joint: int) -> Single:
+        """(B,), amplification by the structure."""
+        if self.softness is None:
+            return np.ones_like(self._omega)
+        f = self._omega / (2.0 * np.pi)
+        return (1.0 / (1.0 - self.softness[joint] * f**2)).astype(np.float32)
 
     def _factor(self, joint: int, order: float) -> Spectrum:
         """exp(i order phi) where it is slow enough not to be folded into the band, else zero."""
@@ -117,13 +146,21 @@ class Observation:
 
     @cached_property
     def _weight(self) -> Single:
-        """(B, c), smoothed amplitude of the residual."""
-        power = np.abs(self._spectrum_of_residual) ** 2
+        """(B, c), smoothed amplitude of the noise."""
+        known = 0.0 if self.explained is None else self.explained
+        power = np.abs(self._spectrum_of_residual - known) ** 2
         half = max(1, int(0.5 * SMOOTHED / self.sampling * len(self._window)))
         padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
         kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
         smooth = [np.convolve(column, kernel, "valid") for column in padded.T]
         return np.sqrt(np.column_stack(smooth)).astype(np.float32)
+
+    def reweighted(self, weighted: Spectrum) -> "Observation":
+        """The same with its noise taken from what a model (B, c), weighted, leaves of it.
+
+        Weights that are made of signal and noise together make every amplitude too small.
+        """
+        return replace(self, explained=weighted * self._weight)
 
     def in_time(self, spectrum: Spectrum) -> Array:
         """(M', c, ...) real, the signal of a weighted spectrum in the band."""

@@ -23,6 +23,7 @@ class Term:
     amplitude: float
     amplitude_deviation: float
     """[rad] on the arm side, and its standard deviation."""
+    order_deviation: float
     phase: float
     phase_deviation: float
     """[rad]; the deviation is infinite where the amplitude is not told from zero."""
@@ -40,6 +41,11 @@ class Transmission:
     """(P, 2) [rad], of sin and cos; output minus motor angle."""
     covariance: Array
     """(2 P, 2 P) [rad^2]."""
+    order_deviations: Array
+    """(P,), standard deviations of the orders."""
+    softness: Array | None = None
+    """(n,) [s^2], 1 / f_j^2 of the first resonance that amplifies a joint's error; None where the
+    arm was taken for rigid."""
 
     def __call__(self, phi: Array) -> Array:
         """Output minus motor angle (M, n) [rad] at motor angles (M, n)."""
@@ -62,6 +68,7 @@ class Transmission:
             orders=self.orders[own],
             coefficients=self.coefficients[own],
             covariance=self.covariance[np.ix_(pairs, pairs)],
+            order_deviations=self.order_deviations[own],
         )
 
     @property
@@ -82,6 +89,7 @@ class Transmission:
             order=float(self.orders[k]),
             amplitude=amplitude,
             amplitude_deviation=float(np.sqrt(along @ P @ along)),
+            order_deviation=float(self.order_deviations[k]),
             phase=float(np.arctan2(b, a) % (2.0 * np.pi)),
             phase_deviation=deviation / amplitude if amplitude else np.inf,
         )

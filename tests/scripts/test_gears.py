@@ -48,7 +48,8 @@ def test_summary_tables_and_files(armside, tmp_path, folder):
         summary["judged"][0]["tool"]["pooled"] < 0.7 < summary["judged"][0]["sham_tool"]["pooled"]
     )
     files = {file.name for file in (tmp_path / "out").iterdir()}
-    assert files == {"summary.json", "robot.toml", "scan.png", "tool.png", "fused.png"}
+    tables = {"summary.json", "gears.toml", "robot.toml"}
+    assert files == tables | {"scan.png", "tool.png", "fused.png"}
     (stated,) = read_gear_error(tmp_path / "out" / "robot.toml")
     assert (stated.joint, stated.order) == (2, term["order"])
     assert (stated.amplitude, stated.phase) == (term["amplitude"], term["phase"])
@@ -60,7 +61,13 @@ def test_summary_tables_and_files(armside, tmp_path, folder):
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("--robot ur10", "1 to 20 folders"),
+        ("--robot ur10", "give recordings of ur10: only large, irb1400 and robot files"),
+        ("--robot nowhere", "Unknown robot 'nowhere'"),
+        ("--robot large --runs 0", "runs must be 1 to 10, got 0"),
+        ("--robot large --pose p9", "Unknown pose 'p9'"),
+        ("--robot large --individual -1", "individual must be >= 0"),
+        (". --robot ur10 --runs 2", "runs is of a virtual robot: give no recordings with it"),
+        (". --robot ur10 --without ripple", "without is of a virtual robot"),
         ("nowhere --robot ur10", "nowhere is no folder"),
         (". --robot ur10", "no recording of a known form"),
         (". --robot ur10 --band 16 2", "band must be two frequencies"),
