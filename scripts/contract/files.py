@@ -11,6 +11,7 @@ from armside.kinematics import compile, find_arm
 
 from . import twins
 
+_GEARS = 'version = 1\nrobot = "LARGE_ROBOT"\nmotors = 6\n[[gear_error]]\njoint = 1\norder = 220\n'
 GOOD = {
     "contour.toml": "corner = 1.5\npoints = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]\n",
     "model.json": '{"sample_time": 0.004, "b": [0, 0.5], "a": [1, -0.5]}',
@@ -18,9 +19,14 @@ GOOD = {
     "data.csv": "time,reference_1,motor_angle_1\n"
     + "".join(f"{i * 0.004},{i * 0.001},{i * 0.00099}\n" for i in range(50)),
     "individual.toml": "friction = [1.1, 1, 1, 0.9, 1, 1]\n",
+    "gears.toml": f"{_GEARS}amplitude = 1.1e-5\nphase = 5.3\n",
 }
 BAD = {
     "empty.toml": "",
+    "gears-huge.toml": f"{_GEARS}amplitude = 1e5\nphase = 1e5\n",
+    "gears-nan.toml": f"{_GEARS}amplitude = nan\nphase = 0\n",
+    "gears-version.toml": _GEARS.replace("1", "99", 1),
+    "gears-robot.toml": _GEARS.replace("LARGE", "SMALL") + "amplitude = 0\nphase = 0\n",
     "empty.csv": "",
     "empty.json": "",
     "digits.toml": f"points = [[{'9' * 400}, 0], [1, 0], [0, 1]]\n",

@@ -110,6 +110,7 @@ GIVEN: dict[str, Sequence[str]] = {
     "--recordings": (*RUNS, *READ),
     "--twin": (*TWINS, "run", *NEVER),
     "--individual": (*_TOML, *NEVER),
+    "--gears": (*_TOML, *NEVER),
 }
 """Names of what is given to be read, of positional arguments and options that say no more of it."""
 

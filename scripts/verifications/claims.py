@@ -51,6 +51,8 @@ def _load(name: str) -> Function:
             from .estimation_arms import arms as claim
         case "estimation-controls":
             from .controls import controls as claim
+        case "estimation-gears":
+            from .estimation_gears import estimation_gears as claim
         case "imu-causes":
             from .irb1400 import imu_causes as claim
         case "imu-large":
@@ -80,6 +82,7 @@ _SEEDS = {
     **{"kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},
+    **{"estimation-gears": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
     **{"first-cut": 6, "first-cut-imu": 6, "imu-twin": 2},
     **{"estimation-irb1400": 10, "estimation-arms": 3},
