@@ -37,7 +37,7 @@ class GearsOptions(IndividualCfg):
     sensor: Literal["imu", "tracker"] | None = None
     """Sensor to learn from [default: the IMU where there is one]."""
     band: tuple[float, float] | None = None
-    """Band that is learned from [Hz] [default: 2.5 16; of a virtual robot 0.6 3.5]."""
+    """Band that is learned from [Hz] [default: 2.5 16; of a virtual robot 0.6 3.3]."""
     judged: tuple[float, float] | None = None
     """Band in which a tracker judges [Hz] [default: 4 12; of a virtual robot 0.6 3]."""
     largest_order: float | None = None
@@ -51,7 +51,7 @@ class GearsOptions(IndividualCfg):
     pose: str | None = None
     """Pose around which a virtual robot moves [default: the second one]."""
     runs: int | None = None
-    """Runs of a virtual robot, 1 to 10 [default: 4]."""
+    """Runs of a virtual robot, 1 to 10 [default: 6]."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -19,7 +19,7 @@ from ..laser.setup import Setup
 from ..measured.motion import MotionRecording, Stream
 from .excitation import Excitation
 
-RUNS = 4
+RUNS = 6
 """Of a robot whose gears are to be found."""
 REFLECTOR = LaserTrackerCfg(acceptance_angle=np.pi)
 """Tracker on a motorised reflector that turns towards it (API Active Target): a corner cube loses
