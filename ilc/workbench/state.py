@@ -14,10 +14,11 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..laws.by_segment import SegmentMemory
 from ..laws.guarded import Best
 from ..learning import LoopState
 
-NAMED: Mapping[str, Callable[..., Any]] = {"Best": Best}
+NAMED: Mapping[str, Callable[..., Any]] = {"Best": Best, "SegmentMemory": SegmentMemory}
 """Named tuples that a memory may hold."""
 
 

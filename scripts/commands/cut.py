@@ -65,7 +65,9 @@ def cut(
         else:
             experiment, set_up = ready
             resume = None if before is None else before.resume
-            found = learn(experiment, set_up, cfg.iterations, start=start, resume=resume)
+            least = 1e-2 * cfg.converged or None
+            how: dict[str, Any] = {"start": start, "resume": resume, "converged": least}
+            found = learn(experiment, set_up, cfg.iterations, **how)
             kept, rows, said = _learned(report, found, cfg.iterations + 1)
             save_state(folder, kept_state(kept[-1].state, experiment.plant, start))
             if before is not None and before.changed:

@@ -70,7 +70,10 @@ class CutCfg(KnownGearsCfg):
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
     iterations: int = 5
-    """Number of updates; one run more is made."""
+    """Number of updates, of each contour at most; one run more is made."""
+    converged: float = 0.0
+    """A contour whose learned error falls by less than this in two updates running has converged:
+    it keeps its best correction, and the run ends when all have [%] [0: all updates are made]."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,6 +88,8 @@ class CutCfg(KnownGearsCfg):
         self._check("micro_joints", 0, MOST_JOINTS, "")
         if self.payload is not None:
             self._check("payload", 0.0, LARGEST["payload"][0], "kg")
+        if not 0.0 <= self.converged < 100.0:
+            raise ValueError(f"converged must be in [0, 100) %, got {self.converged:g}")
         if self.iterations < 0:
             raise ValueError(f"iterations must be >= 0, got {self.iterations}")
 

@@ -52,6 +52,9 @@ def show_results(report: Report, outcome: dict[str, Any]) -> None:
     for name in ("RMS", "max", "position", "roundness", "AT_p"):
         columns += [f"{name} before", f"{name} after"]
     last = outcome["iterations"][-1]["k"]
+    converged = [contour["iterations"][-1]["converged"] for contour in outcome["contours"]]
+    if any(converged):
+        report.line(f"Converged: {sum(converged)} of {len(converged)} contours, by k = {last}")
     title = f"Tool by the tracker before learning and at k = {last} [µm]"
     report.table(title, columns, rows, missing="roundness is that of round holes")
     report.table(

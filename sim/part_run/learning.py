@@ -17,6 +17,7 @@ from ..laser.plant import Pass
 from ..notes import Note
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import PartExperiment
+from .stopping import by_contour, held
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +36,8 @@ class PartIteration:
     """By the ground truth."""
     diverged: bool
     notes: tuple[Note, ...] = ()
+    converged: tuple[bool, ...]
+    """Contours that keep the correction of an earlier iteration."""
     state: LoopState | None = field(default=None, repr=False)
     """State of the loop after it."""
 
@@ -46,6 +49,7 @@ def learn(
     *,
     start: Array | None = None,
     resume: RunState | None = None,
+    converged: float | None = None,
 ) -> Iterator[PartIteration]:
     """Iterations k = 0 .. `iterations` of a part, until done or diverged.
 
@@ -53,15 +57,19 @@ def learn(
         set_up: of the measure that is learned from: `measure.prepare(experiment)`.
         start: (N, 6) [rad], correction of the first run; zero if None.
         resume: state after an earlier run, which is gone on from; see `laser.learning.trials`.
+        converged: a contour whose learned error falls by less than this fraction in two updates
+            running keeps its best correction, and learning ends when all do; None for none.
     """
     start = start if resume is None else resume.start
     zero = np.zeros_like(experiment.loaded.reference)
     first = experiment.plant.run(zero if start is None else start)
-    about = {"start": start, "resume": resume}
-    found = trials(experiment.plant, set_up(first), [first], iterations, **about)
-    beam, motion = experiment.job.cutting.beam, experiment.motion
+    output, motion = set_up(first), experiment.motion
+    law = None if converged is None else by_contour(output, motion, converged)
+    about = {"law": law, "start": start, "resume": resume}
+    found = trials(experiment.plant, output, [first], iterations, **about)
+    beam = experiment.job.cutting.beam
     for trial, notes in found:
-        (run,) = trial.result
+        (run,), kept = trial.result, held(trial.memory, len(motion.cuts))
         yield PartIteration(
             k=trial.k,
             correction=trial.correction,
@@ -72,7 +80,10 @@ def learn(
             diverged=trial.diverged,
             notes=notes,
             state=trial.state,
+            converged=kept,
         )
+        if all(kept):
+            return
 
 
 def _tracked(run: Pass) -> tuple[Array, Array]:

@@ -41,7 +41,8 @@ def rows_of(iteration: PartIteration) -> Rows:
         motor_inf=measures.inf_norm(iteration.motor_error),
         motor_two=measures.two_norm(iteration.motor_error),
         contours=tuple(
-            _measures(tracked, "") | _measures(true, "_true") for tracked, true in pairs
+            _measures(tracked, "") | _measures(true, "_true") | {"converged": kept}
+            for (tracked, true), kept in zip(pairs, iteration.converged, strict=True)
         ),
         limits_hit=iteration.run.recording.limits_hit,
         beam_lost=not bool(iteration.run.tracker.valid.all()),
