@@ -13,8 +13,9 @@ from armside.sim.part_run.results import Rows, results, rows_of
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 
+from ..cutting import first_cut
 from ..cutting.earlier import FromCfg, earlier, kept_state, save_state, show_transfer
-from ..cutting.part import part_of, plan_entries, planned, prepared, uncorrected
+from ..cutting.part import by_twin_of, part_of, plan_entries, planned, prepared, uncorrected
 from ..cutting.part_options import CutCfg
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
@@ -53,6 +54,10 @@ def cut(
             resume = before.resume
             start = before.correction(ready[0].motion) if resume is None else resume.start
     show_plan(report, plan)
+    by_twin = None
+    if cfg.twin is not None and ready is not None:
+        by_twin, set_up = by_twin_of(cfg.twin, ready[0], cfg)
+        ready, start = (ready[0], set_up), start if before else by_twin.start
     about: dict[str, Any] = {"part": part}
     if before is not None:
         about["started_from"] = before.entry
@@ -73,12 +78,17 @@ def cut(
             if before is not None and before.changed:
                 about["started_from"]["uncorrected"] = uncorrected(job, plan, cfg, common.seed)
             notes = all_notes(plan, said, rows)
+            if by_twin is not None and before is None:
+                about["predicted"] = by_twin.predicted
+                notes += first_cut.trust(by_twin.found)
             outcome = summary("cut", cfg, common, **about, **results(experiment, rows), notes=notes)
             write_results(folder, experiment, kept, outcome)
     report.notes(notes)
     if before is not None and ready is not None:
         without = outcome["started_from"].get("uncorrected", {}).get("arm_rms")
         show_transfer(report, before, without, outcome["iterations"])
+    if "predicted" in outcome:
+        report.line(first_cut.line(outcome["predicted"], outcome["iterations"]))
     if ready is not None:
         show_results(report, outcome)
     report.results(outcome, folder.path)

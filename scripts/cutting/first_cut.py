@@ -10,6 +10,7 @@ from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.notes import Cause, Note
+from armside.sim.part_run.experiment import PartExperiment
 from armside.sim.twin import library
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import Refreshed, refreshed
@@ -31,7 +32,7 @@ class ByTwin:
         """(N, 6) [rad], arm side, correction of the first run; None where it is not trusted."""
         return self.found.correction if self.found.trusted else None
 
-    def around(self, measure: Measure, experiment: Experiment) -> Measure:
+    def around(self, measure: Measure, experiment: Experiment | PartExperiment) -> Measure:
         """The measure that learning goes on with: what its sensor sees of the twin is learned."""
         if not self.found.trusted:
             return measure
@@ -39,7 +40,7 @@ class ByTwin:
             return replace(measure, target=self.found.motor_path)
         if isinstance(measure, ToolPath):
             reference = experiment.loaded.reference
-            run = self.twin.run(experiment.cut, reference, self.found.correction)
+            run = self.twin.run(experiment.setup, reference, self.found.correction)
             return replace(measure, target=run)
         return measure
 
@@ -65,6 +66,14 @@ def corrected(folder: Path, experiment: Experiment) -> ByTwin:
     return ByTwin(twin, library.learned(twin, experiment.cut))
 
 
+def corrected_part(folder: Path, experiment: PartExperiment) -> ByTwin:
+    """As `corrected`, along a whole part."""
+    twin = library.stored_twin(folder)
+    loaded = experiment.loaded
+    found = twin.correction_along(experiment.setup, experiment.motion, loaded.reference)
+    return ByTwin(twin, found)
+
+
 def outcome(by_twin: ByTwin, first: Pass, cfg: LaserCfg) -> tuple[dict[str, Any], list[Note]]:
     """Entries of summary.json: the predicted error, and the friction that the run shows; notes."""
     run = measured_from(first.recording, None, "first run")  # friction shows without a tracker
@@ -81,12 +90,17 @@ def outcome(by_twin: ByTwin, first: Pass, cfg: LaserCfg) -> tuple[dict[str, Any]
     return entries, notes(by_twin.found, after)
 
 
+def trust(found: Corrected) -> list[Note]:
+    """A note where the twin was not trusted."""
+    if found.reason is None:
+        return []
+    text = f"the twin is not trusted here: {found.reason}; the first run is not corrected"
+    return [Note(cause=Cause.TWIN, text=text)]
+
+
 def notes(found: Corrected, after: Refreshed) -> list[Note]:
     """Notes of a first cut: a twin that was not trusted, or that should be made again."""
-    made = []
-    if found.reason is not None:
-        text = f"the twin is not trusted here: {found.reason}; the first run is not corrected"
-        made.append(Note(cause=Cause.TWIN, text=text))
+    made = trust(found)
     if after.advice is not None:
         made.append(Note(cause=Cause.TWIN, text=f"commission the robot again: {after.advice}"))
     return made

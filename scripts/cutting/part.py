@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from armside.sim.laser.measures import MotorAngles, SetUp
+from armside.sim.laser.measures import Measure, MotorAngles, SetUp
 from armside.sim.part.chain import MM
 from armside.sim.part.file import read_part
 from armside.sim.part.plan import Plan
@@ -18,6 +18,7 @@ from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
 from .earlier import Earlier
 from .effort import effort
+from .first_cut import ByTwin, corrected_part
 from .part_options import CutCfg, cutting, reading, setup
 
 
@@ -56,8 +57,20 @@ def prepared(job: Job, plan: Plan, cfg: CutCfg, seed: int) -> tuple[PartExperime
     Raises ValueError where the part leaves the reach or the limits, with the place.
     """
     experiment = prepare(job, plan, seed=seed)
-    measure = MotorAngles() if cfg.measure == "motor" else MEASURES[cfg.measure]
-    return experiment, measure.prepare(experiment)
+    return experiment, _measure(cfg).prepare(experiment)
+
+
+def by_twin_of(folder: Path, experiment: PartExperiment, cfg: CutCfg) -> tuple[ByTwin, SetUp]:
+    """A twin's correction along the part, and what is learned from around it.
+
+    Raises InputError for a folder without a twin, or one of another robot.
+    """
+    found = corrected_part(folder, experiment)
+    return found, found.around(_measure(cfg), experiment).prepare(experiment)
+
+
+def _measure(cfg: CutCfg) -> Measure:
+    return MotorAngles() if cfg.measure == "motor" else MEASURES[cfg.measure]
 
 
 def uncorrected(job: Job, plan: Plan, cfg: CutCfg, seed: int) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Options of `armside cut`, in the units that a person types."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -71,6 +72,8 @@ class CutCfg(KnownGearsCfg):
     """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
     iterations: int = 5
     """Number of updates, of each contour at most; one run more is made."""
+    twin: Path | None = None
+    """Folder of `armside commission`: learn in this twin first, and correct the first run by it."""
     converged: float = 0.0
     """A contour whose learned error falls by less than this in two updates running has converged:
     it keeps its best correction, and the run ends when all have [%] [0: all updates are made]."""

@@ -9,6 +9,7 @@ from armside.arrays import Array
 
 from ..laser.experiment import prepare
 from ..laser.specification import Cut
+from ..part.carried import Motion
 from ..robot.individual import Individual
 from .ensemble import errors
 from .learning import TwinLearning, learn_in_twin
@@ -47,14 +48,31 @@ def correct(
 ) -> Corrected:
     """Learn a cut inside a twin and predict what its correction leaves.
 
-    Args:
-        around: individuals that commissioning cannot tell from the twin.
-        uncertainty: residual of a cut that the twin was not identified from [m].
+    Args: as of `correct_motion`.
     """
     nominal = design.nominal if design.payload is None else None
     plain = replace(cut, individual=None, friction_spread=0.0)
     experiment = prepare(plain, nominal=nominal)
     motion, reference = experiment.motion, experiment.loaded.reference
+    return correct_motion(design, individual, around, motion, reference, uncertainty, cfg)
+
+
+def correct_motion(
+    design: Design,
+    individual: Individual,
+    around: Sequence[Individual],
+    motion: Motion,
+    reference: Array,
+    uncertainty: float,
+    cfg: TwinLearning = TwinLearning(),
+) -> Corrected:
+    """Learn a planned motion inside a twin and predict what its correction leaves.
+
+    Args:
+        around: individuals that commissioning cannot tell from the twin.
+        reference: (N, 6) [rad], of the motion.
+        uncertainty: residual of a cut that the twin was not identified from [m].
+    """
     learned = learn_in_twin(design, individual, motion, reference, cfg)
     spread = errors(design, around, motion, reference, learned.correction)
     prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, uncertainty)

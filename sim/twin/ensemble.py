@@ -12,16 +12,18 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.tool_motion import ToolMotion
+from ..part.carried import Motion
 from ..robot.individual import Individual
 from ..robot.six_axes import N_AXES
 from ..robot.spread import PRODUCTION
-from .learning import twin_error
+from .error import twin_error
 from .parameters import SPRINGS, Parameters
 from .simulation import Design
 
 MEMBERS = 8
 """Two for each core of a small machine four times over: half a second. ESTIMATE."""
+SAMPLES_AT_ONCE = 20_000
+"""Samples of the log of all runs of one rollout together: 80 s of motion, 250 MB."""
 _LOOSENESS = 5e3
 """[1/m]: log(compliance) for each metre of residual, 5 % for 10 um. From individuals 1001 to 1012,
 which are not the judged ones; among 0, 2.5, 5 and 10 it ranks their errors best."""
@@ -59,10 +61,14 @@ def members(
 def errors(
     design: Design,
     individuals: Sequence[Individual],
-    motion: ToolMotion,
+    motion: Motion,
     reference: Array,
     correction: Array,
 ) -> Array:
     """(n,) [m], tool error of each individual with a correction."""
-    runs = design.run(individuals, reference, correction)
-    return np.array([twin_error(motion, run) for run in runs])
+    at_once = max(1, int(SAMPLES_AT_ONCE / len(reference)))
+    found = list[float]()
+    for i in range(0, len(individuals), at_once):
+        runs = design.run(individuals[i : i + at_once], reference, correction)
+        found += [twin_error(motion, run) for run in runs]
+    return np.array(found)

@@ -8,18 +8,19 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.laws.regularised_inverse import RegularisedInverse
 
-from ..cut.tool_motion import ToolMotion
 from ..estimation.arm_plant import ArmPlant
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
-from ..evaluation.tool_error import tool_error
+from ..part.carried import Motion
+from ..part.motion import PartMotion
 from ..robot.individual import Individual, joints
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.six_axes import AXES, N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
+from .error import twin_error
 from .friction_step import FrictionStep
 from .simulation import Design
 
@@ -57,7 +58,7 @@ class Learned:
 def learn_in_twin(
     design: Design,
     individual: Individual,
-    motion: ToolMotion,
+    motion: Motion,
     reference: Array,
     cfg: TwinLearning = TwinLearning(),
 ) -> Learned:
@@ -74,10 +75,18 @@ def learn_in_twin(
         if rms[-1] <= min(rms):
             best = u
         if k < cfg.updates:
-            plant = twin_plant(design, loaded, run)
+            plant = twin_plant(design, loaded, run, _place(motion, reference))
             step = FrictionStep(law=_law(plant, cfg), plant=plant, robot=loaded.model)
             u = step(u, target - tool_pose_path(run), run)
     return Learned(correction=best, rms=np.array(rms))
+
+
+def _place(motion: Motion, reference: Array) -> Array | None:
+    """(6,) [rad], motor angles at which a plant is linearised: those nearest a part's middle."""
+    if not isinstance(motion, PartMotion):
+        return None
+    away = np.linalg.norm(motion.position - motion.plane.origin, axis=1)
+    return reference[int(away.argmin())]
 
 
 _WEIGHT = (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
@@ -97,8 +106,12 @@ def _law(plant: ArmPlant, cfg: TwinLearning) -> RegularisedInverse:
     )
 
 
-def twin_plant(design: Design, loaded: LoadedReference, run: Recording) -> ArmPlant:
+def twin_plant(
+    design: Design, loaded: LoadedReference, run: Recording, phi: Array | None = None
+) -> ArmPlant:
     """Response of the tool to corrections, linearised along a run of the twin.
+
+    phi: (6,) [rad], pose of the linearisation; the first of the run if None.
 
     Each gear has its mean slope along that run: one without load stays within its lost motion, and
     is soft.
@@ -108,7 +121,7 @@ def twin_plant(design: Design, loaded: LoadedReference, run: Recording) -> ArmPl
     arm = nominal_arm(design.model, cfg)
     _copy_hinges(loaded.model.mj, arm.mj)
     arm = arm.with_springs(np.diag(mean_gear_stiffness(loaded.model, run)), arm.damping)
-    still = linearised(arm, loaded.reference[0])
+    still = linearised(arm, loaded.reference[0] if phi is None else phi)
     return ArmPlant(robot=design.nominal or design.model, arm=still, period=LOG_PERIOD)
 
 
@@ -137,15 +150,3 @@ def tool_pose_path(run: Recording) -> Array:
     """(N, 6), displacement [m] and rotation [rad] of the tool from rest, at the log's instants."""
     every = round(float(run.time[1] / run.truth.time[1]))
     return relative_to_start(run.truth.tool_position[::every], run.truth.tool_quaternion[::every])
-
-
-def twin_error(motion: ToolMotion, run: Recording) -> float:
-    """RMS tool error [m] of a run of a twin, as a tracker at 1 kHz would see it.
-
-    Infinite where the run became unstable.
-    """
-    truth = run.truth
-    if not np.isfinite(truth.tool_position).all():
-        return float("inf")
-    every = slice(None, None, round(1e-3 / float(truth.time[1])))
-    return tool_error(motion, truth.time[every], truth.tool_position[every]).rms

@@ -13,7 +13,9 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
+from ..laser.setup import Setup
 from ..laser.specification import Cut
+from ..part.carried import Motion
 from ..records.errors import InputError
 from ..records.files import check_file
 from ..robot.cell_model import cell_model
@@ -22,7 +24,7 @@ from ..robot.individual import Individual, with_payload
 from ..robot.recording import Recording
 from ..robot.six_axes import N_AXES
 from .bending import with_bending
-from .correction import Corrected, correct
+from .correction import Corrected, correct, correct_motion
 from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
@@ -100,14 +102,27 @@ class Twin:
             ValueError: the cut cannot be made.
         """
         self.check(cut)
-        around = members(
+        design = self.design_with(cut.payload)
+        return correct(design, self.individual, self.around, cut, self.uncertainty)
+
+    def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
+        """Correction for the first run of a planned motion, such as that of a whole part.
+
+        reference: (N, 6) [rad]. Raises TwinError as `correction`.
+        """
+        self.check(setup)
+        about = self.design_with(setup.payload), self.individual, self.around
+        return correct_motion(*about, motion, reference, self.uncertainty)
+
+    @property
+    def around(self) -> list[Individual]:
+        """Individuals that commissioning cannot tell from the twin."""
+        found = members(
             self.parameters, self.theta, self.covariance, self.gear_phase, self.uncertainty
         )
-        around = [replace(member, friction=self.friction) for member in around]
-        design = self.design_with(cut.payload)
-        return correct(design, self.individual, around, cut, self.uncertainty)
+        return [replace(member, friction=self.friction) for member in found]
 
-    def run(self, cut: Cut, reference: Array, correction: Array) -> Recording:
+    def run(self, cut: Setup, reference: Array, correction: Array) -> Recording:
         """Noise-free run of the twin in the robot's place; signals (N, 6) [rad], arm side."""
         return self.design_with(cut.payload).run([self.individual], reference, correction)[0]
 
@@ -115,7 +130,7 @@ class Twin:
         """Design with a tool of that mass [kg]; that of the robot's file if None."""
         return self.design if payload == self.payload else design_of(self.robot, payload)
 
-    def check(self, cut: Cut) -> None:
+    def check(self, cut: Setup) -> None:
         """Raise TwinError for a cut of another robot."""
         if cut.cell is not CELLS[self.robot] or cut.model is not None:
             raise TwinError(f"the twin is of the robot {self.robot}, the cut is for another")

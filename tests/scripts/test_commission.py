@@ -55,6 +55,25 @@ def test_a_first_cut_by_a_twin_is_predicted_and_right(armside, twin, tmp_path):
     assert found["twin"]["friction"] == pytest.approx([1.0] * 6, abs=0.15)
 
 
+def test_a_whole_part_is_corrected_at_its_first_run(armside, twin, tmp_path):
+    """By a twin of a single cut elsewhere; learning from the motors goes on around it."""
+    folder, _ = twin
+    plate = "corner = 1\npoints = [[0, 0], [30, 0], [30, 20], [0, 20]]\n"
+    (tmp_path / "plate.toml").write_text(plate)
+    cut = f"cut {tmp_path / 'plate.toml'} --individual {INDIVIDUAL} --iterations 0 --json"
+    status, out, _ = armside(f"{cut} --twin {folder} --out {tmp_path / 'run'}")
+    assert status == 0
+    found = json.loads(out)
+    assert found["predicted"]["trusted"]
+    (row,) = found["iterations"]
+    assert row["arm_rms_true"] < 0.3 * found["predicted"]["uncorrected"]
+    status, out, _ = armside(f"cut --from {tmp_path / 'run'} --iterations 1 --json")
+    assert status == 0
+    again = json.loads(out)
+    assert again["iterations"][0] == row
+    assert again["iterations"][1]["arm_rms_true"] < 1.3 * row["arm_rms_true"]
+
+
 def test_a_first_cut_whose_beam_is_lost_keeps_its_results(armside, twin, tmp_path, monkeypatch):
     """Friction is followed by torque alone; what the tracker would have measured is missing."""
     narrow = partial(LaserTrackerCfg, acceptance_angle=1e-5)
