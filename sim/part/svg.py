@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 import svgelements
 
 from .drawn import Drawing, Drawn, Reading, Unit
+from .svg_paint import invisible, is_background
 from .svg_shapes import chains
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
@@ -45,22 +46,32 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
     left_out: Counter[str] = Counter()
     layers = _check(root, reading, left_out)
     reading.check_layers(sorted(layers - {""}))
-    found = []
+    found, backgrounds, page = [], [], (float(drawing.width), float(drawing.height))
     for shape, layer in _shapes(drawing, ""):
-        if reading.chooses(layer):
+        if not reading.chooses(layer):
+            continue
+        if invisible(shape):
+            left_out["elements without stroke and fill"] += 1
+        elif is_background(shape, *page):
+            backgrounds.append(f"{_name(shape)} fills the page: its background, which is not cut")
+        else:
             found += _drawn(shape, layer, scale)
     notes = [f"{what} that are not cut: {n}" for what, n in sorted(left_out.items())]
-    return Drawing(tuple(found), tuple(notes))
+    return Drawing(tuple(found), (*notes, *backgrounds))
 
 
 def _drawn(shape: Any, layer: str, scale: float) -> Iterator[Drawn]:
-    own = shape.values.get("attributes", {})
-    name = f"{shape.values.get('tag', 'path')} #{own.get('id') or shape.id or '(without id)'}"
+    name = _name(shape)
     try:
         for chain in chains(svgelements.Path(shape).reify(), scale):
             yield Drawn(chain, name, layer)
     except ValueError as error:
         raise ValueError(f"{name} on layer {layer or '(none)'}: {error}") from error
+
+
+def _name(shape: Any) -> str:
+    own = shape.values.get("attributes", {})
+    return f"{shape.values.get('tag', 'path')} #{own.get('id') or shape.id or '(without id)'}"
 
 
 def _shapes(group: Any, layer: str) -> Iterator[tuple[Any, str]]:

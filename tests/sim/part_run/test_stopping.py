@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.ilc.filters import ALL_PASS
-from armside.ilc.laws import Heuristic
+from armside.ilc.laws import Heuristic, Law
 from armside.ilc.laws.by_segment import BySegment
 from armside.ilc.learning import learn
 from armside.ilc.measures.norms import two_norm
@@ -38,7 +38,7 @@ class Plant:
         return y
 
 
-def trials(law=LAW, count=8):
+def trials(law: Law = LAW, count=8):
     return list(learn(Plant(), law, np.ones((N, 1)), count))
 
 
