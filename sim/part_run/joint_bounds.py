@@ -29,6 +29,9 @@ from ..robot.statics import Statics
 SPACING, TURN = 5e-3, 0.1
 """Largest distance [m] and angle [rad] between the places at which the arm is evaluated; limits are
 linear between them, and may jump from one element of a path to the next."""
+COARSE, MARGIN = 4.0, 0.05
+"""Factor on both for a first look, and margin that it keeps from the limits: directions between two
+of its places, 0.4 rad apart, differ from the linear by less than half of that."""
 BESIDE = 1e-9
 """Distance of the outermost places of an element from its ends [m]."""
 DRIVE = 0.9
@@ -54,6 +57,8 @@ class JointBounds:
 
         Raises ValueError where the path is out of reach or of the joints' ranges.
         """
+        if not self._can_limit(self._at(path, _places(path, COARSE)), 1.0 - MARGIN):
+            return None
         places = _places(path)
         known = self._at(path, places)
         if not self._can_limit(known):
@@ -75,12 +80,12 @@ class JointBounds:
 
         return at
 
-    def _can_limit(self, known: Bounds) -> bool:
-        """Whether a joint can come to its limit at the programmed speed."""
+    def _can_limit(self, known: Bounds, fraction: float = 1.0) -> bool:
+        """Whether a joint can come to that fraction of its limit at the programmed speed."""
         acceleration = self.setup.limits.acceleration
         used = acceleration * np.abs(known.along) + np.abs(known.offset)
         used += self.speed**2 * np.abs(known.bend)
-        return bool((known.speed < self.speed).any() or (used > 1.0).any())
+        return bool((fraction * known.speed < self.speed).any() or (used > fraction).any())
 
     def _at(self, path: Chain, s: Array) -> Bounds:
         phi = self._motors(path.point(s))
@@ -153,9 +158,10 @@ class JointBounds:
         return np.maximum(limit - friction, 0.1 * limit)
 
 
-def _places(path: Chain) -> Array:
+def _places(path: Chain, coarser: float = 1.0) -> Array:
     """Arc lengths [m], ascending: each element from its begin to its end."""
-    parts = np.ceil(np.maximum(path.lengths / SPACING, np.abs(path.angle) / TURN)).astype(int) + 1
+    pieces = np.maximum(path.lengths / SPACING, np.abs(path.angle) / TURN) / coarser
+    parts = np.ceil(pieces).astype(int) + 1
     inside = np.minimum(BESIDE, 0.25 * path.lengths)
     return np.concatenate(
         [
