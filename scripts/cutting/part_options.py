@@ -17,7 +17,7 @@ from armside.sim.part.plan import Cutting
 
 from ..shell.options import FileToRead, options
 from .known_gears import KnownGearsCfg, known_state
-from .options import FRICTION_SPREAD, LARGEST, SLOWEST, SMALLEST_BEAM
+from .options import FRICTION_SPREAD, LARGEST, SIX, SLOWEST, SMALLEST_BEAM
 
 _PLAN = Group("Drawing and plan", sort_key=1)
 _OF_PLAN = Parameter(group=_PLAN)
@@ -59,7 +59,7 @@ class CutCfg(KnownGearsCfg):
     plan_only: Annotated[bool, _OF_PLAN] = False
     """Plan and draw the plan, and move nothing."""
     robot: str = "large"
-    """Robot: large, irb1400, or a robot file (.toml)."""
+    """Robot: large, irb1400, or a robot file (.toml) of an arm with six axes."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
@@ -80,6 +80,9 @@ class CutCfg(KnownGearsCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if (n := find_cell(self.robot).robot.n_joints) != SIX:
+            needs = f"cut plans with six axes, {self.robot} has {n}"
+            raise ValueError(f"{needs}: cut its contours one by one with armside laser --contour")
         for name, largest, unit in (
             *((name, LARGEST_MM, "mm") for name in ("join", "corner", "beam", "joint_width")),
             *((name, LARGEST["speed"][0], "mm/s") for name in ("speed", "rapid")),

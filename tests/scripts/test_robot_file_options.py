@@ -5,12 +5,14 @@ import shutil
 import pytest
 
 from armside import assets
+from armside.scripts.benchmarks.robot import shipped_files
 from armside.scripts.commands.compare import CompareCfg, cases
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg
 from armside.scripts.commands.view import ViewCfg, posable
 from armside.scripts.cutting.options import LaserCfg
+from armside.scripts.cutting.part_options import CutCfg
 from armside.scripts.jobs.grid import parse
 from armside.scripts.jobs.resolved import key_of, resolved
 from armside.scripts.shell.errors import InputError
@@ -112,3 +114,15 @@ def test_the_imu_experiment_refuses_a_robot_that_is_neither_known_nor_a_file(rob
         ImuOptions(robot="ur10")
     with pytest.raises(ModelError, match="its tool is 10 mm and 0 deg off the D-H model"):
         ImuOptions(robot=str(longer)).experiment().model()
+
+
+def test_a_part_is_cut_by_six_axes_and_others_are_told_what_cuts_contours(robot):
+    with pytest.raises(ValueError, match=r"has 2: cut its contours one by one with armside laser"):
+        CutCfg(robot=str(robot))
+    assert CutCfg(robot=str(HERE / "kr16_like.toml")).plane == "base-xy"
+
+
+def test_the_benchmark_of_runs_has_every_shipped_robot_once():
+    names = [file.stem for file in shipped_files()]
+    assert "two_link" in names
+    assert not {"large_robot", "irb1400"} & set(names)

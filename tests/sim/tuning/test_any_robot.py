@@ -105,3 +105,19 @@ def test_a_design_for_another_number_of_motors_is_no_action():
 def test_contours_and_robots_that_do_not_exist_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
         Rules(**options)
+
+
+HERE = TWO_LINK.parent
+ARMS = (*sorted(HERE.glob("*_like.toml")), HERE / "scara.toml")
+
+
+@pytest.mark.parametrize("file", ARMS, ids=lambda file: file.stem)
+def test_an_episode_of_each_shipped_arm_lies_in_its_spaces(file):
+    rules = Rules(robot=file, motors="each", shape=("circle", "hexagon"), iterations=1)
+    n = rules.cell.robot.n_joints
+    assert rules.action_space.shape == (3 * n,)
+    before = rules.begin(rules.draw(np.random.default_rng(1)))
+    after = rules.advance(before, rules.design(np.full(3 * n, -0.5)))
+    assert rules.observe(before) in rules.observation_space
+    assert rules.observe(after) in rules.observation_space
+    assert not after.diverged
