@@ -29,7 +29,7 @@ class Prediction:
     """Predicted convergence of one law; None where it is not known."""
 
     contraction: float | None
-    """sup |Q (1 - L T_u)| on infinite records: ||e_k - e_inf|| shrinks at least by it if < 1."""
+    """sup |Q (1 - L T_u)| on infinite records: below 1 ||e_k - e_inf|| shrinks to it or less."""
     spectral_radius: float | None
     """Of the lifted iteration on the finite record: below 1 it converges in the end."""
     errors: Array

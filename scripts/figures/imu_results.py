@@ -70,8 +70,10 @@ def error_tables(results: Sequence[ImuResult], report: Report) -> None:
             f"{100 * m.clipped_share:.1f} % clipped"
         )
         if np.isfinite(m.idle_peaks).any():
-            peaks = ", ".join("-" if np.isnan(p) else f"{1e4 * p:.1f}" for p in m.idle_peaks)
-            report.line(f"idle motors moved by others: {peaks} × 1e-4 rad")
+            peaks = [
+                f"motor {i} {1e4 * p:.1f}" for i, p in enumerate(m.idle_peaks, 1) if np.isfinite(p)
+            ]
+            report.line(f"idle motors are moved by others by {', '.join(peaks)} × 1e-4 rad")
         for move in one.planned.motion.reports:
             if move.limited_by and move.programmed.path is not None:
                 report.line(

@@ -73,10 +73,13 @@ def show(report: Report, outcome: dict[str, Any], path: Path) -> None:
         ]
         report.table(title, columns, cells)
     edges = kerf["hole_roundness_true"], kerf["widest_true"]
+    config = outcome["config"]
+    round_hole = config["shape"] == "circle" and config["contour"] is None
+    edge = "hole roundness" if round_hole else "band of the edge"
     accuracy = iso["path_accuracy"], iso["path_accuracy_in_plane"]
     report.table(
         f"Cut edge with a beam of {1e3 * kerf['beam']:g} mm, and path accuracy as ISO 9283 [µm]",
-        ["k", "hole roundness", "widest kerf", "AT_p", "AT_p in the plane"],
+        ["k", edge, "widest kerf", "AT_p", "AT_p in the plane"],
         [
             [row["k"], *_times(1e6, values)]
             for row, *values in zip(rows, *edges, *accuracy, strict=True)
