@@ -17,6 +17,8 @@ from .laser import REFERENCE, new_figure, save
 
 WIDTH = 0.035
 """Largest drawn deviation over the size of the part."""
+BAR = 1.15
+"""Room for the bar of colours and its label [inch]."""
 COLOUR_MAP = "coolwarm"
 
 
@@ -38,9 +40,11 @@ def part_map(file: Path, runs: Sequence[Mapped]) -> None:
     size = np.ptp(box, axis=0)
     factor = _round(WIDTH * float(size.max()) / worst)
     height = np.clip(5.2 * size[1] / size[0], 2.2, 7.0)
-    figure = new_figure(5.6 * len(runs) + 1.0, float(height) + 1.3)
+    width = 5.6 * len(runs) + 1.4
+    figure = new_figure(width, float(height) + 1.3)
     panels = np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True))
-    figure.subplots_adjust(left=0.07, right=0.9, bottom=0.13, top=0.8, wspace=0.06)
+    right = 1.0 - BAR / width
+    figure.subplots_adjust(left=0.7 / width, right=right, bottom=0.13, top=0.8, wspace=0.06)
     drawn = None
     for axes, run, found in zip(panels, runs, deviations, strict=True):
         drawn = _draw(axes, run, found, factor, 1e6 * worst)
@@ -49,9 +53,10 @@ def part_map(file: Path, runs: Sequence[Mapped]) -> None:
         axes.set_xlabel("x [mm]")
     panels[0].set_ylabel("y [mm]")
     assert drawn is not None
-    bar = figure.add_axes((0.915, 0.13, 0.012, 0.67))
+    bar = figure.add_axes((right + 0.15 / width, 0.13, 0.15 / width, 0.67))
     figure.colorbar(drawn, cax=bar, label="deviation of the shape [µm]")
-    title = f"Tool beside the programmed contours, deviation magnified {factor:g} times"
+    scale = f"magnified {factor:g} times" if factor > 1.0 else "to scale"
+    title = f"Tool beside the programmed contours, deviation {scale}"
     figure.suptitle(title, x=0.02, y=0.97, ha="left")
     save(figure, file)
 
