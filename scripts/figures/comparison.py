@@ -14,6 +14,8 @@ from .laser import COLORS, MARKERS, new_figure, save
 NAMES = ("motor", "estimate", "tracker", "oracle", "twin")
 Learned = Mapping[str, list[Iteration]]
 """Iterations by measured output."""
+NARROWEST = 5.4
+"""Width of `compare.png` that its legend needs [inch]."""
 TITLE = "Arm RMS (9.6) [µm] before learning, after five updates and at the end"
 COLUMNS = ("pose", "speed [mm/s]", "learned from", "k = 0", "k = 5", "last", "last / uncorrected")
 
@@ -33,7 +35,7 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
     """Arm RMS [m] over iterations, a panel per cut, a curve per measure; logarithmic."""
     n_columns = len({case.cut.pose for case in cases})
     n_rows = -(-len(cases) // n_columns)
-    width, height = 3.3 * n_columns + 0.6, 2.6 * n_rows + 0.6
+    width, height = max(3.3 * n_columns + 0.6, NARROWEST), 2.6 * n_rows + 0.6
     figure = new_figure(width, height)
     panels = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     figure.subplots_adjust(left=0.75 / width, right=0.985, wspace=0.08)
