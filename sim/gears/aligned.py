@@ -13,6 +13,7 @@ from armside.kinematics import CompiledRobot
 from ..measured.motion import MotionRecording
 from .imu_alignment import ImuAlignment, align_imu
 from .joint_motion import RATE, JointMotion, joint_motion
+from .motor_check import check_motors
 from .observation import Observation
 from .tracker_alignment import TrackerAlignment, align_tracker
 
@@ -109,7 +110,10 @@ def align(robot: CompiledRobot, recording: MotionRecording) -> Aligned:
     """
     try:
         motion = joint_motion(robot, recording.encoders)
-        imu = None if recording.imu is None else align_imu(motion, recording.imu)
+        imu = None
+        if recording.imu is not None:
+            check_motors(robot, motion, recording.imu)
+            imu = align_imu(motion, recording.imu)
         tracker = None
         if recording.tracker is not None:
             tracker = align_tracker(motion, recording.tracker, ALIGNED_ON)

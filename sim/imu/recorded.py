@@ -14,6 +14,7 @@ from armside.kinematics import Arm, compile
 
 from ..gears.imu_alignment import ImuAlignment, align_imu
 from ..gears.joint_motion import RATE, JointMotion, joint_motion, lowpass
+from ..gears.motor_check import check_motors
 from ..gears.tracker_alignment import TrackerAlignment, align_tracker
 from ..measured.motion import MotionRecording, Stream
 from ..measured.plausible import check_angles
@@ -99,7 +100,8 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
     if imu is None:
         raise ValueError(f"{recording.name}: the recording has no IMU")
     try:
-        motion = joint_motion(compile(arm.robot), recording.encoders)
+        motion = joint_motion(robot := compile(arm.robot), recording.encoders)
+        check_motors(robot, motion, imu)
         whole = align_imu(motion, imu, level=False)
         half = align_imu(motion, imu, FITTED, level=False)
         if recording.tracker is not None:

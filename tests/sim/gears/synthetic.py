@@ -34,6 +34,8 @@ class Scene:
     """Factor on the transmission error."""
     shake: float = 0.0
     """[m] Vibration of the tool along the vertical, 8 Hz, that no motor makes."""
+    held: int | None = None
+    """Motor that does not move."""
     tilt: tuple[float, float] = (0.0, 0.0)
     """[rad] Of gravity in the axes of the base, towards x and y."""
 
@@ -53,6 +55,8 @@ def recording(scene):
     rng, robot = np.random.default_rng(scene.seed), compile(ARM.robot)
     t = np.arange(0.0, DURATION, STEP)
     phi = angles(rng, t)
+    if scene.held is not None:
+        phi[:, scene.held] = phi[0, scene.held]
     error = scene.gear * np.array(AMPLITUDE) * np.sin(np.array(ORDERS) * phi + PHASE)
     output = CubicSpline(t, phi + error)
     q, rate, second = output(t), output(t, 1), output(t, 2)

@@ -1,0 +1,82 @@
+"""Recordings that cannot be right, for `gears` and for `imu --recording`: one error names why."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.gears import analyse
+from armside.sim.imu.recorded import process
+from armside.sim.measured import Stream
+from armside.sim.measured.repair import repaired
+
+
+def encoders(change):
+    """Change of the motor angles (N, 3) of a recording."""
+    return lambda one: replace(one, encoders=Stream(one.encoders.time, change(one.encoders.values)))
+
+
+def imu(factor):
+    return lambda one: replace(one, imu=Stream(one.imu.time, one.imu.values * factor))
+
+
+def held(motor):
+    return encoders(lambda phi: np.where(np.arange(3) == motor, phi[0], phi))
+
+
+WRONG = {
+    "degrees for radians": (encoders(np.degrees), "are the angles in degrees"),
+    "radians twice": (encoders(np.radians), "IMU"),
+    "swapped": (encoders(lambda phi: phi[:, [1, 0, 2]]), "motors 1 and 2 swapped"),
+    "reversed": (encoders(lambda phi: phi * [1, 1, -1]), "the sign of motor 3 reversed"),
+    "one motor not logged": (held(1), "motor_angle_2 does not move, and the gyro"),
+    "no motor moves": (encoders(lambda phi: np.tile(phi[0], (len(phi), 1))), "does not move"),
+    "too few motors": (encoders(lambda phi: phi[:, :2]), "has 3 motors, the recording has 2"),
+    "gyro in degrees": (imu(np.repeat([1.0, 57.3], 3)), "degrees per second"),
+    "accelerometer in g": (imu(np.repeat([1 / 9.81, 1.0], 3)), "in g"),
+    "accelerometer in mm/s^2": (imu(np.repeat([1e3, 1.0], 3)), "in mm/s"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+@pytest.mark.parametrize("use", [process, lambda arm, one: analyse(arm, [one])])
+def test_one_error_names_recording_and_fault(recordings, scenes, name, use):
+    spoil, said = WRONG[name]
+    with pytest.raises(ValueError, match="scene 1: ") as error:
+        use(scenes.ARM, spoil(recordings[0]))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_recording_without_imu_is_refused(recordings, scenes):
+    with pytest.raises(ValueError, match="scene 1: the recording has no IMU"):
+        process(scenes.ARM, replace(recordings[0], imu=None))
+
+
+def test_a_motor_that_stands_still_is_no_fault_where_the_gyro_agrees(scenes):
+    """Motor 3 is held in truth too: its gear is not seen, those of the others are."""
+    done = process(scenes.ARM, scenes.recording(scenes.Scene(5, held=2)))
+    assert (done.measures.angular_velocity_error < 0.02 * done.measures.angular_velocity).all()
+
+
+def spoiled(one, row):
+    """Stamps and values (N,), (N, m) of the IMU, to be changed from a row on."""
+    return one.imu.time.copy(), one.imu.values.copy(), slice(row, None)
+
+
+def test_a_clock_that_runs_backwards_is_refused_and_single_faults_are_counted(recordings):
+    time, values, _ = spoiled(recordings[0], 0)
+    with pytest.raises(ValueError, match="IMU: the clock runs backwards, first in sample 2"):
+        repaired("IMU", time[::-1], values)
+    values[50, 4], values[70] = np.nan, values[70] + 3.0
+    spike, time[90] = time[70], time[89]
+    stream, notes = repaired("IMU", time, values)
+    assert spike not in stream.time
+    assert "1 not finite, 1 with a repeated or older stamp" in notes[0]
+
+
+def test_values_that_are_mostly_missing_are_refused(recordings):
+    time, values, late = spoiled(recordings[0], 1000)
+    values[late] = np.nan
+    with pytest.raises(ValueError, match=r"IMU: \d+ % of the samples are not finite"):
+        repaired("IMU", time, values)
