@@ -1,5 +1,6 @@
 """`armside reproduce`: figures and numbers of the thesis again, in one report, with verdicts."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,9 +19,11 @@ from ..shell.errors import checking_input
 from ..shell.options import Common
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
-from ..thesis.report import KIND, MARKER, ReportFolder, Section, as_rows
+from ..thesis.report import KIND, MARKER, Part, ReportFolder, Section, as_rows
 
 TITLE = "The thesis made again: an IMU on a robot, learning on a joint and on a robot"
+REAL = ("real-ur10", "real-irb120", "real-imu", "real-gears", "real-paths")
+"""Sections on measurements of real arms, in the order of the report."""
 DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
@@ -28,6 +31,11 @@ DRAWING = 1.5
 def _check_report(_type: object, out: Path | None) -> None:
     if out is not None:
         ReportFolder(out)
+
+
+def _check_data(_type: object, data: Path | None) -> None:
+    if data is not None and not data.is_dir():
+        raise ValueError(f"{data} is no folder")
 
 
 @Parameter(name="*")
@@ -38,9 +46,14 @@ class ReportOptions(Common):
     out: Annotated[Path | None, Parameter(validator=_check_report)] = None
     """Folder of the report, new, empty, or an earlier report to be continued [default:
     runs/report]."""
+    data: Annotated[Path | None, Parameter(validator=_check_data)] = None
+    """Folder with the sets of measurements of real arms, for `real` (docs/real.md)."""
 
 
-_IDS = "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]."
+_IDS = (
+    "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]; real, for "
+    "measurements of real arms, with --data."
+)
 Ids = Annotated[str, Parameter(help=_IDS)]
 
 
@@ -52,9 +65,8 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
     """
     report = Report(common)
     with checking_input():
-        chosen = entries.select(ids)
+        parts = _parts(ids, common)
         folder = ReportFolder(common.out or RUNS / "report")
-        parts = {entry.id: entry.load()(common.seed) for entry in chosen}
     store = Store(folder.results)
     wanted = [job for part in parts.values() for job in part.jobs]
     jobs = missing(wanted, store)
@@ -72,18 +84,36 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
                 run_batch(missing(later, store), store, workers=workers)
             for name, part in parts.items():
                 section = part.draw(store.load, folder.figures)
-                call = f"`armside reproduce {name} --seed {config['seed']}`"
+                call = f"`armside reproduce {name} --seed {config['seed']}{_of_data(name)}`"
                 folder.keep(replace(section, id=name, made_with={"Made by": call} | versions))
                 step(DRAWING)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; what is finished is kept in {folder.path}, repeat the command to go on"
         ) from None
-    sections = folder.sections([entry.id for entry in entries.ENTRIES])
+    order = [entry.id for entry in entries.ENTRIES] + [*REAL]
+    sections = folder.sections(order)
     _write_pages(folder, sections, config)
     _print(report, [section for section in sections if section.id in parts])
     report.line(f"{len(jobs)} experiments run, {n_known} known from before.")
     report.line(f"Report in {folder.path / 'report.html'}")
+
+
+def _parts(ids: Sequence[str], common: ReportOptions) -> dict[str, Part]:
+    """Parts of the sections of these names; those on real arms are imported when asked for."""
+    real = [id for id in ids if id == "real" or id in REAL]
+    others = [id for id in ids if id not in real]
+    chosen = [] if real and not others else entries.select(others)
+    parts = {entry.id: entry.load()(common.seed) for entry in chosen}
+    if real:
+        from ..thesis import measured
+
+        parts |= measured.parts(real, common.data, common.seed)
+    return parts
+
+
+def _of_data(name: str) -> str:
+    return " --data FOLDER" if name in REAL else ""
 
 
 def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str, Any]) -> None:

@@ -32,7 +32,8 @@ def count(sections: Sequence[Section]) -> str:
     """Number of checks that hold, in words."""
     checks = [check for section in sections for check in section.checks]
     holding = sum(check.holds for check in checks)
-    return f"{holding} of {len(checks)} comparisons with the thesis hold"
+    with_what = " with the thesis" if any(check.thesis for check in checks) else ""
+    return f"{holding} of {len(checks)} comparisons{with_what} hold"
 
 
 def check_row(check: Check) -> list[str]:
