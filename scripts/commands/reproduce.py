@@ -84,7 +84,7 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
                 run_batch(missing(later, store), store, workers=workers)
             for name, part in parts.items():
                 section = part.draw(store.load, folder.figures)
-                call = f"`armside reproduce {name} --seed {config['seed']}{_of_data(name)}`"
+                call = f"`armside reproduce {name}{_of_data(name)} --seed {config['seed']}`"
                 folder.keep(replace(section, id=name, made_with={"Made by": call} | versions))
                 step(DRAWING)
     except KeyboardInterrupt:
