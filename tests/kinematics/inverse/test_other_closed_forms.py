@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from armside.kinematics import (
+    LARGE_ROBOT,
     Joint,
     Link,
     Robot,
@@ -14,6 +15,7 @@ from armside.kinematics import (
     UnreachableError,
     UnsolvableGeometryError,
     elbow_angle,
+    inverse_branches,
     scara_branches,
     seven_axis_branches,
     stanford_branches,
@@ -96,6 +98,16 @@ def test_both_branches_of_a_scara(robot):
     assert found.exists.all()
     check(robot, found, phi, T)
     np.testing.assert_array_equal(scara_branches(robot, T[3]).phi, found.phi[3])
+
+
+def test_all_branches_of_an_elbow_arm_with_a2_below_zero():
+    links = [replace(x, a=-1.075) if i == 1 else x for i, x in enumerate(LARGE_ROBOT.links)]
+    robot = Robot(links, offset=LARGE_ROBOT.offset)
+    phi = drawn(robot)
+    T = pose(robot, phi)
+    found = inverse_branches(robot, T)
+    assert found.exists.sum(axis=1).max() == 8
+    check(robot, found, phi, T)
 
 
 def test_a_scara_says_reach_tilt_and_stretch():
