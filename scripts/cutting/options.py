@@ -87,7 +87,8 @@ class LaserCfg(KnownGearsCfg):
     """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
     cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there; where the tool's path is
-    learned from, four times a circle's turns a second if that is more, up to 15]."""
+    learned from, four times a circle's turns a second if that is more, up to 15, and the arm's
+    lowest identified mode if that is more, up to 20]."""
     iterations: int = 5
     """Number of updates; one run more is made."""
     repetitions: int = 0
@@ -180,6 +181,11 @@ class LaserCfg(KnownGearsCfg):
                     most = f"{largest:g} {unit}".rstrip()
                     said = name.replace("_", "-")
                     raise ValueError(f"{said} must be at most {most}, got {float(value):g}")
+
+    @property
+    def up_to_mode(self) -> bool:
+        """Q is raised to the arm's lowest identified mode: the cutoff is the default."""
+        return self.measure != "motor" and self.cutoff == (self._pass_band(),)
 
     def _pass_band(self) -> float:
         """[Hz], of Q where the tool's path is learned from."""

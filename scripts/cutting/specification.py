@@ -80,7 +80,7 @@ def measure(cfg: LaserCfg) -> Measure:
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
     return ToolPath(
         source=Source(cfg.measure),
-        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff),
+        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff, up_to_mode=cfg.up_to_mode),
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
         stiffness_error=cfg.stiffness_error * 1e-2,
         springs=springs,

@@ -59,6 +59,8 @@ def _load(name: str) -> Function:
             from .imu_large import imu_large as claim
         case "imu-rest":
             from .irb1400 import rest as claim
+        case "laser-irb1400-poses":
+            from .irb1400_poses import poses as claim
         case "laser-irb1400":
             from .irb1400_laser import laser as claim
         case "first-cut":
@@ -85,9 +87,9 @@ _SEEDS = {
     **{"estimation-gears": 10},
     **{"imu-causes": 5, "imu-large": 10, "imu-rest": 10},
     **{"first-cut": 6, "first-cut-imu": 6, "imu-twin": 2},
-    **{"estimation-irb1400": 10, "estimation-arms": 3},
+    **{"estimation-irb1400": 10, "estimation-arms": 2},
     **{"robots": 5, "robots-design": 3},
-    **{"laser-irb1400": 20, "laser-irb1400-design": 20},
+    **{"laser-irb1400": 20, "laser-irb1400-design": 20, "laser-irb1400-poses": 20},
 }
 """A new claim is one entry here and two lines in `_load`."""
 CLAIMS = {name: Claim(n_seeds, partial(_load, name)) for name, n_seeds in _SEEDS.items()}

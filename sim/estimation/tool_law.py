@@ -37,6 +37,8 @@ class ToolLaw:
     """Learning gain."""
     cutoff: float | None = None
     """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
+    up_to_mode: bool = False
+    """Raise a given cutoff too where the arm's lowest identified mode is higher."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
     rotation_weight: float = 0.1
@@ -62,6 +64,8 @@ class ToolLaw:
             lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
         cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
+        if self.up_to_mode:
+            cutoff = max(cutoff, pass_band(0.0, lowest_mode))
         rotation = self.rotation_weight if rotations else 0.0
         weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
         size = tuple(float(s) for s in plant.input_size)

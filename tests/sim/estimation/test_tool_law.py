@@ -50,6 +50,11 @@ def test_a_stiff_arm_is_learned_up_to_its_lowest_mode():
     assert law.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 12.0
     assert law.law(PLANT, 1.27, lowest_mode=45.0).cutoff == 20.0
     assert law.law(PLANT, 3.2, lowest_mode=12.0).cutoff == pass_band(3.2)
+    given = ToolLaw(guarded=False, cutoff=10.0)
+    assert given.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 10.0
+    raised = ToolLaw(guarded=False, cutoff=10.0, up_to_mode=True)
+    assert raised.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 12.0
+    assert raised.law(PLANT, 1.27).cutoff == 10.0
     assert law.law(PLANT, 1.27, lowest_mode=6.0).cutoff == pass_band(1.27) == 10.0
 
 

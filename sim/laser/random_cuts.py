@@ -1,0 +1,40 @@
+"""Cuts at random places of a robot's reach, for claims that are not about its named poses."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from armside import kinematics
+
+from ..cell import ToolPose
+from ..cell_file import find_cell
+from .experiment import prepare
+from .specification import Cut
+
+SPEEDS = (0.012, 0.077)
+"""[m/s], ends of their range."""
+REACH = 0.6
+"""Fraction of each motor's range that poses are drawn from."""
+_STREAM = 0x17  # of these draws, apart from those of individual and instruments
+_MOST_DRAWS = 1000
+
+
+def random_cut(robot: str, seed: int) -> Cut:
+    """A circle at a random pose and speed that the robot reaches: the same for the same seed.
+
+    Raises RuntimeError where none is found.
+    """
+    cell, rng = find_cell(robot), np.random.default_rng([seed, _STREAM])
+    arm = kinematics.compile(cell.robot)
+    for _ in range(_MOST_DRAWS):
+        T = arm.pose(REACH * rng.uniform(cell.limits.lower, cell.limits.upper))
+        quaternion = Rotation.from_matrix(T[:3, :3]).as_quat(scalar_first=True)
+        x, y, z = T[:3, 3].tolist()
+        w, a, b, c = quaternion.tolist()
+        speed = float(rng.uniform(*SPEEDS))
+        cut = Cut(robot=robot, pose=ToolPose((x, y, z), (w, a, b, c)), speed=speed)
+        try:
+            prepare(cut, seed=seed)
+        except ValueError:  # beyond the reach or the limits
+            continue
+        return cut
+    raise RuntimeError(f"no cut of {robot} found in {_MOST_DRAWS} draws")
