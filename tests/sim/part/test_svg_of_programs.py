@@ -11,6 +11,8 @@ from ezdxf.addons.drawing.properties import RenderContext
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
+from armside.sim.cut.contour import Circle as Circular
+from armside.sim.part.curve import centred
 from armside.sim.part.file import read_part
 from armside.sim.part.kind import Kind
 
@@ -49,8 +51,10 @@ def test_a_filled_background_is_said(background, tmp_path):
     assert part.notes == ("rect #(without id) fills the page: its background, which is not cut",)
 
 
-def test_the_example_is_the_flange():
-    check_flange(read_part(EXAMPLE))
+def test_the_example_is_the_flange_and_its_curves_are_judged_as_circles():
+    part = read_part(EXAMPLE)
+    check_flange(part)
+    assert all(isinstance(centred(contour.chain)[0], Circular) for contour in part.contours)
 
 
 def test_a_figure_of_matplotlib_is_a_part(tmp_path):
