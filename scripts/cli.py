@@ -22,6 +22,7 @@ COMMANDS = {
     "gallery": "Make the pictures of the docs again.",
     "two-mass": "Regenerate chapter 8: a flexible joint learns.",
     "learn": "Compare learning laws on any plant, your own too.",
+    "serve": "Put the virtual robot behind a controller's protocol.",
     "design": "Propose gain, shift and cutoff for a model.",
     "tune": "Search the design of the learning law with Optuna.",
     "train": "Learn a policy that chooses designs (extra [learn]).",
@@ -72,6 +73,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.two_mass import two_mass as command
         case "learn":
             from .commands.learn import learn as command
+        case "serve":
+            from .commands.serve import serve as command
         case "design":
             from .commands.design import design as command
         case "tune":

@@ -19,6 +19,10 @@ def _no_generators(plant: Any) -> Sequence[np.random.Generator]:
     return ()
 
 
+def _nothing_to_close() -> None:
+    pass
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
     """Plant of a comparison. `start` makes it anew for each law, in the same initial state."""
@@ -46,6 +50,9 @@ class Task:
     """(N,) [m], place along a path at each sample, by which corrections are carried over."""
     design: tuple[float, int] | None = None
     """Default gamma and delta; None: proposed for the model."""
+
+    close: Callable[[], None] = _nothing_to_close
+    """Gives back what the plant holds, such as a connection."""
 
     @property
     def default_cutoff(self) -> float:

@@ -1,6 +1,7 @@
 """`armside learn`: any plant, several laws, one table and one figure."""
 
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +40,8 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
         if task is None:
             _by_hand(cfg, common, report)
             return
-        runs = _runs(cfg, common, task, before, report)
+        with closing(task):
+            runs = _runs(cfg, common, task, before, report)
     except OwnCodeError as error:
         raise RunFailed(str(error)) from error
     _finish(cfg, common, report, runs, task.sample_time, before)

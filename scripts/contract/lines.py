@@ -53,10 +53,11 @@ BASE: dict[str, tuple[str, ...]] = {
     "train": ("--robots", "1", "--steps", "5"),
     "commission": ("--recordings", "../files/run"),
     "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
+    "serve": ("--idle", "0.2", "--port", "0"),
     "gears": (f"../files/{MOTION}", "--robot", "ur10", "--largest-order", "60"),
 }
 """Words that make a command short, unless an option takes their place."""
-FOR_EVER = ("--web",)
+FOR_EVER = ("--web", "--idle")
 """Options that ask to go on until Ctrl-C, without work by which a limit could be kept."""
 WEIGHTS = {
     **{"laser": 5.0, "measure": 3.0, "sweep": 3.0, "design": 2.0, "replay": 2.0, "convert": 2.0},

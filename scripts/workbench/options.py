@@ -19,7 +19,8 @@ class LearnCfg:
 
     plant: str = "two-mass"
     """two-mass[:k=4,coulomb=0.01] (joint of chapter 8), large or irb1400[:pose=p2,speed=60] (the
-    robots, options of laser), a model's file (JSON, MAT), file.py:Name (a System, a model of
+    robots, options of laser), egm[:port=6510] or rsi[:port=59152] (a controller that speaks ABB's
+    or KUKA's protocol to this port), a model's file (JSON, MAT), file.py:Name (a System, a model of
     control, or an object with run(correction)), or a folder that a person exchanges files in."""
     laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
     """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,

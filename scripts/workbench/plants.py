@@ -1,26 +1,24 @@
 """The task that the option --plant names."""
 
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.ilc.workbench.words import Words, number, unknown_name
+from armside.ilc.workbench.words import Words, unknown_name
 from armside.sim.records.files import check_file
 
 from ..shell.effort import Effort, refuse_absurd
+from .controllers import PROTOCOLS, controller_task, laser_values
 from .options import LearnCfg
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task
 
 ROBOTS = ("large", "irb1400")
-NAMES = ("two-mass", *ROBOTS, "FILE.json", "FILE.mat", "file.py:Name", "a folder")
+NAMES = ("two-mass", *ROBOTS, *PROTOCOLS, "FILE.json", "FILE.mat", "file.py:Name", "a folder")
 LARGEST_MODEL = 1_000_000
 """[bytes], of a model's file."""
 SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
 """[s] for each number of a run's record, the law included, rounded up."""
-OF_ROBOT = ("pose", "speed", "radius", "payload", "shape", "size", "plane", "friction_spread")
-"""Options of `armside laser` that a plant's words may set."""
 
 
 def named_task(cfg: LearnCfg, seed: int) -> "Task":
@@ -42,10 +40,12 @@ def named_task(cfg: LearnCfg, seed: int) -> "Task":
         task = plants.joint(words, record)
     elif words.name in ROBOTS:
         task = _robot(words, cfg, record, seed)
+    elif words.name in PROTOCOLS:
+        task = controller_task(words, record)
     else:
         task = plants.model_task(_model_file(cfg.plant), record)
     runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)
-    each = SECONDS_ROBOT if words.name in ROBOTS else SECONDS_LINEAR
+    each = SECONDS_ROBOT if words.name in (*ROBOTS, *PROTOCOLS) else SECONDS_LINEAR
     what = f"{runs} runs of {task.reference.size} numbers"
     refuse_absurd(what, Effort(seconds=runs * task.reference.size * each))
     return task
@@ -73,13 +73,7 @@ def _robot(words: Words, cfg: LearnCfg, record: Any, seed: int) -> "Task":
 
     if cfg.reference or cfg.sample_time is not None:
         raise ValueError("a robot's reference is its cut: leave --reference and --sample-time out")
-    values: dict[str, Any] = {"robot": words.name}
-    types = {each.name: each.type for each in fields(LaserCfg)}
-    for key, text in words.parameters.items():
-        if key not in OF_ROBOT:
-            raise ValueError(unknown_name("parameter", key, OF_ROBOT))
-        numeric = types[key] in (float, float | None)
-        values[key] = float(number(text, key)) if numeric else text
+    values = {"robot": words.name, **laser_values(words)}
     asked = LaserCfg(**values, iterations=cfg.iterations)
     made = cut(asked)
     return learning_task(made, seed=seed, name=words.text, model=record.model)

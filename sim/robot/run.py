@@ -62,27 +62,55 @@ class LoadedReference:
         Encoder noise (M, n) [motor rad] is None where there is none. It perturbs the set points:
         pos - (q + n) = (pos - n) - q, so the servo stays inside the physics.
         """
-        drives, step = self.model.drives, self.model.timestep
+        drives = self.model.drives
         delay, lag = drives.correction_delay, drives.correction_lag
         path = correction_path(correction, self.log_period, self.ratio, delay, lag)
         controls = self.controls.copy().reshape(len(self.controls), -1, 3)
-        on = self.powered[:, None]
-        controls[:, :, 0] += drives.gear * path.position
         velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
-        controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
-        encoder_noise, shape = None, controls.shape[:2]
+        noise = self.noise(rng)
+        self.add(controls, slice(None), path.position, velocity, noise)
+        return controls.reshape(len(controls), -1), noise.encoder
+
+    def noise(self, rng: np.random.Generator | None) -> "Noise":
+        """Draw the noise of one run; none without `rng`."""
+        drives, step = self.model.drives, self.model.timestep
+        torque = encoder = perturbation = None
+        shape = len(self.controls), self.model.n_axes
         if rng is not None and drives.torque_noise > 0.0:
-            std, bandwidth = (
-                drives.torque_noise * drives.torque_limit,
-                drives.torque_noise_bandwidth,
-            )
-            controls[:, :, 2] += on * band_limited(rng, shape, std, bandwidth, step)
+            std = drives.torque_noise * drives.torque_limit
+            torque = band_limited(rng, shape, std, drives.torque_noise_bandwidth, step)
         if rng is not None and drives.encoder_noise > 0.0 and drives.encoder_counts > 0.0:
             std = drives.encoder_noise * 2.0 * np.pi / drives.encoder_counts
-            encoder_noise = white(rng, shape, std)
-            controls[:, :, 0] -= on * encoder_noise
-            controls[:, :, 1] -= on * encoder_perturbation(encoder_noise, step)
-        return controls.reshape(len(controls), -1), encoder_noise
+            encoder = white(rng, shape, std)
+            perturbation = encoder_perturbation(encoder, step)
+        return Noise(torque, encoder, perturbation)
+
+    def add(
+        self, controls: Array, rows: slice, position: Array, velocity: Array, noise: "Noise"
+    ) -> None:
+        """Add a correction's path and noise to `controls` (m, n, 3), those of `rows`.
+
+        position, velocity: (m, n) [rad] and [rad/s], of the correction after its lag, arm side.
+        """
+        drives, on = self.model.drives, self.powered[rows, None]
+        controls[:, :, 0] += drives.gear * position
+        controls[:, :, 1] += drives.gear * drives.velocity_feedforward * velocity
+        if noise.torque is not None:
+            controls[:, :, 2] += on * noise.torque[rows]
+        if noise.encoder is not None and noise.perturbation is not None:
+            controls[:, :, 0] -= on * noise.encoder[rows]
+            controls[:, :, 1] -= on * noise.perturbation[rows]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one run at the physics rate, each (M, n) or None where there is none."""
+
+    torque: Array | None
+    """[N m], motor side."""
+    encoder: Array | None
+    perturbation: Array | None
+    """[motor rad], and what it makes of the measured speed [motor rad/s]."""
 
 
 def run_batch(
@@ -104,18 +132,24 @@ def run_batch(
     each, noises = [controls for controls, _ in inputs], [noise for _, noise in inputs]
     controls = each[0][None] if len(each) == 1 else np.stack(each)
     parts = references, applied, controls, noises, *_roll_out(references, controls, threads)
-    return [_recording(*part) for part in zip(*parts, strict=True)]
+    return [recorded(*part) for part in zip(*parts, strict=True)]
 
 
-def _recording(
-    loaded: LoadedReference, u: Array, controls: Array, noise: Array | None, *rolled_out: Array
+def recorded(
+    loaded: LoadedReference,
+    u: Array,
+    controls: Array,
+    encoder_noise: Array | None,
+    states: Array,
+    sensors: Array,
 ) -> Recording:
-    happened, limits = truth(loaded.model, loaded.initial_state, controls, *rolled_out)
+    """Record of a run, or of its first N samples: u is (N, n), the others have rows for them."""
+    happened, limits = truth(loaded.model, loaded.initial_state, controls, states, sensors)
     log = slice(None, None, loaded.ratio)
-    noise = None if noise is None else noise[log]
+    noise = None if encoder_noise is None else encoder_noise[log]
     return Recording(
         time=happened.time[log],
-        reference=loaded.reference,
+        reference=loaded.reference[: len(u)],
         correction=u,
         motor_angle=measured_angle(loaded.model, happened.gear_angle[log], noise),
         motor_torque=happened.motor_torque[log],

@@ -62,20 +62,47 @@ def correction_path(
     correction: (N, n) [rad], u at the log rate; delay in [s], corner frequency of the lag in [Hz].
     """
     shape = ((len(correction) - 1) * ratio + 1, correction.shape[1])
-    position, velocity = out = np.empty(shape), np.empty(shape)
-    _held_and_lagged(correction, period, period / ratio, delay, 2.0 * np.pi * lag, out)
-    return Setpoints(position=position, velocity=velocity)
+    path = Setpoints(position=np.empty(shape), velocity=np.empty(shape))
+    extend_path(path, correction, (0, shape[0]), CorrectionTiming(period, ratio, delay, lag))
+    return path
+
+
+@dataclass(frozen=True)
+class CorrectionTiming:
+    """Timing of a correction on its way to the servo."""
+
+    period: float
+    """[s], between samples of the correction."""
+    ratio: int
+    """Physics steps in a period."""
+    delay: float
+    """[s]."""
+    lag: float
+    """[Hz], corner of the first-order lag."""
+
+
+def extend_path(
+    path: Setpoints, correction: Array, rows: tuple[int, int], timing: CorrectionTiming
+) -> None:
+    """Write rows first to last (exclusive) of a correction's path; those before are there.
+
+    Row i needs the correction up to the sample after (i h - delay) / period, h the physics step.
+    """
+    timings = np.array([timing.period, timing.period / timing.ratio, timing.delay])
+    out = path.position, path.velocity
+    _held_and_lagged(correction, timings, 2.0 * np.pi * timing.lag, rows, out)
 
 
 @njit(cache=True, nogil=True)
 def _held_and_lagged(
-    samples: Array, period: float, step: float, delay: float, omega: float, out: tuple[Array, Array]
+    samples: Array, timing: Array, omega: float, rows: tuple[int, int], out: tuple[Array, Array]
 ) -> None:  # pragma: no cover - compiled
     """First-order lag x' = omega (signal - x), exact for a signal that is linear between steps."""
     position, velocity = out
+    period, step, delay = timing
     n, decay = len(samples), np.exp(-omega * step)
     last = np.empty(samples.shape[1])
-    for i in range(len(position)):
+    for i in range(max(rows[0] - 1, 0), rows[1]):
         sample = min(max((i * step - delay) / period, 0.0), n - 1.0)
         before = min(int(sample), n - 2)
         weight = sample - before
@@ -83,7 +110,7 @@ def _held_and_lagged(
             signal = samples[before, j] * (1.0 - weight) + samples[before + 1, j] * weight
             if i == 0:
                 position[i, j], velocity[i, j] = signal, 0.0
-            else:
+            elif i >= rows[0]:
                 slope = (signal - last[j]) / step
                 steady = signal - slope / omega
                 x = steady + (position[i - 1, j] - last[j] + slope / omega) * decay

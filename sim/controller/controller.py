@@ -1,0 +1,207 @@
+"""A virtual controller: the robot behind a protocol, one cycle of 4 ms at a time.
+
+It repeats one program, from its start each time. The robot waits at the start until a client
+answers, and follows the client then: absolute angles, or corrections that are added to the program.
+An answer that does not come holds the last correction. Silence, or the wish of the client, ends the
+run: the robot comes to rest, and the program starts anew.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+
+from ..cell import Cell
+from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from ..robot.run import LoadedReference
+from ..robot.statics import Statics
+from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .limits import GuidanceLimits
+from .messages import Answer, Phase, State, degrees, radians
+from .streamed_run import StreamedRun
+
+SILENCE = 25
+"""Answers missing in a row after which a run ends."""
+STOPPING_CYCLES = 50
+"""Cycles in which a guided motion slows down to rest: 0.2 s."""
+AT_REST = 1e-3
+"""[rad/s], below which the robot stands."""
+MOST_REFUSALS = 100
+"""Reasons that are kept."""
+REST_CYCLES = 500
+"""Longest wait for rest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hold:
+    """A program that stands at motor angles (n,) [rad] until a client guides the robot."""
+
+    start: Array
+    seconds: float = 60.0
+    """Longest run."""
+
+
+@dataclass
+class VirtualController:
+    """The robot of a cell behind a controller's protocol."""
+
+    loaded: LoadedReference
+    cell: Cell
+    rng: np.random.Generator | None = None
+    """Noise of drives and encoders; None: there is none."""
+    guiding: Statics | None = None
+    """Nominal robot, for a program that stands still (`StreamedRun`)."""
+    limits: GuidanceLimits | None = None
+    on_end: Callable[[Recording, int], None] = lambda recording, missed: None
+    """Called with the record of each run and the number of answers that it missed."""
+    silence: int = SILENCE
+    phase: Phase = field(default=Phase.WAITING, init=False)
+    missed: int = field(default=0, init=False)
+    """Answers missing in this run."""
+    refusals: list[str] = field(default_factory=list[str], init=False)
+    """Reasons why answers were refused, of all runs, the first of each."""
+    runs: int = field(default=0, init=False)
+    _number: int = field(default=0, init=False)
+    _cycles: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        model = self.loaded.model
+        self._limits = self.limits or GuidanceLimits.of(model, self.cell)
+        self._pose = kinematics.compile(self.cell.robot).pose
+        self._start()
+
+    @classmethod
+    def standing(
+        cls, model: RobotModel, cell: Cell, program: Hold, rng: np.random.Generator | None = None
+    ) -> "VirtualController":
+        """Controller of a robot that stands still until it is guided.
+
+        Raises ValueError for a start outside the ranges or a run of less than two samples.
+        """
+        count = round(program.seconds / LOG_PERIOD) + 1
+        if count < 2:
+            raise ValueError(f"seconds must be at least {LOG_PERIOD:g}, got {program.seconds:g}")
+        wrong = GuidanceLimits.of(model, cell).refusal(program.start, program.start)
+        if wrong is not None:
+            raise ValueError(f"start: {wrong}")
+        nominal = Statics(model)
+        robot = VirtualRobot(model, nominal=nominal)
+        loaded = robot.load(np.tile(program.start, (count, 1)))
+        return cls(loaded, cell, rng, guiding=nominal)
+
+    def state(self) -> State:
+        """The message of this cycle."""
+        run = self._run
+        measured = run.motor_angle
+        frame, quaternion = self._pose(measured), np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, frame[:3, :3].ravel())
+        return State(
+            number=self._number,
+            time=round(1e3 * LOG_PERIOD) * self._cycles,
+            phase=self.phase,
+            joints=degrees(measured),
+            planned=degrees(run.planned),
+            position=1e3 * frame[:3, 3],
+            quaternion=quaternion,
+            missed=self.missed,
+            resting=self._resting(),
+        )
+
+    def cycle(self, answer: Answer | None) -> None:
+        """Take the answer to the message of this cycle, or none, and run one period."""
+        self._number += 1
+        correction = None
+        if answer is not None and self.phase is not Phase.STOPPING:
+            if answer.values is None:
+                self._leave()
+                return
+            correction = self._allowed(answer)
+        if self.phase is Phase.WAITING:
+            if correction is None:
+                return
+            self.phase = Phase.GUIDED
+        self._follow(correction)
+
+    def _follow(self, correction: Array | None) -> None:
+        if self.phase is Phase.GUIDED:
+            self._silent = 0 if correction is not None else self._silent + 1
+            self.missed += correction is None
+            if self._silent >= self.silence:
+                self._leave()
+        if self.phase is Phase.STOPPING:
+            correction = self._slowing()
+        if correction is not None:
+            self._step = correction - self._correction
+            self._correction = correction
+        if self._run.finished or self._stopped():
+            self._end()
+            return
+        self._run.advance(self._correction)
+        self._cycles += 1
+
+    def _allowed(self, answer: Answer) -> Array | None:
+        """The correction (n,) [rad] of an answer within the limits, or None."""
+        assert answer.values is not None
+        correction, wrong = self._checked(radians(answer.values), answer.additive)
+        if wrong is None:
+            return correction
+        if wrong not in self.refusals and len(self.refusals) < MOST_REFUSALS:
+            self.refusals.append(wrong)
+        return None
+
+    def _checked(self, values: Array, additive: bool) -> tuple[Array, str | None]:
+        run, limits = self._run, self._limits
+        if values.shape != self._correction.shape:
+            return values, limits.refusal(values, self._correction)
+        correction = values if additive else values - run.planned
+        target = run.planned + values if additive else values
+        before = run.loaded.reference[max(run.sample - 1, 0)] + self._correction
+        wrong = limits.refusal(target, before)
+        if wrong is None and self.guiding is None:
+            wrong = limits.correction_refusal(correction)
+        return correction, wrong
+
+    def _leave(self) -> None:
+        if self.phase is Phase.GUIDED:
+            self.phase, self._slow = Phase.STOPPING, 0
+
+    def _slowing(self) -> Array:
+        """The correction while the guided motion slows down to rest."""
+        self._slow += 1
+        share = max(0.0, 1.0 - self._slow / STOPPING_CYCLES)
+        if self._slow == 1:
+            self._last_step = self._step.copy()
+        step = share * self._last_step
+        bounds = self._limits
+        planned = self._run.planned
+        target = np.clip(planned + self._correction + step, bounds.lower, bounds.upper)
+        return target - planned
+
+    def _stopped(self) -> bool:
+        """A robot that stood still before it was guided is at rest again."""
+        if self.phase is not Phase.STOPPING or self.guiding is None:
+            return False
+        return self._slow > STOPPING_CYCLES and (
+            self._resting() or self._slow > STOPPING_CYCLES + REST_CYCLES
+        )
+
+    def _resting(self) -> bool:
+        return bool(np.abs(self._run.speed).max() < AT_REST)
+
+    def _end(self) -> None:
+        self.runs += 1
+        self.on_end(self._run.recording(), self.missed)
+        self._start()
+
+    def _start(self) -> None:
+        self._run = StreamedRun(self.loaded, self.rng, self.guiding)
+        n = self.loaded.model.n_axes
+        self._correction, self._step = np.zeros(n), np.zeros(n)
+        self._last_step = np.zeros(n)
+        self._silent = self._slow = self.missed = 0
+        self.phase = Phase.WAITING

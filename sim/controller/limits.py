@@ -1,0 +1,82 @@
+"""Limits of guided motion, checked by the client before it sends and by the controller each cycle.
+
+A target must be within the ranges of the joints, no further from the last one than the speed
+limit allows, and slow enough near the end of a range to stop before it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.kinematics import Limits
+
+from ..cell import Cell
+from ..robot.model import RobotModel
+
+STOPPING_TIME = 0.2
+"""[s], in which a joint stops from its highest speed. ESTIMATE: stop category 1 of such arms takes
+0.2 to 0.5 s."""
+ROUNDING = 1e-9
+"""Relative, by which a step may exceed the speed limit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuidanceLimits:
+    """Limits of the motor angles (n,), arm side."""
+
+    lower: Array
+    upper: Array
+    """[rad]."""
+    speed: Array
+    """[rad/s]."""
+    correction: float = np.deg2rad(5.0)
+    """Largest correction of a program [rad]. KUKA's AXISCORR has 5 degrees by default."""
+    period: float = 0.004
+    """[s]."""
+    joints: Limits | None = None
+    """Ranges of sums of motor angles beside those of each."""
+
+    @classmethod
+    def of(cls, model: RobotModel, cell: Cell | None = None) -> "GuidanceLimits":
+        """Limits of a robot's model, and those of its cell where they are narrower."""
+        lower, upper = model.joint_range.T
+        speed = model.drives.speed_limit
+        if cell is not None:
+            lower = np.maximum(lower, cell.limits.lower)
+            upper = np.minimum(upper, cell.limits.upper)
+            speed = np.minimum(speed, cell.limits.speed)
+        joints = None if cell is None else cell.limits
+        return cls(lower=lower, upper=upper, speed=speed, joints=joints)
+
+    def refusal(self, target: Array, before: Array) -> str | None:
+        """Why a target (n,) [rad] is refused that follows `before`; None if it is allowed."""
+        if target.shape != before.shape:
+            return f"needs {len(before)} axes, got {target.size}"
+        if not np.isfinite(target).all():
+            return "holds values that are not finite"
+        below, above = target - self.lower, self.upper - target
+        if (axis := _first(np.minimum(below, above) < 0.0)) is not None:
+            low, high = np.rad2deg((self.lower[axis], self.upper[axis]))
+            got = np.rad2deg(target[axis])
+            return f"axis {axis + 1} must be {low:.6g} to {high:.6g} deg, got {got:.6g}"
+        if self.joints is not None and not self.joints.contain(target):
+            return "is outside the range of coupled axes"
+        speed = (target - before) / self.period
+        room = np.where(speed > 0.0, above, below)
+        allowed = np.minimum(self.speed, np.sqrt(2.0 * self.speed / STOPPING_TIME * room))
+        if (axis := _first(np.abs(speed) > allowed * (1.0 + ROUNDING) + 1e-9)) is not None:
+            got, most = np.rad2deg((abs(speed[axis]), allowed[axis]))
+            return f"axis {axis + 1} must be at most {most:.6g} deg/s fast here, got {got:.6g}"
+        return None
+
+    def correction_refusal(self, correction: Array) -> str | None:
+        """Why a correction (n,) [rad] of a program is refused; None if it is allowed."""
+        if (axis := _first(~(np.abs(correction) <= self.correction))) is not None:
+            most, got = np.rad2deg((self.correction, correction[axis]))
+            return f"the correction of axis {axis + 1} must be within {most:.6g} deg, got {got:.6g}"
+        return None
+
+
+def _first(wrong: np.ndarray) -> int | None:
+    return int(np.argmax(wrong)) if wrong.any() else None

@@ -1,0 +1,69 @@
+"""What a controller and its client tell each other each cycle, whatever the protocol.
+
+Angles are in degrees, as on the wire: a conversion on one side only would change the last bits.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from armside.arrays import Array
+
+
+class Phase(Enum):
+    """State of the guidance."""
+
+    WAITING = "waiting"
+    """At rest at the start, until a client answers."""
+    GUIDED = "guided"
+    STOPPING = "stopping"
+    """The client is silent: the robot comes to rest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """Message of the controller in one cycle."""
+
+    number: int
+    """Of the message, from 0."""
+    time: int
+    """[ms], clock of the controller. It stands while the robot waits, so that the first sample of a
+    run is that of the message that is answered."""
+    phase: Phase
+    joints: Array
+    """(n,) [deg], measured motor angles, arm side."""
+    planned: Array
+    """(n,) [deg], motor angles of the program, which corrections are added to."""
+    position: Array
+    """(3,) [mm], TCP0 in base axes by the nominal kinematics at the measured angles."""
+    quaternion: Array
+    """(4,), w first."""
+    missed: int
+    """Answers of this run that did not come, came late or were refused."""
+    resting: bool
+    """The robot stands."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """Answer of the client to one message."""
+
+    values: Array | None
+    """(n,) [deg]; None: the client ends its guidance."""
+    additive: bool
+    """The values are added to the program; otherwise they are absolute angles."""
+
+
+def degrees(angle: Array) -> Array:
+    """[rad] to [deg]."""
+    return np.rad2deg(angle)
+
+
+def radians(angle: Array) -> Array:
+    """[deg] to [rad]."""
+    return np.deg2rad(angle)
+
+
+class WireError(ValueError):
+    """A datagram that is not a message of the protocol."""

@@ -1,0 +1,212 @@
+"""A plant behind a controller: it runs a path with a correction and returns the motor angles."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.records import records
+
+from .client import Link
+from .controller import VirtualController
+from .limits import GuidanceLimits
+from .messages import Answer, Phase, State, degrees, radians
+
+AT_START = np.deg2rad(0.01)
+"""Distance of the commanded angles from the start of the path above which the robot is moved."""
+APPROACH = 0.25
+"""Share of the speed limit at which the robot is moved to the start of a path."""
+SETTLING = 50
+"""Samples of rest before a path that the robot was moved to."""
+MOST_LOST = 0.1
+"""Share of messages of one run that may be lost."""
+
+
+class LostError(RuntimeError):
+    """The controller ended the run, or too many of its messages were lost."""
+
+
+@dataclass
+class InProcess:
+    """A link to a virtual controller in this process: no socket, no clock."""
+
+    controller: VirtualController
+    additive: bool = False
+
+    def begin(self) -> None:
+        """A run begins."""
+        while self.controller.phase is not Phase.WAITING:
+            self.controller.cycle(None)
+
+    def receive(self) -> State:
+        """The message of this cycle."""
+        return self.controller.state()
+
+    def answer(self, answer: Answer, to: State) -> None:
+        """Answer it, and run the cycle."""
+        self.controller.cycle(answer)
+
+
+@dataclass
+class StreamedPlant:
+    """Plant of a learning loop: a controller that is told path and correction sample by sample.
+
+    With absolute angles (EGM) the robot is moved to the start of the path first, where it stands
+    elsewhere. With corrections (RSI) the path is the controller's program.
+
+    Raises ValueError for a path, or a correction in `run`, that leaves the limits: nothing has been
+    sent then.
+    """
+
+    link: Link
+    path: Array
+    """r, shape (N, n) [rad], one sample each period."""
+    limits: GuidanceLimits | None = None
+    """Checked before anything is sent; None: those of the controller alone."""
+    period: float = 0.004
+    """[s], of the controller."""
+    lost: int = field(default=0, init=False)
+    """Messages of the controller that did not come, in all runs; their angles are interpolated."""
+    refused: int = field(default=0, init=False)
+    """Answers that the controller says it missed or refused, in all runs."""
+    lost_share: list[float] = field(default_factory=list[float], init=False)
+    """Share of lost messages, by run."""
+
+    def __post_init__(self) -> None:
+        self.path = np.array(self.path, dtype=np.float64)
+        if self.path.ndim != 2 or len(self.path) < 2:
+            raise ValueError(f"path must have shape (N, n), got {self.path.shape}")
+        self._check(self.path)
+
+    @records("correction")
+    def run(self, correction: Array, /) -> Array:
+        """Measured motor angles (N, n) [rad] of one run with u = correction (N, n) [rad].
+
+        Raises TimeoutError when no controller speaks, LostError when it ends the run.
+        """
+        if correction.shape != self.path.shape:
+            shape = self.path.shape
+            raise ValueError(f"correction must have shape {shape}, got {correction.shape}")
+        targets = self.path + correction
+        self._check(targets, correction)
+        link = self.link
+        link.begin()
+        state = self._waiting()
+        if not link.additive:
+            state = self._move_to(targets[0], state)
+        return self._stream(correction if link.additive else targets, state)
+
+    def _stream(self, values: Array, state: State) -> Array:
+        """Send a sample for each message; samples follow from the controller's clock."""
+        count, start = len(values), state.time
+        measured = np.full(values.shape, np.nan)
+        sent, sample = degrees(values), 0
+        missed = state.missed
+        while True:
+            measured[sample] = radians(state.joints)
+            if sample == count - 1:
+                break
+            self.link.answer(Answer(values=sent[sample], additive=self.link.additive), state)
+            state, sample = self._next(state, start, sample)
+            if sample >= count or (state.phase is Phase.WAITING and sample > 0):
+                break
+            missed = max(missed, state.missed)
+        self.link.answer(Answer(values=None, additive=self.link.additive), state)
+        self.refused += missed
+        return self._filled(measured)
+
+    def _next(self, state: State, start: int, sample: int) -> tuple[State, int]:
+        """The next message and its sample. One that repeats itself asks for the answer again."""
+        while True:
+            following = self.link.receive()
+            ahead = round((following.time - start) / (1e3 * self.period))
+            again = ahead == sample and (
+                following.number != state.number or following.phase is Phase.WAITING
+            )
+            if ahead > sample or again:
+                return following, ahead
+
+    def _filled(self, measured: Array) -> Array:
+        there = np.isfinite(measured[:, 0])
+        share = 1.0 - float(there.mean())
+        self.lost += int((~there).sum())
+        self.lost_share.append(share)
+        if share > MOST_LOST:
+            raise LostError(
+                f"{(~there).sum()} of {len(there)} messages of the controller were lost"
+            )
+        at = np.arange(len(measured))
+        for axis in range(measured.shape[1]):
+            measured[:, axis] = np.interp(at, at[there], measured[there, axis])
+        return measured
+
+    def _waiting(self) -> State:
+        """A message of the robot at rest at its start."""
+        for _ in range(MOST_WAITED):
+            state = self.link.receive()
+            if state.phase is Phase.WAITING:
+                if len(state.joints) != self.path.shape[1]:
+                    axes = f"{len(state.joints)} axes, the path has {self.path.shape[1]}"
+                    raise ValueError(f"the controller's robot has {axes}")
+                return state
+            self.link.answer(Answer(values=None, additive=self.link.additive), state)
+        raise LostError("the controller does not come to rest")
+
+    def _move_to(self, target: Array, state: State) -> State:
+        """Guide the robot to the start of the path, along a straight line in joint angles."""
+        start = radians(state.planned)
+        away = target - start
+        if np.abs(away).max() <= AT_START:
+            return state
+        speed = APPROACH * (self.limits.speed if self.limits else np.full(len(away), 1.0))
+        seconds = 0.5 * np.pi * float((np.abs(away) / speed).max())
+        count = max(2, int(np.ceil(seconds / self.period)))
+        share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, count + 1) / count)
+        way = np.vstack((start + share[:, None] * away, np.tile(target, (SETTLING, 1))))
+        self._check(way)
+        sample, began, sent = 0, state.time, degrees(way)
+        while sample < len(way):
+            self.link.answer(Answer(values=sent[sample], additive=False), state)
+            state, sample = self._next(state, began, sample)
+        return state
+
+    def _check(self, targets: Array, correction: Array | None = None) -> None:
+        if not np.isfinite(targets).all():
+            raise ValueError("path and correction must be finite")
+        if self.limits is None:
+            return
+        for k, target in enumerate(targets):
+            wrong = self.limits.refusal(target, targets[max(k - 1, 0)])
+            if wrong is None and correction is not None and self.link.additive:
+                wrong = self.limits.correction_refusal(correction[k])
+            if wrong is not None:
+                raise ValueError(f"sample {k}: {wrong}; nothing was sent")
+
+
+MOST_WAITED = 100_000
+"""Messages until the robot is at rest."""
+
+
+def program_of(link: Link, seconds: float = 600.0) -> Array:
+    """The controller's program (N, n) [rad], listened to in one run without correction.
+
+    Raises TimeoutError when no controller speaks, LostError for a program that does not move or
+    end.
+    """
+    link.begin()
+    state = link.receive()
+    while state.phase is not Phase.WAITING:
+        state = link.receive()
+    still, found, start = np.zeros_like(state.joints), [radians(state.planned)], state.time
+    while len(found) < seconds / 0.004:
+        values = still if link.additive else state.planned
+        link.answer(Answer(values=values, additive=link.additive), state)
+        state = link.receive()
+        ahead = round((state.time - start) / 4.0)
+        if state.phase is Phase.WAITING and len(found) > 1 and ahead == len(found) - 1:
+            return np.array(found)
+        if ahead > len(found):
+            raise LostError("a message of the program was lost: listen again")
+        if ahead == len(found):
+            found.append(radians(state.planned))
+    raise LostError(f"the program does not end within {seconds:g} s")

@@ -1,0 +1,157 @@
+"""The UDP side of a virtual controller: it sends a message each cycle and takes the answers.
+
+As real controllers do, it speaks first: it sends to the address of the client, and takes answers
+from there alone.
+"""
+
+import select
+import socket
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from .controller import VirtualController
+from .messages import Answer, Phase, State, WireError
+
+Address = tuple[str, int]
+LARGEST = 65_535
+AWAITED = 0.02
+"""[s], between messages while no client answers."""
+CYCLE_MS = 4
+MOST_REASONS = 100
+"""Reasons for refusals that are kept."""
+
+
+class Wire(Protocol):
+    """A protocol's messages on the controller's side."""
+
+    def encode_state(self, state: State) -> bytes:
+        """Message of a cycle."""
+        ...
+
+    def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
+        """Answer to the message `to`; None for a late or doubled one."""
+        ...
+
+    def forget(self) -> None:
+        """A run begins."""
+        ...
+
+
+@dataclass
+class Server:
+    """Carries the messages of one virtual controller to one client."""
+
+    controller: VirtualController
+    wire: Wire
+    client: Address
+    real_time: bool = False
+    """Cycles of 4 ms by the clock; otherwise the next begins as soon as the client answers."""
+    patience: float = 0.5
+    """[s], for an answer, where cycles do not follow the clock."""
+    bind: str = "127.0.0.1"
+    late: int = 0
+    """Answers that came late or twice."""
+    wrong: list[str] = field(default_factory=list[str])
+    """What was wrong with datagrams that are no messages; the first of each reason."""
+    wrong_count: int = 0
+    longest: float = 0.0
+    """[s], the longest that a cycle began after its time, in real time."""
+
+    def serve(self, until: Callable[[], bool]) -> None:
+        """Send and receive until `until()` holds, asked each cycle. Raises OSError."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+            udp.bind((self.bind, 0))
+            udp.setblocking(False)
+            tick = time.monotonic()
+            while not until():
+                tick = self._cycle(udp, tick)
+
+    def _cycle(self, udp: socket.socket, tick: float) -> float:
+        controller = self.controller
+        waiting = controller.phase is Phase.WAITING
+        state = controller.state()
+        self.late += len(self._received(udp))
+        _send(udp, self.wire.encode_state(state), self.client)
+        if self.real_time:
+            tick += 1e-3 * CYCLE_MS
+            answer = self._newest(udp, state, tick)
+            late = time.monotonic() - tick
+            self.longest = max(self.longest, 0.0 if waiting else late)
+            tick = time.monotonic() if late > 0.25 else tick
+        else:
+            answer = self._first(udp, state, self._patience())
+        controller.cycle(answer)
+        if controller.phase is Phase.WAITING:
+            self.wire.forget()
+        return tick
+
+    def _patience(self) -> float:
+        match self.controller.phase:
+            case Phase.WAITING:
+                return AWAITED
+            case Phase.GUIDED:
+                return self.patience
+            case Phase.STOPPING:
+                return 0.0
+
+    def _first(self, udp: socket.socket, state: State, patience: float) -> Answer | None:
+        end = time.monotonic() + patience
+        while (left := end - time.monotonic()) > 0.0:
+            if not select.select([udp], [], [], left)[0]:
+                return None
+            for datagram in self._received(udp, most=1):
+                if (answer := self._answer(datagram, state)) is not None:
+                    return answer
+        return None
+
+    def _newest(self, udp: socket.socket, state: State, tick: float) -> Answer | None:
+        newest = None
+        while (left := tick - time.monotonic()) > 0.0:
+            if not select.select([udp], [], [], left)[0]:
+                break
+            for datagram in self._received(udp, most=1):
+                newest = self._answer(datagram, state) or newest
+        return newest
+
+    def _answer(self, datagram: bytes, state: State) -> Answer | None:
+        try:
+            answer = self.wire.decode_answer(datagram, state)
+        except WireError as error:
+            self.wrong_count += 1
+            if (reason := str(error)) not in self.wrong and len(self.wrong) < MOST_REASONS:
+                self.wrong.append(reason)
+            return None
+        self.late += answer is None
+        return answer
+
+    def _received(self, udp: socket.socket, most: int = 10_000) -> list[bytes]:
+        """Datagrams of the client that are there; others are dropped."""
+        found = list[bytes]()
+        while len(found) < most:
+            try:
+                datagram, sender = udp.recvfrom(LARGEST)
+            except BlockingIOError:
+                break
+            except ConnectionError:  # nobody listens at the client's port
+                continue
+            if sender[0] == self.client[0]:
+                found.append(datagram)
+        return found
+
+
+def _send(udp: socket.socket, datagram: bytes, to: Address) -> None:
+    with suppress(BlockingIOError, ConnectionError):  # a lost message, as any other
+        udp.sendto(datagram, to)
+
+
+def resolved(host: str, port: int) -> Address:
+    """IPv4 address of a host. Raises ValueError for one that is not known."""
+    try:
+        found = socket.getaddrinfo(host, port, socket.AF_INET, socket.SOCK_DGRAM)
+    except (OSError, UnicodeError) as error:
+        raise ValueError(f"unknown host {host!r}") from error
+    address = found[0][4]
+    return str(address[0]), int(address[1])

@@ -1,0 +1,187 @@
+"""One run of the virtual robot whose correction arrives sample by sample.
+
+The physics advances in pieces of one log period, and gives the same bits as `LoadedReference.run`
+with the whole correction known: noise is drawn before the start, the correction takes the same path
+to the servo, and a sample acts only after the correction's delay, which is longer than a period.
+"""
+
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+
+from ..robot.drives import friction_torque
+from ..robot.recording import Recording
+from ..robot.run import LoadedReference, Noise, measured_angle, recorded
+from ..robot.servo import CorrectionTiming, Setpoints, extend_path
+from ..robot.statics import Statics
+
+
+@dataclass
+class StreamedRun:
+    """A run in progress. `advance` takes the correction of one sample and runs one period.
+
+    Raises ValueError for a robot whose correction acts within one period.
+    """
+
+    loaded: LoadedReference
+    rng: np.random.Generator | None = None
+    guiding: Statics | None = None
+    """Nominal robot whose rigid torque follows the guided motion; None: the torque of the program.
+    A robot that stands still until it is guided needs one."""
+    sample: int = 0
+    """Log sample that the robot has reached."""
+    _path: Setpoints = field(init=False, repr=False)
+    _noise: Noise = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        loaded, model = self.loaded, self.loaded.model
+        if model.drives.correction_delay < loaded.log_period + model.timestep:
+            raise ValueError(
+                f"a correction can be streamed when it acts after {loaded.log_period:g} s or more, "
+                f"that of this robot acts after {model.drives.correction_delay:g} s"
+            )
+        rows = len(loaded.controls)
+        self._noise = loaded.noise(self.rng)
+        self._path = Setpoints(
+            position=np.empty((rows, model.n_axes)), velocity=np.empty((rows, model.n_axes))
+        )
+        self._correction = np.zeros_like(loaded.reference)
+        self._controls = np.empty_like(loaded.controls)
+        self._states = np.empty((rows, len(loaded.initial_state)))
+        self._sensors = np.empty((rows, model.mj.nsensordata))
+        self._reached = self._written = 0
+        self._rest_torque = None if self.guiding is None else self._rigid(loaded.reference[0])
+        self._guided_torque = np.zeros(model.n_axes)
+        self._data = mujoco.MjData(model.mj)
+        mujoco.mj_setState(model.mj, self._data, loaded.initial_state, int(_FULL_STATE))
+        self._extend(1)
+
+    @property
+    def finished(self) -> bool:
+        """The last sample of the reference is reached."""
+        return self.sample == len(self.loaded.reference) - 1
+
+    @property
+    def planned(self) -> Array:
+        """Motor angles (n,) [rad] of the program at this sample."""
+        return self.loaded.reference[self.sample]
+
+    @property
+    def commanded(self) -> Array:
+        """Set point (n,) [rad] of the servo: program, and correction after its lag."""
+        return self.planned + self._path.position[self._reached]
+
+    @property
+    def motor_angle(self) -> Array:
+        """Measured motor angles (n,) [rad] at this sample."""
+        model, noise = self.loaded.model, self._noise.encoder
+        angle = self._state_before(self._reached)[1 + model.motor]
+        noise = None if noise is None else noise[self._reached : self._reached + 1]
+        return measured_angle(model, angle[None], noise)[0]
+
+    @property
+    def speed(self) -> Array:
+        """Speeds (n,) [rad/s] of the motors at this sample, arm side."""
+        model = self.loaded.model
+        return self._state_before(self._reached)[1 + model.mj.nq + model.motor]
+
+    def advance(self, correction: Array) -> None:
+        """Run one period with u (n,) [rad] of this sample.
+
+        Raises RuntimeError when the run is finished, ArithmeticError when the physics is unstable.
+        """
+        if self.finished:
+            raise RuntimeError("the run is finished")
+        self._correction[self.sample] = correction
+        self._step(self.loaded.ratio)
+        self.sample += 1
+
+    def recording(self) -> Recording:
+        """Record of the samples so far, and of the last one if the run is finished."""
+        whole = self.finished
+        if whole and self._reached < len(self._states):
+            self._step(1)
+        rows = self._reached
+        loaded, samples = self.loaded, self.sample + whole
+        encoder = self._noise.encoder
+        return recorded(
+            loaded,
+            self._correction[:samples],
+            self._controls[:rows],
+            None if encoder is None else encoder[:rows],
+            self._states[:rows],
+            self._sensors[:rows],
+        )
+
+    def _step(self, steps: int) -> None:
+        rows = slice(self._reached, min(self._reached + steps, len(self._states)))
+        self._extend(rows.stop + 1)
+        controls = self._controls[rows] = self._controls_of(rows)
+        mj, data = self.loaded.model.mj, self._data
+        for row, ctrl in zip(range(rows.start, rows.stop), controls, strict=True):
+            data.ctrl[:] = ctrl
+            mujoco.mj_step(mj, data)
+            mujoco.mj_getState(mj, data, self._states[row], int(_FULL_STATE))
+            self._sensors[row] = data.sensordata
+        if not np.isfinite(self._states[rows]).all() or data.time < 0.5 * mj.opt.timestep:
+            raise ArithmeticError(f"the physics is unstable at {rows.stop * mj.opt.timestep:.3f} s")
+        self._reached = rows.stop
+
+    def _extend(self, stop: int) -> None:
+        """Take the correction's path to row `stop` (exclusive)."""
+        loaded, drives = self.loaded, self.loaded.model.drives
+        timing = CorrectionTiming(
+            loaded.log_period, loaded.ratio, drives.correction_delay, drives.correction_lag
+        )
+        rows = self._written, min(stop, len(self._states))
+        extend_path(self._path, self._correction, rows, timing)
+        self._written = rows[1]
+
+    def _controls_of(self, rows: slice) -> Array:
+        loaded, path, drives = self.loaded, self._path, self.loaded.model.drives
+        controls = loaded.controls[rows].copy().reshape(rows.stop - rows.start, -1, 3)
+        ahead = np.arange(rows.start, rows.stop) + loaded.model.implicit
+        position = path.position[rows]
+        velocity = path.velocity[np.minimum(ahead, len(self._states) - 1)]
+        loaded.add(controls, rows, position, velocity, self._noise)
+        if self._rest_torque is not None:
+            controls[:, :, 2] += self._guided(rows, self._rest_torque) / drives.gear
+            if (gear_error := loaded.model.gear_error) is not None:
+                start = loaded.reference[0]
+                change = gear_error(start + position) - gear_error(start[None])
+                controls[:, :, 0] += drives.gear * change
+                controls[:, :, 1] += drives.gear * gear_error.rate(start + position, velocity)
+        return controls.reshape(len(controls), -1)
+
+    def _guided(self, rows: slice, rest: Array) -> Array:
+        """(m, n) [N m], arm side: change of the rigid torque since rest, linear over a period."""
+        path, period = self._path, self.loaded.log_period
+        before, after = path.velocity[rows.start], path.velocity[rows.stop - 1]
+        position = self.loaded.reference[0] + path.position[rows.stop - 1]
+        torque = self._rigid(position, after, (after - before) / period) - rest
+        share = np.arange(1, rows.stop - rows.start + 1)[:, None] / (rows.stop - rows.start)
+        ramp = self._guided_torque + share * (torque - self._guided_torque)
+        self._guided_torque = torque
+        return ramp
+
+    def _rigid(
+        self, phi: Array, phi_dot: Array | None = None, phi_ddot: Array | None = None
+    ) -> Array:
+        assert self.guiding is not None
+        still, drives = np.zeros_like(phi), self.guiding.model.drives
+        speed = still if phi_dot is None else phi_dot
+        bend = still if phi_ddot is None else phi_ddot
+        forces = self.guiding.rigid_forces(phi[None], speed[None], bend[None])
+        torque = self.guiding.motor_torque(forces)[0]
+        if drives.friction_feedforward > 0.0:
+            torque = torque + friction_torque(drives, speed[None])[0]
+        return drives.torque_feedforward * torque
+
+    def _state_before(self, row: int) -> Array:
+        return self.loaded.initial_state if row == 0 else self._states[row - 1]
+
+
+_FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS

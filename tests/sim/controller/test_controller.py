@@ -1,0 +1,123 @@
+"""The virtual controller: guidance, limits, silence, rest."""
+
+import numpy as np
+import pytest
+
+from armside.sim.controller import Answer, GuidanceLimits, Hold, Phase, VirtualController
+
+from .robots import CELL, MODEL, START, guided, path, programmed
+
+
+def follow(controller, targets):
+    """Guide along targets (N, 2) [rad]; the measured angles (N, 2) [rad]."""
+    measured = []
+    for target in targets:
+        measured.append(np.deg2rad(controller.state().joints))
+        controller.cycle(Answer(values=np.rad2deg(target), additive=False))
+    return np.array(measured)
+
+
+def until_waiting(controller, most=2000):
+    for _ in range(most):
+        if controller.phase is Phase.WAITING:
+            return
+        controller.cycle(None)
+    raise AssertionError("the robot does not come to rest")
+
+
+def test_a_robot_follows_where_it_is_guided_and_ends_at_rest():
+    controller, ended = guided(), []
+    controller.on_end = lambda run, missed: ended.append((run, missed))
+    targets = path(120)
+    measured = follow(controller, targets)
+    late = 4  # samples: delay and lag of the correction path
+    assert np.abs(measured[late:] - targets[:-late]).max() < 0.2 * np.ptp(targets)
+    controller.cycle(Answer(values=None, additive=False))
+    assert controller.phase is Phase.STOPPING
+    until_waiting(controller)
+    run, missed = ended[0]
+    assert missed == 0
+    assert np.abs(np.diff(run.motor_angle[-5:], axis=0)).max() < 1e-5
+    np.testing.assert_allclose(np.deg2rad(controller.state().joints), START, atol=1e-3)
+
+
+def test_silence_stops_a_moving_robot_within_its_limits():
+    controller, ended = guided(), []
+    controller.on_end = lambda run, missed: ended.append(run)
+    follow(controller, START + np.arange(60)[:, None] * 0.004 * np.array([2.0, -2.0]) * 0.9)
+    for _ in range(controller.silence):
+        assert controller.phase is Phase.GUIDED
+        controller.cycle(None)
+    assert controller.phase is Phase.STOPPING
+    until_waiting(controller)
+    assert len(ended) == 1
+    assert not [hit for hit in ended[0].limits_hit if hit[0] == "joint"]
+    speed = np.diff(ended[0].motor_angle, axis=0) / 0.004
+    assert np.abs(speed[-1]).max() < 1e-2
+
+
+@pytest.mark.parametrize(
+    ("target", "reason"),
+    [
+        (START + np.array([0.05, 0.0]), "axis 1 must be at most .* deg/s fast here, got 716"),
+        (np.array([9.0, 1.5]), "axis 1 must be -148.9.* to 148.9.* deg, got 515"),
+        (np.array([np.nan, 1.5]), "not finite"),
+        (np.array([0.0, 1.5, 0.0]), "needs 2 axes, got 3"),
+    ],
+)
+def test_a_target_outside_the_limits_is_refused_by_name_and_holds_the_last(target, reason):
+    controller = guided()
+    follow(controller, np.tile(START, (5, 1)))
+    before = controller.state().joints
+    for _ in range(10):
+        controller.cycle(Answer(values=np.rad2deg(target), additive=False))
+    assert controller.missed == 10
+    assert len(controller.refusals) == 1
+    import re
+
+    assert re.search(reason, controller.refusals[0]), controller.refusals
+    np.testing.assert_allclose(controller.state().joints, before, atol=0.01)
+
+
+def test_a_joint_driven_towards_its_limit_stays_inside():
+    limits = GuidanceLimits.of(MODEL, CELL)
+    start = np.array([limits.upper[0] - 0.8, 1.0])
+    program = Hold(start=start, seconds=4.0)
+    controller = VirtualController.standing(MODEL, CELL, program)
+    largest, target = 0.0, start.copy()
+    for _ in range(400):
+        wish = target + np.array([0.004 * limits.speed[0], 0.0])
+        if limits.refusal(wish, target) is None:
+            target = wish
+        controller.cycle(Answer(values=np.rad2deg(target), additive=False))
+        largest = max(largest, np.deg2rad(controller.state().joints[0]))
+    assert largest > start[0] + 0.4
+    assert largest <= limits.upper[0]
+    assert not controller.refusals
+
+
+def test_a_correction_of_a_program_has_a_limit_of_five_degrees():
+    controller = programmed()
+    for k in range(30):
+        values = np.array([min(0.5 * k, 5.5), 0.0])
+        controller.cycle(Answer(values=values, additive=True))
+    assert "the correction of axis 1 must be within 5 deg, got 5.5" in controller.refusals[0]
+
+
+def test_a_program_is_waited_for_and_runs_to_its_end():
+    controller, ended = programmed(), []
+    controller.on_end = lambda run, missed: ended.append((run, missed))
+    for _ in range(20):
+        controller.cycle(None)
+    assert controller.state().time == 0
+    controller.cycle(Answer(values=np.zeros(2), additive=True))
+    until_waiting(controller)
+    run, missed = ended[0]
+    np.testing.assert_array_equal(run.reference, path())
+    assert missed == controller.silence
+
+
+@pytest.mark.parametrize("bad", [np.array([9.0, 0.0]), np.array([0.0])])
+def test_a_start_outside_the_robot_is_refused(bad):
+    with pytest.raises(ValueError, match=r"start: (axis 1 must be|needs)|shape"):
+        VirtualController.standing(MODEL, CELL, Hold(start=bad))

@@ -1,0 +1,40 @@
+"""A run in pieces of one sample is the run in one piece."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.controller.streamed_run import StreamedRun
+from armside.sim.laser import Cut
+from armside.sim.laser.experiment import prepare
+
+
+@pytest.mark.parametrize("robot", ["large", "irb1400"])
+def test_a_streamed_run_is_the_whole_run_bit_for_bit(robot):
+    loaded = prepare(Cut(robot=robot, radius=0.002), seed=1).loaded
+    samples = np.arange(len(loaded.reference))[:, None]
+    u = 1e-3 * np.sin(0.05 * samples) * np.ones(6)
+    u[-1] = 0.0  # acts after the end
+    whole = loaded.run(u, np.random.default_rng(7))
+    run, angles = StreamedRun(loaded, np.random.default_rng(7)), []
+    for correction in u[:-1]:
+        angles.append(run.motor_angle)
+        run.advance(correction)
+    angles.append(run.motor_angle)
+    streamed = run.recording()
+    assert run.finished
+    np.testing.assert_array_equal(np.array(angles), whole.motor_angle)
+    for name in ("time", "reference", "correction", "motor_angle", "motor_torque"):
+        np.testing.assert_array_equal(getattr(streamed, name), getattr(whole, name))
+    np.testing.assert_array_equal(streamed.truth.tool_position, whole.truth.tool_position)
+    np.testing.assert_array_equal(streamed.truth.motor_torque, whole.truth.motor_torque)
+    assert streamed.limits_hit == whole.limits_hit
+
+
+def test_a_robot_whose_correction_acts_at_once_cannot_be_streamed():
+    loaded = prepare(Cut(radius=0.002)).loaded
+    drives = replace(loaded.model.drives, correction_delay=0.003)
+    fast = replace(loaded, model=replace(loaded.model, drives=drives))
+    with pytest.raises(ValueError, match=r"acts after 0\.004 s or more, .* after 0\.003 s"):
+        StreamedRun(fast)

@@ -1,0 +1,111 @@
+"""Messages of EGM and RSI: round trips to the last bit, and what is no message."""
+
+import numpy as np
+import pytest
+
+from armside.sim.controller import Answer, Phase, State
+from armside.sim.controller.egm import EgmWire
+from armside.sim.controller.messages import WireError
+from armside.sim.controller.rsi import RsiWire
+
+RNG = np.random.default_rng(1)
+
+
+ORIENTATIONS = np.array([[0.5, -0.5, 0.5, 0.5], [0.1, 0.7, -0.1, 0.7], [1.0, 0.0, 0.0, 0.0]])
+
+
+def state(n=6, time=4000, phase=Phase.GUIDED, orientation=ORIENTATIONS[0]):
+    return State(
+        number=1001,
+        time=time,
+        phase=phase,
+        joints=RNG.uniform(-180, 180, n),
+        planned=RNG.uniform(-180, 180, n),
+        position=RNG.uniform(-2000, 2000, 3),
+        quaternion=orientation,
+        missed=3,
+        resting=False,
+    )
+
+
+@pytest.mark.parametrize("wire", [EgmWire, RsiWire])
+@pytest.mark.parametrize("n", [2, 6, 7])
+@pytest.mark.parametrize("orientation", ORIENTATIONS)
+def test_a_state_arrives_bit_for_bit(wire, n, orientation):
+    sent = state(n, orientation=orientation)
+    got = wire().decode_state(wire().encode_state(sent))
+    np.testing.assert_array_equal(got.joints, sent.joints)
+    np.testing.assert_array_equal(got.planned, sent.planned)
+    np.testing.assert_array_equal(got.position, sent.position)
+    assert (got.time, got.phase, got.resting) == (sent.time, sent.phase, sent.resting)
+    np.testing.assert_allclose(np.abs(got.quaternion @ sent.quaternion), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("wire", "additive"), [(EgmWire, False), (RsiWire, True)])
+def test_an_answer_arrives_bit_for_bit(wire, additive):
+    to, values = state(), RNG.uniform(-5, 5, 6)
+    datagram = wire().encode_answer(Answer(values=values, additive=additive), to)
+    got = wire().decode_answer(datagram, to)
+    np.testing.assert_array_equal(got.values, values)
+    end = wire().encode_answer(Answer(values=None, additive=additive), to)
+    assert wire().decode_answer(end, to).values is None
+
+
+@pytest.mark.parametrize(("wire", "additive"), [(EgmWire, False), (RsiWire, True)])
+def test_an_answer_to_an_earlier_message_is_late(wire, additive):
+    client, controller = wire(), wire()
+    answers = [
+        client.encode_answer(Answer(values=np.ones(6), additive=additive), state(time=time))
+        for time in (4, 8)
+    ]
+    assert controller.decode_answer(answers[0], state(time=4)) is not None
+    assert controller.decode_answer(answers[1], state(time=12)) is None
+
+
+def test_a_doubled_answer_of_a_client_without_time_stamps_counts_once():
+    client, controller = EgmWire(), EgmWire()
+    message = client._sensor()
+    message.header.seqno, message.planned.joints.joints[:] = 7, [1.0] * 6
+    datagram = message.SerializeToString()
+    assert controller.decode_answer(datagram, state()) is not None
+    assert controller.decode_answer(datagram, state()) is None
+
+
+def test_relative_corrections_add_up():
+    client, controller, to = RsiWire(relative=True), RsiWire(relative=True), state()
+    wanted = [np.full(6, value) for value in (0.5, 0.75, 0.25)]
+    for values in wanted:
+        datagram = client.encode_answer(Answer(values=values, additive=True), to)
+        np.testing.assert_array_equal(controller.decode_answer(datagram, to).values, values)
+
+
+WRONG_XML = (
+    b"",
+    b"<Sen/>",
+    b"<Rob><IPOC>4000</IPOC></Rob>",
+    b"<Sen><AKorr A1='1'/><IPOC>4000</IPOC>",
+    b"<Sen><AKorr A2='1'/><IPOC>4000</IPOC></Sen>",
+    b"<Sen><AKorr A1='nan'/><IPOC>4000</IPOC></Sen>",
+    b"<Sen><AKorr A1='1e400'/><IPOC>4000</IPOC></Sen>",
+    b"<Sen><AKorr A1='1'/><IPOC>-4</IPOC></Sen>",
+    b"<Sen><AKorr A1='1'/><IPOC>" + b"9" * 500 + b"</IPOC></Sen>",
+    b"<!DOCTYPE x [<!ENTITY a 'aaaa'>]><Sen><IPOC>4000</IPOC></Sen>",
+    b"<?xml version='1.0' encoding='utf-7'?><Sen/>",
+    b"\xff\xfe\x00",
+    b"<Sen>" * 3000,
+)
+
+
+@pytest.mark.parametrize("datagram", WRONG_XML)
+def test_what_is_no_message_of_rsi_is_refused(datagram):
+    with pytest.raises(WireError):
+        RsiWire().decode_answer(datagram, state())
+
+
+def test_guidance_by_poses_is_refused_by_name():
+    message = EgmWire()._sensor()
+    message.header.seqno = 1
+    place = message.planned.cartesian.pos
+    place.x = place.y = place.z = 1.0
+    with pytest.raises(WireError, match="send joints"):
+        EgmWire().decode_answer(message.SerializeToString(), state())
