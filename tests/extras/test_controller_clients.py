@@ -1,9 +1,12 @@
-"""Clients of EGM and RSI that nobody here wrote drive the virtual robot in real time."""
+"""Clients of EGM and RSI that nobody here wrote drive the virtual robot."""
 
 import contextlib
+import importlib.util
+import os
+import subprocess
+import sys
+import threading
 import time
-import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,89 +20,106 @@ from armside.sim.robot.cell_model import cell_model
 
 SAMPLES = 1200
 START = np.array([0.0, 0.2, 0.1, 0.0, 0.5, 0.0])
-MISSED = 12
-"""A hundredth: the machine that runs this test is shared. On an idle one there are none."""
+IDLE = 0.5
+"""Load of a machine on which 250 answers a second can be asked for."""
 
 
 @contextlib.contextmanager
-def robot(wire, port):
-    """The large robot behind a protocol, in real time, until the block ends."""
-    import threading
-
+def robot(wire, port, real_time):
+    """The large robot behind a protocol, until the block ends."""
     model = cell_model(LARGE_CELL, None)
     program = Hold(start=START, seconds=20.0)
     controller = VirtualController.standing(model, LARGE_CELL, program, np.random.default_rng(1))
     controller.ended = []
     controller.on_end = lambda run, missed: controller.ended.append((run, missed))
-    server = Server(controller, wire, ("127.0.0.1", port), real_time=True)
+    server = Server(controller, wire, ("127.0.0.1", port), real_time=real_time, patience=20.0)
     stop = threading.Event()
     thread = threading.Thread(target=server.serve, args=(stop.is_set,))
     thread.start()
     try:
         yield controller, server
-        time.sleep(1.5)  # the robot comes to rest
+        _until(lambda: controller.ended)  # the robot comes to rest
     finally:
         stop.set()
         thread.join()
 
 
-def wave(k):
-    """(6,) [deg]: axis 1 moves by 2 degrees and back."""
-    moved = np.eye(6)[0] * 2.0 * np.sin(np.pi * k / SAMPLES) ** 2
-    return np.rad2deg(START) + moved
+def _until(condition, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
 
 
-def check(controller, server, moved):
-    run, missed = controller.ended[0]
-    print(f"missed {missed - controller.silence}, longest delay {1e3 * server.longest:.2f} ms")
-    assert missed - controller.silence <= MISSED
-    assert len(run.time) >= SAMPLES
-    assert not controller.refusals
-    assert np.abs(np.rad2deg(run.motor_angle[:, 0] - START[0])).max() == pytest.approx(
-        moved, rel=0.05
-    )
-
-
-def test_abb_robot_client_drives_it_for_1200_samples():
-    egm = pytest.importorskip("abb_robot_client.egm")
-    client = egm.EGM(port=16510)
-    with robot(EgmWire(), 16510) as (controller, server):
-        for k in range(SAMPLES):
-            there, state = client.receive_from_robot(timeout=2.0)
-            assert there
-            assert len(state.joint_angles) == 6
-            assert client.send_to_robot(wave(k))
-    client.close()
-    check(controller, server, 2.0)
-
-
-def test_abb_robot_egm_drives_it_for_1200_samples():
-    package = pytest.importorskip("ABBRobotEGM")
-    with package.EGM(port=16511) as client, robot(EgmWire(), 16511) as (controller, server):
-        for k in range(SAMPLES):
-            there, state = client.receive_from_robot(timeout=2.0)
-            assert there
-            assert state.motors_on
-            client.send_to_robot(wave(k))
-    check(controller, server, 2.0)
-
-
-def test_rsipi_drives_it_for_1200_samples(tmp_path, monkeypatch):
-    package = pytest.importorskip("RSIPI")
-    monkeypatch.chdir(tmp_path)
-    config = Path(package.__file__).parent / "contexts" / "RSI_EthernetConfig_Joints.xml"
+WAVE = """
+import numpy as np
+SAMPLES, START = 1200, np.array([0.0, 0.2, 0.1, 0.0, 0.5, 0.0])
+def wave(k):  # axis 1 moves by 0.3 degrees and back: no step of it exceeds a speed limit
+    return np.rad2deg(START) + np.eye(6)[0] * 0.3 * np.sin(np.pi * k / SAMPLES) ** 2
+"""
+"""Clients run in processes of their own: two of them define the same messages differently."""
+ABB_ROBOT_CLIENT = """
+from abb_robot_client.egm import EGM
+client = EGM(port=16510)
+for k in range(SAMPLES):
+    there, state = client.receive_from_robot(timeout=10.0)
+    assert there and len(state.joint_angles) == 6
+    assert client.send_to_robot(wave(k))
+"""
+ABB_ROBOT_EGM = """
+from ABBRobotEGM import EGM
+with EGM(port=16511) as client:
+    for k in range(SAMPLES):
+        there, state = client.receive_from_robot(timeout=10.0)
+        assert there and state.motors_on
+        client.send_to_robot(wave(k))
+"""
+RSIPI = """
+import pathlib, time
+import xml.etree.ElementTree as ET
+import RSIPI
+if __name__ == "__main__":
+    config = pathlib.Path(RSIPI.__file__).parent / "contexts" / "RSI_EthernetConfig_Joints.xml"
     tree = ET.parse(config)
     for tag, text in (("IP_NUMBER", "127.0.0.1"), ("PORT", "16512")):
         tree.getroot().find(f"CONFIG/{tag}").text = text
-    tree.write(tmp_path / "config.xml")
-    with robot(RsiWire(), 16512) as (controller, server):
-        client = package.RSIAPI(str(tmp_path / "config.xml"), rsi_mode="absolute")
-        try:
-            client.start()
-            assert client.wait_for_connection(timeout=20.0)
-            for k in range(SAMPLES):
-                client.motion.update_joints(A1=wave(k)[0])
-                time.sleep(0.004)
-        finally:
-            client.stop()
-    check(controller, server, 2.0)
+    tree.write("config.xml")
+    client = RSIPI.RSIAPI("config.xml", rsi_mode="absolute")
+    client.start()
+    assert client.wait_for_connection(timeout=20.0)
+    for k in range(SAMPLES):
+        client.motion.update_joints(A1=float(wave(k)[0]))
+        time.sleep(0.004)
+    client.stop()
+"""
+
+
+@pytest.mark.parametrize("real_time", [False, True])
+@pytest.mark.parametrize(
+    ("package", "client", "wire", "port"),
+    [
+        ("abb_robot_client", ABB_ROBOT_CLIENT, EgmWire, 16510),
+        ("ABBRobotEGM", ABB_ROBOT_EGM, EgmWire, 16511),
+        ("RSIPI", RSIPI, RsiWire, 16512),
+    ],
+)
+def test_a_client_of_others_drives_it_for_1200_samples(
+    tmp_path, package, client, wire, port, real_time
+):
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"needs the package {package}")
+    if real_time and os.getloadavg()[0] > IDLE:
+        pytest.skip(f"needs an idle machine, the load is {os.getloadavg()[0]:.1f}")
+    (tmp_path / "client.py").write_text(WAVE + client)
+    with robot(wire(), port, real_time) as (controller, server):
+        subprocess.run(
+            [sys.executable, "client.py"], cwd=tmp_path, check=True, timeout=60, capture_output=True
+        )
+        if not real_time:
+            server.patience = 0.01  # the client is gone
+    run, missed = controller.ended[0]
+    print(f"longest delay of a cycle {1e3 * server.longest:.2f} ms")
+    assert missed == controller.silence  # those after its end
+    assert len(run.time) >= SAMPLES
+    assert not controller.refusals
+    moved = np.abs(np.rad2deg(run.motor_angle[:, 0] - START[0])).max()
+    assert moved == pytest.approx(0.3, rel=0.05)
