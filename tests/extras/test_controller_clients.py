@@ -30,15 +30,15 @@ def robot(wire, port, real_time):
     model = cell_model(LARGE_CELL, None)
     program = Hold(start=START, seconds=20.0)
     controller = VirtualController.standing(model, LARGE_CELL, program, np.random.default_rng(1))
-    controller.ended = []
-    controller.on_end = lambda run, missed: controller.ended.append((run, missed))
+    ended = []
+    controller.on_end = lambda run, missed: ended.append((run, missed))
     server = Server(controller, wire, ("127.0.0.1", port), real_time=real_time, patience=20.0)
     stop = threading.Event()
     thread = threading.Thread(target=server.serve, args=(stop.is_set,))
     thread.start()
     try:
-        yield controller, server
-        _until(lambda: controller.ended)  # the robot comes to rest
+        yield controller, server, ended
+        _until(lambda: ended)  # the robot comes to rest
     finally:
         stop.set()
         thread.join()
@@ -110,13 +110,13 @@ def test_a_client_of_others_drives_it_for_1200_samples(
     if real_time and os.getloadavg()[0] > IDLE:
         pytest.skip(f"needs an idle machine, the load is {os.getloadavg()[0]:.1f}")
     (tmp_path / "client.py").write_text(WAVE + client)
-    with robot(wire(), port, real_time) as (controller, server):
+    with robot(wire(), port, real_time) as (controller, server, ended):
         subprocess.run(
             [sys.executable, "client.py"], cwd=tmp_path, check=True, timeout=60, capture_output=True
         )
         if not real_time:
             server.patience = 0.01  # the client is gone
-    run, missed = controller.ended[0]
+    run, missed = ended[0]
     print(f"longest delay of a cycle {1e3 * server.longest:.2f} ms")
     assert missed == controller.silence  # those after its end
     assert len(run.time) >= SAMPLES

@@ -76,7 +76,9 @@ def test_relative_corrections_add_up():
     wanted = [np.full(6, value) for value in (0.5, 0.75, 0.25)]
     for values in wanted:
         datagram = client.encode_answer(Answer(values=values, additive=True), to)
-        np.testing.assert_array_equal(controller.decode_answer(datagram, to).values, values)
+        answer = controller.decode_answer(datagram, to)
+        assert answer is not None
+        np.testing.assert_array_equal(answer.values, values)
 
 
 WRONG_XML = (
