@@ -17,7 +17,7 @@ from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
 
 from .lossy import Lossy
-from .robots import CELL, MODEL, guided, path, programmed
+from .robots import CELL, MODEL, START, guided, path, programmed
 
 PATIENCE = 20.0
 """[s], of both sides: a machine that is busy must lose nothing."""
@@ -142,7 +142,7 @@ def test_a_robot_that_stands_elsewhere_is_moved_to_the_start_first():
     away = path() + np.array([0.1, -0.05])
     plant = StreamedPlant(InProcess(guided()), away, GuidanceLimits.of(MODEL, CELL))
     measured = plant.run(np.zeros_like(away))
-    assert np.abs(measured[0] - away[0]).max() < 1e-3
+    assert np.abs(measured[0] - away[0]).max() < 0.05 * np.abs(away[0] - START).max()
 
 
 def test_a_correction_beyond_the_limits_is_refused_before_anything_is_sent():
