@@ -44,7 +44,7 @@ class SteadyStateFilter:
     def __init__(self, process: Process) -> None:
         """Raises RuntimeError if there is no steady state."""
         self.process = process
-        P = steady_state_covariance(process)
+        self.predicted_covariance = P = steady_state_covariance(process)
         S = process.C @ P @ process.C.T + process.R
         self.innovation_covariance = 0.5 * (S + S.T)
         self.gain: Array = np.ascontiguousarray(

@@ -74,11 +74,12 @@ def measure(cfg: LaserCfg) -> Measure:
         return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
     from armside.sim.estimation.commissioning import Commissioning, OnFault
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
-    from armside.sim.laser.tool_measure import Source, ToolPath
+    from armside.sim.laser.tool_measure import Source
+    from armside.sim.laser.way_measure import PathAlongWay
 
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
-    return ToolPath(
+    return PathAlongWay(
         source=Source(cfg.measure),
         law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff, up_to_mode=cfg.up_to_mode),
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),

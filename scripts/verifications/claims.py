@@ -53,6 +53,8 @@ def _load(name: str) -> Function:
             from .controls import controls as claim
         case "estimation-gears":
             from .estimation_gears import estimation_gears as claim
+        case "long-way":
+            from .long_way import long_way as claim
         case "imu-causes":
             from .irb1400 import imu_causes as claim
         case "imu-large":
@@ -81,6 +83,7 @@ def _load(name: str) -> Function:
 
 
 _SEEDS = {
+    **{"long-way": 10},
     **{"kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},

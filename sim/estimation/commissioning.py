@@ -98,16 +98,16 @@ def commission(
         if samples is None:
             raise ImuError(Fault.TOO_SHORT, "there is none")
         readings = repaired(samples, imu)
-        _check_gravity(readings, linearised(arm, rest).imu_up, cfg)
+        check_gravity(readings, linearised(arm, rest).imu_up, cfg)
         how: Any = {"prior": cfg.prior, "process_noise": cfg.process_noise}
         if springs is not None:
             run = prepared(arm, log.time, log.motor_angle, readings)
             springs, white = synchronised(arm, springs, run, rest, imu, **how)
-            _check_model(springs, white, cfg)
+            check_model(springs, white, cfg)
         elif cfg.identified:
             run = prepared(arm, log.time, log.motor_angle, readings)
             identified = identify(arm, run, rest, imu, **how)
-            _check_model(identified.springs, identified.whiteness, cfg)
+            check_model(identified.springs, identified.whiteness, cfg)
             springs = identified.springs
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
@@ -123,7 +123,7 @@ def commission(
     return Commissioned(assumed, identified, known, plant, fault, lowest)
 
 
-def _check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
+def check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
     """Raise ImuError if gravity at rest is not where the model has it."""
     still = samples.acceleration[samples.time < samples.time[0] + 0.5 * REST]
     read = np.nanmean(still, axis=0)
@@ -133,7 +133,7 @@ def _check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
         raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(angle):.1f} deg off")
 
 
-def _check_model(springs: Springs, white: Whiteness, cfg: Commissioning) -> None:
+def check_model(springs: Springs, white: Whiteness, cfg: Commissioning) -> None:
     """Raise ImuError if the springs do not make the model explain the readings."""
     worst = float(white.rms.max())
     if worst > _LARGEST_INNOVATION:

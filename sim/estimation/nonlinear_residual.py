@@ -36,9 +36,9 @@ def nonlinear_residual(
 
     linear: the same arm at rest, before the motion.
     """
-    torque, reading = _inverse(arm.motion, linear.q + q, q_dot, q_ddot)
+    torque, reading = inverse_dynamics(arm.motion, linear.q + q, q_dot, q_ddot)
     still = np.zeros((1, linear.n_free))
-    rest_torque, rest_reading = _inverse(arm.motion, linear.q[None], still, still)
+    rest_torque, rest_reading = inverse_dynamics(arm.motion, linear.q[None], still, still)
     J = linear.imu_jacobian
     return NonlinearResidual(
         torque=torque
@@ -50,7 +50,9 @@ def nonlinear_residual(
     )
 
 
-def _inverse(motion: FreeMotion, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array]:
+def inverse_dynamics(
+    motion: FreeMotion, q: Array, q_dot: Array, q_ddot: Array
+) -> tuple[Array, Array]:
     """Torques (N, n) that motions take, gear springs left out, and readings (N, 6) of the IMU."""
     mj, data = motion.mj, motion.data()
     sensors = [mj.sensor(name).adr[0] + np.arange(3) for name in ("imu_acc", "imu_gyro")]

@@ -20,14 +20,15 @@ from .measures import Measure, MotorAngles, Noted, Output, SetUp
 from .plant import Pass
 from .resume import first_trial, restore
 from .specification import Cut
-from .tool_measure import Source, ToolPath
+from .tool_measure import Source
+from .way_measure import PathAlongWay
 
 FROM_A_MODEL = 10.0
 """Factor on the ratio that counts as divergence where learning starts from a model's correction:
 its first error is a tenth of the usual one."""
 MEASURES: Mapping[str, Measure] = {
     "motor": MotorAngles(),
-    **{source.value: ToolPath(source=source) for source in Source},
+    **{source.value: PathAlongWay(source=source) for source in Source},
 }
 """By name."""
 

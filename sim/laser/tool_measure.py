@@ -17,7 +17,7 @@ from ..estimation.imu_health import ImuError, repaired
 from ..estimation.nominal import NominalArm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
-from ..instruments.imu import ImuCfg, exact
+from ..instruments.imu import ImuCfg, ImuSamples, exact
 from ..notes import Cause, Note
 from ..robot.drives import EXACT
 from ..robot.gear_terms import gear_error_of
@@ -152,8 +152,11 @@ class ToolOutput:
             except ImuError:
                 if measure.commissioning.on_fault is OnFault.REFUSE:
                     raise
-        estimator, kind = self.known.estimator, measure.estimate
-        return estimator(log.time, log.motor_angle, samples, kind).displacement
+        return self._estimated(log, samples)
+
+    def _estimated(self, log: Recording, samples: ImuSamples | None) -> Array:
+        known, kind = self.known.estimator, self.measure.estimate
+        return known(log.time, log.motor_angle, samples, kind).displacement
 
     def _estimate_of(self, run: Recording) -> Array:
         """Path (N, 6) that is estimated of a model's run, by a unit without errors."""

@@ -1,8 +1,8 @@
 """The tool's path over a whole part as measured output.
 
-Springs are identified from the beginning of the first run, which is as long as a single cut: the
-filters that identify them are linearised where the tool rests. The law's plant is that of the
-middle of the part.
+A part is a long way, along which estimate and law follow the pose. Where they cannot (a robot with
+closed chains, a part of millimetres) springs are identified from the beginning of the first run,
+which is as long as a single cut, and the law's plant is that of the middle of the part.
 """
 
 from dataclasses import dataclass, replace
@@ -15,7 +15,8 @@ from ..estimation.nominal import NominalArm
 from ..instruments.imu import ImuSamples
 from ..laser.measures import Prepared
 from ..laser.plant import Pass
-from ..laser.tool_measure import Source, ToolOutput, ToolPath
+from ..laser.tool_measure import Source, ToolOutput
+from ..laser.way_measure import PathAlongWay, WayOutput
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 
@@ -24,12 +25,15 @@ EXCERPT = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class PartToolPath(ToolPath):
+class PartToolPath(PathAlongWay):
     """Path of the tool over a part, from rest."""
 
     def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> ToolOutput:
         """The measure set up by the beginning of a run. Raises ImuError as `ToolPath` does."""
-        output = super().commissioned(experiment, arm, beginning(first, EXCERPT))
+        record = first if self.follows(experiment, arm) else beginning(first, EXCERPT)
+        output = super().commissioned(experiment, arm, record)
+        if isinstance(output, WayOutput):
+            return output
         away = np.linalg.norm(experiment.programmed - _middle(experiment), axis=1)
         phi = experiment.loaded.reference[int(away.argmin())]
         springs = output.known.springs if self.commissioning.law_identified else None

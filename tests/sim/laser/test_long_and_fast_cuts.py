@@ -24,9 +24,9 @@ def test_a_sound_imu_is_not_refused_on_a_fast_cut():
 
 
 def test_an_outline_on_which_the_estimate_misleads_is_never_done_in_silence():
-    """Springs of one place predict the change of gravity sag along 700 mm wrongly."""
+    """Springs of one place, as `ToolPath` has them, predict gravity sag along 700 mm wrongly."""
     cut = Cut(contour=slot(0.3, 0.08), speed=0.08, imu=ImuCfg())
-    iterations = list(learn(cut, measure="estimate", iterations=2))
+    iterations = list(learn(cut, measure=ToolPath(), iterations=2))
     first, last = iterations[0].tool_true.rms, iterations[-1].tool_true.rms
     assert last > GROWTH * first  # a cut on which the tool improves shows nothing here
     found = results(prepare(cut), iterations)

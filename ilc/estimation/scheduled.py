@@ -1,0 +1,114 @@
+"""Filter and smoother on a schedule: steady-state gains of the process at each sample.
+
+For a process whose matrices change slowly, such as an arm along a way. Gains cost one steady state
+a process, whatever the length of the record, and no covariance is kept for each sample.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from armside.arrays import Array
+
+from ..records import as_measured, records
+from .kalman import SteadyStateFilter
+from .process import Process
+
+
+@dataclass(frozen=True, eq=False)
+class ScheduledStates:
+    """Innovations, and states of the smoother."""
+
+    innovation: Array
+    """(N, p), whitened; NaN where a reading is missing."""
+    smoothed: Array
+    """(N, n)."""
+
+
+class ScheduledSmoother:
+    """Smoother for records of N samples, with the process of each sample."""
+
+    def __init__(self, processes: Sequence[Process], schedule: np.ndarray) -> None:
+        """schedule: (N,) index among the processes.
+
+        Raises RuntimeError for a process without a steady state.
+        """
+        filters = [SteadyStateFilter(one) for one in processes]
+        self.schedule = np.ascontiguousarray(schedule, dtype=np.int64)
+        self._A, self._C = _stack([f.process.A for f in filters]), filters[0].process.C
+        self._gain = _stack([f.gain for f in filters])
+        self._S = _stack([f.innovation_covariance for f in filters])
+        self._whitening = _stack([f.whitening[0] for f in filters])
+        identity = np.eye(len(self._A[0]))
+        predicted = [f.predicted_covariance for f in filters]
+        self._filtered = _stack(
+            [(identity - f.gain @ self._C) @ P for f, P in zip(filters, predicted, strict=True)]
+        )
+
+    @property
+    def smoothed_covariance(self) -> Array:
+        """(S, n, n), of each process in steady state."""
+        each = zip(self._A, self._gain, self._S, self._filtered, strict=True)
+        return np.array([_smoothed(A, self._C, K, S, P) for A, K, S, P in each])
+
+    @records("y", gate=as_measured)
+    def __call__(self, y: Array, start: Array) -> ScheduledStates:
+        """Of readings (N, p), rows of NaN missing. start: (n,), expected state at first."""
+        known = self._A, self._C, self._gain, self._S, self._filtered, self.schedule
+        e, smoothed = _smooth(*known, y, start.copy())
+        white = np.einsum("nij,nj->ni", self._whitening[self.schedule], e)
+        return ScheduledStates(white, smoothed)
+
+
+def _stack(matrices: Sequence[Array]) -> Array:
+    return np.ascontiguousarray(np.array(matrices))
+
+
+_LONGEST = 4000
+"""Samples after which information of later readings has come to a steady state."""
+
+
+def _smoothed(A: Array, C: Array, K: Array, S: Array, P: Array) -> Array:
+    blind, information = np.eye(len(A)) - K @ C, C.T @ np.linalg.solve(S, C)
+    M = np.zeros_like(A)
+    for _ in range(_LONGEST):
+        following = A.T @ (information + blind.T @ M @ blind) @ A
+        done = np.abs(following - M).max() <= 1e-6 * np.abs(following).max()
+        M = 0.5 * (following + following.T)
+        if done:
+            break
+    return P - P @ M @ P
+
+
+@njit(cache=True)
+def _smooth(
+    A: Array,
+    C: Array,
+    gain: Array,
+    S: Array,
+    covariance: Array,
+    schedule: np.ndarray,
+    y: Array,
+    x: Array,
+) -> tuple[Array, Array]:  # pragma: no cover - compiled
+    n_samples, n = len(y), len(x)
+    e, filtered, smoothed = np.empty_like(y), np.empty((n_samples, n)), np.empty((n_samples, n))
+    for i in range(n_samples):
+        e[i] = y[i] - C @ x
+        if np.isfinite(e[i]).all():
+            x = x + gain[schedule[i]] @ e[i]
+        else:
+            e[i] = np.nan
+        filtered[i] = x
+        x = A[schedule[i]] @ x
+    ahead = np.zeros(n)  # A^T r_{i+1}, as in `kalman.Smoother`
+    for i in range(n_samples - 1, -1, -1):
+        s = schedule[i]
+        smoothed[i] = filtered[i] + covariance[s] @ ahead
+        r = ahead
+        if np.isfinite(e[i]).all():
+            r = C.T @ np.linalg.solve(S[s], e[i]) + ahead - C.T @ (gain[s].T @ ahead)
+        ahead = r @ A[s]
+    return e, smoothed

@@ -1,0 +1,121 @@
+"""The tool's path along a long way: deflection of the identified arm, and a smoothed deviation."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.estimation.scheduled import ScheduledSmoother
+
+from ...instruments.imu import ImuCfg, ImuSamples
+from ..arm_filter import ArmFilter, ProcessNoise
+from ..nominal import NominalArm
+from ..relative_path import REST_SAMPLES, relative_to_start
+from .deflection import Deflection, deflection
+from .identification import filter_at
+from .parameters import WayConstants
+from .readings import explained, residual
+from .rigid_motion import RigidMotion, rigid_motion, segments
+
+PLACE = 0.12
+"""Change of a motor angle within which one filter serves [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class WayEstimate:
+    """The tool as estimated, at the instants of the motor log."""
+
+    displacement: Array
+    """(N, 6): displacement [m] and rotation vector [rad] from rest, base axes."""
+    shift: Array
+    """(N, 3) [m], what the IMU adds to the path that motors and springs explain."""
+    innovation: Array
+    """(K, 6), whitened innovations; NaN where no reading was used."""
+    instants: Array
+    """(K,) [s] of the innovations."""
+
+
+@dataclass(frozen=True, eq=False)
+class WayEstimator:
+    """Estimates the tool of one robot along one reference."""
+
+    arm: NominalArm
+    constants: WayConstants
+    imu: ImuCfg
+    process_noise: ProcessNoise
+    along: RigidMotion
+    """Of the first run: filters are those of its places."""
+
+    @cached_property
+    def models(self) -> tuple[ArmFilter, ...]:
+        """Filters along the reference, from the first place to the last."""
+        chosen = [np.flatnonzero(self.place == s)[0] for s in range(self.place[-1] + 1)]
+        known = self.constants, self.imu, self.process_noise
+        return tuple(filter_at(self.along, *known, int(self.along.segment[at])) for at in chosen)
+
+    @cached_property
+    def place(self) -> np.ndarray:
+        """(N,) index of the filter at each sample of the log."""
+        return segments(self.along.phi, PLACE)
+
+    @cached_property
+    def filter_covariance(self) -> Array:
+        """(S, 3, 3) [m^2] of the displacement at each place, if the springs are right."""
+        processes = [model.sampled(1.0 / self.imu.rate) for model in self.models]
+        known = ScheduledSmoother(processes, np.zeros(0, dtype=np.int64)).smoothed_covariance
+        tools = np.array([model.tool[:3] for model in self.models])
+        return tools @ known @ np.swapaxes(tools, 1, 2)
+
+    def smoother(self, instants: Array) -> ScheduledSmoother:
+        """For readings at instants of robot time [s]."""
+        time = self.along.time
+        at = np.clip(np.searchsorted(time, instants), 0, len(time) - 1)
+        processes = [model.sampled(1.0 / self.imu.rate) for model in self.models]
+        return ScheduledSmoother(processes, self.place[at])
+
+    @cached_property
+    def _smoothers(self) -> dict[bytes, ScheduledSmoother]:
+        return {}
+
+    def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples | None) -> WayEstimate:
+        """The tool in one run: log (N,), (N, a) and IMU samples, None without an IMU."""
+        from scipy.interpolate import CubicSpline
+
+        motion = rigid_motion(self.arm, time, motor_angle)
+        bent = deflection(motion, self.constants.springs)
+        path = tool_path(motion, bent)
+        if samples is None:
+            return WayEstimate(path, np.zeros_like(path[:, :3]), np.empty((0, 6)), np.empty(0))
+        constants = self.constants
+        known = explained(motion, bent, self.imu)
+        left, bias = residual(samples, known, constants.clock_offset, constants.mounting)
+        instants = samples.time + constants.clock_offset
+        key = instants.tobytes()
+        if key not in self._smoothers:
+            self._smoothers[key] = self.smoother(instants)
+        start = np.zeros(len(self.models[0].A))
+        start[-6:] = bias
+        smoother = self._smoothers[key]
+        states = smoother(left, start)
+        tools = np.array([model.tool for model in self.models])
+        deviation = np.einsum("nij,nj->ni", tools[smoother.schedule], states.smoothed)
+        shift = CubicSpline(instants, deviation)(np.clip(time, instants[0], instants[-1]))
+        shift -= shift[:REST_SAMPLES].mean(axis=0)
+        return WayEstimate(path + shift, shift[:, :3], states.innovation, instants)
+
+
+def tool_path(motion: RigidMotion, bent: Deflection) -> Array:
+    """(N, 6): displacement and rotation vector of the tool from rest."""
+    free = motion.arm.motion
+    data, site = free.data(), free.mj.site("tool0").id
+    position, quaternion = np.empty((len(motion.phi), 3)), np.empty((len(motion.phi), 4))
+    q = bent.angle.copy()
+    q[:, motion.arm.axes] += motion.phi
+    for i, angles in enumerate(q):
+        free.place(data, angles)
+        mujoco.mj_kinematics(free.mj, data)
+        position[i] = data.site_xpos[site]
+        mujoco.mju_mat2Quat(quaternion[i], data.site_xmat[site])
+    return relative_to_start(position, quaternion)

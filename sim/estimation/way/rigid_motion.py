@@ -1,0 +1,143 @@
+"""The motion of an arm whose springs do not give way, and what its elastic hinges take from it.
+
+Everything here follows from the measured motor angles and from masses; no spring enters.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
+
+from ...robot.free_motion import FreeMotion
+from ...robot.servo import interpolate
+from ..linearised_arm import LinearisedArm
+from ..nominal import NominalArm
+from ..nonlinear_residual import inverse_dynamics
+from ..observer import ENCODER_FILTER
+
+REACH = 0.03
+"""Largest change of a motor angle within which matrices are taken to be constant [rad]."""
+_TURN = 1e-6  # [rad], of the differences that gradients are made of
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMotion:
+    """A rigid arm along logged motor angles. n elastic degrees of freedom: gears and structure."""
+
+    arm: NominalArm
+    time: Array
+    """(N,) [s]."""
+    phi: Array
+    """(N, a) [rad], motor angles, low-passed, less the transmission error that is known."""
+    load: Array
+    """(N, n) [N m] on the springs."""
+    reading: Array
+    """(N, 6) [m/s^2], [rad/s], of an ideal IMU."""
+    imu_jacobian: Array
+    """(N, 6, n), (v, omega) in the axes of the IMU."""
+    imu_gravity: Array
+    """(N, 3, n) [m/s^2/rad], change of gravity in the IMU's axes by tilting."""
+    segment: np.ndarray
+    """(N,) index of the segment with constant matrices."""
+    mass: Array
+    """(S, n, n) [kg m^2] of each segment."""
+    gradient: Array
+    """(S, n, n) [N m/rad], of gravity and passive forces."""
+    middle: np.ndarray
+    """(S,) sample at which a segment's matrices are taken."""
+
+    @property
+    def period(self) -> float:
+        return float(self.time[1] - self.time[0])
+
+    def linearised(self, segment: int, structure: Array, damping: Array) -> LinearisedArm:
+        """The arm in one segment, on structural springs and dampers (n,), zero for gears."""
+        at, arm = int(self.middle[segment]), self.arm
+        q = _posture(arm, self.phi[at])
+        data = arm.motion.data()
+        _forward(arm.motion, data, q)
+        J = arm.motion.jacobian(data, arm.mj.site("tool0").id)
+        return LinearisedArm(
+            q=q,
+            mass=self.mass[segment],
+            gradient=self.gradient[segment] + np.diag(structure),
+            structure_damping=damping,
+            axes=arm.axes,
+            stiffness=arm.stiffness,
+            damping=arm.damping,
+            tool_jacobian=J,
+            imu_jacobian=self.imu_jacobian[at],
+            imu_gravity=self.imu_gravity[at],
+            imu_up=self.reading[0, :3],
+        )
+
+
+def rigid_motion(arm: NominalArm, time: Array, motor_angle: Array) -> RigidMotion:
+    """Of a log (N,), (N, a). Springs of the arm do not matter."""
+    period = float(time[1] - time[0])
+    smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
+    phi, phi_dot, phi_ddot = interpolate(arm.gear_output(smooth), period, 1)
+    q, q_dot, q_ddot = (_posture(arm, each) for each in (phi, phi_dot, phi_ddot))
+    load, reading = inverse_dynamics(arm.motion, q, q_dot, q_ddot)
+    J, tilt = _imu(arm.motion, q)
+    segment = segments(phi)
+    middle = np.array([int(np.flatnonzero(segment == s).mean()) for s in range(segment[-1] + 1)])
+    mass, gradient = _matrices(arm.motion, q[middle])
+    series = (time, phi, load, reading, J, tilt, segment)
+    return RigidMotion(arm, *series, mass, gradient, middle)
+
+
+def segments(phi: Array, reach: float = REACH) -> np.ndarray:
+    """(N,) index, ascending: a segment ends where an angle (N, a) has changed by `reach` [rad]."""
+    index, first, count = np.zeros(len(phi), dtype=np.int64), phi[0], 0
+    for i, now in enumerate(phi):
+        if np.abs(now - first).max() > reach:
+            first, count = now, count + 1
+        index[i] = count
+    return index
+
+
+def _posture(arm: NominalArm, phi: Array) -> Array:
+    q = np.zeros((*phi.shape[:-1], arm.n_free))
+    q[..., arm.axes] = phi
+    return q
+
+
+def _forward(motion: FreeMotion, data: mujoco.MjData, q: Array) -> None:
+    motion.place(data, q)
+    mujoco.mj_forward(motion.mj, data)
+
+
+def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array]:
+    """(N, 6, n) and (N, 3, n): see `RigidMotion`."""
+    mj, data = motion.mj, motion.data()
+    site = mj.site("imu").id
+    J, tilt = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3, q.shape[1]))
+    for i, angles in enumerate(q):
+        motion.place(data, angles)
+        mujoco.mj_fwdPosition(mj, data)
+        in_base = motion.jacobian(data, site)
+        R = data.site_xmat[site].reshape(3, 3).T
+        J[i, :3], J[i, 3:] = R @ in_base[:3], R @ in_base[3:]
+        tilt[i] = np.cross(-R @ mj.opt.gravity, J[i, 3:].T).T  # gravity turns against the unit
+    return J, tilt
+
+
+def _matrices(motion: FreeMotion, postures: Array) -> tuple[Array, Array]:
+    """Masses, and gradients of gravity and passive forces without springs, (S, n, n) each."""
+    data, n = motion.data(), postures.shape[1]
+    mass, gradient = np.empty((2, len(postures), n, n))
+
+    def force(q: Array) -> Array:
+        _forward(motion, data, q)
+        return motion.forces(data, data.qfrc_bias - data.qfrc_passive)
+
+    for at, q in enumerate(postures):
+        for i, turn in enumerate(_TURN * np.eye(n)):
+            gradient[at, :, i] = (force(q + turn) - force(q - turn)) / (2.0 * _TURN)
+        _forward(motion, data, q)
+        mass[at] = motion.mass(data)
+    return mass, gradient - np.diag(motion.mj.jnt_stiffness.ravel()[motion.joints])

@@ -1,0 +1,57 @@
+"""Trust in an estimate along a way: innovations and what the IMU adds, second by second."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .estimator import WayEstimate
+
+WINDOW = 1.0
+"""[s], of the record that is judged as one: a hundred readings."""
+LARGEST_INNOVATION = 5.0
+"""RMS of whitened innovations in a window, above which the model does not explain the readings.
+In sound runs windows of 1.0 to 3 were seen, the largest at corners. ESTIMATE"""
+LARGEST_SHIFT = 0.5e-3
+"""Distance [m] by which an IMU may move the path that the motors and springs explain. ESTIMATE"""
+FADE = 0.1
+"""[s], over which trust is lost before such a window and gained after it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trust:
+    """Trust in one estimate."""
+
+    weight: Array
+    """(N,) in [0, 1]."""
+    text: str
+    """Where it is not trusted and why; empty where it is everywhere."""
+
+
+def trust(estimate: WayEstimate, time: Array) -> Trust:
+    """Of an estimate at the instants (N,) of the motor log."""
+    window = (time / WINDOW).astype(int)
+    good = np.ones(window[-1] + 1, dtype=bool)
+    for at in range(len(good)):
+        innovation = estimate.innovation[(estimate.instants / WINDOW).astype(int) == at]
+        known = np.isfinite(innovation).all(axis=1)
+        if known.any():
+            good[at] = np.sqrt(np.square(innovation[known]).mean(axis=0)).max() < LARGEST_INNOVATION
+        shift = np.linalg.norm(estimate.shift[window == at], axis=1)
+        good[at] &= bool((shift < LARGEST_SHIFT).all())
+    weight = _faded(good[window].astype(float), round(FADE / float(time[1] - time[0])))
+    if good.all():
+        return Trust(weight, "")
+    places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
+    return Trust(weight, f"the estimate is not trusted, and nothing learned, from {places} s on")
+
+
+def _faded(weight: Array, samples: int) -> Array:
+    """The smallest weight nearby, smoothed."""
+
+    def nearby(values: Array) -> Array:
+        padded = np.pad(values, samples, mode="edge")
+        return np.lib.stride_tricks.sliding_window_view(padded, 2 * samples + 1)
+
+    return nearby(nearby(weight).min(axis=1)).mean(axis=1)

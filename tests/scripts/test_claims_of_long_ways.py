@@ -1,0 +1,66 @@
+"""The claims of long ways fail where one cut leaves its bar, and hold on a short slice."""
+
+from dataclasses import replace
+
+import pytest
+
+from armside.scripts.verifications.long_way import DEVELOPMENT, TASKS, Found, tried, verdicts
+from armside.sim.notes import Tally
+
+GOOD = [
+    Found(
+        seed=seed,
+        pose="p1",
+        task=task,
+        start=1e-4,
+        estimate=1e-5,
+        tracker=5e-6,
+        nees=3.0,
+        silent=False,
+        said=Tally(),
+    )
+    for seed in range(3)
+    for task in TASKS
+]
+
+
+def failing(found: list[Found]) -> list[str]:
+    return [check.statement.split(":")[0] for check in verdicts(found) if not check.holds]
+
+
+def test_good_cuts_hold():
+    assert failing(GOOD) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "statement"),
+    [
+        ({"estimate": 0.26e-4}, "estimate after five updates over k = 0"),
+        ({"tracker": 0.11e-4}, "tracker after five updates over k = 0"),
+        ({"silent": True}, "never done while the truth has grown"),
+    ],
+)
+def test_one_cut_beyond_its_bar_fails(change: dict, statement: str):
+    assert failing([*GOOD[:-1], replace(GOOD[-1], **change)]) == [statement]
+
+
+def test_an_estimate_above_its_start_fails_twice():
+    worse = failing([*GOOD[:-1], replace(GOOD[-1], estimate=1.01e-4)])
+    assert worse[-1] == "the estimate never ends above k = 0"
+
+
+def test_the_median_and_the_consistency_have_bars_of_their_own():
+    assert failing([replace(one, estimate=0.16e-4) for one in GOOD]) == ["the same"]
+    slow = next(iter(TASKS))
+    doubtful = [replace(one, nees=10.1 if one.task == slow else 1.0) for one in GOOD]
+    assert failing(doubtful) == ["NEES of the tool, mean of the worst contour"]
+
+
+def test_seeds_that_judge_are_not_those_of_development():
+    assert min(DEVELOPMENT) >= 100
+
+
+def test_a_circle_of_radius_20_is_learned_from_the_estimate():
+    """The quick slice: one cut of a seed of development."""
+    found = tried((100, "p1", "radius 20 mm, 80 mm/s"))
+    assert failing([found]) == []

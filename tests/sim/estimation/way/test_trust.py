@@ -1,0 +1,60 @@
+"""Trust in an estimate, second by second."""
+
+import numpy as np
+import pytest
+
+from armside.arrays import Array
+from armside.sim.estimation.way.estimator import WayEstimate
+from armside.sim.estimation.way.trust import (
+    FADE,
+    LARGEST_INNOVATION,
+    LARGEST_SHIFT,
+    trust,
+)
+
+TIME: Array = np.arange(1500, dtype=np.float64) * 0.004
+INSTANTS: Array = np.arange(600, dtype=np.float64) * 0.01
+
+
+def estimate(innovation: float = 1.0, shift: float = 0.0, at: float = 3.2) -> WayEstimate:
+    """Six seconds with white innovations; one second from `at` on with others."""
+    e = np.random.default_rng(5).normal(size=(600, 6))
+    e[(np.floor(at) <= INSTANTS) & (np.floor(at) + 1.0 > INSTANTS), 2] *= innovation
+    moved = np.zeros((1500, 3))
+    moved[(at <= TIME) & (at + 0.1 > TIME), 1] = shift
+    return WayEstimate(np.zeros((1500, 6)), moved, e, INSTANTS)
+
+
+def test_white_innovations_are_trusted_everywhere():
+    found = trust(estimate(), TIME)
+    assert (found.weight == 1.0).all()
+    assert found.text == ""
+
+
+@pytest.mark.parametrize(
+    "case",
+    [estimate(innovation=1.5 * LARGEST_INNOVATION), estimate(shift=1.1 * LARGEST_SHIFT)],
+    ids=["innovations", "shift"],
+)
+def test_what_cannot_be_explained_is_not_learned_from_there_alone(case: WayEstimate):
+    found = trust(case, TIME)
+    there = (TIME >= 3.0) & (TIME < 4.0)
+    assert found.weight[there].max() < 1e-9
+    far = (TIME < 3.0 - 3.0 * FADE) | (TIME > 4.0 + 3.0 * FADE)
+    assert found.weight[far] == pytest.approx(1.0)
+    assert "from 3 s on" in found.text
+
+
+def test_a_little_more_than_white_is_trusted():
+    near = estimate(innovation=0.8 * LARGEST_INNOVATION, shift=0.9 * LARGEST_SHIFT)
+    assert (trust(near, TIME).weight == 1.0).all()
+
+
+def test_a_path_that_is_not_finite_is_not_trusted():
+    assert trust(estimate(shift=float("nan")), TIME).weight[825] < 1e-9
+
+
+def test_seconds_without_readings_rest_on_motors_and_springs():
+    lost = estimate()
+    lost.innovation[200:300] = np.nan
+    assert (trust(lost, TIME).weight == 1.0).all()
