@@ -108,7 +108,7 @@ def friction_torque(drives: Drives, velocity: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class GearError:
-    """Transmission error of the gears: input angle minus output angle, arm side.
+    """Transmission error of the gears: output angle minus motor angle, arm side.
 
     epsilon(phi) = sum_h amplitude_h sin(order_h phi + phase_h), each axis.
     """
