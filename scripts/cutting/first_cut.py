@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from armside.arrays import Array
 from armside.sim.laser.experiment import Experiment
@@ -10,7 +10,6 @@ from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.notes import Cause, Note
-from armside.sim.part_run.experiment import PartExperiment
 from armside.sim.twin import library
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import Refreshed, refreshed
@@ -18,6 +17,9 @@ from armside.sim.twin.measured import measured_from
 from armside.sim.twin.twin import Twin
 
 from .options import LaserCfg
+
+if TYPE_CHECKING:  # its package needs the extra of drawings
+    from armside.sim.part_run.experiment import PartExperiment
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,7 @@ class ByTwin:
         """(N, 6) [rad], arm side, correction of the first run; None where it is not trusted."""
         return self.found.correction if self.found.trusted else None
 
-    def around(self, measure: Measure, experiment: Experiment | PartExperiment) -> Measure:
+    def around(self, measure: Measure, experiment: "Experiment | PartExperiment") -> Measure:
         """The measure that learning goes on with: what its sensor sees of the twin is learned."""
         if not self.found.trusted:
             return measure
@@ -66,7 +68,7 @@ def corrected(folder: Path, experiment: Experiment) -> ByTwin:
     return ByTwin(twin, library.learned(twin, experiment.cut))
 
 
-def corrected_part(folder: Path, experiment: PartExperiment) -> ByTwin:
+def corrected_part(folder: Path, experiment: "PartExperiment") -> ByTwin:
     """As `corrected`, along a whole part."""
     twin = library.stored_twin(folder)
     loaded = experiment.loaded

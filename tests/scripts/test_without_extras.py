@@ -1,0 +1,53 @@
+"""Commands load, and a default run works, where no extra is installed."""
+
+import subprocess
+import sys
+
+import pytest
+
+from armside.scripts.cli import COMMANDS
+
+EXTRAS = (
+    *("shapely", "ezdxf", "svgelements", "optuna", "cmaes", "control", "h5py", "mcap", "psycopg"),
+    *("ray", "stable_baselines3", "google", "pinocchio", "roboticstoolbox", "hypothesis"),
+)
+BARE = f"""
+import sys
+
+class Nothing:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {EXTRAS}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Nothing())
+"""
+
+
+def run(code: str, *words: str, cwd=None) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", BARE + code, *words], capture_output=True, text=True, cwd=cwd
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_every_command_but_that_of_drawings_loads_without_extras():
+    others = [name for name in COMMANDS if name != "cut"]
+    run(f"from armside.scripts.cli import load\nfor name in {others}: load(name)")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("laser", "--iterations", "0"),
+        ("laser", "--iterations", "0", "--measure", "estimate"),
+        ("imu", "--motion", "rest", "--off", "2", "--on", "2"),
+        ("learn", "--iterations", "1", "--samples", "50"),
+        ("robot", "check"),
+    ],
+    ids=" ".join,
+)
+def test_a_run_works_without_extras(words, tmp_path):
+    code = "from armside.scripts.cli import main\nsys.exit(main(sys.argv[1:]))"
+    out = () if words[0] == "robot" else ("--out", "run")
+    assert run(code, *words, *out, cwd=tmp_path)
