@@ -35,7 +35,7 @@ class Line(NamedTuple):
 BASE: dict[str, tuple[str, ...]] = {
     "laser": ("--iterations", "0"),
     "cut": ("../files/contour.toml", "--iterations", "0"),
-    "imu": ("--motion", "rest", "--off", "2", "--on", "2"),
+    "imu": ("--motion", "rest", "--off", "3", "--on", "3"),
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),
     "two-mass": ("--figure", "8.3"),

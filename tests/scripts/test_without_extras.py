@@ -41,7 +41,7 @@ def test_every_command_but_that_of_drawings_loads_without_extras():
     [
         ("laser", "--iterations", "0"),
         ("laser", "--iterations", "0", "--measure", "estimate"),
-        ("imu", "--motion", "rest", "--off", "2", "--on", "2"),
+        ("imu", "--motion", "rest", "--off", "3", "--on", "3"),
         ("learn", "--iterations", "1", "--samples", "50"),
         ("robot", "check"),
     ],
