@@ -3,6 +3,7 @@
 import os
 import resource
 import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from shutil import rmtree
@@ -15,7 +16,8 @@ FULL = 600
 
 
 def disk_full() -> None:
-    """No file can grow."""
+    """No file can grow. Python writes no bytecode: it would keep what was cut short."""
+    sys.dont_write_bytecode = True
     _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (FULL, most))
 
