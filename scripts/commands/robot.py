@@ -39,6 +39,10 @@ class RobotCfg:
     tip: str | None = None
     """new: last link of a URDF, or last body or site of an MJCF, that is a tree."""
 
+    def __post_init__(self) -> None:
+        if self.tip == "":
+            raise ValueError("tip must name a link, a body or a site, got ''")
+
 
 def robot(
     action: Action,
@@ -54,6 +58,9 @@ def robot(
     build: MJCF and a robot file that names it. new: a robot file with every default as a comment.
     """
     report = Report(common)
+    with checking_input():
+        if cfg.tip is not None and action != "new":
+            raise ValueError(f"--tip is for new, got robot {action}")
     if action == "new":
         _new(model, cfg, report, common)
     elif action == "build":

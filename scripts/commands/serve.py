@@ -51,7 +51,7 @@ class ServeCfg:
 
     def __post_init__(self) -> None:
         if self.port is not None:
-            whole_port(self.port)
+            whole_port(self.port, least=1)
         if self.runs is not None and self.runs < 1:
             raise ValueError(f"runs must be >= 1, got {self.runs}")
         if self.idle is not None and not 0.0 < self.idle <= 1e7:

@@ -53,7 +53,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "train": ("--robots", "1", "--steps", "5"),
     "commission": ("--recordings", "../files/run"),
     "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
-    "serve": ("--idle", "0.2", "--port", "0"),
+    "serve": ("--idle", "0.2"),
     "gears": (f"../files/{MOTION}", "--robot", "ur10", "--largest-order", "60"),
 }
 """Words that make a command short, unless an option takes their place."""

@@ -58,10 +58,10 @@ def link(words: Words) -> "Udp":
         return Egm(host, port, patience=patience)
 
 
-def whole_port(value: float) -> int:
-    """A UDP port. Raises ValueError."""
-    if not (0 <= value <= 65535 and value == int(value)):
-        raise ValueError(f"port must be a whole number from 0 to 65535, got {value:g}")
+def whole_port(value: float, least: int = 0) -> int:
+    """A UDP port; 0 is any that is free. Raises ValueError."""
+    if not (least <= value <= 65535 and value == int(value)):
+        raise ValueError(f"port must be a whole number from {least} to 65535, got {value:g}")
     return int(value)
 
 

@@ -57,7 +57,8 @@ def test_wrong_options_are_named(capsys):
     from armside.scripts.cli import main
 
     for words, reason in (
-        (["--port", "70000"], "port must be a whole number from 0 to 65535"),
+        (["--port", "70000"], "port must be a whole number from 1 to 65535"),
+        (["--port", "0"], "from 1 to 65535, got 0"),
         (["--program", "dance"], "Unknown program 'dance'"),
         (["--relative"], "--protocol rsi"),
         (["--to", "no.such.host.invalid"], "unknown host"),
