@@ -12,7 +12,7 @@ from armside.scripts.cli import main
 from armside.scripts.verifications.laser import laser as claim
 from armside.sim.records.signals import read_signals
 
-FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd"}
+FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd", "state.npz"}
 FILES |= {"circles.png", "errors.png", "kerf.png"}
 
 
