@@ -79,12 +79,15 @@ def find_cell(robot: str) -> Cell:
         ValueError: neither, or a wrong file; the message names file and field.
         OSError: the file cannot be read.
     """
-    if robot in CELLS:
-        return CELLS[robot]
-    if not robot.endswith(".toml"):
+    check_named(robot)
+    return CELLS[robot] if robot in CELLS else read_cell(Path(robot))
+
+
+def check_named(robot: str) -> None:
+    """Raise ValueError for what is neither a robot's name nor a robot file's."""
+    if robot not in CELLS and not robot.endswith(".toml"):
         known = ", ".join(CELLS)
         raise ValueError(f"Unknown robot {robot!r}. Robots: {known}, or a robot file (.toml)")
-    return read_cell(Path(robot))
 
 
 def find_robot(name: str) -> Arm:

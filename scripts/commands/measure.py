@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 from cyclopts import Parameter
 
-from armside.sim.cell_file import find_cell
+from armside.sim.cell_file import check_named, find_cell
 from armside.sim.evaluation.recorded import CircleTurn, measure_signals, measure_table
 from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
 from armside.sim.records.signals import signals_of
@@ -45,6 +45,7 @@ class MeasureCfg:
     """Normal of the circle's plane, in the tracker's axes."""
 
     def __post_init__(self) -> None:
+        check_named(self.robot)
         if self.radius is not None and not (np.isfinite(self.radius) and self.radius > 0.0):
             raise ValueError(f"radius must be > 0 mm, got {self.radius:g}")
         if not 1e-6 < np.linalg.norm(self.normal) < 1e6:

@@ -18,10 +18,11 @@ class LearnCfg:
     """Plant, laws and task."""
 
     plant: str = "two-mass"
-    """two-mass[:k=4,coulomb=0.01] (joint of chapter 8), large or irb1400[:pose=p2,speed=60] (the
-    robots, options of laser), egm[:port=6510] or rsi[:port=59152] (a controller that speaks ABB's
-    or KUKA's protocol to this port), a model's file (JSON, MAT), file.py:Name (a System, a model of
-    control, or an object with run(correction)), or a folder that a person exchanges files in."""
+    """two-mass[:k=4,coulomb=0.01] (joint of chapter 8), large or irb1400[:pose=p2,speed=60] or a
+    robot file FILE.toml (options of laser), egm[:port=6510] or rsi[:port=59152] (a controller that
+    speaks ABB's or KUKA's protocol to this port), a model's file (JSON, MAT), file.py:Name (a
+    System, a model of control, or an object with run(correction)), or a folder that a person
+    exchanges files in."""
     laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
     """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,
     d-type, gradient, inverse, norm-optimal, constrained, adaptive, high-order, periodic,

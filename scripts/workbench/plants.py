@@ -14,7 +14,16 @@ if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task
 
 ROBOTS = ("large", "irb1400")
-NAMES = ("two-mass", *ROBOTS, *PROTOCOLS, "FILE.json", "FILE.mat", "file.py:Name", "a folder")
+NAMES = (
+    "two-mass",
+    *ROBOTS,
+    *PROTOCOLS,
+    "FILE.toml",
+    "FILE.json",
+    "FILE.mat",
+    "file.py:Name",
+    "a folder",
+)
 LARGEST_MODEL = 1_000_000
 """[bytes], of a model's file."""
 SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
@@ -34,18 +43,19 @@ def named_task(cfg: LearnCfg, seed: int) -> "Task":
         sample_time=cfg.sample_time,
         model=model,
     )
+    robot = words.name in ROBOTS or words.name.endswith(".toml")
     if words.file:
         task = plants.own_plant(words, record, seed)
     elif words.name == "two-mass":
         task = plants.joint(words, record)
-    elif words.name in ROBOTS:
+    elif robot:
         task = _robot(words, cfg, record, seed)
     elif words.name in PROTOCOLS:
         task = controller_task(words, record)
     else:
         task = plants.model_task(_model_file(cfg.plant), record)
     runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)
-    each = SECONDS_ROBOT if words.name in (*ROBOTS, *PROTOCOLS) else SECONDS_LINEAR
+    each = SECONDS_ROBOT if robot or words.name in PROTOCOLS else SECONDS_LINEAR
     what = f"{runs} runs of {task.reference.size} numbers"
     refuse_absurd(what, Effort(seconds=runs * task.reference.size * each))
     return task

@@ -12,8 +12,8 @@ from armside.scripts.cli import main
 from armside.scripts.verifications.laser import laser as claim
 from armside.sim.records.signals import read_signals
 
-FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd", "state.npz"}
-FILES |= {"circles.png", "errors.png", "kerf.png"}
+FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd"}
+FILES |= {"state.npz", "circles.png", "errors.png", "kerf.png"}
 
 
 @pytest.fixture(scope="module")
