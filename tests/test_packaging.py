@@ -173,7 +173,7 @@ def third_party_imports() -> dict[str, str]:
     return {module: file for module, file in found.items() if module not in known}
 
 
-BROUGHT = {"torch": "stable-baselines3", "sqlalchemy": "optuna"}
+BROUGHT = {"torch": "stable-baselines3", "sqlalchemy": "optuna", "pinocchio": "pin"}
 """Module: the declared package that brings it and hands us its objects."""
 
 
