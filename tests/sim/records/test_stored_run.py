@@ -49,7 +49,7 @@ def no_planner(monkeypatch):
         (plant, "plan"),
         (experiment, "plan"),
         (experiment, "prepare"),
-        (measure, "load_model"),
+        (measure, "cell_model"),
         (ruckig, "Ruckig"),
     ):
         monkeypatch.setattr(module, name, refuse)
