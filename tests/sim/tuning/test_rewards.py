@@ -68,7 +68,9 @@ def test_ranges_of_actions_and_tasks_are_the_documented_ones():
     assert (delta.low, delta.high, delta.scale) == (0.0, 25.0, Scale.WHOLE)
     assert (cutoff.low, cutoff.high, cutoff.scale) == (1.0, 30.0, Scale.LOGARITHMIC)
     assert cutoff.physical(np.zeros(1)) == pytest.approx(np.sqrt(30.0))
-    assert (SPEEDS, POSE_SPREAD, task.RADIUS) == ((0.020, 0.060), 0.050, 0.005)
+    drawn = task.draw("large", np.random.default_rng(0))
+    assert (SPEEDS, POSE_SPREAD) == ((0.020, 0.060), 0.050)
+    assert (drawn.shape, drawn.radius) == ("circle", 0.005)
     assert PAYLOADS == {"large": (20.0, 80.0)}
 
 
