@@ -59,7 +59,7 @@ class BySegment:
             raise ValueError(f"weight must have {n_samples} rows, got {len(self.weight)}")
         self.law.check(n_samples, n_columns)
 
-    def sizes(self, error: Array) -> Array:
+    def _sizes(self, error: Array) -> Array:
         """(M,) size of an error (N, p) in each segment."""
         own = (self.size_of(error[first:last]) for first, last in self.judged)
         return np.array([float(np.linalg.norm(size)) for size in own])
@@ -68,7 +68,7 @@ class BySegment:
     def step(
         self, correction: Array, error: Array, memory: SegmentMemory | None = None, /
     ) -> tuple[Array, SegmentMemory]:
-        seen = self._seen(correction, self.sizes(error), memory)
+        seen = self._seen(correction, self._sizes(error), memory)
         wanted, inner = self.law.step(correction, error, seen.inner)
         kept = (self.weight @ seen.held.astype(np.float64))[:, np.newaxis]
         return wanted + kept * (seen.best - wanted), seen._replace(inner=inner)

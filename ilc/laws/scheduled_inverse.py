@@ -68,8 +68,3 @@ class ScheduledInverse(FirstOrderLaw):
         u = np.fft.irfft(first.Q(omega)[:, None] * wanted, 2 * n, axis=0)[:n]
         largest = first.limit * np.array(first.input_size)
         return np.clip(u, -largest, largest)
-
-
-def fading(centres: Array, time: Array) -> Array:
-    """(N, S) weights at times (N,) that fade linearly between centres (S,), ascending."""
-    return np.stack([np.interp(time, centres, row) for row in np.eye(len(centres))], axis=1)

@@ -8,7 +8,7 @@ from armside.arrays import Array
 from armside.ilc.laws import Law
 from armside.ilc.laws.guarded import Guarded
 from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse, fading
+from armside.ilc.laws.scheduled_inverse import ScheduledInverse
 
 from ...robot.model import RobotModel
 from ...robot.virtual_robot import LOG_PERIOD
@@ -75,3 +75,8 @@ def _inverse(
     if not isinstance(inverse, RegularisedInverse):
         raise ValueError(f"a law on a schedule is the inverse, got {law.kind.value}")
     return inverse
+
+
+def fading(centres: Array, time: Array) -> Array:
+    """(N, S) weights at times (N,) that fade linearly between centres (S,), ascending."""
+    return np.stack([np.interp(time, centres, row) for row in np.eye(len(centres))], axis=1)
