@@ -22,7 +22,7 @@ from armside.scripts.shell.parser import parse
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 TAKES_MINUTES = {"bench", "calibrate", "compare", "reproduce", "verify"}
-SHOWS = {"view": {"view"}, "replay": {"--web", "--png", "--video"}}
+SHOWS = {"view": {"view"}, "serve": {"serve"}, "replay": {"--web", "--png", "--video"}}
 """Commands that open a window, serve until they are stopped, or need a GL library: their own tests
 run them."""
 SEVERAL_PAGES = "armside commission --individual 7 --cuts 4 --out twin"
