@@ -42,11 +42,9 @@ def test_check_lists_what_is_estimated_and_slides_in_millimetres(capsys):
     assert [float(word) for word in slide[2:5]] == [0.0, 200.0, 1100.0]
 
 
-def test_a_picture_of_the_robot_goes_with_its_data(tmp_path, capsys):
-    status = main(["robot", "show", str(SCARA), "--out", str(tmp_path / "shown"), "--quiet"])
-    if status == 2 and "cannot draw without window" in capsys.readouterr().err:
-        pytest.skip("this machine has no OpenGL")
-    assert status == 0
+@pytest.mark.usefixtures("graphics")
+def test_a_picture_of_the_robot_goes_with_its_data(tmp_path):
+    assert main(["robot", "show", str(SCARA), "--out", str(tmp_path / "shown"), "--quiet"]) == 0
     assert (tmp_path / "shown" / "robot.png").stat().st_size > 10_000
 
 

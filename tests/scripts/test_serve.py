@@ -5,7 +5,7 @@ import socket
 import subprocess
 import sys
 
-import numpy as np
+import pytest
 
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
@@ -38,10 +38,10 @@ def test_a_served_robot_is_learned_on_from_another_process(tmp_path):
     assert f"Speaking RSI to 127.0.0.1:{port}" in printed
     runs = json.loads((tmp_path / "served/summary.json").read_text())["runs"]
     assert [run["missed"] for run in runs] == [0, 0, 0]
-    assert runs[0]["motor_rms"] == runs[1]["motor_rms"] or runs[1]["motor_rms"] > 0.0
+    assert runs[0]["motor_rms"] == pytest.approx(runs[1]["motor_rms"], rel=0.05)  # other noise
     assert runs[2]["motor_rms"] < 0.8 * runs[1]["motor_rms"]
-    law = json.loads((tmp_path / "learned/summary.json").read_text())["laws"][0]
-    assert np.isfinite(law["norms"]).all() if "norms" in law else law
+    (law,) = json.loads((tmp_path / "learned/summary.json").read_text())["laws"]
+    assert law["error_two"][1] < 0.8 * law["error_two"][0]
 
 
 def test_without_a_client_it_ends_in_one_line(capsys, tmp_path):
