@@ -49,7 +49,7 @@ class ScheduledSmoother:
 
     @property
     def smoothed_covariance(self) -> Array:
-        """(S, n, n), of each process in steady state."""
+        """(S, n, n), of each process in steady state. Raises RuntimeError for one without."""
         each = zip(self._A, self._gain, self._S, self._filtered, strict=True)
         return np.array([_smoothed(A, self._C, K, S, P) for A, K, S, P in each])
 
@@ -78,8 +78,8 @@ def _smoothed(A: Array, C: Array, K: Array, S: Array, P: Array) -> Array:
         done = np.abs(following - M).max() <= 1e-6 * np.abs(following).max()
         M = 0.5 * (following + following.T)
         if done:
-            break
-    return P - P @ M @ P
+            return P - P @ M @ P
+    raise RuntimeError(f"the smoother has no steady state within {_LONGEST} samples")
 
 
 @njit(cache=True)
