@@ -22,14 +22,18 @@ def _chain(robot: Robot, tape: Tape) -> Chain:
 def pose(robot: Robot) -> StraightLineProgram:
     """T_base_tool, 4 x 4. Thesis (3.26)."""
     tape = Tape()
-    chain = _chain(robot, tape)
+    out = transform(_chain(robot, tape), tape)
+    return tape.program("pose", motor_inputs(robot, "phi"), [out], notes(robot))
+
+
+def transform(chain: Chain, tape: Tape) -> Argument:
+    """T, 4 x 4, from the base to the end of a chain."""
     p = ZERO
     for lever in (*(axis.lever for axis in chain.axes), chain.tool_lever):
         p = added(tape, p, lever)
     x, y, z = chain.rotation
     rows = [e for i in range(3) for e in (x[i], y[i], z[i], p[i])] + [0, 0, 0, 1]
-    out = Argument("T", (4, 4), tuple(map(sp.sympify, rows)))
-    return tape.program("pose", motor_inputs(robot, "phi"), [out], notes(robot))
+    return Argument("T", (4, 4), tuple(map(sp.sympify, rows)))
 
 
 def columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:

@@ -9,10 +9,10 @@ from ..dh import Robot
 from ..expressions.exact import exact
 from .chain import Chain, joint_axes
 from .coupling import joint_variables, motor_inputs, motor_symbols, notes
-from .forward_kinematics import columns
+from .forward_kinematics import columns, transform
 from .program import Argument, StraightLineProgram, Tape
 from .separate import separated
-from .vectors import ZERO, Vector, added
+from .vectors import ZERO, Vector
 
 
 @separated
@@ -20,12 +20,7 @@ def frame_pose(robot: Robot, frame: int) -> StraightLineProgram:
     """T_base_frame, 4 x 4. Thesis (3.22)."""
     tape = Tape()
     chain, _ = _chain(robot, frame, tape)
-    p = ZERO
-    for lever in (*(axis.lever for axis in chain.axes), chain.tool_lever):
-        p = added(tape, p, lever)
-    x, y, z = chain.rotation
-    rows = [e for i in range(3) for e in (x[i], y[i], z[i], p[i])] + [0, 0, 0, 1]
-    out = Argument("T", (4, 4), tuple(map(sp.sympify, rows)))
+    out = transform(chain, tape)
     return tape.program("frame_pose", motor_inputs(robot, "phi"), [out], notes(robot))
 
 
