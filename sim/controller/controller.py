@@ -86,6 +86,8 @@ class VirtualController:
         count = round(program.seconds / LOG_PERIOD) + 1
         if count < 2:
             raise ValueError(f"seconds must be at least {LOG_PERIOD:g}, got {program.seconds:g}")
+        if program.start.shape != (model.n_axes,):
+            raise ValueError(f"start must have {model.n_axes} angles, got {program.start.shape}")
         wrong = GuidanceLimits.of(model, cell).refusal(program.start, program.start)
         if wrong is not None:
             raise ValueError(f"start: {wrong}")

@@ -12,6 +12,8 @@ from .controller import VirtualController
 from .limits import GuidanceLimits
 from .messages import Answer, Phase, State, degrees, radians
 
+PERIOD = 0.004
+"""[s], of EGM and of RSI."""
 AT_START = np.deg2rad(0.01)
 """Distance of the commanded angles from the start of the path above which the robot is moved."""
 APPROACH = 0.25
@@ -63,7 +65,7 @@ class StreamedPlant:
     """r, shape (N, n) [rad], one sample each period."""
     limits: GuidanceLimits | None = None
     """Checked before anything is sent; None: those of the controller alone."""
-    period: float = 0.004
+    period: float = PERIOD
     """[s], of the controller."""
     lost: int = field(default=0, init=False)
     """Messages of the controller that did not come, in all runs; their angles are interpolated."""
@@ -198,11 +200,11 @@ def program_of(link: Link, seconds: float = 600.0) -> Array:
     while state.phase is not Phase.WAITING:
         state = link.receive()
     still, found, start = np.zeros_like(state.joints), [radians(state.planned)], state.time
-    while len(found) < seconds / 0.004:
+    while len(found) < seconds / PERIOD:
         values = still if link.additive else state.planned
         link.answer(Answer(values=values, additive=link.additive), state)
         state = link.receive()
-        ahead = round((state.time - start) / 4.0)
+        ahead = round((state.time - start) / (1e3 * PERIOD))
         if state.phase is Phase.WAITING and len(found) > 1 and ahead == len(found) - 1:
             return np.array(found)
         if ahead > len(found):

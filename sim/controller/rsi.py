@@ -49,7 +49,7 @@ class RsiWire:
         resting = str(int(state.resting))
         guided = str(int(state.phase is not Phase.WAITING))
         ET.SubElement(root, "Digout", o1=guided, o2=resting, o3="0")
-        ET.SubElement(root, "IPOC").text = str(_ipoc(state))
+        ET.SubElement(root, "IPOC").text = str(state.time)
         return ET.tostring(root, encoding="utf-8")
 
     def decode_state(self, datagram: bytes) -> State:
@@ -89,7 +89,7 @@ class RsiWire:
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
         """Answer in a Sen; None for the answer to another message. Raises WireError otherwise."""
         root = _root(datagram, "Sen")
-        if _stamp(root) != _ipoc(to):
+        if _stamp(root) != to.time:
             return None
         message = root.find("EStr")
         if message is not None and (message.text or "").lstrip().startswith("Error"):
@@ -114,10 +114,6 @@ class RsiWire:
         before = np.zeros_like(values) if self._sum is None else self._sum
         self._sum = values
         return values - before
-
-
-def _ipoc(state: State) -> int:
-    return state.time
 
 
 def _axes(values: Array) -> dict[str, str]:
