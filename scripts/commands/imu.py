@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
+from armside.sim.cell_file import check_named
 from armside.sim.imu import (
     Compensation,
     ImuExperiment,
@@ -32,8 +33,6 @@ from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
 
 STANDARD = ProcessingCfg()
-ROBOTS = ("irb1400", "large")
-"""Virtual robots."""
 LARGEST_NUMBER = 20
 """Recordings of one command."""
 LARGEST_CUTOFF = 25.0
@@ -95,9 +94,7 @@ class ImuOptions:
     def _check_choice(self) -> None:
         """Raise ValueError for a robot that is not virtual, or options that ask for one."""
         if not self.recording:
-            if self.robot not in ROBOTS and not self.robot.endswith(".toml"):
-                known = f"{', '.join(ROBOTS)}, or a robot file (.toml)"
-                raise ValueError(f"robot must be one of {known}, got {self.robot}")
+            check_named(self.robot)
             return
         if len(self.recording) > LARGEST_NUMBER:
             raise ValueError(f"give 1 to {LARGEST_NUMBER} recordings, got {len(self.recording)}")

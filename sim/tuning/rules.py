@@ -243,12 +243,11 @@ def _of_twin(found: Corrected | None) -> dict[str, Any]:
 
 
 def _cell(robot: Any) -> Cell:
-    if isinstance(robot, PathLike) or (isinstance(robot, str) and robot.endswith(".toml")):
-        return find_cell(fspath(robot))
-    if robot not in list(CELLS):
-        known = ", ".join(CELLS)
-        raise ValueError(f"Unknown robot {robot!r}. It can be: {known}, or a robot file (.toml)")
-    return CELLS[robot]
+    if isinstance(robot, PathLike):
+        robot = fspath(robot)
+    if not isinstance(robot, str):
+        raise ValueError(f"robot must be a name or a robot file (.toml), got {robot!r}")
+    return find_cell(robot)
 
 
 def _one_of(name: str, value: Any, allowed: Any) -> None:

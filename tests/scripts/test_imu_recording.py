@@ -58,7 +58,7 @@ def test_summary_tables_and_figures_of_two_days(armside, tmp_path, folders):
         ("--recording . --robot ur10 --motion rest", "--motion is of the virtual robot"),
         ("--recording . --robot ur10 --cutoff 0", "cutoff must be"),
         ("--recording . --robot ur10 --cutoff 49", "cutoff must be"),
-        ("--robot ur10", "robot must be one of irb1400, large"),
+        ("--robot ur10", "Robots: large, irb1400"),
     ],
 )
 def test_bad_input_is_one_line(bad_input, line, said):

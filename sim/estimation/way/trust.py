@@ -44,7 +44,9 @@ def trust(estimate: WayEstimate, time: Array) -> Trust:
     if good.all():
         return Trust(weight, "")
     places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
-    return Trust(weight, f"the estimate is not trusted, and nothing learned, from {places} s on")
+    seconds = "second that begins" if (~good).sum() == 1 else "seconds that begin"
+    text = f"the estimate is not trusted, and nothing learned, in the {seconds} at {places} s"
+    return Trust(weight, text)
 
 
 def _faded(weight: Array, samples: int) -> Array:

@@ -99,7 +99,7 @@ def test_a_design_for_another_number_of_motors_is_no_action():
         ({"radius": 5.0}, "radius must be a number from 0.001 to 0.1 m, got 5.0"),
         ({"radius": (0.02, 0.01)}, "a range from low to high"),
         ({"radius": (0.01, 0.02, 0.03)}, "a number or a range of two"),
-        ({"robot": "my_arm"}, "It can be: large, irb1400, or a robot file"),
+        ({"robot": "my_arm"}, "Robots: large, irb1400, or a robot file"),
     ],
 )
 def test_contours_and_robots_that_do_not_exist_are_refused(options, message):

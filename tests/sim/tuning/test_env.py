@@ -222,7 +222,7 @@ def test_a_bad_action_is_one_clear_error_and_leaves_the_episode_as_it_was(env, q
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"robot": "r2d2"}, "Unknown robot 'r2d2'. It can be: large, irb1400"),
+        ({"robot": "r2d2"}, "Unknown robot 'r2d2'. Robots: large, irb1400"),
         ({"motors": "all"}, "Unknown motors 'all'. It can be: shared, each"),
         ({"reward": "luck"}, "Unknown reward 'luck'. It can be: tracker, estimate, motor"),
         ({"iterations": 0}, "iterations must be a whole number in 1 .. 10, got 0"),

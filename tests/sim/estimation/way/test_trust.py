@@ -42,7 +42,7 @@ def test_what_cannot_be_explained_is_not_learned_from_there_alone(case: WayEstim
     assert found.weight[there].max() < 1e-9
     far = (TIME < 3.0 - 3.0 * FADE) | (TIME > 4.0 + 3.0 * FADE)
     assert found.weight[far] == pytest.approx(1.0)
-    assert "from 3 s on" in found.text
+    assert "in the second that begins at 3 s" in found.text
 
 
 def test_a_little_more_than_white_is_trusted():
