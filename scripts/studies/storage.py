@@ -8,12 +8,12 @@ import logging
 import random
 import re
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from threading import Timer
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
@@ -59,7 +59,7 @@ def reaching(storage: str) -> Iterator[None]:
     A long wait, as for a file that is locked, is announced on stderr.
     """
     waiting = f"armside: waiting for storage {redacted(storage)!r}"
-    patience = Timer(SLOW, lambda: print(waiting, file=sys.stderr))
+    patience = threading.Timer(SLOW, lambda: print(waiting, file=sys.stderr))
     patience.daemon = True
     patience.start()
     try:
@@ -77,7 +77,12 @@ def reaching(storage: str) -> Iterator[None]:
 
 @contextmanager
 def using(storage: str) -> Iterator[None]:
-    """Work with an open storage: one that is lost on the way becomes RunFailed."""
+    """Work with an open storage: one that is lost on the way becomes RunFailed.
+
+    Optuna's thread of heartbeats loses it too, and would print a traceback beside that.
+    """
+    others = threading.excepthook
+    threading.excepthook = lambda ended: None if _lost(ended.exc_value) else others(ended)
     try:
         yield
     except Exception as error:
@@ -86,6 +91,8 @@ def using(storage: str) -> Iterator[None]:
         raise RunFailed(
             f"storage {redacted(storage)!r} failed: {_reason(lost)}; it keeps finished trials"
         ) from error
+    finally:
+        threading.excepthook = others
 
 
 def _lost(error: BaseException | None) -> BaseException | None:

@@ -110,7 +110,7 @@ def test_a_comparison_is_of_the_poses_of_its_robot(robot):
 
 
 def test_the_imu_experiment_refuses_a_robot_that_is_neither_known_nor_a_file(robot, longer):
-    with pytest.raises(ValueError, match="irb1400, large, or a robot file"):
+    with pytest.raises(ValueError, match="Robots: large, irb1400, or a robot file"):
         ImuOptions(robot="ur10")
     with pytest.raises(ModelError, match="its tool is 10 mm and 0 deg off the D-H model"):
         ImuOptions(robot=str(longer)).experiment().model()

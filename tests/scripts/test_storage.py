@@ -2,6 +2,12 @@
 
 import subprocess
 import sys
+import threading
+
+import pytest
+from sqlalchemy.exc import OperationalError
+
+from armside.scripts.studies.storage import using
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
@@ -20,3 +26,21 @@ logging.getLogger("sqlalchemy.pool.impl.QueuePool").error("Exception during rese
 """
     command = [sys.executable, "-c", code]
     assert subprocess.run(command, capture_output=True, check=True).stderr == b""
+
+
+@pytest.mark.parametrize(
+    ("error", "printed"), [(OperationalError("", {}, OSError()), False), (KeyError("ours"), True)]
+)
+def test_a_heartbeat_that_loses_its_server_prints_no_traceback(error, printed, monkeypatch):
+    seen = []
+    monkeypatch.setattr(threading, "excepthook", seen.append)
+
+    def beat():
+        raise error
+
+    with using("sqlite:///a.db"):
+        heartbeat = threading.Thread(target=beat)
+        heartbeat.start()
+        heartbeat.join()
+    assert len(seen) == printed
+    assert threading.excepthook == seen.append
