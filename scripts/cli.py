@@ -18,6 +18,7 @@ COMMANDS = {
     "replay": "Watch runs: viewer, browser, picture or film.",
     "view": "Move a robot by sliders in MuJoCo's own viewer.",
     "convert": "Write a run's signals as CSV, MATLAB, HDF5 or MCAP.",
+    "export-correction": "Write the learned correction for a controller.",
     "measure": "Measure recorded data, a run's or your own.",
     "gallery": "Make the pictures of the docs again.",
     "two-mass": "Regenerate chapter 8: a flexible joint learns.",
@@ -65,6 +66,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.view import view as command
         case "convert":
             from .commands.convert import convert as command
+        case "export-correction":
+            from .commands.export_correction import export_correction as command
         case "measure":
             from .commands.measure import measure as command
         case "gallery":

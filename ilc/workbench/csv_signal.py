@@ -2,7 +2,7 @@
 
 Rule of alignment: a file without `time` must have as many rows as the reference. One with `time`
 is interpolated linearly at the times of the reference, which it must cover to half a sample; rows
-at these very times are taken as they are.
+at these very times are taken as they are. Lines that begin with # are comments.
 """
 
 import csv
@@ -63,7 +63,8 @@ def read_signal(file: Path) -> CsvSignal:
             rows = [(reader.line_num, row) for reader in [csv.reader(stream)] for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ValueError(f"{file} is no readable CSV file: {error}") from error
-    rows = [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
+    filled = [(line, row) for line, row in rows if any(cell.strip() for cell in row)]
+    rows = [(line, row) for line, row in filled if not row[0].lstrip().startswith("#")]
     head = [cell.strip().lower() for cell in rows[0][1]] if rows else []
     named = bool(rows) and not _is_number(head[0])
     rows = rows[1:] if named else rows

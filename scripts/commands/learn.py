@@ -15,6 +15,7 @@ from ..workbench.earlier import Earlier, earlier
 from ..workbench.options import LearnCfg
 
 if TYPE_CHECKING:
+    from armside.arrays import Array
     from armside.ilc.workbench.compare import LawRun
     from armside.ilc.workbench.task import Task
 
@@ -22,7 +23,8 @@ if TYPE_CHECKING:
 def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     """Compare learning laws on any plant, with the convergence that its model predicts.
 
-    Writes convergence.png, a correction a law as CSV, state.npz (for --from) and summary.json.
+    Writes convergence.png, a correction a law as CSV, reference.csv, state.npz (for --from) and
+    summary.json.
     """
     from armside.ilc.workbench.own import OwnCodeError
 
@@ -42,9 +44,10 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
             return
         with closing(task):
             runs = _runs(cfg, common, task, before, report)
+            record = (task.reference, task.sample_time)
     except OwnCodeError as error:
         raise RunFailed(str(error)) from error
-    _finish(cfg, common, report, runs, task.sample_time, before)
+    _finish(cfg, common, report, runs, record, before)
 
 
 def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
@@ -106,7 +109,8 @@ def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
         report.line(session.request(state.k))
         report.summary(summary("learn", cfg, common, status="waiting", k=state.k))
         return
-    _finish(cfg, common, report, [session.result(state)], session.folder.sample_time, None)
+    record = (session.reference, session.folder.sample_time)
+    _finish(cfg, common, report, [session.result(state)], record, None)
 
 
 def _finish(
@@ -114,7 +118,7 @@ def _finish(
     common: Common,
     report: Report,
     runs: "list[LawRun]",
-    sample_time: float,
+    record: "tuple[Array, float]",
     before: Earlier | None,
 ) -> None:
     from ..figures.convergence import draw_convergence
@@ -132,7 +136,7 @@ def _finish(
     title = Path(cfg.plant).name if "/" in cfg.plant else cfg.plant
     with run_folder(outcome, common) as folder:
         draw_convergence(folder / "convergence.png", title, runs)
-        notes = results.write(folder, runs, sample_time)
+        notes = results.write(folder, runs, *record)
     if before is not None:
         report.line(before.line)
     results.show(report, title, runs)

@@ -1,4 +1,7 @@
-"""An earlier run of `armside learn` as a start: continued, or its corrections taken over."""
+"""An earlier run of `armside learn` as a start: continued, or its corrections taken over.
+
+A file with a correction is a start as well.
+"""
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields, replace
@@ -6,8 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armside.arrays import Array
+from armside.ilc.workbench.csv_signal import CsvSignal
 from armside.ilc.workbench.state import RunState, read_states
 from armside.ilc.workbench.transfer import along_path
+from armside.sim.handover.reading import read_correction
 from armside.sim.records.stored_run import read_run
 
 from ..shell.errors import InputError
@@ -36,6 +41,8 @@ class Earlier:
     """Of the earlier run."""
     seed: int
     """Of the earlier run."""
+    given: CsvSignal | None = None
+    """Correction of a file, which is all there is then."""
 
     def state(self, law: str, noise: float, repetition: int) -> RunState | None:
         """State to continue; None where the run starts anew. InputError if it was not kept."""
@@ -53,6 +60,8 @@ class Earlier:
         """
         if self.continues:
             return None
+        if self.given is not None:
+            return self.given.at(len(task.reference), task.sample_time)
         kept = {each: state for each, state in self.states.items() if state is not None}
         same = [state for each, state in kept.items() if each.startswith(f"{law} | ")]
         first = (same or list(kept.values()))[:1]
@@ -75,7 +84,8 @@ class Earlier:
         """The same in a sentence."""
         if self.continues:
             return f"Goes on from the last run of {self.folder}"
-        return f"Starts from the correction of {self.folder}; changed: {', '.join(self.changed)}"
+        changed = f"; changed: {', '.join(self.changed)}" if self.changed else ""
+        return f"Starts from the correction of {self.folder}{changed}"
 
 
 def earlier(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Earlier | None]:
@@ -85,6 +95,16 @@ def earlier(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Earlier | 
     """
     if cfg.start is None:
         return cfg, common, None
+    if cfg.start.is_file():
+        found = Earlier(
+            folder=cfg.start,
+            states={},
+            continues=False,
+            options=cfg,
+            seed=common.seed,
+            given=read_correction(cfg.start),
+        )
+        return cfg, common, found
     run = read_run(cfg.start)
     if run.experiment != "learn":
         raise InputError(f"{cfg.start} is a run of {run.experiment}, not of learn")

@@ -46,7 +46,8 @@ class LearnCfg:
     """Seconds to wait for each log in a folder, before leaving it for later."""
     start: Annotated[Path | None, Parameter(name="--from")] = None
     """Folder of an earlier run. Options not given are that run's; with none changed learning goes
-    on where it ended, otherwise it starts from its corrections."""
+    on where it ended, otherwise it starts from its corrections. Or a file with a correction, as
+    `armside export-correction` writes it."""
 
     def __post_init__(self) -> None:
         for name, most in MOST.items():

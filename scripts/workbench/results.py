@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from armside.arrays import Array
 from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.csv_signal import write_signal
 from armside.ilc.workbench.state import RunState, save_states
+from armside.sim.handover.kept import REFERENCE
 
 from ..shell.console import Report
 
@@ -117,8 +119,12 @@ def _folded(text: str) -> str:
     return "\n".join(lines)
 
 
-def write(folder: Any, runs: Sequence[LawRun], sample_time: float) -> list[str]:
-    """Write corrections as CSV and the state to go on from; notes on what could not be kept."""
+def write(folder: Any, runs: Sequence[LawRun], reference: Array, sample_time: float) -> list[str]:
+    """Write reference (N, n) and corrections as CSV, and the state to go on from.
+
+    Returns notes on what could not be kept.
+    """
+    write_signal(folder / REFERENCE, reference, sample_time, "reference")
     for i, group in enumerate(groups(runs)):
         name = re.sub(r"[^A-Za-z0-9]+", "-", label(group[0], False)).strip("-")[:60]
         file: Path = folder / f"correction-{i + 1}-{name}.csv"

@@ -1,0 +1,132 @@
+"""`armside export-correction`: the last correction alone, for a controller or another program."""
+
+import json
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from armside import kinematics
+from armside.scripts.cli import main
+from armside.sim.cell import LARGE_CELL
+from armside.sim.controller.messages import degrees
+from armside.sim.handover.reading import read_correction
+from armside.sim.records import read_run
+from armside.sim.records.tables import read_table, units
+
+ROBOT = "large:radius=2,speed=80"
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A run of laser, and one of learn with two laws on the same cut."""
+    folder = tmp_path_factory.mktemp("export")
+    words = ["--iterations", "1", "--quiet"]
+    cut = ["--radius", "2", "--speed", "80"]
+    assert main(["laser", *cut, *words, "--out", str(folder / "cut")]) == 0
+    laws = ["--laws", "heuristic", "gradient"]
+    assert main(["learn", "--plant", ROBOT, *laws, *words, "--out", str(folder / "two")]) == 0
+    return folder
+
+
+@pytest.fixture
+def export(place, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def run(name: str, *words: str) -> int:
+        return main(["export-correction", str(place / name), *words, "--quiet"])
+
+    return run
+
+
+@pytest.fixture
+def last(place):
+    return read_run(place / "cut").signals.runs[-1].recording
+
+
+def columns(file, prefix="correction"):
+    table = read_table(Path(file))
+    names = [name for name in table.column_names if name.startswith(prefix)]
+    return np.column_stack([table[name].to_numpy() for name in names])
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "parquet"])
+def test_the_last_correction_is_written_bit_for_bit_and_nothing_else(kind, export, last):
+    assert export("cut", "--to", kind) == 0
+    table = read_table(Path(f"joint-correction.{kind}"))
+    assert table.column_names == ["time", *(f"correction_{i}" for i in range(1, 7))]
+    assert set(units(table).values()) == {"s", "rad"}
+    np.testing.assert_array_equal(columns(f"joint-correction.{kind}"), last.correction)
+
+
+def test_a_joint_path_is_reference_and_correction(export, last):
+    assert export("cut", "--as", "joint-path") == 0
+    np.testing.assert_array_equal(
+        columns("joint-path.csv", "joint"), last.reference + last.correction
+    )
+
+
+def test_a_tool_path_is_the_pose_of_the_corrected_reference(export, last):
+    assert export("cut", "--as", "tool-path", "--rate", "1000") == 0
+    found = columns("tool-path.csv", "tool")
+    T = kinematics.compile(LARGE_CELL.robot).pose(last.reference + last.correction)
+    np.testing.assert_allclose(found[::4, :3], T[:, :3, 3], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(found[:, 3:], axis=1), 1.0, rtol=1e-12)
+
+
+def test_rsi_messages_hold_the_correction_in_degrees(export, last):
+    assert export("cut", "--to", "rsi") == 0
+    lines = [ET.fromstring(line) for line in Path("joint-correction.rsi").read_text().splitlines()]
+    axes = [line.findall("AKorr")[0].attrib for line in lines]
+    said = [[float(axis[f"A{i}"]) for i in range(1, 7)] for axis in axes]
+    np.testing.assert_array_equal(said, degrees(last.correction))
+    assert [line.findtext("IPOC") for line in lines[:3]] == ["0", "4", "8"]
+
+
+def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
+    pytest.importorskip("google.protobuf")
+    from armside.sim.controller.egm import _messages
+
+    assert export("cut", "--as", "joint-path", "--to", "egm") == 0
+    kind, data, found = _messages()[1], Path("joint-path.egm").read_bytes(), []
+    while data:
+        size, data = data[0], data[1:]  # below 128: one byte of varint
+        message, data = kind.FromString(data[:size]), data[size:]
+        found.append(list(message.planned.joints.joints))
+    np.testing.assert_array_equal(found, degrees(last.reference + last.correction))
+
+
+def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
+    assert export("two", "--law", "gradient", "--to", "mat") == 0
+    words = ["learn", "--plant", ROBOT, "--from", "joint-correction.mat", "--iterations", "0"]
+    assert main([*words, "--out", "more"]) == 0
+    assert "Starts from the correction of joint-correction.mat" in capsys.readouterr().out
+    more = json.loads(Path("more/summary.json").read_text())
+    before = json.loads((place / "two" / "summary.json").read_text())
+    assert more["started_from"]["run"] == "joint-correction.mat"
+    gradient = before["laws"][1]["error_two"]
+    assert more["laws"][0]["error_two"][0] == pytest.approx(gradient[1], rel=0.05)
+    assert more["laws"][0]["error_two"][0] < 0.6 * gradient[0]
+    sent = read_correction(Path("joint-correction.mat")).values
+    np.testing.assert_array_equal(columns("more/correction-1-heuristic.csv", "u"), sent)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["two"], "has several laws, give one: heuristic, gradient"),
+        (["two", "--law", "splines"], "has no law 'splines'"),
+        (["cut", "--to", "rsi", "--rate", "500"], "rsi has 250 Hz"),
+        (["cut", "--to", "egm"], "give --as joint-path"),
+        (["cut", "--rate", "1e9"], "rate must be 1 to 20000 Hz"),
+        (["cut", "--file", "a.mat"], "csv files end with .csv"),
+        (["none"], "is no folder"),
+    ],
+)
+def test_bad_input_is_one_line(words, said, export, capsys, tmp_path):
+    assert export(*words) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
