@@ -1,6 +1,7 @@
 """`armside measure`: measures of recorded data, of a stored run or of any other robot."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +11,14 @@ import pyarrow as pa
 from cyclopts import Parameter
 
 from armside.sim.cell_file import check_named, find_cell
-from armside.sim.evaluation.recorded import CircleTurn, measure_signals, measure_table
+from armside.sim.cut.contour_file import read_contour
+from armside.sim.evaluation.recorded import (
+    CircleTurn,
+    ContourTurn,
+    RecordedMeasures,
+    measure_signals,
+    measure_table,
+)
 from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
 from armside.sim.records.signals import signals_of
 from armside.sim.records.summary import summary
@@ -20,9 +28,11 @@ from armside.sim.robot.cell_model import cell_model
 from ..cutting.options import LARGEST
 from ..shell.console import Report, keep
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, FileToRead, options
 
 LARGEST_GEAR = 1e6
+MOTORS, TOOL = "largest motor error [mrad of the motor shaft]", "tool deviation [µm]"
+NO_TOOL = "It needs a tracker's samples in the turn, and --radius or --contour for own data"
 
 
 @options
@@ -36,13 +46,18 @@ class MeasureCfg:
     gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
-    """Radius of the circle that the tracker saw [mm]; without it only motors are measured."""
+    """Radius of the circle that the tracker saw [mm]. Without it and a contour only motors are
+    measured."""
+    contour: FileToRead = None
+    """File (TOML or DXF) with the contour that the tracker saw, in place of a circle."""
+    turned: float = 0.0
+    """Rotation of that contour in its plane [deg]; right to 20 degrees, the rest is fitted."""
     start: float | None = None
     """Start of the turn [s] [default: that of the data]."""
     end: float | None = None
     """End of the turn [s] [default: that of the data]."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the circle's plane, in the tracker's axes."""
+    """Normal of the plane of circle or contour, in the tracker's axes."""
 
     def __post_init__(self) -> None:
         check_named(self.robot)
@@ -52,6 +67,10 @@ class MeasureCfg:
             raise ValueError(f"normal must be a direction, not zero or huge, got {self.normal}")
         if self.radius is not None and self.radius > LARGEST["radius"][0]:
             raise ValueError(f"radius must be at most {LARGEST['radius'][0]:g} mm")
+        if self.radius is not None and self.contour is not None:
+            raise ValueError("give a radius or a contour, not both")
+        if not abs(self.turned) <= 360.0:
+            raise ValueError(f"turned must be -360 to 360 degrees, got {self.turned:g}")
         if self.start is not None and self.end is not None and not self.start < self.end:
             raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
         if any(not 0.0 < g <= LARGEST_GEAR for g in self.gear):
@@ -59,7 +78,7 @@ class MeasureCfg:
 
 
 def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:
-    """Measure recorded data: motor errors, and how round the tool's circle was.
+    """Measure recorded data: motor errors, and how far the tool was from its circle or contour.
 
     file: CSV, MATLAB, HDF5 or Parquet with columns time [s], reference_1.., motor_angle_1.. [rad,
     arm side], and if there are any k, tracker_x, tracker_y, tracker_z [m]. See docs/formats.md.
@@ -75,30 +94,44 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
     outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
     keep(outcome, common)
     report.notes(said)
-    motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
-    table: list[list[Any]] = [
-        [r.k, *(1e3 * float(x) for x in r.motor_inf), 1e6 * r.arm_rms, 1e6 * r.arm_maxdev]
-        for r in rows
-    ]
-    title = "Largest motor error [mrad of the motor shaft], tool deviation [µm]"
-    report.table(title, ["k", *motors, "arm RMS", "arm max"], table, missing=_missing(cfg))
+    show(report, rows)
     report.summary(outcome)
 
 
-def _missing(cfg: MeasureCfg) -> str:
-    """Reason for measures that are not there."""
-    tool = "the data hold too few samples of a tracker in the turn"
-    if cfg.radius is None:
-        tool = "the data hold no samples of a tracker, or --radius was not given"
-    return f"{tool}; a motor without samples has no error"
+def show(report: Report, rows: Sequence[RecordedMeasures]) -> None:
+    """Table of the measures that are there; what no iteration has is left out and named."""
+    columns = [
+        (f"motor {i + 1}", [1e3 * float(row.motor_inf[i]) for row in rows])
+        for i in range(len(rows[0].motor_inf))
+    ]
+    arm = [("arm RMS", [1e6 * r.arm_rms for r in rows])]
+    arm += [("arm max", [1e6 * r.arm_maxdev for r in rows])]
+    there = [(name, values) for name, values in columns + arm if np.isfinite(values).any()]
+    names = [name for name, _ in there]
+    titles = (("motor", MOTORS), ("arm", TOOL))
+    title = ", ".join(text for kind, text in titles if any(n.startswith(kind) for n in names))
+    table: list[list[Any]] = [[r.k, *(v[i] for _, v in there)] for i, r in enumerate(rows)]
+    if there:
+        some = "too few samples in that run"
+        report.table(title[0].upper() + title[1:], ["k", *names], table, missing=some)
+    if absent := [name for name, _ in columns if name not in names]:
+        report.line(f"Not measured: {', '.join(absent)}, without samples")
+    if "arm RMS" not in names:
+        report.line(f"Not measured: the tool. {NO_TOOL}")
 
 
 def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
-    """Gear ratios given, or those of the robot. Raises ValueError if it has other motors."""
+    """Gear ratios given, or those of the robot; none for data of a tracker alone.
+
+    Raises ValueError if the robot has other motors.
+    """
     if cfg.gear:
         return np.array(cfg.gear)
-    gear, names = cell_model(find_cell(cfg.robot)).drives.gear, table.column_names
+    names = table.column_names
     motors = sum(re.fullmatch(r"reference_\d+", name) is not None for name in names)
+    if not motors and (cfg.radius is not None or cfg.contour is not None):
+        return np.empty(0)
+    gear = cell_model(find_cell(cfg.robot)).drives.gear
     if 0 < motors != len(gear):
         raise ValueError(
             f"the data have {motors} motors and the robot {cfg.robot} has {len(gear)}: give --gear"
@@ -106,10 +139,13 @@ def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
     return gear
 
 
-def turn(cfg: MeasureCfg) -> CircleTurn | None:
-    """Circle of the options in SI units, or None without a radius."""
-    if cfg.radius is None:
-        return None
+def turn(cfg: MeasureCfg) -> CircleTurn | ContourTurn | None:
+    """Circle or contour of the options in SI units; None without either."""
     start = -np.inf if cfg.start is None else cfg.start
     end = np.inf if cfg.end is None else cfg.end
+    if cfg.contour is not None:
+        curve, turned = read_contour(cfg.contour), float(np.deg2rad(cfg.turned))
+        return ContourTurn(contour=curve, start=start, end=end, normal=cfg.normal, turned=turned)
+    if cfg.radius is None:
+        return None
     return CircleTurn(radius=1e-3 * cfg.radius, start=start, end=end, normal=cfg.normal)

@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.measures import norms
 
+from ..cut.contour import ClosedCurve
+from ..cut.path import Plane
 from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..part.motion import PartMotion
 from ..records.signals import Signals
 from .contour_error import contour_errors
-from .tool_error import tool_error
+from .tool_error import fit, tool_error
 
 KINDS = ("reference", "motor_angle")
 TRACKER = ("tracker_x", "tracker_y", "tracker_z")
@@ -40,8 +42,31 @@ class CircleTurn:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ContourTurn:
+    """One turn of a programmed contour, for data that do not state their path.
+
+    Its place is found by a best fit, as for any contour; its plane and, to some 20 degrees, its
+    rotation there are given.
+    """
+
+    contour: ClosedCurve
+    start: float = -np.inf
+    end: float = np.inf
+    """[s]."""
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
+    turned: float = 0.0
+    """Rotation of the contour in that plane [rad]."""
+
+    def __post_init__(self) -> None:
+        if not self.start < self.end:
+            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
+
+
+@dataclass(frozen=True, kw_only=True)
 class RecordedMeasures:
-    """Measures of one iteration; those of the arm are NaN without a tracker."""
+    """Measures of one iteration; NaN for the arm without a tracker and for a motor without samples,
+    empty without motors."""
 
     k: int
     motor_inf: Array
@@ -84,7 +109,7 @@ def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, f
 
 
 def measure_table(
-    table: pa.Table, gear: ArrayLike, turn: CircleTurn | None
+    table: pa.Table, gear: ArrayLike, turn: CircleTurn | ContourTurn | None
 ) -> list[RecordedMeasures]:
     """Measures of each iteration k in a table.
 
@@ -93,10 +118,11 @@ def measure_table(
     both, with nothing where a column has no sample.
 
     Args:
-        gear: (n,) ratios.
-        turn: circle that the tracker saw; None measures the motors alone.
+        gear: (n,) ratios; none for data of the tracker alone.
+        turn: circle or contour that the tracker saw; None measures the motors alone.
 
-    Raises ValueError for columns that are missing, or not as many motors as gears.
+    Raises ValueError for columns that are missing, or not as many motors as gears; without gears
+    for data in which there is no turn to measure.
     """
     gear = np.asarray(gear, dtype=np.float64)
     names = set(table.column_names)
@@ -105,37 +131,66 @@ def measure_table(
         raise ValueError(f"columns are missing: {', '.join(absent)}")
     if f"reference_{len(gear) + 1}" in names:
         raise ValueError(f"the data have more motors than the {len(gear)} gears given")
+    if not len(gear) and (turn is None or not set(TRACKER) <= names):
+        raise ValueError(
+            "without motors, columns of a tracker and the circle or contour are needed"
+        )
     ks = table["k"].unique().to_pylist() if "k" in names else [0]
-    return [_one(table, k, gear, turn) for k in sorted(ks)]
+    rows = [_one(table, k, gear, turn) for k in sorted(ks)]
+    if not any(np.isfinite([*row.motor_inf, row.arm_rms]).any() for row in rows):
+        raise ValueError("the data hold no samples of motors or tool")
+    return rows
 
 
-def _one(table: pa.Table, k: int, gear: Array, turn: CircleTurn | None) -> RecordedMeasures:
+def _one(
+    table: pa.Table, k: int, gear: Array, turn: CircleTurn | ContourTurn | None
+) -> RecordedMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
         _block(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
     )
-    logged = np.isfinite(reference).all(axis=1) & np.isfinite(angle).all(axis=1)
+    error = (reference - angle) * gear
     rms = maxdev = np.nan
     if turn is not None and set(TRACKER) <= set(own.column_names):
-        rms, maxdev = _circle(own, turn)
-    return _measures(k, (reference - angle)[logged] * gear, rms, maxdev)
+        rms, maxdev = _deviation(own, turn)
+    return _measures(k, error, rms, maxdev)
 
 
 def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> RecordedMeasures:
-    inf, two = norms.inf_norm(motor_error), norms.two_norm(motor_error)
+    there = np.isfinite(motor_error)
+    some = there.any(axis=0)
+    inf, two = (np.full(motor_error.shape[1], np.nan) for _ in range(2))
+    whole = motor_error[there[:, some].all(axis=1)][:, some]
+    if whole.size:
+        inf[some], two[some] = norms.inf_norm(whole), norms.two_norm(whole)
     return RecordedMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
 
 
-def _circle(own: pa.Table, turn: CircleTurn) -> tuple[float, float]:
+def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
     time, point = _block(own, ["time"])[:, 0], _block(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan
+    if isinstance(turn, ContourTurn):
+        return _from_contour(point[seen], turn)
     radii = norms.fit_circle(point[seen], normal=turn.normal).radii
     return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
 
 
+def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
+    """RMS and largest distance [m] of points (M, 3) from the contour, after a best fit to it."""
+    plane = Plane.perpendicular_to(turn.normal, point.mean(axis=0))
+    c, s = np.cos(turn.turned), np.sin(turn.turned)
+    flat = plane.from_base(point)[:, :2] @ np.array([[c, -s], [s, c]])
+    outline = turn.contour.point(np.linspace(0.0, turn.contour.length, 400, endpoint=False))
+    middle = [0.5 * (p.min(axis=0) + p.max(axis=0)) for p in (outline, flat)]
+    deviation = fit(turn.contour, flat + (middle[0] - middle[1])).deviation
+    return float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
+
+
 def _block(table: pa.Table, names: Sequence[str]) -> Array:
     """(N, len(names)), NaN for missing values."""
+    if not names:
+        return np.empty((table.num_rows, 0))
     columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
     return np.column_stack(columns)
