@@ -8,6 +8,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.tuning.action import Motors
@@ -38,6 +40,13 @@ class TrainCfg:
     """Robot: large, irb1400, or a robot file (.toml)."""
     motors: Literal["shared", "each"] = "shared"
     """One design for all motors, or one for each."""
+    action: Literal["design", "correction"] = "design"
+    """What the policy chooses: the design of an iteration, or the next correction itself, made of
+    functions for each axis."""
+    basis: Literal["b-splines", "harmonics"] = "b-splines"
+    """Functions of corrections."""
+    functions: int = 12
+    """Functions of each axis."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
     """Sensor that the reward is computed from."""
     shape: Shapes = ("circle",)
@@ -58,7 +67,9 @@ class TrainCfg:
         for name in ("robots", "steps"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
-        first_action(self.start, Motors(self.motors), self.rules.n_axes)  # raises ValueError
+        if self.action == "correction" and self.start is not None:
+            raise ValueError("start names a design, and actions are corrections: leave it out")
+        self.first  # noqa: B018 - raises ValueError
 
     @property
     def rules(self) -> Rules:
@@ -69,11 +80,23 @@ class TrainCfg:
     def task(self) -> dict[str, Any]:
         """Options of the env."""
         of_contour = contour_options(self.shape, self.radius)
-        return {"robot": self.robot, "motors": self.motors, "reward": self.reward, **of_contour}
+        of_action = {"action": self.action, "basis": self.basis, "functions": self.functions}
+        own = {"robot": self.robot, "motors": self.motors, "reward": self.reward}
+        return own | of_action | of_contour
+
+    @property
+    def first(self) -> np.ndarray:
+        """Action that the policy begins with: a design, or no correction."""
+        rules = self.rules
+        if self.action == "correction":
+            return np.zeros(rules.action_space.shape, np.float32)
+        return first_action(self.start, Motors(self.motors), rules.n_axes)
 
 
 def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
-    """Learn to choose the design of every ILC iteration with PPO. Sealed test seeds are refused.
+    """Learn to choose the design of every ILC iteration, or the correction itself, with PPO.
+
+    Sealed test seeds are refused.
 
     Writes policy.npz and summary.json, in which `steps` is how many were done. Raises InputError
     for a sealed seed or a folder that cannot be had, and where the extra [learn] is not installed.
@@ -90,7 +113,6 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
             from ..studies import ppo
         env = IlcTuningVectorEnv(cfg.robots, **cfg.task, autoreset_mode="SameStep")
     steps = whole_batches(cfg.steps, env.rules.iterations * cfg.robots)
-    start = first_action(cfg.start, Motors(cfg.motors), rules.n_axes)
     learning = report.progress("learning", total=steps)
     with noticing(lambda: "") as stop, closing(env), learning as step:
 
@@ -99,7 +121,7 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
             stop.check()
 
         network, curve = ppo.learn(
-            env, steps, start=start, seed=common.seed, discount=DISCOUNT, done=done
+            env, steps, start=cfg.first, seed=common.seed, discount=DISCOUNT, done=done
         )
     outcome = summary("train", cfg, common, steps=steps, curve=curve, notes=env.notes)
     with run_folder(outcome, common) as folder:

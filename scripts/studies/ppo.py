@@ -1,14 +1,14 @@
 """PPO of Stable-Baselines3 on the batched tuning env. Imported only where that is installed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports]
 from stable_baselines3.common import callbacks  # pyright: ignore[reportMissingImports]
-from stable_baselines3.common.vec_env import VecEnv  # pyright: ignore[reportMissingImports]
 
 from armside.sim.tuning.policy import Network
+from armside.sim.tuning.stable_baselines import Cells
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 HIDDEN = 64
@@ -24,52 +24,6 @@ GAE_LAMBDA = 0.95
 """Smoothing of the advantages: the default of Stable-Baselines3."""
 LOG_STD = -1.2
 """Log standard deviation of the first actions: 0.3 in [-1, 1]."""
-
-
-class Cells(VecEnv):
-    """Our vector env, in SameStep mode, as Stable-Baselines3 wants it."""
-
-    def __init__(self, env: IlcTuningVectorEnv, seed: int) -> None:
-        self._env = env  # which the next line asks for its render mode
-        super().__init__(env.num_envs, env.single_observation_space, env.single_action_space)
-        self._first_seed: int | None = seed
-
-    def reset(self) -> np.ndarray:
-        observed, _ = self._env.reset(seed=self._first_seed)
-        self._first_seed = None
-        return observed
-
-    def step_async(self, actions: np.ndarray) -> None:
-        self._actions = np.asarray(actions, dtype=np.float32)
-
-    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        observed, reward, terminated, truncated, infos = self._env.step(self._actions)
-        done = terminated | truncated
-        each: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        for i in np.flatnonzero(done):
-            # The budget is part of the task, and k is observed: the end of an episode is its end,
-            # without `TimeLimit.truncated`, which would add a value beyond it.
-            last, diverged = infos["final_obs"][i], bool(terminated[i])
-            each[i] = {"terminal_observation": last, "diverged": diverged}
-        return observed, reward.astype(np.float32), done, each
-
-    def close(self) -> None:
-        self._env.close()
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        return [getattr(self._env, attr_name)] * len(self._indices(indices))
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        raise NotImplementedError("the rules of the cells are fixed")
-
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
-        raise NotImplementedError("the cells have no methods of their own")
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        return [False] * len(self._indices(indices))
-
-    def _indices(self, indices: Any) -> Sequence[int]:
-        return range(self.num_envs) if indices is None else np.atleast_1d(indices).tolist()
 
 
 class _Curve(callbacks.BaseCallback):
@@ -116,8 +70,8 @@ def learn(
         env: its robots are the cells that learn; in SameStep mode.
         steps: learning iterations of ILC over all cells; a multiple of those of one episode of
             every cell, after each of which the network is updated.
-        start: the action that the policy begins with, in every situation: (3,) or (18,), in
-            [-1, 1].
+        start: the action that the policy begins with, in every situation: in [-1, 1], of the shape
+            of the actions.
         seed: of the first cell, the others count up from it, and of PPO's own draws.
         discount: of the reward of an iteration later.
         done: called after each learning iteration of each cell; what it raises ends the learning.

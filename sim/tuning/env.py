@@ -27,6 +27,11 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | delta | 0 | 25 | samples of 4 ms | whole numbers |
     | cutoff | 1 | 30 | Hz | logarithmic |
 
+    With action="correction" it is the next correction itself, for learning algorithms that stand
+    beside laws: (n m,), m coefficients of axis 1, then of axis 2 and so on. Each multiplies one of
+    m B-splines or sines over the record, which are zero at both ends, and five times the RMS of the
+    axis's error before learning (`armside.sim.tuning.correction_basis`).
+
     Observation: (8 n + 2,) float32, signals of a robot cell with n axes after a run, without the
     tool's position. With six axes:
 
@@ -46,6 +51,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     Errors and corrections are those of the motor shaft; with a twin, errors of the twin's motors.
     Where contours are drawn, the radius (0.001 to 0.1 m, log10) follows, and an entry for each of
     the shapes, +1 for the one that is cut and -1 for the others. Prismatic axes have m for rad.
+    Where actions are corrections, last error and last correction follow, (n m,) each, fitted in the
+    basis and scaled as actions are.
     Low becomes -1 and high +1; values outside are clipped, values that are not finite become +1.
 
     Reward: log(RMS before / RMS after) of the tool's contour as measured by the configured sensor,
@@ -69,6 +76,9 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         twin: str | PathLike[str] | None = None,
         shape: str | Sequence[str] = "circle",
         radius: float | Sequence[float] | None = None,
+        action: str = "design",
+        basis: str = "b-splines",
+        functions: int = 12,
         render_mode: str | None = None,
         picture: str = "drawing",
     ) -> None:
@@ -86,6 +96,9 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             radius: [m] of a circle, half the side of a square, the width of a hexagon or the length
                 of a slot; or a range (low, high) that each episode draws from. By default 5 mm, for
                 a slot 15 and for the others 10.
+            action: design, or correction: the next correction itself.
+            basis: b-splines or harmonics, of which corrections are made.
+            functions: of the basis, of each axis: 2 to 60.
             render_mode: rgb_array or None.
             picture: drawing (contour and errors, no GL needed) or mujoco (the robot).
 
@@ -101,6 +114,9 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             twin=twin,
             shape=shape,
             radius=radius,
+            action=action,
+            basis=basis,
+            functions=functions,
         )
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
@@ -142,7 +158,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         """Learn once and run.
 
         Args:
-            action: (3,) or (3 n,), in [-1, 1].
+            action: (3,) or (3 n,), or (n m,) where actions are corrections, in [-1, 1].
 
         Returns:
             observation float32, reward, diverged, budget used up, and info.
@@ -152,15 +168,15 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
                 on as if it had not been given.
             RuntimeError: before `reset`, or after the episode is over.
         """
-        design = self.rules.design(action)
+        decision = self.rules.decision(action)
         if not self._history:
             raise RuntimeError("call reset before the first step")
         before = self._history[-1]
         if before.diverged or self.rules.truncated(before):
             raise RuntimeError("this episode is over: call reset before the next step")
-        after = self.rules.advance(before, design)
+        after = self.rules.advance(before, decision)
         self._history.append(after)
-        return self.rules.step(before, after, design)
+        return self.rules.step(before, after, decision)
 
     def render(self) -> np.ndarray | None:  # type: ignore[override]
         """(320, 640, 3) uint8 of the episode so far; None without a render mode.

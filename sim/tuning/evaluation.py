@@ -12,7 +12,7 @@ from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..notes import Note
 from .action import SIX, Motors, action_of
-from .rules import Rules
+from .rules import Decision, Rules
 
 Policy = Callable[[np.ndarray], np.ndarray]
 """From an observation to an action, as the spaces of `Rules` have them."""
@@ -27,8 +27,8 @@ class Episode:
     """(K + 1,) [m], of the tool after each run; ends early where learning diverged."""
     rms_measured: Array
     """(K + 1,) [m], the same as measured by the configured sensor."""
-    designs: tuple[Design, ...]
-    """(K,), those that were taken."""
+    decisions: tuple[Decision, ...]
+    """(K,), designs or corrections that were taken."""
     diverged: bool
     notes: tuple[tuple[Note, ...], ...] = ()
     """Limits that changed each run."""
@@ -46,18 +46,18 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
     """
     rules.check_seed(seed)
     situation = rules.begin(rules.draw(np.random.default_rng(seed)))
-    runs, designs = [situation], list[Design]()
+    runs, decisions = [situation], list[Decision]()
     while not (situation.diverged or rules.truncated(situation)):
-        design = rules.design(policy(rules.observe(situation)))
-        situation = rules.advance(situation, design)
-        designs.append(design)
+        decision = rules.decision(policy(rules.observe(situation)))
+        situation = rules.advance(situation, decision)
+        decisions.append(decision)
         runs.append(situation)
     true = np.array([run.true.rms for run in runs])
     measured = np.array([run.measured.rms for run in runs])
     made = situation.experiment
     of_motion = tuple(motion_notes(made.motion, made.cut.limits))
     notes = tuple((*of_motion, *run.notes) for run in runs)
-    return Episode(seed, true, measured, tuple(designs), situation.diverged, notes)
+    return Episode(seed, true, measured, tuple(decisions), situation.diverged, notes)
 
 
 def evaluate(

@@ -12,6 +12,7 @@ from armside.ilc.measures.norms import two_norm
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .action import SIX
+from .correction_basis import CorrectionBasis
 from .shapes import LARGEST, SMALLEST, Shapes
 from .situation import Situation
 
@@ -34,10 +35,13 @@ BANDS = ((0.0, 3.0), (3.0, 8.0), (8.0, 16.0), (16.0, 125.0))
 
 @dataclass(frozen=True)
 class Layout:
-    """Features of a robot with so many axes, and of its contours where they are drawn."""
+    """Features of a robot with so many axes, of its contours where they are drawn, and of a basis
+    of corrections."""
 
     n_axes: int = SIX
     shapes: Shapes = field(default_factory=Shapes)
+    basis: CorrectionBasis | None = None
+    """Functions of the actions, where these are corrections."""
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
@@ -55,10 +59,15 @@ class Layout:
             Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
             Feature("iteration k", 1, "-", 0.0, 10.0, False),
         )
-        if not self.shapes.are_drawn:
+        if self.shapes.are_drawn:
+            radius = Feature("radius of the contour", 1, "m", SMALLEST, LARGEST)
+            shape = Feature("shape", len(self.shapes.names), "-", 0.0, 1.0, False)
+            every = (*every, radius, shape)
+        if self.basis is None:
             return every
-        radius = Feature("radius of the contour", 1, "m", SMALLEST, LARGEST)
-        return (*every, radius, Feature("shape", len(self.shapes.names), "-", 0.0, 1.0, False))
+        size, names = n * self.basis.count, ("error", "correction")
+        of_basis = (Feature(f"{name} in the basis", size, "-", -1.0, 1.0, False) for name in names)
+        return (*every, *of_basis)
 
     @cached_property
     def size(self) -> int:
@@ -100,6 +109,10 @@ class Layout:
         if self.shapes.are_drawn:
             values.append(np.array([task.radius]))
             values.append(np.array([float(name == task.shape) for name in self.shapes.names]))
+        if self.basis is not None:
+            own = situation.correction - situation.centre
+            for signal in (situation.error, own):
+                values.append(self.basis.fit(signal, situation.size).ravel())
         return self.normalised(np.concatenate(values)).astype(np.float32)
 
 

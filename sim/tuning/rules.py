@@ -27,6 +27,7 @@ from ..twin.library import learned, stored_twin
 from . import task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
+from .correction_basis import LARGEST_COUNT, Coefficients, CorrectionBasis
 from .observation import Layout
 from .sensor import RewardSensor, Sensor
 from .shapes import Shapes, shapes_of
@@ -36,6 +37,9 @@ from .task import TEST_SEEDS, Task
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
 
 
+Decision = Design | Coefficients
+"""What an action stands for."""
+ACTIONS = ("design", "correction")
 Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
 """Observation, reward, diverged, budget used up, info."""
 
@@ -70,6 +74,12 @@ class Rules:
     radius: float | Sequence[float] | None = None
     """[m], of the contours, or a range to draw from; that of the shape if None. See
     `armside.sim.cut.shapes.contour_of`."""
+    action: str = "design"
+    """Meaning of an action: the design of an iteration, or the next correction."""
+    basis: str = "b-splines"
+    """Functions that corrections are made of: b-splines or harmonics."""
+    functions: int = 12
+    """Functions of each axis."""
     cell: Cell = field(init=False, repr=False)
     """The robot's cell."""
     layout: Layout = field(init=False, repr=False)
@@ -87,7 +97,12 @@ class Rules:
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
         object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor)
-        layout = Layout(self.cell.robot.n_joints, shapes_of(self.shape, self.radius))
+        _one_of("action", self.action, ACTIONS)
+        count = whole("functions", self.functions, 2, LARGEST_COUNT)
+        basis = CorrectionBasis(self.basis, count)
+        shapes = shapes_of(self.shape, self.radius)
+        own = basis if self.action == "correction" else None
+        layout = Layout(self.cell.robot.n_joints, shapes, own)
         object.__setattr__(self, "layout", layout)
         object.__setattr__(self, "nominal", cell_model(self.cell))
         if isinstance(self.individual, Individual):
@@ -116,8 +131,12 @@ class Rules:
 
     @property
     def action_space(self) -> Box:
-        """(3,) or three of each motor, in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
-        size = len(VARIABLES) * Motors(self.motors).count(self.n_axes)
+        """(3,), three of each motor, or the coefficients of each axis, as
+        `armside.sim.tuning.env.IlcTuningEnv` has them."""
+        if self.layout.basis is not None:
+            size = self.n_axes * self.layout.basis.count
+        else:
+            size = len(VARIABLES) * Motors(self.motors).count(self.n_axes)
         return Box(-1.0, 1.0, (size,), np.float32)
 
     @property
@@ -161,13 +180,15 @@ class Rules:
         twin = None if self.twin is None else learned(stored_twin(self.twin), experiment.cut)
         return begin(drawn, experiment, self.sensor, twin)
 
-    def design(self, action: ArrayLike) -> Design:
-        """The design of an action. Raises ValueError as `design_of` does."""
+    def decision(self, action: ArrayLike) -> Decision:
+        """The design, or the correction, of an action. Raises ValueError as `design_of` does."""
+        if self.layout.basis is not None:
+            return self.layout.basis.decoded(action, self.n_axes)
         return design_of(action, Motors(self.motors), self.n_axes)
 
-    def advance(self, situation: Situation, design: Design) -> Situation:
+    def advance(self, situation: Situation, decision: Decision) -> Situation:
         """One iteration of learning."""
-        return advance(situation, design)
+        return advance(situation, decision)
 
     def score(self, before: Situation, after: Situation) -> Score:
         """The reward of a step."""
@@ -183,18 +204,18 @@ class Rules:
         """The budget of iterations is used up."""
         return situation.k >= self.iterations and not situation.diverged
 
-    def step(self, before: Situation, after: Situation, design: Design) -> Step:
-        """Outcome of an iteration with a design, as Gymnasium has it."""
+    def step(self, before: Situation, after: Situation, decision: Decision) -> Step:
+        """Outcome of an iteration with a decision, as Gymnasium has it."""
         score = self.score(before, after)
         ends = after.diverged, self.truncated(after)
-        return self.observe(after), score.reward, *ends, self.info(after, design, score)
+        return self.observe(after), score.reward, *ends, self.info(after, decision, score)
 
     def observe(self, situation: Situation) -> np.ndarray:
         """See `armside.sim.tuning.observation`."""
         return self.layout.of(situation)
 
     def info(
-        self, situation: Situation, design: Design | None = None, score: Score | None = None
+        self, situation: Situation, decision: Decision | None = None, score: Score | None = None
     ) -> dict[str, Any]:
         """Physical values and ground truth, for evaluation; a policy does not get them.
 
@@ -210,7 +231,8 @@ class Rules:
           log_decrease, log(RMS before / RMS after), NaN where there is none;
         - with a twin: rms_predicted [m], expected of the first run, and trusted, whether it is
           corrected;
-        - of a step: gamma, delta [samples] and cutoff [Hz], one for each motor.
+        - of a step: gamma, delta [samples] and cutoff [Hz], one for each motor, or the coefficients
+          (n, m) of the correction.
         """
         drawn = situation.task
         status = "done" if self.truncated(situation) else "running"
@@ -232,7 +254,7 @@ class Rules:
             "maxdev_seen": float(situation.measured.maxdev),
             **_of_twin(situation.twin),
             **({} if score is None else {"log_decrease": score.log_decrease}),
-            **({} if design is None else design.arrays(self.n_axes)),
+            **({} if decision is None else decision.arrays(self.n_axes)),
         }
 
 

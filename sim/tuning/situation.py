@@ -18,6 +18,7 @@ from ..laser.plant import Pass
 from ..notes import Note
 from ..robot.limits import saturation
 from ..twin.correction import Corrected
+from .correction_basis import REACH, Coefficients
 from .sensor import Reading, Sensor
 from .task import Task
 
@@ -58,6 +59,12 @@ class Situation:
         known = _trusted(self.twin)
         return np.zeros_like(self.correction) if known is None else known.correction
 
+    @property
+    def size(self) -> Array:
+        """(6,) [rad], arm side, correction of each axis for a coefficient of 1."""
+        gear = self.experiment.loaded.model.drives.gear
+        return REACH * self.first_norm / np.sqrt(len(self.error)) / gear
+
 
 def begin(
     task: Task, experiment: Experiment, sensor: Sensor, twin: Corrected | None = None
@@ -68,10 +75,13 @@ def begin(
     return _situation(task, experiment, sensor(experiment, cut), 0, correction, cut, twin=twin)
 
 
-def advance(situation: Situation, design: Design) -> Situation:
-    """Learn once with a design and run again."""
+def advance(situation: Situation, decision: Design | Coefficients) -> Situation:
+    """Learn once with a design, or take the chosen correction, and run again."""
     centre = situation.centre
-    correction = centre + design.law(situation.correction - centre, situation.error)
+    if isinstance(decision, Coefficients):
+        correction = centre + decision.correction(len(centre), situation.size)
+    else:
+        correction = centre + decision.law(situation.correction - centre, situation.error)
     cut = situation.experiment.plant.run(correction)
     fixed = situation.task, situation.experiment, situation.reading
     first, twin = situation.first_norm, situation.twin

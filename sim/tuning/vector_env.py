@@ -18,12 +18,11 @@ from gymnasium.vector.utils import batch_space
 
 from ..cores import cores
 from ..cut.notes import motion_notes
-from ..laser.design import Design
 from ..notes import Note, Tally
 from ..robot.individual import Individual
 from ..robot.spread import Drawn
 from .checks import whole
-from .rules import Rules, Step
+from .rules import Decision, Rules, Step
 from .situation import Situation
 
 Result = TypeVar("Result")
@@ -53,6 +52,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         twin: str | PathLike[str] | None = None,
         shape: str | Sequence[str] = "circle",
         radius: float | Sequence[float] | None = None,
+        action: str = "design",
+        basis: str = "b-splines",
+        functions: int = 12,
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
@@ -79,6 +81,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
             twin=twin,
             shape=shape,
             radius=radius,
+            action=action,
+            basis=basis,
+            functions=functions,
         )
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
@@ -156,13 +161,13 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         anew = self._over.copy()
         if anew.any() and self.autoreset_mode is not AutoresetMode.NEXT_STEP:
             raise RuntimeError("episodes are over: reset them with options['reset_mask']")
-        designs = [None if anew[i] else self._design(i, a) for i, a in enumerate(actions)]
+        decisions = [None if anew[i] else self._decision(i, a) for i, a in enumerate(actions)]
         same_step = self.autoreset_mode is AutoresetMode.SAME_STEP
         observations = np.empty(self.observation_space.shape, np.float32)  # type: ignore[arg-type]
         rewards = np.empty(self.num_envs)
         terminated, truncated = (np.empty(self.num_envs, dtype=bool) for _ in range(2))
         infos: dict[str, Any] = {}
-        for i, step in self._all(lambda i: self._next(i, designs[i]), range(self.num_envs)):
+        for i, step in self._all(lambda i: self._next(i, decisions[i]), range(self.num_envs)):
             observations[i], rewards[i], terminated[i], truncated[i], info = step
             self._over[i] = terminated[i] or truncated[i]
             if self._over[i] and same_step:
@@ -197,9 +202,9 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Stop the threads."""
         self._pool.shutdown()
 
-    def _design(self, i: int, action: np.ndarray) -> Design:
+    def _decision(self, i: int, action: np.ndarray) -> Decision:
         try:
-            return self.rules.design(action)
+            return self.rules.decision(action)
         except ValueError as error:
             raise ValueError(f"robot {i}: {error}") from None
 
@@ -211,15 +216,15 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self._situations[i] = situation
         return self.rules.observe(situation), 0.0, False, False, self.rules.info(situation)
 
-    def _next(self, i: int, design: Design | None) -> Step:
-        """One iteration of robot i; without a design, a new episode."""
-        if design is None:
+    def _next(self, i: int, decision: Decision | None) -> Step:
+        """One iteration of robot i; without a decision, a new episode."""
+        if decision is None:
             return self._start(i)
         before = self._situations[i]
         assert before is not None
-        after = self.rules.advance(before, design)
+        after = self.rules.advance(before, decision)
         self._situations[i] = after
-        return self.rules.step(before, after, design)
+        return self.rules.step(before, after, decision)
 
     def _all(
         self, function: Callable[[int], Result], robots: Sequence[int]

@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 
 import armside.sim.tuning  # noqa: F401 - registers the env
+from armside import assets
 from armside.scripts import cli
 from armside.sim.tuning.evaluation import run_episode
 from armside.sim.tuning.policy import Network
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
+TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")
 pytest.importorskip("stable_baselines3", reason="needs the extra [learn]", exc_type=ImportError)
 
 
 def test_the_env_checker_of_stable_baselines3_has_nothing_to_say():
-    from stable_baselines3.common.env_checker import check_env
+    from stable_baselines3.common.env_checker import check_env  # pyright: ignore[reportMissingImports]
 
     # Warnings are errors in this suite.
     check_env(gymnasium.make("armside/IlcTuning-v0", render_mode="rgb_array").unwrapped)
@@ -39,10 +41,19 @@ def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
     assert np.isfinite(episode.rms_true).all()
 
 
-def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
-    from stable_baselines3 import PPO
+def test_a_policy_of_corrections_is_trained(tmp_path):
+    words = "--robot two_link --action correction --functions 4 --robots 2 --steps 20 --quiet"
+    line = words.replace("two_link", str(TWO_LINK)).split()
+    assert cli.main(["train", *line, "--out", str(tmp_path / "a")]) == 0
+    network = Network.load(tmp_path / "a" / "policy.npz")
+    assert network.biases[-1].shape == (2 * 4,)
 
-    from armside.scripts.studies.ppo import Cells, _network
+
+def test_the_arrays_are_the_mean_action_of_the_model(tmp_path):
+    from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports]
+
+    from armside.scripts.studies.ppo import _network
+    from armside.sim.tuning.stable_baselines import Cells
     from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
     env = IlcTuningVectorEnv(2, autoreset_mode="SameStep")

@@ -117,7 +117,7 @@ def test_an_episode_of_each_shipped_arm_lies_in_its_spaces(file):
     n = rules.cell.robot.n_joints
     assert rules.action_space.shape == (3 * n,)
     before = rules.begin(rules.draw(np.random.default_rng(1)))
-    after = rules.advance(before, rules.design(np.full(3 * n, -0.5)))
+    after = rules.advance(before, rules.decision(np.full(3 * n, -0.5)))
     assert rules.observe(before) in rules.observation_space
     assert rules.observe(after) in rules.observation_space
     assert not after.diverged
