@@ -1,7 +1,7 @@
 """Heuristic design proposed from a model of T_u: gain and shift for a bandwidth, or for the
 highest of several, with one sentence on the expected convergence."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +12,7 @@ from ..laws.heuristic import Heuristic
 from ..models.system import System, require_stable
 from .criterion import (
     Criterion,
+    frequency_grid,
     hertz,
     heuristic_criterion,
     shift_response,
@@ -110,7 +111,7 @@ def propose(
         raise ValueError(f"the static gain of T_u must be > 0, as gamma must, got {gain:.3g}")
     if not 0.0 < fraction < 1.0:
         raise ValueError(f"fraction must be in (0, 1), got {fraction}")
-    found = _candidates(T_u, bandwidth, deltas, fraction, order)
+    found = list(_contracting(T_u, bandwidth, deltas, fraction, order))
     if not found:
         feasible = _largest_bandwidth(T_u, bandwidth, deltas, fraction, order)
         raise ValueError(
@@ -144,19 +145,23 @@ def design_for(
     return best
 
 
-def _candidates(
+def _contracting(
     T_u: System, bandwidth: float, deltas: range, fraction: float, order: int
-) -> list[Proposal]:
-    """One proposal for each shift that contracts fast enough."""
+) -> Iterator[Proposal]:
+    """One proposal for each shift that contracts fast enough.
+
+    A plain grid, which can only miss a peak, rules out most shifts.
+    """
     Q = ZeroPhaseButterworth(bandwidth, T_u.sample_time, order)
     limits = largest_gamma(T_u, deltas, [bandwidth], order=order)[:, 0]
-    found = []
+    grid = frequency_grid()
     for delta, limit in zip(deltas, limits.tolist(), strict=True):
         gamma = float(min(1.0 / T_u.static_gain, fraction * limit))
+        if heuristic_criterion(T_u, gamma, delta, Q, grid).contraction > SLOWEST:
+            continue
         result = heuristic_criterion(T_u, gamma, delta, Q)
         if result.contraction <= SLOWEST:
-            found.append(Proposal(T_u, Q, gamma, delta, result, limit))
-    return found
+            yield Proposal(T_u, Q, gamma, delta, result, limit)
 
 
 def _largest_bandwidth(
@@ -166,7 +171,7 @@ def _largest_bandwidth(
     low, high = 0.0, infeasible
     while high - low > 0.01 * high and high > 1e-3 * infeasible:
         middle = 0.5 * (low + high)
-        if _candidates(T_u, middle, deltas, fraction, order):
+        if next(_contracting(T_u, middle, deltas, fraction, order), None) is not None:
             low = middle
         else:
             high = middle

@@ -37,10 +37,12 @@ class AllPassPhase:
     """Inside the unit circle, complex ones with their conjugates."""
 
     def __call__(self, omega: Array) -> Array:
-        radius, angle = np.minimum(np.abs(self.poles), _INSIDE), np.angle(self.poles)
-        half = 0.5 * (np.asarray(omega)[..., None] - angle)
+        omega, poles = np.asarray(omega), self.poles[self.poles != 0.0]
+        radius, angle = np.minimum(np.abs(poles), _INSIDE), np.angle(poles)
+        half = 0.5 * (omega[..., None] - angle)
         slope = (1.0 + radius) / (1.0 - radius)
-        return (2.0 * np.arctan2(slope * np.sin(half), np.cos(half))).sum(axis=-1)
+        turns = 2.0 * np.arctan2(slope * np.sin(half), np.cos(half))
+        return turns.sum(axis=-1) + (len(self.poles) - len(poles)) * omega
 
     def grid(self, spacing: float = SPACING) -> Array:
         """Frequencies from 0 to pi with steps of about `spacing` in Theta."""
