@@ -1,0 +1,172 @@
+"""Frequency response matrices with uncertainty, from periodic experiments.
+
+    G(k) = Y(k) U(k)^-1        Y: outputs by experiments, U: inputs by experiments, at line k
+
+Noise is what differs between the periods of one experiment. With several realisations of the input
+(other phases, equal power) the variance between them holds the nonlinear distortions of the system
+too, and is the one that intervals are built from. Pintelon and Schoukens, "System Identification:
+A Frequency Domain Approach", 2nd ed., sections 2.7 and 4.3 (the robust method).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from armside.arrays import Array
+
+from ..records import as_real, as_record
+from .period_tests import excess, scatter
+
+Complex = NDArray[np.complex128]
+
+
+class PeriodicRecord(NamedTuple):
+    """One experiment: input (N, n) and output (N, p), N a whole number of periods."""
+
+    u: ArrayLike
+    y: ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """Responses (M, p, n) at omega (M,) [rad/sample], and their variances E |G - estimate|^2."""
+
+    omega: Array
+    response: Complex
+    noise_variance: Array
+    """(M, p, n), of the noise alone, from the periods."""
+    noise_freedom: int
+    """Complex degrees of freedom of that estimate."""
+    total_variance: Array | None
+    """(M, p, n), noise and nonlinear distortion, from the realisations; None for one of them."""
+    realisations: int
+    start_excess: float
+    """Excess of the first period over the noise, in standard deviations."""
+
+    @property
+    def variance(self) -> Array:
+        """(M, p, n), the one that intervals are built from."""
+        return self.noise_variance if self.total_variance is None else self.total_variance
+
+    @property
+    def freedom(self) -> int:
+        """Complex degrees of freedom of `variance`."""
+        return self.noise_freedom if self.total_variance is None else self.realisations - 1
+
+    def radius(self, confidence: float = 0.95) -> Array:
+        """(M, p, n), radius of the disc about each response that holds the true one.
+
+        |error|^2 / variance is F-distributed with 2 and twice `freedom` degrees of freedom.
+        """
+        nu = self.freedom
+        return np.sqrt(nu * ((1.0 - confidence) ** (-1.0 / nu) - 1.0) * self.variance)
+
+    @property
+    def distortion_excess(self) -> float:
+        """Excess of the variance between realisations over the noise, in standard deviations."""
+        if self.total_variance is None:
+            return 0.0
+        n, freedom = self.response.shape[2], (2 * (self.realisations - 1), 2 * self.noise_freedom)
+        ratio = self.total_variance / self.noise_variance
+        return excess(ratio, freedom, len(self.omega) * n)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons not to believe the response or its noise variance."""
+        found = []
+        if self.start_excess > _EXCESS:
+            found.append(
+                "the first period differs from the others by more than the noise: the start has "
+                "not died out, omit more periods"
+            )
+        if self.distortion_excess > _EXCESS:
+            found.append(
+                "responses differ between realisations by more than the noise: the system is not "
+                "linear, and the response depends on the power of the input"
+            )
+        return tuple(found)
+
+
+_EXCESS = 4.0  # standard deviations: of independent lines one set in 30,000
+_SINGULAR = 1e-9  # least singular value of U relative to the greatest
+
+
+def frequency_response(
+    realisations: Sequence[Sequence[PeriodicRecord]],
+    period: int,
+    lines: ArrayLike,
+    *,
+    omitted: int = 1,
+) -> FrequencyResponse:
+    """Response at the lines of `period` samples, from n experiments a realisation of n inputs.
+
+    Args:
+        realisations: for each realisation its n experiments, as of `orthogonal_multisines`.
+        lines: (M,) harmonics of the period that are excited.
+        omitted: periods at the start of each experiment that are not used.
+
+    Raises:
+        ValueError: for records that are no whole periods, fewer than two periods that remain, or
+            experiments that do not excite all inputs.
+    """
+    k = as_real(lines, "lines").astype(np.int64)
+    each = [_spectra(experiments, period, k, omitted) for experiments in realisations]
+    if not each:
+        raise ValueError("realisations must not be empty")
+    if len({(one.U.shape, one.Y.shape) for one in each}) > 1:
+        raise ValueError("realisations must have the same experiments and periods")
+    found = [_response(one) for one in each]
+    G, noise = (np.array(part) for part in zip(*found, strict=True))
+    R, (_, n, periods) = len(each), each[0].Y.shape[1:]
+    total = np.var(G, axis=0, ddof=1) / R if R > 1 else None
+    start = float(np.mean([scatter(one.Y) for one in each]) * np.sqrt(R))
+    return FrequencyResponse(
+        2 * np.pi * k / period, G.mean(axis=0), noise.mean(axis=0) / R, R * n * (periods - 1),
+        total, R, start,
+    )  # fmt: skip
+
+
+class _Spectra(NamedTuple):
+    U: Complex
+    """(M, n, n), inputs by experiments."""
+    Y: Complex
+    """(M, p, n, P), outputs by experiments by periods."""
+
+
+def _spectra(
+    experiments: Sequence[PeriodicRecord], period: int, k: np.ndarray, omitted: int
+) -> _Spectra:
+    records = [(as_record(u, "u"), as_record(y, "y")) for u, y in experiments]
+    n = records[0][0].shape[1] if records else 0
+    if len(records) != n or any(u.shape[1] != n for u, _ in records):
+        raise ValueError(f"{n} inputs need {n} experiments in each realisation, got {len(records)}")
+    for u, y in records:
+        if len(u) != len(y) or len(u) % period:
+            raise ValueError(
+                f"records must be whole periods of {period} samples, got {len(u)} and {len(y)}"
+            )
+        if len(u) // period - omitted < 2:
+            raise ValueError(f"two periods must remain, got {len(u) // period - omitted}")
+    U, Y = (_at_lines([pair[i] for pair in records], period, k, omitted) for i in (0, 1))
+    return _Spectra(U.mean(axis=3), Y)
+
+
+def _at_lines(signals: Sequence[Array], period: int, k: np.ndarray, omitted: int) -> Complex:
+    """(M, columns, experiments, periods)."""
+    folded = [s.reshape(-1, period, s.shape[1])[omitted:] for s in signals]
+    return np.fft.rfft(np.array(folded), axis=2)[:, :, k].transpose(2, 3, 0, 1)
+
+
+def _response(one: _Spectra) -> tuple[Complex, Array]:
+    """G (M, p, n) and its noise variance, by the covariance of the mean over periods."""
+    singular = np.linalg.svd(one.U, compute_uv=False)
+    if not (singular[:, -1] > _SINGULAR * singular[:, 0]).all():
+        raise ValueError("the experiments do not excite all inputs at each line")
+    inverse, periods = np.linalg.inv(one.U), one.Y.shape[3]
+    noise = one.Y.var(axis=3, ddof=1).mean(axis=2) / periods
+    return one.Y.mean(axis=3) @ inverse, noise[:, :, None] * np.square(np.abs(inverse)).sum(1)[
+        :, None
+    ]
