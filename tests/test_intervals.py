@@ -5,6 +5,8 @@
 | coefficients of an ARX fit | `ArxFit.confidence` | here |
 | response of an ARX fit | `ArxFit.response_deviation` | here |
 | gain and pole by output error | `FirstOrderModel.confidence` | here |
+| coefficients of ARMAX, output error of any order | `PolynomialFit.confidence` | here |
+| discs of a frequency response matrix | `FrequencyResponse.radius` | `ilc/test_frequency_response.py` |
 | parameters by prediction error | `armside identify`, standard deviation | here |
 | NIS of a filter | `armside identify` | here; of the arm: `sim/estimation` |
 | NEES of a filter | `armside identify` | here; of the arm: `sim/estimation` |
@@ -25,6 +27,8 @@ from armside.ilc.estimation.prediction_error import Whitened, estimate_parameter
 from armside.ilc.estimation.process import Process, steady_state_covariance
 from armside.ilc.identification.arx import fit_arx
 from armside.ilc.identification.first_order import fit_first_order
+from armside.ilc.identification.polynomial import Orders
+from armside.ilc.identification.polynomial_fit import fit_polynomial
 from armside.ilc.models.system import System
 from armside.sim.evaluation.interval import mean_interval
 
@@ -70,6 +74,31 @@ def gain_and_pole_by_output_error():
         y = SERVO.simulate(u) + 0.05 * rng.standard_normal(u.shape)
         low, high = fit_first_order(u, y, STEP, delays=[5]).confidence().T
         yield (low < [0.5083, 0.4884]) & (high > [0.5083, 0.4884])
+
+
+SECOND = System(np.array([0, 0, 0.2, 0.1]), np.array([1.0, -1.5, 0.7]), STEP)
+"""A lightly damped pair of poles."""
+
+
+def polynomial_fits(seed, orders, noise, truth):
+    rng = np.random.default_rng(seed)
+    for _ in range(80):
+        u = excitation(rng)
+        y = SECOND.simulate(u) + noise.simulate(0.1 * rng.standard_normal(u.shape))
+        low, high = fit_polynomial(u, y, STEP, orders).confidence().T
+        yield (low < truth) & (high > truth)
+
+
+def coefficients_of_armax():
+    noise = System(np.array([1.0, 0.5]), SECOND.a, STEP)
+    return polynomial_fits(5, Orders.armax(2, 2, 1, 2), noise, [-1.5, 0.7, 0.2, 0.1, 0.5])
+
+
+def coefficients_by_output_error():
+    noise = System(np.ones(1), np.ones(1), STEP)
+    truth = [0.2, 0.1, -1.5, 0.7]
+    yield from polynomial_fits(6, Orders.output_error(2, 2, 2), noise, truth)
+    yield from polynomial_fits(7, Orders.output_error(2, 2, 2), noise, truth)
 
 
 def walk(theta):
@@ -162,6 +191,8 @@ INTERVALS = (
     coefficients_of_arx,
     response_of_arx,
     gain_and_pole_by_output_error,
+    coefficients_of_armax,
+    coefficients_by_output_error,
     parameters_by_prediction_error,
     mean_nis,
     nees_of_the_filter,

@@ -1,0 +1,90 @@
+"""Starts of a prediction-error fit: linear least squares, refined by prefilters.
+
+Hannan and Rissanen (1982) regress on innovations of a long ARX model; Steiglitz and McBride (1965)
+repeat an ARX fit on data filtered by its own denominator, which tends to the output-error model.
+"""
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..filters import recursion
+from .polynomial import Orders, Polynomials
+
+_LONG = 20  # orders of the ARX model that gives innovations, at most
+_REPEATED = 15
+
+
+def starts(u: Array, y: Array, sample_time: float, orders: Orders) -> list[Polynomials]:
+    """Models with stable predictors to start from."""
+    found = [_from_dynamics(*_dynamics(u, y, orders, repeats), u, y, orders)
+             for repeats in ((0, _REPEATED) if orders.nf else (0,))]  # fmt: skip
+    models = [Polynomials(orders, theta, sample_time) for theta in found]
+    return [model.with_stable_predictor() for model in models]
+
+
+def _dynamics(u: Array, y: Array, orders: Orders, repeats: int) -> tuple[Array, Array]:
+    """Denominator A F as one polynomial (1, ...), and the coefficients of B."""
+    n, denominator = orders.na + orders.nf, np.ones(1)
+    b = np.zeros(orders.nb)
+    for _ in range(1 + repeats):
+        stable = Polynomials(Orders(nb=1, nk=0, nf=n), np.append(1.0, denominator[1:]), 1.0)
+        prefilter = stable.with_stable_predictor().parts["f"] if len(denominator) > 1 else [1.0]
+        past_y, past_u = (recursion(np.ones(1), np.asarray(prefilter), s) for s in (y, u))
+        columns = [-_back(past_y, i) for i in range(1, n + 1)]
+        columns += [_back(past_u, orders.nk + i) for i in range(orders.nb)]
+        found = _least_squares(columns, past_y)
+        denominator, b = np.append(1.0, found[:n]), found[n:]
+    return denominator, b
+
+
+def _from_dynamics(denominator: Array, b: Array, u: Array, y: Array, orders: Orders) -> Array:
+    """theta: the denominator for A or F, which both have where it is split by slow poles."""
+    f, a = _split(denominator, orders)
+    numerator = np.concatenate((np.zeros(orders.nk), b))
+    v = recursion(a, np.ones(1), y) - recursion(numerator, _stable(f), u)
+    c, d = _noise(v, u, y, orders)
+    return np.concatenate((a[1:], b, c, d, f[1:]))
+
+
+def _split(denominator: Array, orders: Orders) -> tuple[Array, Array]:
+    if not orders.na or not orders.nf:
+        one = np.ones(1)
+        return (denominator, one) if orders.nf else (one, denominator)
+    f = np.zeros(orders.nf + 1)
+    f[0] = 1.0
+    return f, denominator[: orders.na + 1]
+
+
+def _stable(f: Array) -> Array:
+    orders = Orders(nb=1, nk=0, nf=len(f) - 1)
+    return Polynomials(orders, np.append(1.0, f[1:]), 1.0).with_stable_predictor().parts["f"]
+
+
+def _noise(v: Array, u: Array, y: Array, orders: Orders) -> tuple[Array, Array]:
+    """C and D of the disturbance, with innovations of a long model of it."""
+    if not orders.nc and not orders.nd:
+        return np.zeros(0), np.zeros(0)
+    long = min(_LONG, len(v) // 10)
+    past = [_back(v, i) for i in range(1, long + 1)]
+    e = v - _predicted(past, v)
+    columns = [-_back(v, i) for i in range(1, orders.nd + 1)]
+    columns += [_back(e, i) for i in range(1, orders.nc + 1)]
+    found = _least_squares(columns, v)
+    return found[orders.nd :], found[: orders.nd]
+
+
+def _predicted(columns: list[Array], target: Array) -> Array:
+    if not columns:
+        return np.zeros_like(target)
+    found = _least_squares(columns, target)
+    return np.stack(columns, axis=2) @ found
+
+
+def _least_squares(columns: list[Array], target: Array) -> Array:
+    regressor = np.stack([column.ravel() for column in columns], axis=1)
+    return np.asarray(np.linalg.lstsq(regressor, target.ravel(), rcond=None)[0], dtype=np.float64)
+
+
+def _back(signal: Array, samples: int) -> Array:
+    return np.concatenate((np.zeros((samples, signal.shape[1])), signal))[: len(signal)]
