@@ -6,7 +6,7 @@
 | response of an ARX fit | `ArxFit.response_deviation` | here |
 | gain and pole by output error | `FirstOrderModel.confidence` | here |
 | coefficients of ARMAX, output error of any order | `PolynomialFit.confidence` | here |
-| discs of a frequency response matrix | `FrequencyResponse.radius` | `ilc/test_frequency_response.py` |
+| discs of a frequency response | `FrequencyResponse.radius` | `ilc/test_frequency_response.py` |
 | parameters by prediction error | `armside identify`, standard deviation | here |
 | NIS of a filter | `armside identify` | here; of the arm: `sim/estimation` |
 | NEES of a filter | `armside identify` | here; of the arm: `sim/estimation` |

@@ -9,12 +9,14 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import recursion
+from ..records import records
 from .polynomial import Orders, Polynomials
 
 _LONG = 20  # orders of the ARX model that gives innovations, at most
 _REPEATED = 15
 
 
+@records("u", "y")
 def starts(u: Array, y: Array, sample_time: float, orders: Orders) -> list[Polynomials]:
     """Models with stable predictors to start from."""
     found = [_from_dynamics(*_dynamics(u, y, orders, repeats), u, y, orders)

@@ -1,0 +1,142 @@
+"""Subspace identification of several inputs and outputs, without iterations.
+
+The column space of the observability matrix follows from a projection of future outputs on past
+inputs and outputs along future inputs (`subspace_projection`). B, D and the first state then
+minimise the one-step prediction errors, and so does the Kalman gain (`subspace_inputs`).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from ..estimation.consistency import Whiteness, residual_test
+from ..records import records
+from .arx import Information
+from .innovations_form import InnovationsForm, states
+from .subspace_inputs import refined
+from .subspace_projection import dynamics
+
+_HORIZON = 10  # block rows: twice the order that is meant, or more
+_ROUNDING = 1e-9  # innovations relative to the output that count as none
+
+
+@dataclass(frozen=True, eq=False)
+class SubspaceFit:
+    """Identified model, with the tests of its innovations."""
+
+    model: InnovationsForm
+    start: Array
+    """(n,), state at the first sample."""
+    singular_values: Array
+    """Of the projection: a gap after the n-th speaks for order n."""
+    n_samples: int
+    feedthrough: bool
+    whiteness: Whiteness | None
+    """Test of the innovations; None for records too short for it, or without noise."""
+
+    @property
+    def parameters(self) -> int:
+        """Independent parameters of the model: n (2 p + m), and p m of D."""
+        (n, m), p = self.model.B.shape, len(self.model.C)
+        return n * (2 * p + m) + (p * m if self.feedthrough else 0)
+
+    def score(self, criterion: Information) -> float:
+        """Information criterion; the smallest is best."""
+        penalty = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
+        size = max(float(np.linalg.det(self.model.S)), np.finfo(float).tiny)
+        return self.n_samples * np.log(size) + penalty * self.parameters
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons not to believe the model."""
+        found = []
+        if np.abs(self.model.poles).max() >= 1.0:
+            found.append("the model is not stable: more data, or another order")
+        if self.whiteness is not None and not self.whiteness.is_uncorrelated:
+            found.append(
+                f"the innovations are not white (p = {self.whiteness.p_value.min():.1g}): the "
+                "order is too low, or the system not linear"
+            )
+        return tuple(found)
+
+
+@records("u", "y", alike=False)
+def fit_subspace(
+    u: Array,
+    y: Array,
+    sample_time: float,
+    order: int,
+    *,
+    horizon: int = _HORIZON,
+    feedthrough: bool = False,
+) -> SubspaceFit:
+    """Model of n = `order` states from one record; u: (N, m), y: (N, p), from any start.
+
+    Args:
+        horizon: block rows of past and future, more than order / p.
+        feedthrough: fit D; 0 otherwise.
+
+    Raises:
+        ValueError: for an order that the horizon does not hold, or records that are too short.
+    """
+    m, p = u.shape[1], y.shape[1]
+    if not 1 <= order < horizon * p:
+        raise ValueError(f"order must be from 1 to below {horizon * p}, got {order}")
+    if len(y) < 2 * horizon * (m + p + 1) + 2 * horizon:
+        raise ValueError(f"a horizon of {horizon} needs more than {len(y)} samples")
+    scale_u, scale_y = (np.sqrt(np.square(s).mean(axis=0)) for s in (u, y))
+    if not (scale_u.all() and scale_y.all()):
+        raise ValueError("no column of u or y may be zero throughout")
+    A, C, K, singular = dynamics(u / scale_u, y / scale_y, order, horizon)
+    K, B, D, start = refined(A, C, K, u / scale_u, y / scale_y, feedthrough)
+    scaled = InnovationsForm(A=A, B=B, C=C, D=D, K=K, S=np.eye(p), sample_time=sample_time)
+    e = scaled.innovations(u / scale_u, y / scale_y, start) * scale_y
+    model = InnovationsForm(
+        A=A, B=B / scale_u, C=scale_y[:, None] * C, D=scale_y[:, None] * D / scale_u,
+        K=K / scale_y, S=e.T @ e / len(e), sample_time=sample_time,
+    )  # fmt: skip
+    noisy = (e.std(axis=0) > _ROUNDING * scale_y).all()
+    tested = residual_test(e) if noisy else None
+    return SubspaceFit(model, start, singular, len(y), feedthrough, tested)
+
+
+@records("u", "y", alike=False)
+def rank_subspace_orders(
+    u: Array,
+    y: Array,
+    sample_time: float,
+    orders: Iterable[int],
+    criterion: Information = Information.BIC,
+    *,
+    horizon: int = _HORIZON,
+    feedthrough: bool = False,
+) -> list[SubspaceFit]:
+    """Fits of all orders to one record, best first."""
+    given = {"horizon": horizon, "feedthrough": feedthrough}
+    fits = [fit_subspace(u, y, sample_time, order, **given) for order in orders]
+    return sorted(fits, key=lambda fit: fit.score(criterion))
+
+
+@records("u")
+def bootstrap_response_deviation(
+    fit: SubspaceFit, u: Array, omega: ArrayLike, rng: np.random.Generator, repeats: int = 50
+) -> Array:
+    """Standard deviation of the responses, sqrt(E |G - estimate|^2), (M, p, m).
+
+    Of fits to `repeats` records that the model makes from u (N, m) and white innovations.
+    """
+    model, found = fit.model, []
+    L = np.linalg.cholesky(model.S)
+    for _ in range(repeats):
+        e = rng.standard_normal((len(u), len(L))) @ L.T
+        y = model.simulate(u) + states(model.A, e @ model.K.T) @ model.C.T + e
+        again = fit_subspace(
+            u, y, model.sample_time, model.order,
+            horizon=max(_HORIZON, model.order + 1), feedthrough=fit.feedthrough,
+        )  # fmt: skip
+        found.append(again.model.response(omega))
+    return np.sqrt(np.square(np.abs(found - np.mean(found, axis=0))).sum(axis=0) / (repeats - 1))
