@@ -10,10 +10,16 @@ from armside.ilc.models.system_matrix import SystemMatrix
 
 STEP, PERIOD = 0.004, 100
 LINES = lines_between(2.5, 60.0, PERIOD, STEP)
+
+
+def lag(b, a):
+    return System(np.array(b, dtype=float), np.array(a, dtype=float), STEP)
+
+
 SERVO = SystemMatrix(
     (
-        (System([0, 0, 0.3], [1, -0.7], STEP), System([0, 0.05], [1, -0.2, 0.3], STEP)),
-        (System([0.02, 0.1], [1, -0.5], STEP), System([0, 0.4], [1, -0.6], STEP)),
+        (lag([0, 0, 0.3], [1, -0.7]), lag([0, 0.05], [1, -0.2, 0.3])),
+        (lag([0.02, 0.1], [1, -0.5]), lag([0, 0.4], [1, -0.6])),
     )
 )
 """Two coupled motors; (p, n) = (2, 2)."""
@@ -21,7 +27,7 @@ SERVO = SystemMatrix(
 
 def experiments(rng, periods=6, noise=0.0, output=lambda y: y):
     """Records of one realisation; noise with a spectrum of its own."""
-    colour = System([1.0], [1, -0.8], STEP)
+    colour = lag([1.0], [1, -0.8])
     for u in orthogonal_multisines(PERIOD, LINES, 2, rng, rms=[1.0, 2.0]):
         u = np.tile(u, (periods, 1))
         e = noise * colour.simulate(rng.standard_normal((u.shape[0], 2)))
@@ -96,7 +102,7 @@ def test_a_start_that_has_not_died_out_is_said():
 def test_experiments_that_say_too_little_are_refused(change, message):
     records = list(experiments(np.random.default_rng(5)))[: change.get("records", 2)]
     end = change.get("samples")
-    records = [PeriodicRecord(u[:end], y[:end]) for u, y in records]
+    records = [PeriodicRecord(np.array(u)[:end], np.array(y)[:end]) for u, y in records]
     if "same" in change:
         records = records[:1] * 2
     with pytest.raises(ValueError, match=message):

@@ -22,6 +22,10 @@ F = np.poly([0.95 * np.exp(0.3j), 0.95 * np.exp(-0.3j), 0.5]).real
 """A resonance at 12 Hz with 16 % damping, and a lag."""
 
 
+def of(b, a):
+    return System(np.array(b, dtype=float), np.array(a, dtype=float), STEP)
+
+
 class Case(NamedTuple):
     orders: Orders
     denominator: list[float]
@@ -30,19 +34,17 @@ class Case(NamedTuple):
 
 
 CASES = {
-    "output error": Case(
-        Orders.output_error(2, 3, 2), list(F), System([1.0], [1.0], STEP), [*B, *F[1:]]
-    ),
-    "ARMAX": Case(Orders.armax(2, 2, 1, 2), A, System(C, A, STEP), [*A[1:], *B, C[1]]),
+    "output error": Case(Orders.output_error(2, 3, 2), list(F), of([1.0], [1.0]), [*B, *F[1:]]),
+    "ARMAX": Case(Orders.armax(2, 2, 1, 2), A, of(C, A), [*A[1:], *B, C[1]]),
     "Box-Jenkins": Case(
-        Orders.box_jenkins(2, 1, 1, 3, 2), list(F), System(C, D, STEP), [*B, C[1], D[1], *F[1:]]
+        Orders.box_jenkins(2, 1, 1, 3, 2), list(F), of(C, D), [*B, C[1], D[1], *F[1:]]
     ),
 }
 
 
 def record(case, rng, n=400, noise=NOISE):
-    u = System(np.full(5, 0.2), [1.0], STEP).simulate(rng.standard_normal((n, 1)))
-    system = System([0, 0, *B], case.denominator, STEP)
+    u = of(np.full(5, 0.2), [1.0]).simulate(rng.standard_normal((n, 1)))
+    system = of([0, 0, *B], case.denominator)
     return u, system.simulate(u) + case.noise.simulate(noise * rng.standard_normal(u.shape))
 
 
@@ -67,7 +69,7 @@ def test_without_noise_the_fit_is_exact():
     for order in (1, 2, 4, 6):
         pairs = rng.uniform(0.5, 0.97, order // 2) * np.exp(1j * rng.uniform(0.1, 2.5, order // 2))
         poles = [*pairs, *pairs.conj(), *rng.uniform(0.2, 0.9, order % 2)]
-        true = System([0, 0, *rng.standard_normal(order)], np.poly(poles).real, STEP)
+        true = of([0, 0, *rng.standard_normal(order)], np.poly(poles).real)
         u = rng.standard_normal((500, 1))
         fit = fit_polynomial(u, true.simulate(u), STEP, Orders.output_error(order, order, 2))
         np.testing.assert_allclose(fit.system.a, true.a, atol=1e-7)
@@ -100,7 +102,7 @@ def test_a_wrong_model_of_the_noise_is_named_with_its_effect():
     assert [text for text in simulated.warnings if "their intervals are wrong" in text]
     biased = fit_polynomial(u, y, STEP, Orders(na=3, nb=2, nk=2))
     assert [text for text in biased.warnings if "coefficients are biased" in text]
-    true = System([0, 0, *B], case.denominator, STEP).response([0.3])
+    true = of([0, 0, *B], case.denominator).response([0.3])
     error = [abs(fit.system.response([0.3]) - true)[0] for fit in (simulated, biased)]
     assert error[0] < 0.3 * error[1]
 

@@ -4,6 +4,7 @@ import inspect
 import pkgutil
 from collections.abc import Iterator
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +42,7 @@ INTERNAL = {"QuadraticProblem", "Factored"}
 """Classes behind a law, whose records have passed its gate."""
 
 
-def public_functions() -> Iterator[tuple[str, object]]:
+def public_functions() -> Iterator[tuple[str, Any]]:
     """Functions and methods of all modules, `__call__` among them."""
     for info in pkgutil.walk_packages(armside.ilc.__path__, "armside.ilc."):
         module = import_module(info.name)
@@ -133,8 +134,10 @@ def test_a_missing_value_is_refused_where_it_has_no_meaning():
 
 def test_records_of_one_law_must_have_one_shape():
     @records("u", "e")
-    def law(u, e):
+    def gated(u, e):
         return u + e
+
+    law: Any = gated
 
     with pytest.raises(ValueError, match=r"u and e must have one shape, got \(5, 1\) and \(5, 6\)"):
         law(np.ones((5, 1)), np.ones((5, 6)))
@@ -150,7 +153,7 @@ def test_filters_and_shifts_compute_in_double_precision(dtype):
     cutoff = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0)
     functions = [
         ZeroPhaseButterworth(cutoff, 0.004),
-        System([0, 0.5], [1, -0.5], 0.004).simulate,
+        System(np.array([0, 0.5]), np.array([1, -0.5]), 0.004).simulate,
         lambda signal: shift(signal, 2),
     ]
     for function in functions:
