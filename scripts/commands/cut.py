@@ -15,19 +15,15 @@ from armside.sim.records.summary import dumps, summary
 
 from ..cutting import first_cut
 from ..cutting.earlier import FromCfg, earlier, kept_state, save_state, show_transfer
+from ..cutting.endings import fail_unless_done
 from ..cutting.part import by_twin_of, part_of, plan_entries, planned, prepared, uncorrected
 from ..cutting.part_options import CutCfg
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
-from ..shell.errors import RunFailed, checking_input
+from ..shell.errors import checking_input
 from ..shell.options import Common, check_read
 
 Drawing = Annotated[Path | None, Parameter(validator=check_read)]
-ENDS = {
-    "diverged": "learning diverged at iteration {k}",
-    "worse": "learning made the tool worse than before",
-}
-"""Endings that are failures."""
 
 
 def cut(
@@ -92,8 +88,7 @@ def cut(
     if ready is not None:
         show_results(report, outcome)
     report.results(outcome, folder.path)
-    if outcome["status"] in ENDS:
-        raise RunFailed(ENDS[outcome["status"]].format(k=outcome["iterations"][-1]["k"]))
+    fail_unless_done(outcome)
 
 
 def _learned(

@@ -4,17 +4,18 @@ from dataclasses import replace
 
 from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.plant import Pass
-from armside.sim.laser.results import iteration_row, quality, results
+from armside.sim.laser.results import iteration_row, quality
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import summary
 
 from ..cutting import first_cut
 from ..cutting.earlier import FromCfg, earlier, kept_state, save_state, show_transfer
+from ..cutting.endings import fail_unless_done
 from ..cutting.learning import prepared
 from ..cutting.options import LaserCfg
 from ..figures.laser_results import show, write
 from ..shell.console import Report
-from ..shell.errors import RunFailed, checking_input
+from ..shell.errors import checking_input
 from ..shell.options import Common
 
 
@@ -47,7 +48,7 @@ def laser(
         for _ in range(0 if last.diverged else cfg.repetitions):
             repeated.append(experiment.plant.run(last.correction))
             step()
-    found = results(experiment, iterations) | quality(experiment, iterations, repeated, cfg.beam)
+    found = job.results(iterations) | quality(experiment, iterations, repeated, cfg.beam)
     uncorrected = job.uncorrected
     if before is not None:
         found |= {"started_from": before.entry}
@@ -67,5 +68,4 @@ def laser(
     if "predicted" in outcome:
         report.line(first_cut.line(outcome["predicted"], outcome["iterations"]))
     show(report, outcome, folder.path)
-    if outcome["status"] == "diverged":
-        raise RunFailed(f"learning diverged at iteration {last.k}")
+    fail_unless_done(outcome)

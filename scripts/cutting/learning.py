@@ -10,6 +10,7 @@ from armside.sim.laser.experiment import Experiment, Iteration, prepare
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import Measure, SetUp
 from armside.sim.laser.results import results
+from armside.sim.laser.tool_measure import ToolPath
 
 from .earlier import Earlier
 from .first_cut import ByTwin, corrected
@@ -32,6 +33,11 @@ class Prepared:
         """Without a twin. Raises ValueError for a robot that the measure cannot serve."""
         set_up = measure.prepare(experiment)
         return cls(experiment=experiment, measure=measure, set_up=set_up)
+
+    def results(self, iterations: list[Iteration]) -> dict[str, Any]:
+        """Status, limits and measures of its runs, as `summary.json` has them."""
+        of_tool = isinstance(self.measure, ToolPath)
+        return results(self.experiment, iterations, of_tool=of_tool)
 
     @property
     def start(self) -> Array | None:
@@ -78,5 +84,5 @@ def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
     job = prepared(cfg, seed)
     if cfg.twin is not None:
         job = job.by_twin_of(cfg.twin)
-    found = results(job.experiment, list(job.iterations(cfg.iterations)))
+    found = job.results(list(job.iterations(cfg.iterations)))
     return found if job.by_twin is None else found | {"predicted": job.by_twin.predicted}

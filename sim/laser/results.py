@@ -1,7 +1,7 @@
 """Results of a cutting experiment: the entries of its `summary.json`."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,9 +14,13 @@ from ..robot.linkage import checked_loop_error
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate
 from .measures import Measure, MotorAngles
-from .notes import notes
+from .notes import GROWTH, notes
 from .plant import Pass
 from .specification import Cut
+from .tool_measure import ToolPath
+
+Status = Literal["done", "worse", "diverged"]
+"""End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it."""
 
 
 def run(
@@ -25,11 +29,27 @@ def run(
     """Learn a cut and return its `results`."""
     experiment = prepare(cut, seed=seed)
     found = iterate(experiment, measure.prepare(experiment), iterations)
-    return results(experiment, list(found))
+    return results(experiment, list(found), of_tool=isinstance(measure, ToolPath))
 
 
-def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, Any]:
+def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
+    """End of a run.
+
+    of_tool: it learned from the tool. Of one that learned from its motors, `notes` say that the
+    tool got worse.
+    """
+    first, last = iterations[0], iterations[-1]
+    if last.diverged:
+        return "diverged"
+    return "worse" if of_tool and last.tool.rms > GROWTH * first.tool.rms else "done"
+
+
+def results(
+    experiment: Experiment, iterations: list[Iteration], *, of_tool: bool = False
+) -> dict[str, Any]:
     """Status, limits and measures of a run, as `summary.json` has them.
+
+    of_tool: as of `status`.
 
     Raises RuntimeError for a closed chain that did not stay closed.
     """
@@ -39,7 +59,7 @@ def results(experiment: Experiment, iterations: list[Iteration]) -> dict[str, An
             row[f"{name}_normalised"] = _normalised(row[name], rows[0][name])
     motion = experiment.motion
     return {
-        "status": "diverged" if iterations[-1].diverged else "done",
+        "status": status(iterations, of_tool=of_tool),
         "limits_hit": [
             {"k": k, "limit": name, "axis": axis, "time": time}
             for k, hits in (

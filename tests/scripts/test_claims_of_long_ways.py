@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from armside.scripts.verifications.long_way import DEVELOPMENT, TASKS, Found, tried, verdicts
-from armside.sim.notes import Tally
+from armside.scripts.jobs.store import Store
+from armside.scripts.verifications.long_way import DEVELOPMENT, POSES, long_way, verdicts
+from armside.scripts.verifications.long_way_cut import TASKS, Found, WayJob, found_of
+from armside.sim.notes import Cause
 
 GOOD = [
     Found(
@@ -17,7 +20,7 @@ GOOD = [
         tracker=5e-6,
         nees=3.0,
         silent=False,
-        said=Tally(),
+        notes=(),
     )
     for seed in range(3)
     for task in TASKS
@@ -37,7 +40,7 @@ def test_good_cuts_hold():
     [
         ({"estimate": 0.26e-4}, "estimate after five updates over k = 0"),
         ({"tracker": 0.11e-4}, "tracker after five updates over k = 0"),
-        ({"silent": True}, "never done while the truth has grown"),
+        ({"silent": True}, "never done while the truth has grown (1 of 15 are)"),
     ],
 )
 def test_one_cut_beyond_its_bar_fails(change: dict, statement: str):
@@ -46,7 +49,7 @@ def test_one_cut_beyond_its_bar_fails(change: dict, statement: str):
 
 def test_an_estimate_above_its_start_fails_twice():
     worse = failing([*GOOD[:-1], replace(GOOD[-1], estimate=1.01e-4)])
-    assert worse[-1] == "the estimate never ends above k = 0"
+    assert worse[-1] == "the estimate never ends above k = 0 (1 of 15 do)"
 
 
 def test_the_median_and_the_consistency_have_bars_of_their_own():
@@ -62,5 +65,25 @@ def test_seeds_that_judge_are_not_those_of_development():
 
 def test_a_circle_of_radius_20_is_learned_from_the_estimate():
     """The quick slice: one cut of a seed of development."""
-    found = tried((100, "p1", "radius 20 mm, 80 mm/s"))
-    assert failing([found]) == []
+    job = WayJob(seed=100, pose="p1", task="radius 20 mm, 80 mm/s")
+    assert failing([found_of(job, job.run())]) == []
+
+
+def test_cuts_that_are_kept_are_not_made_again(tmp_path):
+    """All cuts of a seed that are stored: none is left to run, and the table has theirs."""
+    store, size = Store(tmp_path), {}
+    for i, (pose, task) in enumerate((pose, task) for pose in POSES for task in TASKS):
+        values = {"start": 1e-4, "estimate": (1 + i) * 1e-6, "tracker": 5e-6, "nees": 3.0}
+        arrays = {name: np.array(value) for name, value in values.items()}
+        said = {"causes": np.array(["guard"]), "texts": np.array(["went back"])}
+        job = WayJob(seed=7, pose=pose, task=task)
+        store.save(job, arrays | said | {"silent": np.array(i == 3)})
+        size[pose, task] = (1 + i) * 1.0
+    table = long_way([7], tmp_path)
+    assert {row[1:3]: pytest.approx(row[4]) for row in table.rows} == size
+    assert [check.statement for check in table.verdicts if not check.holds] == [
+        "never done while the truth has grown (1 of 15 are)"
+    ]
+    (note,) = table.notes
+    assert note.cause is Cause.GUARD
+    assert "in 15 of 15 learned cuts" in note.text

@@ -115,15 +115,16 @@ def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array]:
     """(N, 6, n) and (N, 3, n): see `RigidMotion`."""
     mj, data = motion.mj, motion.data()
     site = mj.site("imu").id
-    J, tilt = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3, q.shape[1]))
+    J, up = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3))
     for i, angles in enumerate(q):
         motion.place(data, angles)
         mujoco.mj_fwdPosition(mj, data)
         in_base = motion.jacobian(data, site)
         R = data.site_xmat[site].reshape(3, 3).T
         J[i, :3], J[i, 3:] = R @ in_base[:3], R @ in_base[3:]
-        tilt[i] = np.cross(-R @ mj.opt.gravity, J[i, 3:].T).T  # gravity turns against the unit
-    return J, tilt
+        up[i] = -R @ mj.opt.gravity
+    tilt = np.cross(up[:, :, None], J[:, 3:], axis=1)  # gravity turns against the unit
+    return J, np.ascontiguousarray(tilt)
 
 
 def _matrices(motion: FreeMotion, postures: Array) -> tuple[Array, Array]:
