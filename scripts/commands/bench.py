@@ -18,7 +18,7 @@ from ..shell.registry import unknown
 
 BENCHMARKS = (
     *("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start"),
-    "commission",
+    *("commission", "parts"),
 )
 """A new benchmark is a name here and two lines in `load`."""
 
@@ -50,6 +50,8 @@ def load(name: str) -> Callable[[], Sequence[Row]]:
             from ..benchmarks.start import start as benchmark
         case "commission":
             from ..benchmarks.commission import commission as benchmark
+        case "parts":
+            from ..benchmarks.parts import parts as benchmark
         case _:
             raise unknown("benchmark", name, BENCHMARKS)
     return benchmark

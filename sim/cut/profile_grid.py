@@ -124,20 +124,26 @@ class Grid:
         return found + self._joint_rows()
 
     def _joint_rows(self) -> list[Rows]:
+        """Limits of joints, at each point those that speed and acceleration can come to."""
         if self.joints is None:
             return []
-        found, inside, joints = [], ~self.held, self.joints
-        most = np.abs(joints.along) * self.limits.acceleration + np.abs(joints.offset)
-        most += np.abs(joints.bend) * self.unit
-        for j in np.flatnonzero(most.max(axis=0) > 1.0):
-            slope = joints.along[:, j] * self.unit / (4.0 * self.step)
-            bend, offset = joints.bend[:, j] * self.unit, joints.offset[:, j]
-            size = np.maximum(1.0, 2.0 * np.abs(slope) + np.abs(bend))  # rows of order 1
-            slope, bend, offset = slope / size, bend / size, offset / size
-            for sign in (1.0, -1.0):
-                bound = np.where(inside, 1.0 / size - sign * offset, np.inf)
-                found.append(Rows(-sign * slope, sign * bend, sign * slope, bound))
-        return found
+        joints, unit = self.joints, self.unit
+        bend, offset = joints.bend * self.caps[:, None] ** 2, joints.offset
+        reach = np.abs(joints.along) * self.limits.acceleration
+        signs = np.repeat([1.0, -1.0], joints.along.shape[1])
+        most = [reach + np.maximum(sign * bend, 0.0) + sign * offset for sign in (1.0, -1.0)]
+        near = (np.hstack(most) > 1.0) & ~self.held[:, None]
+        # Few limits are near at one place: the k-th row of a point is the k-th of those.
+        chosen = np.argsort(~near, axis=1, kind="stable")[:, : near.sum(axis=1).max()]
+        slope, bend, offset = (
+            np.take_along_axis(np.hstack([part, part]), chosen, axis=1).T * signs[chosen].T
+            for part in (joints.along * unit / (4.0 * self.step), joints.bend * unit, joints.offset)
+        )
+        size = np.maximum(1.0, 2.0 * np.abs(slope) + np.abs(bend))  # rows of order 1
+        used = np.take_along_axis(near, chosen, axis=1).T
+        bound = np.where(used, (1.0 - offset) / size, np.inf)
+        slope, bend = slope / size, bend / size
+        return [Rows(-s, b, s, most) for s, b, most in zip(slope, bend, bound, strict=True)]
 
     def jerk_rows(self, x: Array | None) -> list[Rows]:
         """Limit of jerk, linearised at x (N,) over its unit; at the caps if None."""

@@ -9,10 +9,11 @@ the other, each with a step length and a barrier of its own.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
+from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from armside.arrays import Array
 
@@ -96,7 +97,12 @@ class Programme:
 
     def per_path(self, values: Array) -> Array:
         """(N,), for each point a value of its path (M,)."""
-        return np.repeat(values, np.diff(self.starts, append=self.bound.shape[1]))
+        return np.repeat(values, self.sizes)
+
+    @cached_property
+    def sizes(self) -> NDArray[np.int64]:
+        """(M,), number of points of each path."""
+        return np.diff(self.starts, append=self.bound.shape[1])
 
 
 def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -105,7 +111,7 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
     x: where to start; held points keep it.
     """
     A, starts = programme, programme.starts
-    count = np.diff(starts, append=len(x)) * len(A.bound)
+    count = A.sizes * len(A.bound)
     slack = np.maximum(A.bound - A.times(x), 0.1)
     z = np.full_like(slack, 1.0 / len(A.bound))
     found = np.zeros(len(starts), dtype=bool)
@@ -119,15 +125,15 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
             break
         moving = A.per_path(np.where(found, 0.0, 1.0))
         weight = np.where(moving > 0.0, np.minimum(z / slack, HEAVIEST), 1.0)
-        band = A.normal(weight)
+        factor = cholesky_banded(A.normal(weight), lower=True, check_finite=False)
         # Predictor: straight to complementarity of zero.
-        step = _direction(A, band, weight, slack, z, dual, primal, slack * z)
+        step = _direction(A, factor, weight, slack, z, dual, primal, slack * z)
         length = _length(A, slack, z, step, 1.0)
         after = (slack + length[0] * step[1]) * (z + length[1] * step[2])
         reached = np.add.reduceat(after.sum(axis=0), starts) / count
         target = A.per_path(gap * np.clip(reached / np.maximum(gap, 1e-300), 0.0, 1.0) ** 3)
         step = _direction(
-            A, band, weight, slack, z, dual, primal, slack * z + step[1] * step[2] - target
+            A, factor, weight, slack, z, dual, primal, slack * z + step[1] * step[2] - target
         )
         along, beside = _length(A, slack, z, step, TO_BOUNDARY)
         x = x + moving * along * step[0]
@@ -138,7 +144,7 @@ def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
 
 def _direction(
     A: Programme,
-    band: Array,
+    factor: Array,
     weight: Array,
     slack: Array,
     z: Array,
@@ -146,10 +152,10 @@ def _direction(
     primal: Array,
     complementarity: Array,
 ) -> tuple[Array, Array, Array]:
-    """Newton step of x, slack and z."""
+    """Newton step of x, slack and z. factor: of the normal matrix, by Cholesky."""
     right = -dual + A.back(complementarity / slack - weight * primal)
     right[A.held] = 0.0
-    dx = solveh_banded(band, right, lower=True, check_finite=False)
+    dx = cho_solve_banded((factor, True), right, check_finite=False)
     dx[A.held] = 0.0
     ds = -primal - A.times(dx)
     return dx, ds, -(complementarity + z * ds) / slack
@@ -161,8 +167,6 @@ def _length(
     """Step lengths (N,) of each path, of x with slack and of z."""
     lengths = []
     for value, change in ((slack, step[1]), (z, step[2])):
-        free = np.full_like(value, np.inf)
-        np.divide(-value, change, out=free, where=change < -1e-100)
-        free = np.minimum.reduceat(free.min(axis=0), A.starts)
-        lengths.append(A.per_path(np.minimum(1.0, most * free)))
+        fastest = np.maximum.reduceat((-change / value).max(axis=0), A.starts)
+        lengths.append(A.per_path(np.minimum(1.0, most / np.maximum(fastest, 1e-300))))
     return lengths[0], lengths[1]

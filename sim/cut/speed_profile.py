@@ -28,8 +28,9 @@ START = 0.25
 """Speed at the end of the first phase, relative to the lowest one allowed near it."""
 ATTEMPTS = 10
 """Most changes of the first phase or of the fraction of the jerk limit."""
-TOGETHER = 20_000
-"""Grid points that are solved at once: memory does not grow with the number of paths."""
+TOGETHER = 2000
+"""Grid points that are solved at once: memory does not grow with the number of paths, and a
+programme of that size stays in a processor's cache."""
 
 
 @dataclass(frozen=True)

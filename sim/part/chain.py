@@ -85,9 +85,7 @@ class Chain:
 
     def point(self, s: ArrayLike) -> Array:
         """Points (..., 2) at arc lengths s [m] from 0 to `length`."""
-        element, along = self._locate(s)
-        step = chord(along, self.curvature[element], self.heading[element])
-        return self.points[element] + step
+        return self._on(*self._locate(s))
 
     def direction(self, s: ArrayLike) -> Array:
         """Headings [rad] at arc lengths s [m]."""
@@ -111,18 +109,22 @@ class Chain:
         bend = np.abs(self.curvature)
         step = np.sqrt(8.0 * sagitta / np.maximum(bend, 1e-12))
         parts = np.maximum(1, np.ceil(self.lengths / step)).astype(int)
-        pieces = [np.arange(n) / n for n in parts]
-        s = np.concatenate([e + length * p for e, length, p in self._rows(pieces)])
-        return np.vstack([self.point(s), self.points[-1:]])
-
-    def _rows(self, pieces: list[Array]) -> Iterable[tuple[float, float, Array]]:
-        return zip(self.ends[:-1], self.lengths, pieces, strict=True)
+        element = np.repeat(np.arange(len(parts)), parts)
+        before = np.concatenate([[0], np.cumsum(parts)[:-1]])
+        fraction = (np.arange(len(element)) - before[element]) / parts[element]
+        s = self.ends[element] + self.lengths[element] * fraction
+        return np.vstack([self._on(element, s - self.ends[element]), self.points[-1:]])
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
         at = np.asarray(s, dtype=np.float64)
         element = np.searchsorted(self.ends, at, side="right") - 1
         element = np.clip(element, 0, len(self.bulge) - 1).astype(np.int64)
         return element, at - self.ends[element]
+
+    def _on(self, element: NDArray[np.int64], along: Array) -> Array:
+        """Points (..., 2) on elements, at lengths [m] from their starts."""
+        step = chord(along, self.curvature[element], self.heading[element])
+        return self.points[element] + step
 
     @cached_property
     def _chord_length(self) -> Array:

@@ -19,8 +19,10 @@ from .order import order
 from .part import Contour, Part
 from .rounding import CORNER, SMOOTH, smooth
 
-JointsAlong = Callable[[Chain], BoundsAt | None]
-"""Limits of joints along a path in the drawing; None where they limit nothing."""
+TOGETHER = 64
+"""Paths whose speeds are planned at once: memory does not grow with the number of contours."""
+JointsAlong = Callable[[Sequence[Chain]], Sequence[BoundsAt | None]]
+"""Limits of joints along paths in the drawing; None where they limit nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +110,7 @@ class Plan:
 def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None = None) -> Plan:
     """Plan of a part. The tool starts at the lower left corner of its box.
 
-    joints: limits of a robot's joints along a path; none if None.
+    joints: limits of a robot's joints along paths; none if None.
 
     Raises ValueError, with contour and place, where the beam is too wide.
     """
@@ -160,19 +162,42 @@ def _profiles(
     paths: Sequence[Chain], cutting: Cutting, joints: JointsAlong | None
 ) -> list[Profile]:
     """Speed profiles, one for all paths of the same elements that no joint limits."""
-    bounds = [None if joints is None else joints(path) for path in paths]
+    known, found = dict[bytes, Profile](), list[Profile]()
+    for begin in range(0, len(paths), TOGETHER):
+        some = paths[begin : begin + TOGETHER]
+        bounds = [None] * len(some) if joints is None else joints(some)
+        found += _of_some(some, bounds, cutting, known)
+    return found
+
+
+def _of_some(
+    paths: Sequence[Chain],
+    bounds: Sequence[BoundsAt | None],
+    cutting: Cutting,
+    known: dict[bytes, Profile],
+) -> list[Profile]:
+    """Profiles of paths. known: by elements, of paths that no joint limits; new ones are added."""
     elements = [np.column_stack([path.lengths, path.curvature]) for path in paths]
-    keys = [
-        (np.round(each, 9).tobytes(), None if bound is None else i)
-        for i, (each, bound) in enumerate(zip(elements, bounds, strict=True))
+    keys = [np.round(each, 9).tobytes() for each in elements]
+    free = {key: _bends(each) for key, each in zip(keys, elements, strict=True)}
+    new = [key for key, bound in zip(keys, bounds, strict=True) if bound is None]
+    new = [key for key in dict.fromkeys(new) if key not in known]
+    limited = [
+        _bends(each, bound)
+        for each, bound in zip(elements, bounds, strict=True)
+        if bound is not None
     ]
-    different = {
-        key: Bends(each[:, 0], each[:, 1], bound)
-        for key, each, bound in zip(keys, elements, bounds, strict=True)
-    }
-    found = profiles(list(different.values()), cutting.speed, cutting.limits)
-    by_key = dict(zip(different, found, strict=True))
-    return [by_key[key] for key in keys]
+    made = profiles([*(free[key] for key in new), *limited], cutting.speed, cutting.limits)
+    known |= dict(zip(new, made, strict=False))
+    of_limited = iter(made[len(new) :])
+    return [
+        known[key] if bound is None else next(of_limited)
+        for key, bound in zip(keys, bounds, strict=True)
+    ]
+
+
+def _bends(elements: Array, bounds: BoundsAt | None = None) -> Bends:
+    return Bends(elements[:, 0], elements[:, 1], bounds)
 
 
 def _joints(contour: Contour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:

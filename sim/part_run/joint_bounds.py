@@ -8,7 +8,8 @@ rigid arm is linear in a and v^2,
 so that its limit bounds both in a line. Friction takes its part of each drive first.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -34,6 +35,10 @@ COARSE, MARGIN = 4.0, 0.05
 of its places, 0.4 rad apart, differ from the linear by less than half of that."""
 BESIDE = 1e-9
 """Distance of the outermost places of an element from its ends [m]."""
+TOGETHER = 5000
+"""Places at which the arm is evaluated at once: memory does not grow with the number of paths."""
+STEPS = 20
+"""Steps of the way from the middle of the part to a path."""
 DRIVE = 0.9
 """Fraction of a torque limit that a plan may use: springs and the servo take the rest. ESTIMATE"""
 
@@ -52,33 +57,32 @@ class JointBounds:
     joint_acceleration: tuple[float, ...] = Dynamics().joint_acceleration
     """(6,) [rad/s^2]."""
 
-    def along(self, path: Chain) -> BoundsAt | None:
-        """Limits along a path in the drawing; None where none can be reached.
+    def along(self, paths: Sequence[Chain]) -> list[BoundsAt | None]:
+        """Limits along each path in the drawing; None where none can be reached.
 
-        Raises ValueError where the path is out of reach or of the joints' ranges.
+        Raises ValueError where a path is out of reach or of the joints' ranges.
         """
-        if not self._can_limit(self._at(path, _places(path, COARSE)), 1.0 - MARGIN):
-            return None
-        places = _places(path)
-        known = self._at(path, places)
-        if not self._can_limit(known):
-            return None
+        found: list[BoundsAt | None] = [None] * len(paths)
+        near = [
+            i
+            for i, _, known in self._each(paths, range(len(paths)), COARSE)
+            if self._can_limit(known, 1.0 - MARGIN)
+        ]
+        for i, places, known in self._each(paths, near):
+            if self._can_limit(known):
+                found[i] = _between(places, known)
+        return found
 
-        def at(s: Array) -> Bounds:
-            def between(column: Array) -> Array:
-                return np.interp(s, places, column)
-
-            def table(values: Array) -> Array:
-                return np.stack([between(column) for column in values.T], axis=1)
-
-            return Bounds(
-                speed=between(known.speed),
-                along=table(known.along),
-                bend=table(known.bend),
-                offset=table(known.offset),
-            )
-
-        return at
+    def _each(
+        self, paths: Sequence[Chain], chosen: Sequence[int], coarser: float = 1.0
+    ) -> Iterator[tuple[int, Array, Bounds]]:
+        """Index, places and limits of each chosen path."""
+        batch = list[tuple[int, Array]]()
+        for i in chosen:
+            batch.append((i, _places(paths[i], coarser)))
+            if sum(len(places) for _, places in batch) > TOGETHER or i == chosen[-1]:
+                yield from self._at([(i, paths[i], places) for i, places in batch])
+                batch = []
 
     def _can_limit(self, known: Bounds, fraction: float = 1.0) -> bool:
         """Whether a joint can come to that fraction of its limit at the programmed speed."""
@@ -87,9 +91,21 @@ class JointBounds:
         used += self.speed**2 * np.abs(known.bend)
         return bool((fraction * known.speed < self.speed).any() or (used > fraction).any())
 
-    def _at(self, path: Chain, s: Array) -> Bounds:
-        phi = self._motors(path.point(s))
-        slope, bend = self._derivatives(path, s, phi)
+    def _at(self, batch: Sequence[tuple[int, Chain, Array]]) -> Iterator[tuple[int, Array, Bounds]]:
+        """Limits at places of several paths."""
+        phi = self._motors([path.point(s) for _, path, s in batch])
+        first, second = (
+            np.vstack(each)
+            for each in zip(*(self._twists(path, s) for _, path, s in batch), strict=True)
+        )
+        whole = self._bounds(phi, *self._derivatives(first, second, phi))
+        end = 0
+        for i, _, places in batch:
+            begin, end = end, end + len(places)
+            own = {f.name: getattr(whole, f.name)[begin:end] for f in fields(whole)}
+            yield i, places, Bounds(**own)
+
+    def _bounds(self, phi: Array, slope: Array, bend: Array) -> Bounds:
         limits, drives = self.setup.cell.limits, self.controller.model.drives
         speed = (np.array(limits.speed) / np.maximum(np.abs(slope), 1e-12)).min(axis=1)
         acceleration = np.array(self.joint_acceleration)
@@ -103,51 +119,61 @@ class JointBounds:
             offset=np.hstack([np.zeros_like(slope), gravity]),
         )
 
-    def _derivatives(self, path: Chain, s: Array, phi: Array) -> tuple[Array, Array]:
-        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'."""
-        robot = compile_robot(self.setup.cell.robot)
+    def _twists(self, path: Chain, s: Array) -> tuple[Array, Array]:
+        """p' and p'' (N, 6) of the tool by the arc length; its orientation is constant."""
         heading, curvature = path.direction(s), path.curvature_at(s)
         along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
         left = np.stack([-along[:, 1], along[:, 0]], axis=1)
         first, second = np.zeros((2, len(s), 6))
         first[:, :3] = along @ self.plane.axes[:, :2].T
         second[:, :3] = (curvature[:, np.newaxis] * left) @ self.plane.axes[:, :2].T
+        return first, second
+
+    def _derivatives(self, first: Array, second: Array, phi: Array) -> tuple[Array, Array]:
+        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'."""
+        robot = compile_robot(self.setup.cell.robot)
         J = robot.jacobian(np.ascontiguousarray(phi))
         slope: Array = np.asarray(np.linalg.solve(J, first[:, :, np.newaxis])[:, :, 0], np.float64)
-        second -= robot.acceleration(
+        bent = second - robot.acceleration(
             np.ascontiguousarray(phi), np.ascontiguousarray(slope), np.zeros_like(phi)
         )
-        bend = np.linalg.solve(J, second[:, :, np.newaxis])[:, :, 0]
+        bend = np.linalg.solve(J, bent[:, :, np.newaxis])[:, :, 0]
         return slope, np.asarray(bend, np.float64)
 
-    def _motors(self, points: Array) -> Array:
-        tool = self.setup.tool_pose
-        position = self.plane.to_base(points - self.middle)
-        T = transform(from_quaternion(np.array(tool.quaternion)), position)
-        cell = self.setup.cell
+    def _motors(self, paths: Sequence[Array]) -> Array:
+        """(N, 6) [rad] at the points (M, 2) of all paths in the drawing.
+
+        Each is reached from the middle of the part, and left by the same way back, so that all have
+        one branch of solutions.
+        """
+        ways = [np.vstack([self._way(points[0]), points]) for points in paths]
+        tour = np.vstack([each for way in ways for each in (way, way[::-1])])
+        own = np.hstack(
+            [
+                np.repeat([False, True, False], [STEPS, len(points), STEPS + len(points)])
+                for points in paths
+            ]
+        )
+        cell, quaternion = self.setup.cell, np.array(self.setup.tool_pose.quaternion)
+        T = transform(from_quaternion(quaternion), self.plane.to_base(tour - self.middle))
         try:
-            start = inverse_path(cell.robot, self._first(T), None, cell.limits)[-1]
-            return inverse_path(cell.robot, T, start, cell.limits)
+            return inverse_path(cell.robot, T, None, cell.limits)[own]
         except UnreachableError as error:
             far = f"{1e3 * error.distance:.1f} mm outside the workspace of {cell.robot.name}"
-            where = place(points[min(error.index, len(points) - 1)])
+            where = place(tour[error.index])
             said = f"the part is out of reach at {where}: the wrist would lie {far}"
             raise ValueError(said) from error
 
-    def _first(self, T: Array) -> Array:
-        """The way from the middle of the part, so that all paths have one branch of solutions."""
-        way = np.repeat(T[:1], 20, axis=0)
-        share = np.linspace(0.0, 1.0, 20)[:, np.newaxis]
-        way[:, :3, 3] = self.plane.origin + share * (T[0, :3, 3] - self.plane.origin)
-        return way
+    def _way(self, point: Array) -> Array:
+        """(STEPS, 2), from the middle of the part to a point of the drawing."""
+        share = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis]
+        return self.middle + share * (point - self.middle)
 
     def _torques(self, phi: Array, slope: Array, bend: Array) -> tuple[Array, Array, Array]:
         """(N, 6) each [N m], arm side: of gravity, per acceleration and per v^2 along the path."""
-        statics, still = self.controller, np.zeros_like(phi)
-        gravity = statics.motor_torque(statics.rigid_forces(phi, still, still))
-        along = statics.motor_torque(statics.rigid_forces(phi, still, slope)) - gravity
-        curved = statics.motor_torque(statics.rigid_forces(phi, slope, bend)) - gravity
-        return gravity, along, curved
+        statics = self.controller
+        gravity, along, curved = statics.motor_torque(statics.rigid_terms(phi, slope, bend))
+        return gravity, along - gravity, curved - gravity
 
     def _available(self, drives: Drives, slope: Array) -> Array:
         """(N, 6) [N m], arm side, that friction at the highest speed leaves of the limit."""
@@ -156,6 +182,23 @@ class JointBounds:
         friction = gear * drives.coulomb_friction + gear**2 * drives.viscous_friction * most
         limit = DRIVE * gear * drives.torque_limit
         return np.maximum(limit - friction, 0.1 * limit)
+
+
+def _between(places: Array, known: Bounds) -> BoundsAt:
+    """Limits between places, linear."""
+
+    def table(s: Array, values: Array) -> Array:
+        return np.stack([np.interp(s, places, column) for column in values.T], axis=1)
+
+    def at(s: Array) -> Bounds:
+        return Bounds(
+            speed=np.interp(s, places, known.speed),
+            along=table(s, known.along),
+            bend=table(s, known.bend),
+            offset=table(s, known.offset),
+        )
+
+    return at
 
 
 def _places(path: Chain, coarser: float = 1.0) -> Array:

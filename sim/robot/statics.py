@@ -19,6 +19,13 @@ from .servo import interpolate
 _NEWTON_STEPS = 500  # a soft gear is approached with the slope of the stiff one
 _REST_TORQUE = 1e-7  # [N m]; 1e-11 of the holding torque, 1e-13 rad at the softest spring
 
+_ALL_STAGES = int(mujoco.mjtStage.mjSTAGE_NONE)
+_AFTER_POSITION, _AFTER_VELOCITY = (
+    int(mujoco.mjtStage.mjSTAGE_POS),
+    int(mujoco.mjtStage.mjSTAGE_VEL),
+)
+_NO_SENSORS = 1
+
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibrium:
@@ -52,9 +59,28 @@ class Statics:
         motion = phi @ posture, phi_dot @ posture, phi_ddot @ posture
         for i, (q, q_dot, q_ddot) in enumerate(zip(*motion, strict=True)):
             data.qpos[:], data.qvel[:], data.qacc[:] = q, q_dot, q_ddot
-            mujoco.mj_inverse(self._mj, data)
+            mujoco.mj_inverseSkip(self._mj, data, _ALL_STAGES, _NO_SENSORS)
             forces[i] = data.qfrc_inverse
         return forces
+
+    def rigid_terms(self, phi: Array, slope: Array, bend: Array) -> Array:
+        """(3, N, nv), `rigid_forces` at rest, with acceleration `slope`, and with velocity `slope`
+        and acceleration `bend`: each posture is computed once."""
+        data, posture = self._data, self.model.posture.T
+        terms = np.empty((3, len(phi), self._mj.nv))
+        motion = phi @ posture, slope @ posture, bend @ posture
+        qpos, qvel, qacc, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+        for i, (q, first, second) in enumerate(zip(*motion, strict=True)):
+            qpos[:], qvel[:], qacc[:] = q, 0.0, 0.0
+            mujoco.mj_inverseSkip(self._mj, data, _ALL_STAGES, _NO_SENSORS)
+            terms[0, i] = force
+            qacc[:] = first
+            mujoco.mj_inverseSkip(self._mj, data, _AFTER_VELOCITY, _NO_SENSORS)
+            terms[1, i] = force
+            qvel[:], qacc[:] = first, second
+            mujoco.mj_inverseSkip(self._mj, data, _AFTER_POSITION, _NO_SENSORS)
+            terms[2, i] = force
+        return terms
 
     def motor_torque(self, forces: Array) -> Array:
         """(..., n) [N m], arm side, that the drives deliver for `rigid_forces`, by virtual work."""

@@ -2,6 +2,8 @@
 
 import pytest
 
+from armside.scripts.cutting.endings import fail_unless_done
+from armside.scripts.shell.errors import RunFailed
 from armside.sim.cut.contour import slot
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
@@ -29,7 +31,10 @@ def test_an_outline_on_which_the_estimate_misleads_is_never_done_in_silence():
     iterations = list(learn(cut, measure=ToolPath(), iterations=2))
     first, last = iterations[0].tool_true.rms, iterations[-1].tool_true.rms
     assert last > GROWTH * first  # a cut on which the tool improves shows nothing here
-    found = results(prepare(cut), iterations)
+    found = results(prepare(cut), iterations, of_tool=True)
+    assert found["status"] == "worse"
+    with pytest.raises(RunFailed, match="learning made the tool worse than before"):
+        fail_unless_done(found)
     (note,) = [note for note in found["notes"] if note.cause is Cause.TOOL]
     measured = [1e6 * iteration.tool.rms for iteration in (iterations[0], iterations[-1])]
     assert note.text == "learning made the tool worse: RMS {:.4g} to {:.4g} um".format(*measured)

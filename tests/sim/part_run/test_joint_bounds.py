@@ -1,22 +1,28 @@
 """Speeds of a plan keep the limits of joints and drives, and lose no more than they must."""
 
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from armside.sim.cut import speed_profile
 from armside.sim.cut.tool_motion import joint_reference
 from armside.sim.laser.setup import Setup
-from armside.sim.part.chain import joined, line
+from armside.sim.part import plan as plan_module
+from armside.sim.part.chain import arc, joined, line
 from armside.sim.part.drawn import Reading
 from armside.sim.part.file import read_part
 from armside.sim.part.joining import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part.rounding import smooth
+from armside.sim.part_run import joint_bounds
 from armside.sim.part_run.experiment import Job, planned, prepare
 from armside.sim.part_run.sequence import sequence
+from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.statics import Statics
 
 W, H, R = 0.3, 0.08, 5e-3
 OUTLINE = smooth(line((0.0, 0.0), (W, 0.0), (W, H), (0.0, H), (0.0, 0.0)), R)
@@ -81,3 +87,53 @@ def test_a_part_near_a_singularity_of_the_wrist_has_a_plan(speed):
     found = planned(Job(part=part, cutting=Cutting(speed=speed), setup=Setup(pose="p1")))
     for cut in found.cuts:
         assert (cut.profile.speed <= cut.profile.allowed.max() * (1.0 + 1e-6)).all()
+
+
+def holes(count):
+    """A sheet with round holes of different radii, in rows of ten."""
+    radii = np.linspace(1.5e-3, 4e-3, count)
+    places = [0.01 * np.array(divmod(i, 10)) + 0.006 for i in range(count)]
+    rows = [arc(at, radius, 0.0, 2.0 * np.pi) for at, radius in zip(places, radii, strict=True)]
+    size = 0.01 * np.ceil(count / 10) + 0.012
+    frame = line((0.0, 0.0), (size, 0.0), (size, 0.112), (0.0, 0.112), (0.0, 0.0))
+    return part_of([Joined(one, (f"{i}",), "") for i, one in enumerate([frame, *rows])])
+
+
+def sheet_job(count):
+    return Job(part=holes(count), cutting=Cutting(speed=0.1), setup=Setup(pose="p1"))
+
+
+def test_paths_have_the_same_limits_together_as_alone(monkeypatch):
+    monkeypatch.setattr(joint_bounds, "TOGETHER", 100)
+    found = [cut.path for cut in planned(sheet_job(6)).cuts]
+    job = sheet_job(6)
+    controller = Statics(cell_model(job.setup.cell, None))
+    bounds = joint_bounds.JointBounds(job.setup, controller, job.plane, job.part.middle, 0.1)
+    s = np.linspace(0.0, 0.005, 20)
+    limited = 0
+    for path, together in zip(found, bounds.along(found), strict=True):
+        (alone,) = bounds.along([path])
+        assert (together is None) == (alone is None)
+        if together is not None and alone is not None:
+            limited += 1
+            for name in ("speed", "along", "bend", "offset"):
+                np.testing.assert_array_equal(getattr(together(s), name), getattr(alone(s), name))
+    assert limited > 0
+
+
+def test_memory_of_a_plan_does_not_grow_with_its_contours(monkeypatch):
+    """The peak above what the plan itself keeps; joints limit each of the different holes."""
+    monkeypatch.setattr(plan_module, "TOGETHER", 8)
+    monkeypatch.setattr(joint_bounds, "TOGETHER", 500)
+    monkeypatch.setattr(speed_profile, "TOGETHER", 500)
+    planned(sheet_job(2))  # compiled functions are loaded
+    above = []
+    for count in (20, 60):
+        job = sheet_job(count)
+        tracemalloc.start()
+        made = planned(job)
+        kept, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert len(made.cuts) == count + 1
+        above.append(peak - kept)
+    assert above[1] < 1.2 * above[0]
