@@ -1,9 +1,11 @@
 """Shared by all tests: programs and graphics that a bare machine may lack."""
 
+import fcntl
 import importlib.util
 import os
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -39,6 +41,28 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return next((i for i, name in enumerate(SLOWEST) if name in item.nodeid), len(SLOWEST))
 
     items.sort(key=place)
+
+
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory, worker_id):
+    """A function that gives a folder of a name, made once for all workers of pytest-xdist.
+
+    It is called with the name and with what makes the folder: a function of its path.
+    """
+    own = tmp_path_factory.getbasetemp()
+    shared = own if worker_id == "master" else own.parent
+
+    def folder(name: str, make: Callable[[Path], None]) -> Path:
+        done = shared / f"once-{name}"
+        with (shared / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (done / "made").exists():
+                shutil.rmtree(done, ignore_errors=True)
+                make(done)
+                (done / "made").touch()
+        return done
+
+    return folder
 
 
 @pytest.fixture

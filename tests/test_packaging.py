@@ -38,9 +38,10 @@ def packaged_files() -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
-    return build_wheel(ROOT, folder)
+def wheel(made_once) -> Path:
+    folder = made_once("wheel", lambda folder: build_wheel(ROOT, folder))
+    (file,) = folder.glob("armside-*.whl")
+    return file
 
 
 def build_wheel(source: Path, folder: Path) -> Path:
@@ -59,8 +60,14 @@ class Installed(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory) -> Installed:
-    env = tmp_path_factory.mktemp("clean") / "env"
+def installed(wheel, made_once) -> Installed:
+    folder = made_once("clean", lambda folder: install(wheel, folder))
+    return Installed(folder / "env" / "bin", set((folder / "gained").read_text().splitlines()))
+
+
+def install(wheel: Path, folder: Path) -> None:
+    """Make an environment of the wheel, and write down what it gained."""
+    env = folder / "env"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", env], check=True)
     python = env / "bin" / "python"
     site = Path(sysconfig.get_paths(vars={"base": str(env), "platbase": str(env)})["purelib"])
@@ -74,7 +81,7 @@ def installed(wheel, tmp_path_factory) -> Installed:
         borrowed.write_text(sysconfig.get_path("purelib") + "\n")
     before = set(os.listdir(site))
     subprocess.run([*install, "--no-deps", "--force-reinstall", wheel], check=True)
-    return Installed(env / "bin", set(os.listdir(site)) - before)
+    (folder / "gained").write_text("\n".join(set(os.listdir(site)) - before))
 
 
 def run_outside(command: list, folder: Path) -> str:

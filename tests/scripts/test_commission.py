@@ -21,14 +21,18 @@ SCATTER = 6e-6
 
 
 @pytest.fixture(scope="module")
-def twin(tmp_path_factory):
+def twin(made_once):
     """Folder of a twin that was commissioned from one cut, and its summary."""
-    folder = tmp_path_factory.mktemp("commission") / "twin"
-    line = f"commission --individual {INDIVIDUAL} --cuts 1 --json --out {folder}"
-    command = [sys.executable, "-m", "armside", *line.split()]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    return folder, json.loads(done.stdout)
+
+    def commission(folder):
+        line = f"commission --individual {INDIVIDUAL} --cuts 1 --json --out {folder / 'twin'}"
+        command = [sys.executable, "-m", "armside", *line.split()]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        (folder / "printed.json").write_text(done.stdout)
+
+    folder = made_once("commissioned", commission)
+    return folder / "twin", json.loads((folder / "printed.json").read_text())
 
 
 def test_commissioning_leaves_a_twin_with_its_pictures(twin):
