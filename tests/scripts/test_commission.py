@@ -170,22 +170,6 @@ class TestSweep:
         bad_input(f"sweep {axes.format(twin=twin[0])}", said)
 
 
-def test_a_run_can_be_commissioned_from_in_place_of_a_cut(armside, twin, tmp_path):
-    """Its truth is not needed: the same table without those columns does as well."""
-    import pyarrow.parquet as pq
-
-    status, _, _ = armside(f"laser --individual {INDIVIDUAL} --iterations 0 --out {tmp_path / 'r'}")
-    assert status == 0
-    table = pq.read_table(tmp_path / "r" / "signals.parquet")
-    blind = table.drop_columns([name for name in table.column_names if name.startswith("true_")])
-    pq.write_table(blind, tmp_path / "blind.parquet")
-    found = [
-        json.loads(armside(f"commission --recordings {source} --json --out {tmp_path / name}").out)
-        for source, name in ((tmp_path / "r", "a"), (tmp_path / "blind.parquet", "b"))
-    ]
-    assert found[0]["parameters"] == found[1]["parameters"]
-
-
 def test_an_imu_takes_the_place_of_the_tracker(armside, tmp_path):
     line = f"commission --measure imu --individual {INDIVIDUAL} --cuts 1 --out {tmp_path / 'twin'}"
     status, out, _ = armside(line)
