@@ -10,6 +10,7 @@ from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
 from armside.sim.cell_file import find_robot
 from armside.sim.records.summary import summary
 
+from ..shell.bag_options import BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
 from ..shell.options import Common, options
@@ -21,7 +22,7 @@ LARGEST_PRIOR = 1e4
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class CalibrateArmCfg:
+class CalibrateArmCfg(BagCfg):
     """The robot, what is fitted, and what the result is judged on."""
 
     robot: str
@@ -82,8 +83,9 @@ class CalibrateArmCfg:
 def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Common()) -> None:
     """Calibrate a real arm from measured poses, and judge on poses that were held out.
 
-    data: table of poses, or a published set (docs/real.md). Writes summary.json, the calibrated
-    robot (TOML, URDF, C), joint_errors.csv, next_poses.csv, and pictures of the residuals.
+    data: table of poses, a ROS bag, or a published set (docs/real.md). Writes summary.json, the
+    calibrated robot (TOML, URDF, C), joint_errors.csv, next_poses.csv, and pictures of the
+    residuals.
     """
     from armside.kinematics.calibration import fit_prepared, prepare
     from armside.sim.measured import read_poses
@@ -92,7 +94,7 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
 
     report = Report(common)
     with checking_input():
-        arm, source = find_robot(cfg.robot), read_poses(data)
+        arm, source = find_robot(cfg.robot), read_poses(data, cfg.topics())
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
     with report.progress("calibrating", total=1) as step:
         try:

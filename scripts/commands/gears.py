@@ -13,6 +13,7 @@ from armside.sim.laser.setup import Setup
 from armside.sim.records.summary import summary
 
 from ..cutting.individual import IndividualCfg, robot_state
+from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
@@ -28,7 +29,7 @@ MOST_RUNS = 10
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class GearsOptions(IndividualCfg):
+class GearsOptions(IndividualCfg, BagCfg):
     """The robot, the sensor that is learned from, and the bands of frequency."""
 
     robot: str
@@ -81,9 +82,10 @@ class GearsOptions(IndividualCfg):
 def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     """Find the transmission error of an arm's gears, without knowing their ratios.
 
-    data: one folder for each recording (docs/real.md). Each is judged by what the others teach; a
-    single one is judged on its second half. Without any, a virtual robot (large, irb1400, a robot
-    file) makes the runs. Writes summary.json, gears.toml, robot.toml with the error, and pictures.
+    data: a folder or a ROS bag for each recording (docs/real.md). Each is judged by what the others
+    teach; a single one is judged on its second half. Without any, a virtual robot (large, irb1400,
+    a robot file) makes the runs. Writes summary.json, gears.toml, robot.toml with the error, and
+    pictures.
     """
     from armside.sim.gears import analyse
 
@@ -117,7 +119,10 @@ def _recordings(
         raise ValueError(f"give at most {LARGEST_NUMBER} folders of recordings, got {len(data)}")
     if data:
         cfg.refuse_virtual()
-        return find_robot(cfg.robot), [read_motion(folder) for folder in data]
+        topics = cfg.topics()
+        return find_robot(cfg.robot), [read_motion(one, topics) for one in data]
+    if given := [name for name in sorted(BAG_FIELDS) if getattr(cfg, name)]:
+        raise ValueError(f"{given[0].replace('_', '-')} is of recordings in bags: none are given")
     from armside.sim.gears.virtual_run import RUNS, recorded
 
     if cfg.robot in CATALOGUE and cfg.robot not in CELLS:

@@ -27,6 +27,7 @@ from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
 
+from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
@@ -45,14 +46,15 @@ AT_REST = Effort(0.1, 4e6)
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class ImuOptions:
+class ImuOptions(BagCfg):
     """Motion of the robot, and processing of measurement and prediction."""
 
     robot: str = "irb1400"
     """Robot that moves: irb1400, large, or a robot file (.toml). With --recording also other names
     (ur10, irb120, aubo_i5, ...)."""
     recording: Annotated[tuple[Path, ...], Parameter(consume_multiple=True)] = ()
-    """Folders of recordings of a real robot (docs/real.md), in place of a virtual one."""
+    """Folders or ROS bags of recordings of a real robot (docs/real.md), in place of a virtual
+    one."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
     """All motors at once, one at a time, or none: motors off, then on. A robot file that has no
     programs moves about its home."""
@@ -95,10 +97,12 @@ class ImuOptions:
         """Raise ValueError for a robot that is not virtual, or options that ask for one."""
         if not self.recording:
             check_named(self.robot)
+            if given := [name for name in sorted(BAG_FIELDS) if getattr(self, name)]:
+                raise ValueError(f"{given[0].replace('_', '-')} needs --recording of a bag")
             return
         if len(self.recording) > LARGEST_NUMBER:
             raise ValueError(f"give 1 to {LARGEST_NUMBER} recordings, got {len(self.recording)}")
-        ours = {"robot", "recording", "cutoff"}
+        ours = {"robot", "recording", "cutoff", *BAG_FIELDS}
         for field in fields(self):
             if field.name not in ours and getattr(self, field.name) != field.default:
                 name = field.name.replace("_", "-")
@@ -173,7 +177,8 @@ def _recorded(cfg: ImuOptions, common: Common) -> None:
 
     report, done = Report(common), []
     with checking_input():
-        arm, recordings = find_robot(cfg.robot), [read_motion(folder) for folder in cfg.recording]
+        arm, topics = find_robot(cfg.robot), cfg.topics()
+        recordings = [read_motion(one, topics) for one in cfg.recording]
         with report.progress("aligning", total=len(recordings)) as step:
             for recording in recordings:
                 done.append(process(arm, recording, cfg.cutoff))

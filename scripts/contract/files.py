@@ -18,6 +18,7 @@ GOOD = {
     "best.json": '{"best": {"gamma": 0.9, "delta": 3, "cutoff": 10.0}}',
     "data.csv": "time,reference_1,motor_angle_1\n"
     + "".join(f"{i * 0.004},{i * 0.001},{i * 0.00099}\n" for i in range(50)),
+    "log.csv": "timestamp, cmd_num, J1, J2\n0, 1, 10, 20\n0.004, 1, 10.5, 21\n",
     "individual.toml": "friction = [1.1, 1, 1, 0.9, 1, 1]\n",
     "gears.toml": f"{_GEARS}amplitude = 1.1e-5\nphase = 5.3\n",
 }
@@ -62,11 +63,16 @@ BYTES = {
     "damaged.mat": b"MATLAB 5.0 MAT-file" + bytes(range(256)) * 4,
     "damaged.h5": b"\x89HDF\r\n\x1a\n" + bytes(200),
     "damaged.parquet": b"PAR1" + bytes(100) + b"PAR1",
+    "damaged.mcap": b"\x89MCAP0\r\n" + bytes(200),
+    "damaged.db3": b"SQLite format 3\0" + bytes(200),
+    "damaged.dat": b"#BEGINCHANNELHEADER\n200,Zeit\n210,IMPLIZIT\n#ENDCHANNELHEADER\n",
     "latin.toml": "corner = 1 # \xe4".encode("latin-1"),
     "latin.csv": b"time,\xff\xfe\n1,2\n",
     "zeros.json": bytes(1000),
 }
-SPARSE = dict.fromkeys(("large.toml", "large.json", "large.csv", "large.h5"), 3000000000)
+SPARSE = dict.fromkeys(
+    ("large.toml", "large.json", "large.csv", "large.h5", "large.mcap"), 3000000000
+)
 """Bytes of files that take no space on the disk."""
 
 

@@ -14,7 +14,7 @@ import pyarrow as pa
 
 from armside.arrays import Array
 
-from ..records.tables import READERS, read_table
+from ..records.tables import READERS, read_table, write_table
 from .motion import MotionRecording, Stream
 from .repair import repaired
 
@@ -22,6 +22,10 @@ COLUMNS = {
     "imu": tuple(f"{n}_{a}" for n in ("acceleration", "angular_velocity") for a in "xyz"),
     "tracker": tuple(f"target_{a}" for a in "xyz"),
 }
+
+
+UNITS = {"time": "s", "motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad/s"}
+"""Of columns by the start of their names; else metres."""
 
 
 def recognised(folder: Path) -> bool:
@@ -66,3 +70,22 @@ def _stream(
 
     values = np.column_stack([numbers(name) for name in names])
     return repaired(instrument, numbers("time"), values)
+
+
+def write(folder: Path, recording: MotionRecording, kind: str) -> None:
+    """Write a recording's tables into a folder, in files of a kind such as csv."""
+    columns = dict(COLUMNS)
+    n = recording.encoders.values.shape[1]
+    columns["encoders"] = tuple(f"motor_angle_{i}" for i in range(1, n + 1))
+    for name, own in columns.items():
+        stream = getattr(recording, name)
+        if stream is not None:
+            write_table(folder / f"{name}.{kind}", _of_stream(stream, own))
+
+
+def _of_stream(stream: Stream, columns: tuple[str, ...]) -> pa.Table:
+    names = ("time", *columns)
+    unit = {name: next((u for k, u in UNITS.items() if name.startswith(k)), "m") for name in names}
+    fields = [pa.field(name, pa.float64(), metadata={"unit": unit[name]}) for name in names]
+    arrays = [pa.array(column) for column in (stream.time, *stream.values.T)]
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))

@@ -6,6 +6,7 @@ from pathlib import Path
 from armside.kinematics.calibration import Measurements
 
 from ..records.files import LARGEST_DATA, check_file
+from .bags import BagTopics
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,17 +20,26 @@ class PoseSource:
     """One line for each kind of row that was left out."""
 
 
-def read_poses(data: Path) -> PoseSource:
-    """Poses of a table, or of a published set: see docs/real.md.
+def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseSource:
+    """Poses of a table, a bag, or a published set: see docs/real.md.
+
+    Args:
+        data: file or folder.
+        topics: of a bag.
 
     Raises:
         ValueError: the data are of no known form, or damaged; the message names file and place.
         OSError: a file cannot be read.
     """
     from . import irb120_tracker, pose_table, ur10_tmac
+    from .bags import bag, poses
 
     if not data.exists():
         raise ValueError(f"{data} does not exist")
+    if bag.recognised(data):
+        return poses.read(data, topics)
+    if topics.named:
+        raise ValueError(f"{data} is no bag: topics and joints are chosen in bags")
     if data.is_dir():
         if irb120_tracker.recognised(data):
             return irb120_tracker.read(data)

@@ -9,7 +9,15 @@ from armside.scripts.cli import COMMANDS
 
 EXTRAS = (
     *("shapely", "ezdxf", "svgelements", "optuna", "cmaes", "control", "h5py", "mcap", "psycopg"),
-    *("ray", "stable_baselines3", "google", "pinocchio", "roboticstoolbox", "hypothesis"),
+    *(
+        "ray",
+        "stable_baselines3",
+        "google",
+        "pinocchio",
+        "roboticstoolbox",
+        "hypothesis",
+        "rosbags",
+    ),
 )
 BARE = f"""
 import sys

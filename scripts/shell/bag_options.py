@@ -1,0 +1,43 @@
+"""Options that say what is read from a recording in a ROS bag."""
+
+from dataclasses import dataclass, fields
+from typing import Annotated
+
+from cyclopts import Group, Parameter
+
+from armside.sim.measured.bags import BagTopics
+
+from .options import options
+
+_GROUP = Group("Recording in a ROS bag", sort_key=6)
+_ONE = Parameter(group=_GROUP)
+_SEVERAL = Parameter(group=_GROUP, consume_multiple=True)
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class BagCfg:
+    """Topics of a bag. What is not given is found by the types of messages."""
+
+    joint_topic: Annotated[str | None, _ONE] = None
+    """Topic of the encoders, sensor_msgs/JointState."""
+    imu_topic: Annotated[str | None, _ONE] = None
+    """Topic of the IMU, sensor_msgs/Imu; none: do not read it."""
+    tracker_topic: Annotated[tuple[str, ...], _SEVERAL] = ()
+    """Topics of targets: PoseStamped, PointStamped, TransformStamped or /tf; TOPIC#FRAME for one
+    frame of several; none: do not read them."""
+    joints: Annotated[tuple[str, ...], _SEVERAL] = ()
+    """Names of the joints in the order of the robot's motors [default: by their numbers]."""
+
+    def topics(self) -> BagTopics:
+        """Choice of topics. Raises ValueError for one that is given twice."""
+        return BagTopics(
+            joint=self.joint_topic,
+            imu=self.imu_topic,
+            tracker=self.tracker_topic,
+            joints=self.joints,
+        )
+
+
+BAG_FIELDS = frozenset(field.name for field in fields(BagCfg))
+"""Names of these options' fields."""
