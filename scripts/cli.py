@@ -17,7 +17,7 @@ COMMANDS = {
     "compare": "Learn from motors, estimate, tracker and ground truth.",
     "replay": "Watch runs: viewer, browser, picture or film.",
     "view": "Move a robot by sliders in MuJoCo's own viewer.",
-    "convert": "Write a run's signals as CSV, MATLAB, HDF5 or MCAP.",
+    "convert": "Write runs, recordings and logs as other files.",
     "export-correction": "Write the learned correction for a controller.",
     "measure": "Measure recorded data, a run's or your own.",
     "gallery": "Make the pictures of the docs again.",
