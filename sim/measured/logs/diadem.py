@@ -85,7 +85,7 @@ def _blocks(file: Path, channels: list[dict[str, str]], n: int) -> Array:
     beside = check_file(file.parent / names.pop(), LARGEST_DATA)
     if beside.stat().st_size % 8:
         raise InputError(f"{beside.name} holds no whole number of REAL64 values")
-    values: Array = np.frombuffer(beside.read_bytes(), dtype=np.dtype(np.float64).newbyteorder("<"))
+    values = np.fromfile(beside, dtype=np.float64)  # little-endian, as our machines are
     if n < 1 or len(values) != n * len(channels):
         text = f"{len(values)} values, {n} of {len(channels)} channels were announced"
         raise InputError(f"{beside.name} has {text}")
