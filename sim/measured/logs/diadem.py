@@ -95,7 +95,7 @@ def _blocks(file: Path, channels: list[dict[str, str]], n: int) -> Array:
 def _values(file: Path, channel: dict[str, str], blocks: Array, n: int) -> Array:
     start, step = (_number(file, channel, key) for key in ("240", "241"))
     if _implicit(channel):
-        return start + step * np.arange(n)
+        return start + step * np.arange(n, dtype=np.float64)
     place = int(_number(file, channel, "221")) - 1
     if not 0 <= place < blocks.shape[1]:
         raise InputError(f"{file.name}: {channel.get('200')} begins at {place + 1}")
