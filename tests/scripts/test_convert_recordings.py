@@ -99,7 +99,7 @@ def test_calibrate_arm_reads_a_bag(armside, tmp_path):
     time = np.arange(0.0, 60.0, 0.05)
     knots = np.ravel([[k, k + 0.7] for k in range(60)])
     phi = np.column_stack([np.interp(time, knots, np.repeat(q, 2)) for q in poses.T])
-    at = np.arange(60) + 0.35
+    at = np.arange(60, dtype=np.float64) + 0.35
     points = compile(find_arm("ur10").robot).pose(poses)[:, :3, 3] + rng.normal(0.0, 1e-4, (60, 3))
     one = MotionRecording(name="x", encoders=Stream(time, phi), tracker=Stream(at, points), form="")
     write_bag(tmp_path / "ur10", one)

@@ -1,6 +1,7 @@
 """Logs of controllers as tables in SI."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,12 +88,13 @@ def test_a_kuka_trace_is_read_from_its_file_and_from_its_text(tmp_path):
 
 
 def test_damaged_traces_are_named(tmp_path):
-    for changed, said in (
+    wrong: tuple[tuple[dict[str, Any], str], ...] = (
         ({"n": N + 1}, r"a_KRCIpo\.r64 has 80 values"),
         ({"n": 10**12}, "unpacks to"),
         ({"unit": "mm"}, r"the unit of AxisPos_Act1 must be .* the header has 'mm'"),
         ({"extra": "#BEGINCHANNELHEADER\n200,x\n210,IMPLIZIT\n#ENDCHANNELHEADER"}, "key 220"),
-    ):
+    )
+    for changed, said in wrong:
         with pytest.raises(ValueError, match=said):
             read_log(trace(tmp_path, **changed))
     (tmp_path / "a_KRCIpo.r64").unlink()
