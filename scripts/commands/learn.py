@@ -36,7 +36,8 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
             check_writable(common.out or RUNS / "learn")
             cfg, common, before = earlier(cfg, common)
             by_hand = is_folder(cfg)
-            task = None if by_hand else named_task(cfg, common.seed)
+            followed = None if before is None else before.followed
+            task = None if by_hand else named_task(cfg, common.seed, followed)
             if task is not None:
                 _check_laws(cfg, task, before)
         if task is None:

@@ -65,8 +65,10 @@ def whole_port(value: float, least: int = 0) -> int:
     return int(value)
 
 
-def controller_task(words: Words, record: Any) -> "Task":
+def controller_task(words: Words, record: Any, followed: Path | None = None) -> "Task":
     """Task on the controller that speaks to us: its program, or the path of --reference.
+
+    followed: file with the path of an earlier run, so that the program is not listened to again.
 
     Raises ValueError, TimeoutError when no controller speaks.
     """
@@ -80,8 +82,8 @@ def controller_task(words: Words, record: Any) -> "Task":
         raise ValueError(f"a controller's samples are {LOG_PERIOD:g} s apart: leave the time out")
     speaking = link(words)
     try:
-        if record.reference:
-            path = file_reference(Path(record.reference), None, LOG_PERIOD)
+        if record.reference or followed is not None:
+            path = file_reference(Path(record.reference or str(followed)), None, LOG_PERIOD)
         else:
             path = program_of(speaking)
         plant = StreamedPlant(speaking, path)

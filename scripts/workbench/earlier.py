@@ -12,6 +12,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.csv_signal import CsvSignal
 from armside.ilc.workbench.state import RunState, read_states
 from armside.ilc.workbench.transfer import along_path
+from armside.sim.handover.kept import REFERENCE
 from armside.sim.handover.reading import read_correction
 from armside.sim.records.stored_run import read_run
 
@@ -72,6 +73,15 @@ class Earlier:
             return found
         before = named_task(self.options, self.seed)
         return found if before.place is None else along_path(found, before.place, task.place)
+
+    @property
+    def followed(self) -> Path | None:
+        """Reference of a run that is continued; None where it may be another one, or was not kept.
+
+        The noise of a robot goes on from run to run, so that one that is only listened to counts.
+        """
+        file = self.folder / REFERENCE
+        return file if self.continues and file.is_file() else None
 
     @property
     def entry(self) -> dict[str, Any]:

@@ -30,8 +30,11 @@ SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
 """[s] for each number of a run's record, the law included, rounded up."""
 
 
-def named_task(cfg: LearnCfg, seed: int) -> "Task":
-    """Everything before the first run. Raises ValueError or OwnCodeError."""
+def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task":
+    """Everything before the first run. Raises ValueError or OwnCodeError.
+
+    followed: file with the reference of an earlier run that is continued on a controller.
+    """
     from armside.ilc.models.model_file import read_model
     from armside.ilc.workbench import plants
 
@@ -51,7 +54,7 @@ def named_task(cfg: LearnCfg, seed: int) -> "Task":
     elif robot:
         task = _robot(words, cfg, record, seed)
     elif words.name in PROTOCOLS:
-        task = controller_task(words, record)
+        task = controller_task(words, record, followed)
     else:
         task = plants.model_task(_model_file(cfg.plant), record)
     runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)

@@ -102,14 +102,17 @@ class StreamedPlant:
         """Send a sample for each message; samples follow from the controller's clock."""
         count, start = len(values), state.time
         measured = np.full(values.shape, np.nan)
-        sent, sample = degrees(values), 0
+        sent, sample, asked = degrees(values), 0, 0
         missed = state.missed
         while True:
             measured[sample] = radians(state.joints)
             if sample == count - 1:
                 break
             self.link.answer(Answer(values=sent[sample], additive=self.link.additive), state)
+            before = sample
             state, sample = self._next(state, start, sample)
+            asked = asked + 1 if sample == before else 0
+            self._refuse_endless(asked, sample)
             if sample >= count or (state.phase is Phase.WAITING and sample > 0):
                 break
             missed = max(missed, state.missed)
@@ -166,11 +169,21 @@ class StreamedPlant:
         share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, count + 1) / count)
         way = np.vstack((start + share[:, None] * away, np.tile(target, (SETTLING, 1))))
         self._check(way)
-        sample, began, sent = 0, state.time, degrees(way)
+        sample, began, sent, asked = 0, state.time, degrees(way), 0
         while sample < len(way):
             self.link.answer(Answer(values=sent[sample], additive=False), state)
+            before = sample
             state, sample = self._next(state, began, sample)
+            asked = asked + 1 if sample == before else 0
+            self._refuse_endless(asked, sample)
         return state
+
+    @staticmethod
+    def _refuse_endless(asked: int, sample: int) -> None:
+        """Raise LostError where a controller asks for the same sample again and again."""
+        if asked >= MOST_ASKED:
+            reason = "it refuses the answer, or does not hear it"
+            raise LostError(f"the controller asked for sample {sample} {asked} times: {reason}")
 
     def _check(self, targets: Array, correction: Array | None = None) -> None:
         if not np.isfinite(targets).all():
@@ -185,6 +198,8 @@ class StreamedPlant:
                 raise ValueError(f"sample {k}: {wrong}; nothing was sent")
 
 
+MOST_ASKED = 250
+"""Messages that ask for the answer to one sample."""
 MOST_WAITED = 100_000
 """Messages until the robot is at rest."""
 

@@ -12,7 +12,7 @@ from armside.ilc.laws import Heuristic
 from armside.ilc.learning import learn
 from armside.sim.controller import Egm, GuidanceLimits, InProcess, Phase, Rsi, StreamedPlant
 from armside.sim.controller.egm import EgmWire
-from armside.sim.controller.plant import program_of
+from armside.sim.controller.plant import LostError, program_of
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
 
@@ -155,6 +155,15 @@ def test_a_correction_beyond_the_limits_is_refused_before_anything_is_sent():
     assert controller.phase is Phase.WAITING
     with pytest.raises(ValueError, match=r"correction must have shape \(60, 2\)"):
         plant.run(wild[:-1])
+
+
+def test_a_first_answer_that_is_always_refused_is_an_error_and_no_endless_loop():
+    controller = programmed()
+    plant = StreamedPlant(InProcess(controller, additive=True), path())
+    wild = np.full_like(path(), 1.0)  # 57 degrees at once
+    with pytest.raises(LostError, match="asked for sample 0 250 times: it refuses the answer"):
+        plant.run(wild)
+    assert controller.phase is Phase.WAITING
 
 
 def test_without_a_controller_the_client_says_where_it_listened():

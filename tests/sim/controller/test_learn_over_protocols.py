@@ -1,0 +1,83 @@
+"""`armside learn` on a robot behind a protocol: a law of a paper, and five and five updates."""
+
+import json
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from armside.ilc.workbench.csv_signal import write_signal
+from armside.scripts.cli import main
+from armside.sim.controller.client import Rsi
+from armside.sim.controller.rsi import RsiWire
+from armside.sim.controller.server import Server
+
+from .robots import guided, path, programmed
+
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
+PATIENCE = 20.0
+
+
+def free_port():
+    with Rsi(port=0) as link:
+        return link.address[1]
+
+
+@contextmanager
+def served(protocol):
+    """The small robot, speaking to a free port; yields the words of the plant."""
+    if protocol == "egm":
+        egm = pytest.importorskip("armside.sim.controller.egm", exc_type=ImportError)
+        wire, controller = egm.EgmWire(), guided()
+    else:
+        wire, controller = RsiWire(), programmed()
+    port, stop = free_port(), threading.Event()
+    server = Server(controller, wire, ("127.0.0.1", port), patience=PATIENCE)
+    thread = threading.Thread(target=server.serve, args=(stop.is_set,))
+    thread.start()
+    try:
+        yield f"{protocol}:port={port},wait=20"
+    finally:
+        stop.set()
+        thread.join()
+
+
+def learned(*words):
+    assert main(["learn", *map(str, words), "--quiet"]) == 0
+    folder = Path(words[-1])
+    return json.loads((folder / "summary.json").read_text())
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_signal(tmp_path / "path.csv", path(), 0.004, "r")
+    return tmp_path
+
+
+def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
+    """Every pair of axes by time reversal: four runs of the robot an update."""
+    law = f"{EXAMPLES / 'adjoint.py'}:Adjoint"
+    with served("egm") as plant:
+        words = ("--plant", plant, "--reference", "path.csv", "--laws", law, "--iterations", 2)
+        (row,) = learned(*words, "--out", "a")["laws"]
+    assert row["error_two"][-1] < 0.7 * row["error_two"][0]
+    assert not row["diverged"]
+
+
+@pytest.mark.parametrize(("protocol", "n"), [("egm", 2), ("rsi", 5)])
+def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, n, place):
+    law = "heuristic:gamma=0.7,delta=6,cutoff=15"
+    of_path = ("--reference", "path.csv") if protocol == "egm" else ()
+    with served(protocol) as plant:
+        words = ("--plant", plant, *of_path, "--laws", law)
+        whole = learned(*words, "--iterations", 2 * n, "--out", "once")
+    with served(protocol) as plant:
+        words = ("--plant", plant, *of_path, "--laws", law)
+        learned(*words, "--iterations", n, "--out", "first")
+        more = learned("--from", "first", "--iterations", n, "--out", "more")
+    assert more["started_from"]["how"] == "continued"
+    assert more["laws"][0]["error_two"] == whole["laws"][0]["error_two"][n + 1 :]
+    names = [next(Path(name).glob("correction-1-*.csv")) for name in ("once", "more")]
+    assert names[0].read_bytes() == names[1].read_bytes()
