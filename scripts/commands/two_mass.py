@@ -9,6 +9,7 @@ from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
 from ..shell.console import Report
+from ..shell.errors import checking_input
 from ..shell.options import Common, options
 from ..shell.registry import unknown
 
@@ -24,8 +25,26 @@ class TwoMassCfg:
 
     figure: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("all",)
     """8.3 to 8.12 as in the thesis; nyquist, why-q, algorithms, robustness, friction; or all."""
+    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ()
+    """Other numbers of the joint and its controller, KEY=VALUE in SI units: Jm, Ja (inertias), rg
+    (ratio, below 1), k, d (spring), fm (friction), kt; Kp, Kd, Tf [default: Table 8.1, (8.11)]."""
+    gamma: float = 0.9
+    """Gain of the heuristic law."""
+    delta: int = 5
+    """Its shift [samples of 10 ms]."""
+    cutoff: float = 17.0
+    """Cutoff of Q [Hz], where one design learns."""
+    law: str | None = None
+    """Law in its place in 8.4, 8.5, 8.8 to 8.12, algorithms and friction: as --laws of armside
+    learn, such as norm-optimal or file.py:Name."""
 
     def __post_init__(self) -> None:
+        if not 0.0 < self.gamma <= 100.0:
+            raise ValueError(f"gamma must be > 0 and at most 100, got {self.gamma:g}")
+        if not 1 <= self.delta <= 100:
+            raise ValueError(f"delta must be 1 to 100 samples, got {self.delta}")
+        if not 0.1 <= self.cutoff <= 49.0:
+            raise ValueError(f"cutoff must be 0.1 to 49 Hz, got {self.cutoff:g}")
         for name in self.figure:
             if name not in ("all", *FIGURE_NAMES):
                 raise unknown("figure", name, ("all", *FIGURE_NAMES))
@@ -42,13 +61,16 @@ def two_mass(*, cfg: TwoMassCfg = TwoMassCfg(), common: Common = Common()) -> No
     Writes one PNG a figure and summary.json.
     """
     from ..figures.two_mass import FIGURES
+    from ..workbench.two_mass import study_of
 
     report = Report(common)
     tables = {}
+    with checking_input():
+        study = study_of(cfg.joint, cfg.gamma, cfg.delta, cfg.cutoff, cfg.law)
     with RunFolder("two-mass", seed=common.seed, out=common.out) as folder:
         with report.progress("drawing", total=len(cfg.names)) as step:
             for name in cfg.names:
-                tables[name] = FIGURES[name](folder / f"figure-{name}.png", common.seed)
+                tables[name] = FIGURES[name](folder / f"figure-{name}.png", common.seed, study)
                 step()
         rows = {
             name: {"title": table.title, "columns": table.columns, "rows": table.rows}
@@ -56,6 +78,9 @@ def two_mass(*, cfg: TwoMassCfg = TwoMassCfg(), common: Common = Common()) -> No
         }
         outcome = summary("two-mass", cfg, common, figures=rows)
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    if not study.is_thesis:
+        numbers = " ".join(cfg.joint) or "of the thesis"
+        report.line(f"Not the numbers of the thesis: {study.design}; joint {numbers}")
     for table in tables.values():
         report.table(table.title, table.columns, table.rows)
     report.line(f"Results in {folder.path}")

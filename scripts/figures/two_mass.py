@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from armside.ilc import analysis
-from armside.ilc import two_mass_study as study
 from armside.ilc.analysis import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
+from armside.ilc.two_mass_study import CUTOFFS, SEARCHED_CUTOFFS, Study
+from armside.ilc.two_mass_study import SHIFTS as SEARCHED_SHIFTS
 from armside.sim.evaluation.check import Table
 
 from . import two_mass_designs as designs
 from .laser import COLORS, INK, REFERENCE, save
-from .two_mass_panels import LOOP, T_S, decibel, finish, panels
+from .two_mass_panels import THESIS, decibel, finish, panels
 
 SHOWN = (0, 1, 2, 5)
 """Iterations of the time signals."""
@@ -31,11 +32,12 @@ IDEAL, DOUBLED = "side, ideal F_r", "side, stiffness doubled in F_r"
 AS_STATED, ONE_LESS = "Q = 1, δ = 5 (as stated)", "Q = 1, δ = 4 (fits the figure)"
 
 
-def bode(file: Path, seed: int) -> Table:
+def bode(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.3: the motor's notch coincides with the arm's peak."""
     omega = np.geomspace(2e-3, np.pi * 0.999, 4000)
-    f = hertz(omega, T_S)
-    G_m, G_a = (G.response(omega) for G in (LOOP.joint.motor(T_S), LOOP.joint.arm(T_S)))
+    joint, T_s = of.loop.joint, of.loop.sample_time
+    f = hertz(omega, T_s)
+    G_m, G_a = (G.response(omega) for G in (joint.motor(T_s), joint.arm(T_s)))
     upper, lower = grid = panels(7.0, 5.6, 2, sharex=True)
     for name, response in (("$G_m$", G_m), ("$G_a$", G_a), ("$G_a G_m$", G_m * G_a)):
         upper.semilogx(f, decibel(response), label=name)
@@ -45,9 +47,9 @@ def bode(file: Path, seed: int) -> Table:
     title = "Voltage to motor, motor to arm, voltage to arm"
     finish(file, grid, "frequency [Hz]", "magnitude [dB]", titles=[title], legends=[0])
     arm, motor = decibel(G_a), decibel(G_m)
-    near = (f > 0.5) & (f < 1.4)
+    undamped = float(np.sqrt(joint.k / joint.Ja) / (2 * np.pi))
+    near = (f > 0.44 * undamped) & (f < 1.24 * undamped)
     notch, peak = np.flatnonzero(near)[motor[near].argmin()], arm.argmax()
-    undamped = float(np.sqrt(LOOP.joint.k / LOOP.joint.Ja) / (2 * np.pi))
     rows = [
         ("peak of the arm, G_a", f[peak], arm[peak]),
         ("notch of the motor, G_m", f[notch], motor[notch]),
@@ -56,11 +58,11 @@ def bode(file: Path, seed: int) -> Table:
     return Table("Fig 8.3: discrete joint", ("", "frequency [Hz]", "magnitude [dB]"), rows)
 
 
-def reference(file: Path, seed: int) -> Table:
+def reference(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.4: the arm reference and its speed."""
-    r_a = study.learned(17.0).plant.arm_reference[:, 0]
-    speed = np.diff(r_a, prepend=0.0) / T_S
-    t = np.arange(len(r_a)) * T_S
+    r_a = of.learned().plant.arm_reference[:, 0]
+    speed = np.diff(r_a, prepend=0.0) / of.loop.sample_time
+    t = np.arange(len(r_a)) * of.loop.sample_time
     (axes,) = grid = panels(7.0, 3.6)
     axes.plot(t, r_a, label="$r_a$ [rad]")
     axes.plot(t, speed, label="its speed [rad/s]")
@@ -72,11 +74,11 @@ def reference(file: Path, seed: int) -> Table:
     return Table("Fig 8.4: arm reference", ("", "value"), rows)
 
 
-def tracking(file: Path, seed: int) -> Table:
+def tracking(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.5: both sides under feedback alone."""
-    runs = study.learned(17.0)
+    runs = of.learned()
     run, plant = runs.kept[0].result, runs.plant
-    t = np.arange(len(run.motor)) * T_S
+    t = np.arange(len(run.motor)) * of.loop.sample_time
     grid = panels(9.0, 3.6, 1, 2)
     rows = []
     for axes, side, r, q, norms in (
@@ -86,7 +88,7 @@ def tracking(file: Path, seed: int) -> Table:
         axes.plot(t, r, color=REFERENCE, lw=2.5, label=f"$r_{side[0]}$")
         axes.plot(t, q, label=f"$q_{side[0]}$")
         axes.set_xlim(0.5, 4.0)
-        goal = 5.0 if side == "motor" else 1.0
+        goal = 1.0 / of.loop.joint.rg if side == "motor" else 1.0
         rows.append((side, norms[0], *_extremes(r, q, goal), float(r[-1, 0])))
     titles = ("Motor side", "Arm side")
     finish(file, grid, "time [s]", "angle [rad]", titles=titles, legends=[0, 1])
@@ -95,19 +97,19 @@ def tracking(file: Path, seed: int) -> Table:
     return Table("Fig 8.5: tracking without learning", columns, rows)
 
 
-def criterion_curves(file: Path, seed: int) -> Table:
+def criterion_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.6: |1 - L T_u| against 1/|Q|."""
-    T_u, omega = LOOP.T_motor, frequency_grid(4000)
-    f = hertz(omega, T_S)
-    Q = {cutoff: ZeroPhaseButterworth(cutoff, T_S) for cutoff in FILTERS}
+    T_u, omega = of.loop.T_motor, frequency_grid(4000)
+    f = hertz(omega, of.loop.sample_time)
+    Q = {cutoff: ZeroPhaseButterworth(cutoff, of.loop.sample_time) for cutoff in FILTERS}
     (axes,) = grid = panels(7.4, 4.6)
     rows = []
     for delta in SHIFTS:
-        result = heuristic_criterion(T_u, study.GAMMA, delta, ALL_PASS, omega)
+        result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
         axes.semilogx(f, decibel(result.learning), label=f"δ = {delta}")
-        worst = float(hertz(result.limiting_omega, T_S))
-        met = [heuristic_criterion(T_u, study.GAMMA, delta, q, omega).is_met for q in Q.values()]
-        edge = analysis.largest_cutoff(T_u, study.GAMMA, delta)
+        worst = float(hertz(result.limiting_omega, of.loop.sample_time))
+        met = [heuristic_criterion(T_u, of.gamma, delta, q, omega).is_met for q in Q.values()]
+        edge = analysis.largest_cutoff(T_u, of.gamma, delta)
         answers = ("yes" if each else "no" for each in met)
         rows.append((delta, float(decibel(result.contraction)), worst, edge, *answers))
     for cutoff in FILTERS:
@@ -121,21 +123,21 @@ def criterion_curves(file: Path, seed: int) -> Table:
     axes.set_xticks([2, 5, 10, 20, 40], ["2", "5", "10", "20", "40"])
     axes.set_xticks([], minor=True)
     axes.legend(frameon=False, loc="lower right")
-    title = "|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = 0.9"
+    title = f"|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = {of.gamma:g}"
     finish(file, grid, "frequency [Hz]", "magnitude [dB]", titles=[title])
     criteria = ("delta", "max |1-LTu| [dB]", "at [Hz]", "largest cutoff [Hz]")
     columns = (*criteria, *(f"{cutoff:g} Hz met" for cutoff in FILTERS))
-    return Table("Fig 8.6: criterion with gamma = 0.9, motor side", columns, rows)
+    return Table(f"Fig 8.6: criterion with gamma = {of.gamma:g}, motor side", columns, rows)
 
 
-def gamma_maps(file: Path, seed: int) -> Table:
+def gamma_maps(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.7: admissible gain over shift and cutoff."""
-    shifts, cutoffs = study.SHIFTS, study.SEARCHED_CUTOFFS
+    shifts, cutoffs = SEARCHED_SHIFTS, SEARCHED_CUTOFFS
     grid = panels(10.0, 4.2, 1, 2, sharey=True)
     grid[0].figure.set_layout_engine("constrained")
     rows = []
     for axes, side in zip(grid, THESIS_SHIFT, strict=True):
-        T_u = LOOP.T_motor if side == "motor" else LOOP.T_arm
+        T_u = of.loop.T_motor if side == "motor" else of.loop.T_arm
         gain = analysis.largest_gamma(T_u, shifts, cutoffs)
         weighted = gain * T_u.static_gain
         axes.pcolormesh(shifts, cutoffs, weighted.T, vmin=0.0, vmax=2.0, cmap="viridis")
@@ -161,10 +163,15 @@ def gamma_maps(file: Path, seed: int) -> Table:
     return Table("Fig 8.7: best shift and largest admissible gain", columns, rows)
 
 
-def learning_curves(file: Path, seed: int) -> Table:
+def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.8: 500 iterations with Q = 1 and with three filters."""
-    without = {AS_STATED: study.learned(None), ONE_LESS: study.learned(None, delta=4)}
-    filtered = {f"{f:g} Hz": study.learned(f) for f in study.CUTOFFS}
+    as_stated, one_less = AS_STATED, ONE_LESS
+    if not of.is_thesis:
+        as_stated, one_less = (f"Q = 1, δ = {delta}" for delta in (of.delta, of.delta - 1))
+    without = {as_stated: of.heuristic(None), one_less: of.heuristic(None, of.delta - 1)}
+    filtered = {f"{f:g} Hz": of.heuristic(f) for f in CUTOFFS}
+    if of.law is not None:
+        filtered[of.name] = of.learned()
     grid = panels(9.6, 4.0, 1, 2, sharey=True)
     for axes, runs in zip(grid, (without, filtered), strict=True):
         for name, run in runs.items():
@@ -180,10 +187,10 @@ def learning_curves(file: Path, seed: int) -> Table:
     return Table("Fig 8.8: 2-norm of the motor error [rad]", columns, rows)
 
 
-def model_error(file: Path, seed: int) -> Table:
+def model_error(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
-    runs = {"ideal model": study.learned(17.0)}
-    runs["model error"] = study.learned(17.0, stiffness_factor=2.0)
+    runs = {"ideal model": of.learned()}
+    runs["model error"] = of.learned(2.0)
     grid = panels(9.6, 4.0, 1, 2, sharey=True)
     rows = []
     for axes, side in zip(grid, ("motor", "arm"), strict=True):
@@ -197,12 +204,14 @@ def model_error(file: Path, seed: int) -> Table:
     return Table("Fig 8.11: 2-norms [rad]; model error: stiffness doubled in F_r", columns, rows)
 
 
-def signals(file: Path, seed: int, *, side: str, title: str, **changes: Any) -> Table:
+def signals(
+    file: Path, seed: int, of: Study = THESIS, *, side: str, title: str, stiffness: float = 1.0
+) -> Table:
     """Figs 8.9, 8.10, 8.12: angle and error of one side at the iterations of `SHOWN`."""
-    runs = study.learned(17.0, **changes)
+    runs = of.learned(stiffness)
     plant, letter = runs.plant, side[0]
     r = plant.motor_reference if side == "motor" else plant.arm_reference
-    t = np.arange(len(r)) * T_S
+    t = np.arange(len(r)) * of.loop.sample_time
     grid = panels(10.5, 4.6, 2, len(SHOWN), sharex=True, sharey="row")
     uppers, lowers = grid.reshape(2, -1)
     for upper, lower, k in zip(uppers, lowers, SHOWN, strict=True):
@@ -236,7 +245,7 @@ FIGURES = {
     "8.9": partial(signals, side="motor", title=f"Fig 8.9: motor {IDEAL}"),
     "8.10": partial(signals, side="arm", title=f"Fig 8.10: arm {IDEAL}"),
     "8.11": model_error,
-    "8.12": partial(signals, side="arm", title=f"Fig 8.12: arm {DOUBLED}", stiffness_factor=2.0),
+    "8.12": partial(signals, side="arm", title=f"Fig 8.12: arm {DOUBLED}", stiffness=2.0),
     "nyquist": designs.nyquist,
     "why-q": designs.why_q,
     "algorithms": designs.algorithms,

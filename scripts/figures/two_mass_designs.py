@@ -9,29 +9,27 @@ from armside.ilc import two_mass_study as study
 from armside.ilc.analysis import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.analysis.criterion import shift_response
 from armside.ilc.analysis.robustness import contraction_map, monte_carlo
-from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
-from armside.ilc.laws.heuristic import Heuristic
+from armside.ilc.filters import ALL_PASS
 from armside.ilc.models.system import unit_circle
 from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.ilc.two_mass_study import Study
 from armside.sim.evaluation.check import Table
 
 from .laser import INK, save
-from .two_mass_panels import LOOP, T_S, finish, panels
-
-LAW = Heuristic(Q=ZeroPhaseButterworth(17.0, T_S), gamma=study.GAMMA, delta=study.DELTA)
+from .two_mass_panels import THESIS, finish, panels
 
 
-def nyquist(file: Path, seed: int) -> Table:
+def nyquist(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Learning transients: the Nyquist curve of L T_u and the unit circle at +1 (thesis 7.4)."""
     omega = frequency_grid(4000)
-    T_u, f = LOOP.T_motor, hertz(omega, T_S)
+    T_u, f = of.loop.T_motor, hertz(omega, of.loop.sample_time)
     grid = panels(9.0, 4.6, 1, 2)
     circle = 1 + unit_circle(np.linspace(0, 2 * np.pi, 400))
     for axes in grid:
         axes.fill(circle.real, circle.imag, color="#EEF3E8")
         axes.plot(circle.real, circle.imag, color=INK, lw=1.0)
         for delta in (0, 2, 4, 6):
-            curve = shift_response(study.GAMMA, delta, omega) * T_u.response(omega)
+            curve = shift_response(of.gamma, delta, omega) * T_u.response(omega)
             axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
         axes.set(aspect="equal", xlabel="real part of LTᵤ")
     grid[0].set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
@@ -42,17 +40,18 @@ def nyquist(file: Path, seed: int) -> Table:
     save(grid[0].figure, file)
     rows = []
     for delta in (0, 2, 4, 6):
-        result = heuristic_criterion(T_u, study.GAMMA, delta, ALL_PASS, omega)
+        result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
         outside = np.flatnonzero(result.learning >= 1.0)
-        rows.append((delta, f[outside[0]], result.contraction))
-    title = "Nyquist view: where L T_u leaves the unit circle at +1, gamma = 0.9"
+        leaves = f[outside[0]] if outside.size else None
+        rows.append((delta, leaves, result.contraction))
+    title = f"Nyquist view: where L T_u leaves the unit circle at +1, gamma = {of.gamma:g}"
     return Table(title, ("delta", "leaves at [Hz]", "largest |1-LTu|"), rows)
 
 
-def why_q(file: Path, seed: int) -> Table:
+def why_q(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Phase of L T_u for shifts and for rough models: no shift allows Q = 1, most models do."""
     omega = frequency_grid(4000)
-    f, T_u = hertz(omega, T_S), LOOP.T_motor
+    f, T_u = hertz(omega, of.loop.sample_time), of.loop.T_motor
     phase = np.degrees(np.unwrap(np.angle(T_u.response(omega))))
     left, right = grid = panels(10.5, 4.6, 1, 2)
     for axes in grid:
@@ -65,7 +64,7 @@ def why_q(file: Path, seed: int) -> Table:
         shifted = phase + np.degrees(delta * omega)
         left.plot(f, shifted, label=f"δ = {delta}")
         rows.append((f"shift, delta = {delta}", *_beyond(f, shifted)))
-    for name, model in study.rough_models().items():
+    for name, model in study.rough_models(of.loop).items():
         difference = np.degrees(study.phase_error(model, T_u, omega))
         right.plot(f, difference, label=name)
         rows.append((f"model backwards: {name}", *_beyond(f, difference)))
@@ -88,11 +87,11 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
     return first, last, float(size.max())
 
 
-def algorithms(file: Path, seed: int) -> Table:
+def algorithms(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
     (axes,) = grid = panels(7.0, 4.0)
-    rows, plant = [], study.learned(17.0).plant
-    for name, law in study.algorithms().items():
+    rows, plant = [], of.plant
+    for name, law in study.algorithms(of).items():
         norms = study.run(plant, law, 100).motor
         axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
         reached = study.iterations_to(norms, 0.05)
@@ -103,11 +102,11 @@ def algorithms(file: Path, seed: int) -> Table:
     return Table("Algorithms 1 to 3: 2-norm of the motor error [rad]", columns, rows)
 
 
-def robustness(file: Path, seed: int) -> Table:
+def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Contraction over uncertain joints: a map and a Monte Carlo."""
-    factors = np.geomspace(0.2, 5.0, 25)
+    factors, law = np.geomspace(0.2, 5.0, 25), of.one_heuristic
     left, right = panels(10.0, 4.2, 1, 2)
-    contractions = contraction_map(LOOP, LAW, ("Jm", factors), ("k", factors))
+    contractions = contraction_map(of.loop, law, ("Jm", factors), ("k", factors))
     mesh = left.pcolormesh(factors, factors, contractions, vmin=0.7, vmax=1.3, cmap="RdYlGn_r")
     left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
     left.set(xscale="log", yscale="log")
@@ -120,7 +119,7 @@ def robustness(file: Path, seed: int) -> Table:
     left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
     rows, rng = [], np.random.default_rng(seed)
     for spread in (0.2, 0.5, 1.0):
-        sampled = monte_carlo(LOOP, LAW, spread, 200, rng)
+        sampled = monte_carlo(of.loop, law, spread, 200, rng)
         x = np.sort(sampled.contraction)
         right.plot(x, np.linspace(0, 100, len(x)), label=f"factors up to {1 + spread:g}")
         converge = 100 * sampled.fraction_converging
@@ -130,18 +129,19 @@ def robustness(file: Path, seed: int) -> Table:
     right.set_title("All parameters uncertain, 200 joints each", loc="left")
     right.legend(frameon=False)
     save(right.figure, file)
-    title = "Robustness of gamma = 0.9, delta = 5, 17 Hz to the joint's parameters"
+    design = f"gamma = {of.gamma:g}, delta = {of.delta}, {of.cutoff:g} Hz"
+    title = f"Robustness of {design} to the joint's parameters"
     columns = ("factors up to", "contract [%]", "worst contraction", "most harmful")
     return Table(title, columns, rows)
 
 
-def friction(file: Path, seed: int) -> Table:
+def friction(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Coulomb friction and measurement noise in the joint."""
     grid = panels(9.6, 4.0, 1, 2)
     rows = []
     for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
-        plant = FrictionPlant(coulomb=c, noise=noise, rng=np.random.default_rng(seed))
-        runs = study.run(plant, LAW, 50)
+        plant = FrictionPlant(loop=of.loop, coulomb=c, noise=noise, rng=np.random.default_rng(seed))
+        runs = study.run(plant, of.one_law, 50)
         name = f"c = {c:g} N m" + (f", noise {noise:g} rad" if noise else "")
         for axes, norms in zip(grid, (runs.motor, runs.arm), strict=True):
             axes.semilogy(norms, label=name)

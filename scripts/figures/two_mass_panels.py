@@ -8,11 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from armside.ilc.models.two_mass import TwoMassLoop
+from armside.ilc.two_mass_study import Study
 
 from .laser import COLORS, new_figure, save
 
 LOOP = TwoMassLoop()
-T_S = LOOP.sample_time
+"""Joint and controller of the thesis."""
+THESIS = Study()
+"""Joint and design of the thesis."""
 
 
 def panels(width: float, height: float, rows: int = 1, columns: int = 1, **shared: Any) -> Any:

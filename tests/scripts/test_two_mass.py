@@ -1,6 +1,7 @@
 """The commands of chapter 8 write what they promise and refuse what they cannot do."""
 
 import json
+import math
 
 import pytest
 
@@ -36,6 +37,32 @@ def test_the_same_figure_has_the_same_bytes(tmp_path):
     assert one == two
 
 
+OF_A_LAW = ("8.3", "8.9", "nyquist")
+
+
+def test_figures_take_the_users_joint_and_law(tmp_path, capsys):
+    """A stiffer joint has its notch higher; the law stands beside the others."""
+    design = ["--joint", "k=20", "Ja=0.08", "--gamma", "0.5", "--delta", "2", "--cutoff", "5"]
+    own = ["--law", "heuristic:gamma=0.4,delta=2,cutoff=5"]
+    words = ["--figure", *OF_A_LAW, *design, *own, "--out", str(tmp_path / "a")]
+    assert main(["two-mass", *words]) == 0
+    assert "Not the numbers of the thesis: heuristic:gamma=0.4" in capsys.readouterr().out
+    tables = json.loads((tmp_path / "a" / "summary.json").read_text())["figures"]
+    undamped = tables["8.3"]["rows"][2][1]
+    assert undamped == pytest.approx((20.0 / 0.08) ** 0.5 / (2.0 * math.pi), rel=1e-6)
+    first, last = tables["8.9"]["rows"][0][1], tables["8.9"]["rows"][-1][1]
+    assert last < 0.5 * first
+
+
+def test_learning_that_overflows_is_a_failure_in_one_line(tmp_path, capsys):
+    words = ["--figure", "8.9", "--gamma", "90", "--cutoff", "45", "--out", str(tmp_path / "a")]
+    assert main(["two-mass", *words]) == 1
+    error = capsys.readouterr().err
+    assert "learning diverges: its error is" in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "a").exists()
+
+
 def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
     file = tmp_path / "servo.json"
     file.write_text(json.dumps({"sample_time": 0.004, "b": [0, 0, 0, 0.6], "a": [1, -0.4]}))
@@ -50,6 +77,12 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        (["two-mass", "--joint", "K=5"], "Unknown number of the joint 'K'"),
+        (["two-mass", "--joint", "k=5e9"], "k must be 0.005 to 5000"),
+        (["two-mass", "--joint", "k"], "joint takes KEY=VALUE"),
+        (["two-mass", "--law", "herustic"], "Unknown law 'herustic'"),
+        (["two-mass", "--gamma", "0"], "gamma must be > 0"),
+        (["two-mass", "--cutoff", "50"], "cutoff must be 0.1 to 49 Hz"),
         (["two-mass", "--figure", "8.77"], "Unknown figure '8.77'. Did you mean 8.7?"),
         (["design", "--model", "nothing"], "no model 'nothing'"),
         (["design", "--bandwidth", "50"], "below the Nyquist frequency 50 Hz"),
