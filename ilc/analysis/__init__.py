@@ -11,3 +11,4 @@ from .limits import largest_common_cutoff as largest_common_cutoff
 from .limits import largest_cutoff as largest_cutoff
 from .limits import largest_gain_factor as largest_gain_factor
 from .limits import largest_gamma as largest_gamma
+from .record_iteration import RecordIteration as RecordIteration

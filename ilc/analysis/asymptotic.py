@@ -40,7 +40,8 @@ def asymptotic_error(
 
 def _coupled(E: Complex, T: Complex, L: Complex, Q: Complex) -> Complex:
     """Limit of the error's spectrum (M, n) for responses (M, n, n)."""
-    left = np.eye(T.shape[1]) - Q @ (np.eye(T.shape[1]) - L @ T)
+    identity = np.eye(T.shape[2])
+    left = identity - Q @ (identity - L @ T)
     _require_limit(float(np.linalg.norm(left, ord=-2, axis=(1, 2)).min()))
     U = np.linalg.solve(left, Q @ L @ E[:, :, None])
     return (E[:, :, None] - T @ U)[:, :, 0]
@@ -48,7 +49,7 @@ def _coupled(E: Complex, T: Complex, L: Complex, Q: Complex) -> Complex:
 
 def _as_matrices(response: Array | Complex, T: Complex) -> Complex:
     """Response of shape (M,), of each motor (M, n), or (M, n, n), as the last."""
-    identity = np.eye(T.shape[1])
+    identity = np.eye(T.shape[2])
     if response.ndim == 3:
         return response.astype(np.complex128)
     columns = response[:, None] if response.ndim == 1 else response

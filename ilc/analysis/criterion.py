@@ -153,5 +153,5 @@ def heuristic_gain(
             raise ValueError("gamma and delta for each motor need a matrix of systems as T_u")
         return PType(gamma=float(np.asarray(gamma)), delta=int(np.asarray(delta)))
     gains = np.asarray(gamma, dtype=np.float64)
-    n = len(T_u.entries)
+    n = T_u.n_inputs
     return MatrixGain(gamma=gains if gains.ndim == 2 else gains * np.eye(n), delta=delta)

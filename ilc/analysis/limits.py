@@ -15,7 +15,7 @@ from armside.arrays import Array
 from ..filters import PerColumn, RecordFilter, ZeroPhaseButterworth
 from ..models.peak import AllPassPhase
 from ..models.system import Complex, System, require_stable
-from ..models.system_matrix import SystemMatrix
+from ..models.system_matrix import Model
 from .criterion import frequency_grid, heuristic_criterion, shift_response
 
 _ZOOMS = 8  # halvings of the grid around a smallest value: its error falls by 4 in each
@@ -143,7 +143,7 @@ def largest_cutoff(
 
 
 def largest_gain_factor(
-    T_u: SystemMatrix, gamma: PerColumn | Array, delta: int | tuple[int, ...], Q: RecordFilter
+    T_u: Model, gamma: PerColumn | Array, delta: int | tuple[int, ...], Q: RecordFilter
 ) -> float:
     """Supremum of the factors on `gamma` that meet the criterion of coupled motors, to 1e-6.
 
@@ -165,7 +165,7 @@ def largest_gain_factor(
 
 
 def largest_common_cutoff(
-    T_u: SystemMatrix,
+    T_u: Model,
     gamma: PerColumn | Array,
     delta: int | tuple[int, ...],
     *,

@@ -34,7 +34,7 @@ class Constrained(NormOptimal):
             raise ValueError("limit must be > 0")
         per_sample(self.limit, self.n_samples, self.n_columns, "limit")
 
-    @records("correction", "error")
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
         free = super().__call__(correction, error)
         limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")

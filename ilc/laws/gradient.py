@@ -6,21 +6,31 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, adjoint, check_inputs, largest_gain
+from ..models.system import Complex
+from ..models.system_matrix import (
+    AnyModel,
+    adjoint,
+    check_inputs,
+    check_model,
+    largest_gain,
+    require_time_invariant,
+)
 from ..records import records
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gradient:
-    """L = step T_u^T on the finite record; converges for 0 < step < 2 / max |T_u|^2."""
+    """L = step T_u^T on the finite record; converges for 0 < step < 2 / max |T_u|^2.
 
-    T_u: Model
+    Of a model along the record the maximum is the 2-norm of its lifted matrix.
+    """
+
+    T_u: AnyModel
     step: float = 0.0
     """0 chooses 1 / max |T_u|^2, for which no frequency of the error grows."""
 
     def __post_init__(self) -> None:
-        require_stable(self.T_u, "T_u")
+        check_model(self.T_u)
         top = 2.0 / largest_gain(self.T_u) ** 2
         if self.step == 0.0:
             object.__setattr__(self, "step", 0.5 * top)
@@ -36,5 +46,5 @@ class Gradient:
         return self.step * adjoint(self.T_u, signal)
 
     def response(self, omega: ArrayLike) -> Complex:
-        T = self.T_u.response(omega)
+        T = require_time_invariant(self.T_u, "a response").response(omega)
         return self.step * (T if T.ndim == 1 else T.swapaxes(1, 2)).conj()

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..models.system import Complex, System, require_stable
-from ..models.system_matrix import Model, SystemMatrix
+from ..models.system import Complex, System
+from ..models.system_matrix import AnyModel, check_model
 from ..records import records
 from .law import FirstOrderLaw
 from .quadratic import QuadraticCriterion, QuadraticProblem
@@ -18,20 +18,24 @@ from .quadratic import QuadraticCriterion, QuadraticProblem
 class NormOptimal(FirstOrderLaw):
     """Minimum of a `QuadraticCriterion` in every iteration, O(N) in design and iteration.
 
-    T_u: one system, used for each motor, or a matrix of systems for coupled motors. Equal to
-    Q = (T'WT + Wu + Wd)^-1 (T'WT + Wd), L = (T'WT + Wd)^-1 T'W in the lifted form, without
-    building T. Raises RuntimeError where rounding keeps a minimum from being found.
+    T_u: one system, used for each motor, or any other model: several inputs and outputs, varying
+    along the record, or one's own `RecordModel`. Equal to Q = (T'WT + Wu + Wd)^-1 (T'WT + Wd),
+    L = (T'WT + Wd)^-1 T'W in the lifted form, without building T. Raises RuntimeError where
+    rounding keeps a minimum from being found.
     """
 
-    T_u: Model
+    T_u: AnyModel
     n_samples: int
-    n_columns: int = 1
+    n_columns: int = 0
+    """Columns of a correction; 0: the inputs of T_u."""
     criterion: QuadraticCriterion = field(
         default_factory=lambda: QuadraticCriterion(correction=1e-4, change=1e-2)
     )
 
     def __post_init__(self) -> None:
-        require_stable(self.T_u, "T_u")
+        check_model(self.T_u)
+        if self.n_columns == 0:
+            object.__setattr__(self, "n_columns", self.T_u.n_inputs)
         problem = QuadraticProblem.build(self.T_u, self.criterion, self.n_samples, self.n_columns)
         object.__setattr__(self, "_problem", problem)
 
@@ -42,13 +46,22 @@ class NormOptimal(FirstOrderLaw):
         if given != designed:
             raise ValueError(f"the law was designed for records of shape {designed}, got {given}")
 
-    @records("correction", "error")
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
+        self._check_shapes(correction, error)
         return correction + self._problem.solve(self._problem.descent(correction, error))
+
+    def _check_shapes(self, correction: Array, error: Array) -> None:
+        for signal, weight, name in (
+            (correction, self._problem.Wu, "correction"),
+            (error, self._problem.We, "error"),
+        ):
+            if signal.shape != weight.shape:
+                raise ValueError(f"{name} must have shape {weight.shape}, got {signal.shape}")
 
     def responses(self, omega: ArrayLike) -> tuple[Complex, Complex]:
         """(Q, L) on infinite records, for one system and constant weights, (M,) each."""
-        if isinstance(self.T_u, SystemMatrix):
+        if not isinstance(self.T_u, System):
             raise ValueError("responses need a T_u with one input and one output")
         We, Wu, Wd = (self.criterion.error, self.criterion.correction, self.criterion.change)
         if any(np.ndim(weight) for weight in (We, Wu, Wd)):

@@ -1,13 +1,14 @@
 """Quadratic criterion of norm-optimal learning on a finite record, and its solution.
 
 The step d = u_{k+1} - u_k solves H d = g with H = T' F' We F T + Wu + Wd and the negative gradient
-g = T' F' We F e_k - Wu u_k at u_k. A Riccati recursion factors H in O(N); conjugate gradients, with
-the model itself for H and the recursion as preconditioner, check each solution and refine it.
+g = T' F' We F e_k - Wu u_k at u_k. For models with states a Riccati recursion factors H in O(N);
+conjugate gradients, with the model itself for H and the factor as preconditioner, check each
+solution and refine it. For a model that is known by its products alone they do all the work.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,15 +16,20 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import recursion
+from ..models.lifted_model import LiftedModel
+from ..models.state_space import StateSpace
 from ..models.system import System
-from ..models.system_matrix import Model, SystemMatrix, adjoint, check_inputs
+from ..models.system_matrix import AnyModel, SystemMatrix, adjoint, check_inputs
+from ..models.time_varying import TimeVarying
+from .conjugate_gradients import ACCURACY, solve_factored, solve_matrix_free
+from .lifted_factor import LiftedFactor
 
-if TYPE_CHECKING:
-    from .riccati import Factored
 
-ACCURACY = 1e-7
-"""Largest error of a step relative to its size; a solution that does not reach it is an error."""
-_REFINED, _STEPS = 1e-11, 30  # error at which refinement ends, and its largest number of steps
+class Factor(Protocol):
+    """Solver of H d = g for some columns, up to rounding."""
+
+    def solve(self, g: Array, /) -> Array: ...
+
 
 Weight = float | Array
 """One number, or one for each sample (N,), or for each sample and column (N, n); >= 0."""
@@ -58,46 +64,69 @@ class QuadraticCriterion:
 
 @dataclass(frozen=True, eq=False)
 class QuadraticProblem:
-    """Criterion for one model and records of one shape (N, n)."""
+    """Criterion for one model and records of one length N, p outputs and m inputs."""
 
-    T_u: Model
+    T_u: AnyModel
     taps: Array
     """Coefficients of F."""
     We: Array
-    """Weights of each sample and column, (N, n); likewise Wu and Wd."""
+    """Weights of each sample and output, (N, p)."""
     Wu: Array
+    """Weights of each sample and input, (N, m); likewise Wd."""
     Wd: Array
 
     @classmethod
     def build(
-        cls, T_u: Model, criterion: QuadraticCriterion, n_samples: int, n_columns: int
+        cls, T_u: AnyModel, criterion: QuadraticCriterion, n_samples: int, n_columns: int
     ) -> "QuadraticProblem":
-        """Problem for records of shape (N, n). ValueError for weights of another shape."""
+        """Problem for corrections (N, n_columns). ValueError for weights of another shape."""
         check_inputs(T_u, n_columns)
-        weights = [(getattr(criterion, name), name) for name in ("error", "correction", "change")]
+        if (covered := getattr(T_u, "n_samples", n_samples)) != n_samples:
+            raise ValueError(f"T_u covers {covered} samples, the record {n_samples}")
+        n_outputs = n_columns if isinstance(T_u, System) else T_u.n_outputs
+        sizes = {"error": n_outputs, "correction": n_columns, "change": n_columns}
         expanded = (
-            per_sample(weight, n_samples, n_columns, f"the weight of the {name}")
-            for weight, name in weights
+            per_sample(getattr(criterion, name), n_samples, width, f"the weight of the {name}")
+            for name, width in sizes.items()
         )
         problem = cls(T_u, np.asarray(criterion.error_filter), *expanded)
         _ = problem.parts  # refuses a criterion that does not determine the correction
         return problem
 
     @cached_property
-    def parts(self) -> "list[tuple[list[int], Factored]]":
-        """Columns that are coupled, and the factored criterion of these."""
-        from ..models.realisation import realise
-        from .riccati import factor  # imported here: compiled
+    def parts(self) -> list[tuple[list[int], Factor]]:
+        """Inputs that are coupled, and the factored criterion of these; none without states."""
+        T, R = self.T_u, self.Wu + self.Wd
+        if isinstance(T, System | SystemMatrix):
+            return self._coupled_parts(T if isinstance(T, SystemMatrix) else self._repeated(T))
+        if isinstance(T, StateSpace | TimeVarying):
+            from .riccati import factor  # imported here: compiled
 
-        n_samples, n = self.We.shape
-        T = self.T_u if isinstance(self.T_u, SystemMatrix) else _repeated(self.T_u, n)
-        parts, known = [], {}
+            found: Factor = factor(T.filtered_realisation(self.taps), self.We, R)
+        elif isinstance(T, LiftedModel):
+            found = LiftedFactor.build(T, self.taps, self.We, R)
+        elif (R > 0.0).all():
+            return []
+        else:
+            raise ValueError(
+                "a model without states needs weights of correction and change whose sum is > 0"
+            )
+        return [(list(range(R.shape[1])), found)]
+
+    def _repeated(self, system: System) -> SystemMatrix:
+        return SystemMatrix.diagonal([system] * self.Wu.shape[1])
+
+    def _coupled_parts(self, T: SystemMatrix) -> list[tuple[list[int], Factor]]:
+        from ..models.realisation import realise
+        from .riccati import factor
+
+        parts, known = [], dict[object, Factor]()
         for columns in T.coupled_columns():
             one = T.submatrix(columns)
             W, R = self.We[:, columns], (self.Wu + self.Wd)[:, columns]
             key = (tuple(map(id, one.entries[0])), W.tobytes(), R.tobytes())
             if key not in known or len(columns) > 1:
-                known[key] = factor(realise(one, self.taps, n_samples), W, R)
+                known[key] = factor(realise(one, self.taps, len(W)), W, R)
             parts.append((columns, known[key]))
         return parts
 
@@ -120,25 +149,16 @@ class QuadraticProblem:
 
     def solve(self, g: Array) -> Array:
         """d with H d = g. Raises RuntimeError where rounding keeps it from `ACCURACY`."""
-        d, r = np.zeros_like(g), g
-        z = p = self._preconditioned(r)
-        size, estimate = float(np.vdot(r, z)), np.inf
-        if size == 0.0:
-            return d
-        for _ in range(_STEPS):
-            Hp = self.hessian(p)
-            along = size / float(np.vdot(p, Hp))
-            d, r = d + along * p, r - along * Hp
-            z = self._preconditioned(r)
-            last, estimate = estimate, float(np.linalg.norm(z) / np.linalg.norm(d))
-            size, before = float(np.vdot(r, z)), size
-            if estimate <= _REFINED or not size > 0.0 or estimate > 0.5 * last:
-                break
-            p = z + size / before * p
-        if not estimate <= ACCURACY:
+        if self.parts:
+            d, error = solve_factored(self.hessian, self._preconditioned, g)
+            remedy = "give the model fewer slow poles, or raise the weight of the change"
+        else:
+            d, error = solve_matrix_free(self.hessian, self.Wu + self.Wd, g)
+            remedy = "raise the weight of the change, or give the model in states"
+        if not error <= ACCURACY:
             raise RuntimeError(
-                f"the norm-optimal step is known to {estimate:.1g} of its size only, not "
-                f"{ACCURACY:g}: give the model fewer slow poles, or raise the weight of the change"
+                f"the norm-optimal step is known to {error:.1g} of its size only, not "
+                f"{ACCURACY:g}: {remedy}"
             )
         return d
 
@@ -147,10 +167,6 @@ class QuadraticProblem:
         for columns, factored in self.parts:
             z[:, columns] = factored.solve(r[:, columns])
         return z
-
-
-def _repeated(system: System, n: int) -> SystemMatrix:
-    return SystemMatrix.diagonal([system] * n)
 
 
 def per_sample(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:

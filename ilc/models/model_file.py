@@ -9,8 +9,9 @@ import numpy as np
 from armside.arrays import Array
 
 from .discretise import state_space_to_system
+from .state_space import StateSpace
 from .system import System
-from .system_matrix import Model, SystemMatrix
+from .system_matrix import Model
 
 STATE_SPACE = ("A", "B", "C")
 MOST_STATES = 200
@@ -45,7 +46,7 @@ def read_system(file: Path) -> System:
     """As `read_model`, for a model with one input and one output."""
     model = read_model(file)
     if not isinstance(model, System):
-        n = len(model.entries)
+        n = model.n_inputs
         raise ValueError(f"{file}: the model must have one input and one output, got {n}")
     return model
 
@@ -90,11 +91,9 @@ def _state_space(content: dict[str, Any]) -> Model:
         raise ValueError(f"at most {MOST_STATES} states are taken, got {n}")
     if not all(np.isfinite(matrix).all() for matrix in (A, B, C, D)):
         raise ValueError("A, B, C, D must be finite")
-    rows = [
-        tuple(_entry(A, B[:, [j]], C[[i]], D[i, j], content["sample_time"]) for j in range(len(C)))
-        for i in range(len(C))
-    ]
-    return rows[0][0] if len(rows) == 1 else SystemMatrix(tuple(rows))
+    if len(C) == 1:
+        return _entry(A, B, C, D[0, 0], content["sample_time"])
+    return StateSpace(A, B, C, D, content["sample_time"])
 
 
 def _entry(A: Array, B: Array, C: Array, D: float, sample_time: float) -> System:

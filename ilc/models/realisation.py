@@ -8,12 +8,11 @@ slow pole.
     x(t + 1) = A x(t) + B u(t)        y(t) = C x(t) + D u(t)
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from armside.arrays import Array
 
+from .blocks import Realisation
 from .system import System
 from .system_matrix import SystemMatrix
 
@@ -22,26 +21,10 @@ Section = tuple[Array, Array, Array, float]
 """(A, B, C, D) of one input and one output, [[A, B], [C, D]] orthogonal."""
 
 
-@dataclass(frozen=True, eq=False)
-class Realisation:
-    """State-space form whose A is block-diagonal, the blocks of one input next to each other."""
-
-    blocks: tuple[Array, ...]
-    """Diagonal blocks of A."""
-    inputs: tuple[int, ...]
-    """Input that drives each block."""
-    B: Array
-    """(n,): each state has one input."""
-    C: Array
-    """(p, n)."""
-    D: Array
-    """(p, m)."""
-
-
 def realise(T: SystemMatrix, taps: Array, n_samples: int) -> Realisation:
     """State-space form of F T, F the finite impulse response `taps`, exact over n_samples."""
     n = len(T.entries)
-    blocks, inputs, drives, columns = [], [], [], []
+    blocks, drives, columns = [], [], []
     D = np.array([[s.b[0] * taps[0] for s in row] for row in T.entries])
     for j in range(n):
         for rows in _sharing([T.entries[i][j] for i in range(n)]):
@@ -53,17 +36,10 @@ def realise(T: SystemMatrix, taps: Array, n_samples: int) -> Realisation:
                 wanted = np.convolve(system.impulse(n_samples), taps)[1:n_samples]
                 C[i] = np.linalg.lstsq(states, wanted)[0]
             blocks.append(A)
-            inputs.append(j)
-            drives.append(B)
+            drives.append(np.outer(B, np.eye(n)[j]))
             columns.append(C)
-    empty = np.zeros((n, 0))
-    return Realisation(
-        tuple(blocks),
-        tuple(inputs),
-        np.concatenate(drives) if drives else np.zeros(0),
-        np.concatenate(columns, axis=1) if columns else empty,
-        D,
-    )
+    drives, columns = [np.zeros((0, n)), *drives], [np.zeros((n, 0)), *columns]
+    return Realisation.of_blocks(blocks, np.concatenate(drives), np.concatenate(columns, axis=1), D)
 
 
 def all_pass_states(poles: Array) -> tuple[Array, Array]:

@@ -100,6 +100,20 @@ class System:
         """Output for the input (N, n), each column on its own, from zero state."""
         return recursion(self.b, self.a, signal)
 
+    @records("signal")
+    def adjoint(self, signal: Array) -> Array:
+        """T^T e on the finite record (N, n): the time-reversed record filtered, then reversed."""
+        return self.simulate(signal[::-1])[::-1]
+
+    @property
+    def n_inputs(self) -> int:
+        """1: a record with more columns is filtered column by column."""
+        return 1
+
+    @property
+    def n_outputs(self) -> int:
+        return 1
+
     def impulse(self, n_samples: int) -> Array:
         """Impulse response, shape (n_samples,): the first column of the lifted matrix."""
         return self.simulate(np.eye(n_samples, 1))[:, 0]

@@ -10,7 +10,10 @@ from armside.arrays import Array
 
 from ..records import records
 from .peak import peak
-from .system import Complex, System
+from .products import Products, largest_singular_value
+from .record_model import RecordModel, is_record_model
+from .state_space import StateSpace
+from .system import Complex, System, require_stable
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +71,19 @@ class SystemMatrix:
                     output[:, [i]] += system.simulate(signal[:, [j]])
         return output
 
+    @records("signal")
+    def adjoint(self, signal: Array) -> Array:
+        """T^T e on the finite record (N, n): the time-reversed record filtered, then reversed."""
+        return self.transposed.simulate(signal[::-1])[::-1]
+
+    @property
+    def n_inputs(self) -> int:
+        return len(self.entries)
+
+    @property
+    def n_outputs(self) -> int:
+        return len(self.entries)
+
     def coupled_columns(self) -> list[list[int]]:
         """Columns that are coupled to each other, directly or through others."""
         n = len(self.entries)
@@ -83,27 +99,64 @@ class SystemMatrix:
         return SystemMatrix(tuple(zip(*self.entries, strict=True)))
 
 
-Model = System | SystemMatrix
-"""T_u: one system, used for each column, or a matrix of systems."""
+Model = System | SystemMatrix | StateSpace
+"""Time-invariant T_u: one system, used for each column, a matrix of systems, or a state space."""
+AnyModel = Model | RecordModel
+"""T_u of a finite record."""
 
 
-def check_inputs(T_u: Model, n_columns: int) -> None:
-    """Raise ValueError if a matrix of systems does not fit records with n columns."""
-    if isinstance(T_u, SystemMatrix) and len(T_u.entries) != n_columns:
-        raise ValueError(f"T_u has {len(T_u.entries)} inputs, the record {n_columns}")
+def check_inputs(T_u: AnyModel, n_columns: int) -> None:
+    """Raise ValueError if a model, except one system, does not fit records with n columns."""
+    if not isinstance(T_u, System) and T_u.n_inputs != n_columns:
+        raise ValueError(f"T_u has {T_u.n_inputs} inputs, the record {n_columns}")
+
+
+def check_model(T_u: AnyModel) -> None:
+    """Raise ValueError for a time-invariant model that is unstable, or something that is no model.
+
+    A model that varies along the record is neither stable nor unstable.
+    """
+    if isinstance(T_u, System | SystemMatrix | StateSpace):
+        require_stable(T_u, "T_u")
+    elif not is_record_model(T_u):
+        needed = "n_inputs, n_outputs, simulate and adjoint"
+        raise ValueError(f"T_u must be a model with {needed}, got {type(T_u).__name__}")
+
+
+def require_time_invariant(T_u: AnyModel, what: str) -> Model:
+    """The model, if it is time-invariant. Raises ValueError with `what` needs it otherwise."""
+    if not isinstance(T_u, System | SystemMatrix | StateSpace):
+        kinds = "a System, a SystemMatrix or a StateSpace"
+        raise ValueError(f"{what} needs {kinds} as T_u, got {type(T_u).__name__}")
+    return T_u
 
 
 @records("signal")
-def adjoint(model: Model, signal: Array) -> Array:
-    """T^T e on the finite record: filter the time-reversed record, then reverse."""
-    back = model.transposed if isinstance(model, SystemMatrix) else model
-    return back.simulate(signal[::-1])[::-1]
+def adjoint(model: AnyModel, signal: Array) -> Array:
+    """T^T e on the finite record."""
+    return model.adjoint(signal)
 
 
-def largest_gain(model: Model) -> float:
-    """max over frequency of |T_u|, the largest singular value for a matrix; from above, to 1e-9."""
+def largest_gain(model: AnyModel) -> float:
+    """max over frequency of |T_u|, the largest singular value for a matrix; from above, to 1e-9.
+
+    Of a model that covers n_samples of a record: the 2-norm of that map.
+    """
+    if not isinstance(model, System | SystemMatrix | StateSpace):
+        return lifted_norm(model, getattr(model, "n_samples", 0))
     largest = peak(lambda omega: gain_squared(model.response(omega)), model.all_poles)
     return float(np.sqrt(largest.bound))
+
+
+def lifted_norm(model: RecordModel, n_samples: int) -> float:
+    """2-norm of y = T u over records of n_samples, by Lanczos iterations to 1e-10."""
+    if n_samples < 1:
+        raise ValueError("the largest gain needs a model that states its n_samples")
+    return largest_singular_value(
+        Products(
+            (n_samples, model.n_inputs), (n_samples, model.n_outputs), model.simulate, model.adjoint
+        )
+    )
 
 
 def gain_squared(response: Complex) -> Array:

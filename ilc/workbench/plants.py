@@ -9,8 +9,10 @@ import numpy as np
 from armside.arrays import Array
 
 from ..measures.norms import two_norm
+from ..models.conversion import as_state_space
 from ..models.linear_plant import LinearPlant
 from ..models.model_file import read_model
+from ..models.state_space import StateSpace
 from ..models.system import System, as_system, require_stable
 from ..models.system_matrix import Model, SystemMatrix
 from ..models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun, step_reference
@@ -44,7 +46,7 @@ def linear(name: str, T_u: Model, record: Record) -> Task:
     if record.sample_time is not None and not np.isclose(record.sample_time, T_u.sample_time):
         times = f"{T_u.sample_time:g} s, got {record.sample_time:g} s"
         raise ValueError(f"{name} has a sample time of {times}")
-    n = len(T_u.entries) if isinstance(T_u, SystemMatrix) else 1
+    n = T_u.n_inputs
     r = named_reference(record.reference or "step", record.n_samples, n, T_u.sample_time)
     return Task(
         name=name,
@@ -136,7 +138,7 @@ def own_plant(words: Words, record: Record, seed: int) -> Task:
     first = start(0)
     if not hasattr(first, "run"):
         try:
-            return linear(words.text, as_system(first), record)
+            return linear(words.text, as_model(first), record)
         except ValueError as error:
             needed = "an object with run(correction), a System or a discrete model of control"
             raise ValueError(f"{words.text} must be {needed}: {error}") from error
@@ -160,8 +162,11 @@ def own_plant(words: Words, record: Record, seed: int) -> Task:
 
 
 def as_model(model: Any) -> Model:
-    """A System, a SystemMatrix, or one of `control`."""
-    return model if isinstance(model, SystemMatrix) else as_system(model)
+    """One of ours, or one of `control`: a System with one input and output, else a StateSpace."""
+    if isinstance(model, System | SystemMatrix | StateSpace):
+        return model
+    several = (getattr(model, "ninputs", 1), getattr(model, "noutputs", 1)) != (1, 1)
+    return as_state_space(model) if several else as_system(model)
 
 
 def _own_generators(plant: OwnPlant) -> list[np.random.Generator]:

@@ -10,7 +10,7 @@ from scipy.io import savemat
 from armside.ilc.laws.guarded import Best
 from armside.ilc.learning import LoopState
 from armside.ilc.models.model_file import read_model
-from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.state_space import StateSpace
 from armside.ilc.workbench.compare import run_law, setting_of
 from armside.ilc.workbench.csv_signal import read_signal, write_signal
 from armside.ilc.workbench.exchange import Folder
@@ -99,7 +99,7 @@ def test_a_state_space_is_its_transfer_function_in_json_and_mat(tmp_path):
     (tmp_path / "m.json").write_text(json.dumps(content))
     savemat(tmp_path / "m.mat", content)
     one, other = read_model(tmp_path / "m.json"), read_model(tmp_path / "m.mat")
-    assert isinstance(one, SystemMatrix)
+    assert isinstance(one, StateSpace)
     omega = np.array([0.1, 1.0, 3.0])
     z = np.exp(1j * omega)[:, None, None]
     exact = np.array(C) @ np.linalg.inv(z * np.eye(2) - np.array(A)) @ np.array(B)

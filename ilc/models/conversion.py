@@ -1,0 +1,97 @@
+"""State-space models from those of scipy.signal and of the package control, or from a `System`."""
+
+from typing import Any
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .state_space import StateSpace
+from .system import System
+from .system_matrix import SystemMatrix
+
+Matrices = tuple[Array, Array, Array, Array]
+
+
+def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
+    """From a model of scipy.signal or control, or of ours; several inputs and outputs.
+
+    Models in continuous time are sampled with a zero-order hold and need a sample_time [s].
+
+    Raises ValueError for something else, a model that is not causal, or a sample time that is
+    missing or differs.
+    """
+    if isinstance(model, StateSpace):
+        return model
+    if isinstance(model, System | SystemMatrix):
+        entries = model.entries if isinstance(model, SystemMatrix) else ((model,),)
+        rows = [[_of_system(system) for system in row] for row in entries]
+        return StateSpace(*_stacked(rows), model.sample_time)
+    dt, known = _sampling(model), _matrices(model)
+    if dt == 0.0:
+        if sample_time is None:
+            raise ValueError("a model in continuous time needs a sample_time")
+        return StateSpace.from_continuous(*known, sample_time)
+    if sample_time is not None and not np.isclose(dt, sample_time, rtol=1e-9):
+        raise ValueError(f"the model has a sample time of {dt:g} s, got {sample_time:g} s")
+    return StateSpace(*known, dt)
+
+
+def _sampling(model: Any) -> float:
+    """Sample time [s]; 0 for continuous time."""
+    if not hasattr(model, "dt"):
+        kinds = "StateSpace, System, or a model of scipy.signal or control"
+        raise ValueError(f"model must be a {kinds}, got {type(model).__name__}")
+    continuous_in_scipy = model.dt is None and not _is_of_control(model)
+    dt = 0.0 if continuous_in_scipy else model.dt
+    if dt is None or isinstance(dt, bool):
+        raise ValueError(f"model must be continuous or have a sample time in s, got dt = {dt}")
+    return float(dt)
+
+
+def _is_of_control(model: Any) -> bool:
+    return hasattr(model, "ninputs")
+
+
+def _matrices(model: Any) -> Matrices:
+    if hasattr(model, "A"):
+        return model.A, model.B, model.C, model.D
+    if hasattr(model, "to_ss") and not _is_of_control(model):
+        return _matrices(model.to_ss())
+    if not hasattr(model, "num"):
+        raise ValueError(f"model must have matrices or polynomials, got {type(model).__name__}")
+    entries = zip(model.num, model.den, strict=True)
+    return _stacked([[_of_ratio(*each) for each in zip(n, d, strict=True)] for n, d in entries])
+
+
+def _of_system(system: System) -> Matrices:
+    """b and a in powers of q^-1, padded to one length, are polynomials in descending powers."""
+    size = max(len(system.b), len(system.a))
+    return _of_ratio(*(np.pad(p, (0, size - len(p))) for p in (system.b, system.a)))
+
+
+def _of_ratio(num: Array, den: Array) -> Matrices:
+    """Controller form of num / den, descending powers."""
+    num, den = (np.trim_zeros(np.asarray(p, dtype=np.float64), "f") for p in (num, den))
+    if len(num) > len(den):
+        degrees = f"numerator degree {len(num) - 1}, denominator degree {len(den) - 1}"
+        raise ValueError(f"the model is not causal: {degrees}")
+    num, den = np.pad(num, (len(den) - len(num), 0)) / den[0], den / den[0]
+    n = len(den) - 1
+    A = np.eye(n, k=-1)
+    A[:1] = -den[1:]
+    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], num[:1, None]
+
+
+def _stacked(rows: list[list[Matrices]]) -> Matrices:
+    """y_i = sum_j G_ij u_j, the states of all entries one after another."""
+    from scipy.linalg import block_diag
+
+    p, m = len(rows), len(rows[0])
+    all_entries = [(i, j, rows[i][j]) for i in range(p) for j in range(m)]
+    A: Array = np.asarray(block_diag(*(entry[0] for _, _, entry in all_entries)), np.float64)
+    B, C, D, first = np.zeros((len(A), m)), np.zeros((p, len(A))), np.zeros((p, m)), 0
+    for i, j, (block, drive, output, direct) in all_entries:
+        states = slice(first, first := first + len(block))
+        B[states, j], C[i, states], D[i, j] = drive[:, 0], output[0], direct[0, 0]
+    return A, B, C, D
