@@ -18,7 +18,7 @@ from ..shell.registry import unknown
 
 BENCHMARKS = (
     *("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start"),
-    *("commission", "parts"),
+    *("commission", "parts", "controller"),
 )
 """A new benchmark is a name here and two lines in `load`."""
 
@@ -52,6 +52,8 @@ def load(name: str) -> Callable[[], Sequence[Row]]:
             from ..benchmarks.commission import commission as benchmark
         case "parts":
             from ..benchmarks.parts import parts as benchmark
+        case "controller":
+            from ..benchmarks.controller import controller as benchmark
         case _:
             raise unknown("benchmark", name, BENCHMARKS)
     return benchmark

@@ -14,6 +14,10 @@ from .laser import COLORS, INK, REFERENCE, new_figure, save
 
 AXES = "xyz"
 SHADE = "#EFEFEF"
+WIDE = "#A9D5F0"
+"""Of a wide line under a thin one: where the two agree, both are seen."""
+LEAST = 0.15
+"""Smallest range of a motor's panel over the largest, so that noise is not magnified."""
 
 
 def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> None:
@@ -39,15 +43,19 @@ def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
 
 
 def motor_angles(file: Path, time: Array, angle: Array) -> None:
-    """Logged motor angles (N, n) [rad], arm side. Thesis Figs. 5.4 and 5.5."""
+    """Logged motor angles (N, n) [rad], arm side, each on its own scale. Thesis Figs. 5.4, 5.5."""
     n_axes = angle.shape[1]
     figure = new_figure(9.0, 6.4)
     figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
-    grid = figure.subplots(-(-n_axes // 2), 2, sharex=True, sharey=True, squeeze=False)
+    grid = figure.subplots(-(-n_axes // 2), 2, sharex=True, squeeze=False)
+    widest = max(float(np.ptp(angle, axis=0).max()), 1e-6)
     figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
     for i, axes in enumerate(grid.flat[:n_axes]):
         axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
         axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
+        middle = 0.5 * float(angle[:, i].min() + angle[:, i].max())
+        half = 0.56 * max(float(np.ptp(angle[:, i])), LEAST * widest)
+        axes.set_ylim(middle - half, middle + half)
     for axes in grid.flat[n_axes:]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
@@ -81,8 +89,8 @@ def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
     furthest = 1.1e3 * max(float(np.abs(tool - predicted).max()), 1e-6)
     figure.subplots_adjust(left=0.09, right=0.98, bottom=0.09, top=0.9, hspace=0.2, wspace=0.25)
     for i, (left, right) in enumerate(grid):
-        left.plot(time, tool[:, i], color=COLORS[1], lw=1.8, label="tool")
-        left.plot(time, predicted[:, i], color=COLORS[0], lw=0.9, label="D-H of motor angles")
+        left.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="D-H of motor angles")
+        left.plot(time, tool[:, i], color=COLORS[1], lw=1.0, label="tool")
         left.set_ylabel(f"{AXES[i]} [m]")
         middle = 0.5 * float(predicted[:, i].min() + predicted[:, i].max())
         left.set_ylim(middle - half, middle + half)
@@ -112,8 +120,8 @@ def _both_sides(
 ) -> None:
     with _stack(file, title, "Time [s]") as panels:
         for i, axes in enumerate(panels):
-            axes.plot(time, measured[:, i], color=COLORS[1], lw=1.4, label="measured")
-            axes.plot(time, predicted[:, i], color=COLORS[0], lw=0.8, label="predicted")
+            axes.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="predicted")
+            axes.plot(time, measured[:, i], color=COLORS[1], lw=0.9, label="measured")
             axes.set_ylabel(f"{symbol}$_{AXES[i]}$ [{unit}]")
         panels[0].legend(frameon=False, fontsize=8, ncols=2)
 

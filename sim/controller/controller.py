@@ -73,6 +73,8 @@ class VirtualController:
         model = self.loaded.model
         self._limits = self.limits or GuidanceLimits.of(model, self.cell)
         self._pose = kinematics.compile(self.cell.robot).pose
+        # Code that a cycle is the first to call is compiled here: it would take seconds there.
+        StreamedRun(self.loaded, None, self.guiding).advance(np.zeros(model.n_axes))
         self._start()
 
     @classmethod

@@ -93,7 +93,8 @@ def friction_feedforward(seed: int) -> Part:
         motors = {name: 1e3 * run["motor_inf"].mean(axis=1) for name, run in cases.items()}
         content = {"Tool, RMS [µm]": tool, "Motors, mean of six, ∞-norm [motor mrad]": motors}
         title = "Learning with and without friction feedforward"
-        figures.panels(folder / "F09.png", title, content, columns=2, wide=True, log=True)
+        look: dict[str, Any] = {"columns": 2, "wide": True, "log": True, "share_y": False}
+        figures.panels(folder / "F09.png", title, content, **look)
         first, last = (float(np.median(_ratios(with_it, without, k))) for k in (0, AT))
         what = "motor errors {}, with over without: median of 18"
         rows = [[p, k, *_row(with_it[p], without[p], k)] for p in POSES for k in (0, AT)]

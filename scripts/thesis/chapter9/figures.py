@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
@@ -38,8 +38,9 @@ def panels(
     columns: int = 3,
     ordered: bool = False,
     wide: bool = False,
+    share_y: bool = True,
 ) -> None:
-    """Curves in panels that share their scales and one legend.
+    """Curves in panels that share one legend, and their scales where they show one quantity.
 
     content: panel title: curves. x: of all curves; 0, 1, 2 ... if None. ordered: the curves differ
     by an amount, shown by a sequence of colours; otherwise by kind, shown by colour and marker.
@@ -47,12 +48,14 @@ def panels(
     width = 6.2 if len(content) == 1 else 4.4 if wide else 3.1
     height = 2.5 if len(content) > columns else 3.2
     labels = xlabel, ylabel
-    with _panels(file, title, content, columns, width, height, *labels, share_y=True) as grid:
+    with _panels(file, title, content, columns, width, height, *labels, share_y=share_y) as grid:
         for axes, curves in zip(grid, content.values(), strict=True):
             _draw(axes, curves, x, ordered)
             if log:
                 axes.set_yscale("log")
-                axes.yaxis.set_minor_formatter(NullFormatter())
+                axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+                for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+                    formatter(StrMethodFormatter("{x:g}"))
             if x is None:
                 axes.xaxis.set_major_locator(MaxNLocator(integer=True))
             axes.grid(True, which="major", color="#DDDDDD", lw=0.6)

@@ -1,5 +1,6 @@
 """The same learning in process and over EGM and RSI; losses, silence, fuzz."""
 
+import gc
 import socket
 import threading
 from contextlib import contextmanager
@@ -164,6 +165,19 @@ def test_a_first_answer_that_is_always_refused_is_an_error_and_no_endless_loop()
     with pytest.raises(LostError, match="asked for sample 0 250 times: it refuses the answer"):
         plant.run(wild)
     assert controller.phase is Phase.WAITING
+
+
+def test_in_real_time_garbage_is_collected_between_runs_only():
+    seen = list[bool]()
+
+    def over():
+        seen.append(gc.isenabled())
+        return len(seen) > 5
+
+    server = Server(programmed(), RsiWire(), ("127.0.0.1", 9), real_time=True)
+    server.serve(over)
+    assert gc.isenabled()
+    assert not any(seen)
 
 
 def test_without_a_controller_the_client_says_where_it_listened():
