@@ -25,7 +25,7 @@ NOT_RECORDS = {
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
     "memory", "second", "starts", "place", "wanted",
     # lines of a spectrum, sizes of inputs, ratios of variances
-    "lines", "rms", "ratio", "K",
+    "lines", "rms", "ratio", "K", "start_factor",
 }  # fmt: skip
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured"} | {
