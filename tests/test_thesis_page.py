@@ -4,6 +4,7 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from armside.scripts import cli
@@ -39,3 +40,23 @@ def test_a_row_leads_to_what_exists(row):
         words = shlex.split(command.strip("`"))
         assert words[0] == "armside"
         make_app(cli.COMMANDS, cli.load, words[1]).parse_args(words[1:])
+
+
+def test_the_sentence_of_x08_has_the_numbers_of_its_table():
+    """Fractions of the error of k = 0 that are left, over all seeds of verify-chapter9."""
+    (said,) = (row[-1] for row in ROWS if row[0] == "X08")
+    table = (ROOT / "docs" / "verify-chapter9.md").read_text(encoding="utf-8")
+    rows = {
+        match[1]: np.array(
+            [float(value) for value in re.findall(r"\| (-?\d[\d.]*) (?=\|)", match[2])]
+        )
+        for match in re.finditer(r"^\| (b[167]) \|(.*)$", table, re.MULTILINE)
+    }
+    p1 = rows["b1"]
+    p2, p3 = p1 + rows["b6"], p1 + rows["b6"] + rows["b7"]
+    before, after = map(float, re.findall(r"\((\d+) → (\d+) µm\)", said)[0])
+    assert after / before == pytest.approx(p2[0], abs=0.005)
+    assert "p1 better; p2 better" in said
+    assert max(p1.max(), p2.max()) < 0.7
+    assert "p3 mostly not" in said
+    assert p3.min() > 1.0
