@@ -4,6 +4,7 @@ x_{i+1} = A x_i + B u_i + K e_i        y_i = C x_i + D u_i + e_i        E[e e^T]
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -11,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..models.system import Complex, unit_circle
+from ..models.state_space import StateSpace
+from ..models.system import Complex
 from ..records import records
 
 
@@ -28,6 +30,11 @@ class InnovationsForm:
     sample_time: float
     """[s]."""
 
+    @cached_property
+    def system(self) -> StateSpace:
+        """From u to y, as laws and analysis take it."""
+        return StateSpace(self.A, self.B, self.C, self.D, self.sample_time)
+
     @property
     def order(self) -> int:
         return len(self.A)
@@ -38,14 +45,12 @@ class InnovationsForm:
 
     def response(self, omega: ArrayLike) -> Complex:
         """From u to y, (M, p, m), at omega (M,) [rad/sample]."""
-        z = unit_circle(omega)[:, None, None]
-        states = np.linalg.solve(z * np.eye(self.order) - self.A, self.B.astype(np.complex128))
-        return self.C @ states + self.D
+        return self.system.response(omega)
 
     @records("u")
     def simulate(self, u: Array) -> Array:
         """Outputs (N, p) of inputs (N, m) from rest, without noise."""
-        return states(self.A, u @ self.B.T) @ self.C.T + u @ self.D.T
+        return self.system.simulate(u)
 
     @records("u", "y", alike=False)
     def innovations(self, u: Array, y: Array, start: ArrayLike | None = None) -> Array:
