@@ -24,4 +24,5 @@ from .model_inverse import ModelInverse as ModelInverse
 from .norm_optimal import NormOptimal as NormOptimal
 from .quadratic import QuadraticCriterion as QuadraticCriterion
 from .scheduled import Scheduled as Scheduled
+from .simulated import Simulated as Simulated
 from .time_varying import Blend as Blend

@@ -75,9 +75,10 @@ class LaserCfg(KnownGearsCfg):
     """Programmed speed along the path [mm/s]."""
     plane: Literal["base-xy", "tool"] = "base-xy"
     """Plane of the shape: the base x-y plane, or perpendicular to the tool axis."""
-    law: Literal["auto", "heuristic", "inverse", "norm-optimal"] = "auto"
-    """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2); the others invert a model of
-    the arm [auto: heuristic for --measure motor, inverse otherwise]."""
+    law: Literal["auto", "heuristic", "simulated", "inverse", "norm-optimal"] = "auto"
+    """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2), simulated the same on the
+    nominal robot between two runs (--measure motor); the others invert a model of the arm [auto:
+    heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
     gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
@@ -164,8 +165,12 @@ class LaserCfg(KnownGearsCfg):
         if inverse and self.gamma[0] >= LARGEST_INVERSE_GAIN:
             most = f"below {LARGEST_INVERSE_GAIN:g} with --law inverse"
             raise ValueError(f"gamma must be {most}, got {self.gamma[0]:g}")
-        if motor and self.law not in ("auto", "heuristic"):
+        if motor and self.law in ("inverse", "norm-optimal"):
             raise ValueError(f"law {self.law} needs --measure estimate or tracker")
+        if not motor and self.law == "simulated":
+            raise ValueError("law simulated needs --measure motor")
+        if self.law == "simulated" and self.twin is not None:
+            raise ValueError("law simulated learns on the nominal robot: give no twin with it")
         Design(gamma=self.gamma, delta=self.delta, cutoff=self.cutoff)
 
     @cached_property

@@ -71,7 +71,8 @@ def measure(cfg: LaserCfg) -> Measure:
             cfg.identification, cfg.robot, tool_pose(cfg).position, cfg.cell.robot.n_joints
         )
     if cfg.measure == "motor":
-        return MotorAngles(Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff))
+        design = Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff)
+        return MotorAngles(design, simulated=cfg.law == "simulated")
     from armside.sim.estimation.commissioning import Commissioning, OnFault
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
     from armside.sim.laser.tool_measure import Source

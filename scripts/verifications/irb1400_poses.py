@@ -1,8 +1,8 @@
 """Claims about motor-side learning on the IRB1400 at random poses and speeds.
 
-Each seed is another pose, speed and individual, and other noise. The design is that of the robot,
-chosen at p1; other gains, shifts and cutoffs, gains by the first update, momentum over iterations
-and inverses of models did no better at seeds from 100 on.
+Each seed is another pose, speed and individual, and other noise. The heuristic law has the design
+of the robot, chosen at p1; the law on the simulated nominal robot has one chosen of cutoffs 20, 30
+and 35 Hz with shifts 8, 7 and 6 at the cuts of seeds 104, 107 to 110 and 112.
 """
 
 from collections.abc import Iterable
@@ -12,6 +12,8 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 from armside.sim.evaluation.check import Table, all_hold
+from armside.sim.laser.design import Design, default_design
+from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.random_cuts import random_cut
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
@@ -20,38 +22,52 @@ from .learned import learned
 
 ROBOT = "irb1400"
 LEARNED = 0.10
+SIMULATED = Design(gamma=(1.0,), delta=(6,), cutoff=(35.0,))
 
 
 def poses(seeds: Iterable[int]) -> Table:
     """Motors and tool after five updates."""
     said = Tally()
     rows = [_row(random_cut(ROBOT, seed), seed, said) for seed in seeds]
-    worst = np.array([row[3] for row in rows])
-    words = f"every motor's inf-norm ends at {LEARNED:g} or below, normalised as (9.5)"
-    over = f"{(worst > LEARNED).sum()} of {len(worst)} do not, median {np.median(worst):.3f}"
+    heuristic, worst = np.array([(row[2], row[4]) for row in rows]).T
+    words = f"learned on the nominal robot, every motor's inf-norm ends at {LEARNED:g} or below, "
     fewer = "every motor's inf-norm falls below that of the worst motor at k = 0"
     return Table(
         "Motor-side learning on the IRB1400 at random poses and speeds of 12 to 77 mm/s",
         (
-            *("seed", "speed [mm/s]", "worst inf-norm, k = 1", "k = 5", "its motor"),
-            *("arm, k = 0 [um]", "k = 5"),
+            *("seed", "speed [mm/s]", "heuristic law: worst inf-norm, k = 5"),
+            *("simulated: worst inf-norm, k = 1", "k = 5", "its motor"),
+            *("arm, k = 0 [um]", "heuristic, k = 5", "simulated, k = 5"),
         ),
         rows,
         [
-            all_hold(f"{words}; {over}, worst {worst.max():.3f}", worst <= LEARNED),
-            all_hold(fewer, worst < 1.0),
+            all_hold(f"{words}normalised as (9.5); {_said(worst)}", worst <= LEARNED),
+            all_hold(fewer, np.maximum(worst, heuristic) < 1.0),
+            all_hold(
+                f"its median is below that of the heuristic law ({_said(heuristic)})",
+                np.median(worst) < np.median(heuristic),
+            ),
         ],
         said.notes("runs"),
     )
 
 
+def _said(worst: Array) -> str:
+    over = f"{(worst > LEARNED).sum()} of {len(worst)} do not"
+    return f"{over}, median {np.median(worst):.3f}, worst {worst.max():.3f}"
+
+
 def _row(cut: Cut, seed: int, said: Tally) -> tuple[float, ...]:
-    run = learned(cut, seed)
-    said.add(run.notes)
-    first, last = (_normalised(run["motor_inf"], k) for k in (1, -1))
-    arm = (1e6 * float(run["arm_rms"][k]) for k in (0, -1))
+    plain = MotorAngles(default_design(cut.cell))
+    runs = [learned(cut, seed, each) for each in (plain, MotorAngles(SIMULATED, simulated=True))]
+    for run in runs:
+        said.add(run.notes)
+    heuristic, simulated = runs
+    first, last = (_normalised(simulated["motor_inf"], k) for k in (1, -1))
     worst = float(last.max()), int(1 + last.argmax())
-    return seed, 1e3 * cut.speed, float(first.max()), *worst, *arm
+    by_law = float(_normalised(heuristic["motor_inf"], -1).max())
+    arm = (1e6 * float(rms) for rms in (heuristic["arm_rms"][0], *(r["arm_rms"][-1] for r in runs)))
+    return seed, 1e3 * cut.speed, by_law, float(first.max()), *worst, *arm
 
 
 def _normalised(norm: Array, k: int) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc import learning
 from armside.ilc.divergence import DIVERGENCE_RATIO
-from armside.ilc.laws import Law
+from armside.ilc.laws import Law, Simulated
 from armside.ilc.laws.around import Around
 from armside.ilc.laws.guarded import Guarded
 from armside.ilc.plant import Plant
@@ -138,7 +138,8 @@ def trials(
     Raises InputError where `first` is not the first run of the loop that is resumed.
     """
     law = output.law if law is None else law
-    law = law if start is None else Around(law, start)
+    # A law on a simulated plant is given the whole correction, as its plant is.
+    law = law if start is None or isinstance(law, Simulated) else Around(law, start)
     loop = None if resume is None else resume.loop
     if resume is not None:
         yield first_trial(output, first, resume), ()

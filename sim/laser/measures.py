@@ -8,14 +8,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from armside.arrays import Array
-from armside.ilc.laws import Law
+from armside.ilc.laws import Heuristic, Law, Simulated
 from armside.ilc.measures.norms import two_norm
 
 from ..instruments.imu import ImuCfg
 from ..notes import Note
 from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
+from ..robot.virtual_robot import VirtualRobot
 from .design import Design, default_design
 from .plant import Pass
 from .setup import Setup
@@ -107,13 +110,29 @@ class MotorAngles:
     target: Array | None = None
     """(N, n) [rad], arm side, motor angles to learn, such as a twin's; the reference if None."""
 
+    simulated: bool = False
+    """Between runs the design learns on the controller's nominal robot: `laws.simulated`."""
+
     imu = None
 
     def prepare(self, experiment: Prepared) -> SetUp:
         design = self.design or default_design(experiment.setup.cell)
         reference = experiment.loaded.reference if self.target is None else self.target
-        design.law.check(*reference.shape)
-        return lambda first: _MotorOutput(reference, design.law)
+        law = _on_nominal(experiment, reference, design.law) if self.simulated else design.law
+        law.check(*reference.shape)
+        return lambda first: _MotorOutput(reference, law)
+
+
+def _on_nominal(experiment: Prepared, reference: Array, law: Heuristic) -> Simulated:
+    """Law on the nominal robot without noise, whose motors are to follow `reference`."""
+    nominal = VirtualRobot(experiment.nominal).load(experiment.loaded.reference)
+    gear = np.abs(experiment.nominal.drives.gear).tolist()
+    return Simulated(
+        simulation=lambda correction: reference - nominal.run(correction).motor_angle,
+        law=law,
+        Q_d=law.Q,
+        weight=tuple(gear),
+    )
 
 
 @dataclass(frozen=True)
