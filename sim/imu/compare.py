@@ -59,6 +59,7 @@ def compare(
     cfg: ProcessingCfg | None = None,
     *,
     offset: float | None = None,
+    gravity: Array = compensation.GRAVITY,
 ) -> Comparison:
     """Compare IMU samples with the motion that logged motor angles predict.
 
@@ -68,6 +69,7 @@ def compare(
         motor_angle: (N, n) [rad], arm side.
         robot: D-H description down to the IMU, e.g. `armside.kinematics.IRB1400_IMU`.
         offset: clock offset [s], if known; otherwise it is estimated from the gyro.
+        gravity: (3,) [m/s^2], specific force at rest in base axes.
     """
     cfg = cfg or ProcessingCfg()
     if offset is None:
@@ -87,12 +89,12 @@ def compare(
     if cfg.compensation is Compensation.ACTUAL_ORIENTATION:
         # Forward differences are half a sample early: a fit would mistake that for a tilt.
         linear, angular = (predicted(d, Order.MAP_THEN_FILTER, Scheme.CENTRAL) for d in delays)
-        total = linear.acceleration + compensation.GRAVITY
+        total = linear.acceleration + gravity
         ideal_force = compensation.to_imu(linear.R_base_imu, total)
         ideal_rate = compensation.to_imu(angular.R_base_imu, angular.angular_velocity)
         fitted = compensation.calibrate(force, rate, ideal_force, ideal_rate)
         force, rate = fitted.corrected(force, rate)
-    a = compensation.to_base(at_force.R_base_imu, force) - compensation.GRAVITY
+    a = compensation.to_base(at_force.R_base_imu, force) - gravity
     omega = compensation.to_base(at_rate.R_base_imu, rate)
     if cfg.compensation is Compensation.MEAN_AT_REST:
         rest = _first_rest(at_force, transient=round(1.0 / (cfg.cutoff * period)))

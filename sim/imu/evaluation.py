@@ -16,6 +16,7 @@ from ..instruments.imu import Imu, ImuSamples
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
 from .compare import Comparison, compare, moving_rms
+from .compensation import GRAVITY
 from .phases import idle_peaks
 from .processing import ProcessingCfg
 
@@ -46,10 +47,16 @@ class Evaluation:
     """(N, 3) [m], true TCP0."""
 
 
-def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None) -> Evaluation:
-    """Compare measured with predicted motion, of the IMU and of the tool."""
+def evaluate(
+    run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None, *, gravity: Array = GRAVITY
+) -> Evaluation:
+    """Compare measured with predicted motion, of the IMU and of the tool.
+
+    gravity: (3,) [m/s^2], specific force at rest in base axes.
+    """
     recording = run.recording
-    comparison = compare(run.samples, recording.time, recording.motor_angle, cell.with_imu, cfg)
+    logged = recording.time, recording.motor_angle
+    comparison = compare(run.samples, *logged, cell.with_imu, cfg, gravity=gravity)
     period = float(comparison.time[1] - comparison.time[0])
     window_rms = moving_rms(comparison.acceleration_error, WINDOW, period)
     tool = recording.truth.tool_position[:: _log_stride(recording)]

@@ -94,8 +94,9 @@ def reprocessed(result: ImuResult, processing: ProcessingCfg) -> ImuResult:
 
 
 def _evaluated(experiment: ImuExperiment, planned: PlannedProgram, run: ImuRun) -> ImuResult:
-    evaluation = evaluate(run, experiment.cell, experiment.processing)
-    measures = measure(run, evaluation, planned.loaded.model.mj, since=planned.since)
+    mj = planned.loaded.model.mj
+    evaluation = evaluate(run, experiment.cell, experiment.processing, gravity=-mj.opt.gravity)
+    measures = measure(run, evaluation, mj, since=planned.since)
     return ImuResult(experiment, planned, run, evaluation, measures)
 
 

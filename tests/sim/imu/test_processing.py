@@ -101,6 +101,18 @@ def test_a_perfect_imu_and_the_motor_angles_agree():
     assert rms(seen.angular_velocity_error) < 0.001
 
 
+def test_gravity_is_that_of_the_place():
+    time, force, rate = ideal()
+    on_the_moon = np.array([0.0, 0.0, 1.62])
+    R = kinematics.compile(IRB1400_IMU).pose(angles(time))[:, :3, :3]
+    rng = np.random.default_rng(0)
+    force = force + to_imu(R, np.tile(on_the_moon - GRAVITY, (len(R), 1)))
+    samples = draw(PERFECT, rng).measure(time, force, rate, rng)
+    best = ProcessingCfg(order=Order.MAP_THEN_FILTER, scheme=Scheme.CENTRAL)
+    there = compare(samples, *logged(), IRB1400_IMU, best, gravity=on_the_moon)
+    assert rms(there.acceleration_error) < 0.01
+
+
 def test_a_real_imu_agrees_within_its_noise_once_it_is_calibrated():
     best = ProcessingCfg(order=Order.MAP_THEN_FILTER, scheme=Scheme.CENTRAL)
     for seed in range(3):
