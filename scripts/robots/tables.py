@@ -26,6 +26,10 @@ def numbers(examined: Examination) -> dict[str, Any]:
         "free_modes": examined.free_modes,
         "highest_mode": examined.highest_mode,
         "axes": axes_of(examined),
+        "poses": [
+            {"pose": one.name, "dexterity": one.dexterity, "problem": one.problem}
+            for one in examined.poses
+        ],
         "estimates": estimates_of(examined),
     }
 

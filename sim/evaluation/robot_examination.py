@@ -17,6 +17,7 @@ from ..robot.model import RobotModel
 from ..robot.modes import natural_frequencies
 from ..robot.statics import Statics
 from .check import Check
+from .named_poses import NamedPose, checks_of, named_poses
 
 HIGHEST_MODE = 0.3
 """Largest product of frequency [Hz] and time step [s], beyond which an explicit integrator is
@@ -127,6 +128,11 @@ class Examination:
         limits, stops = self.cell.limits, self.model.joint_range
         return np.minimum(limits.lower - stops[:, 0], stops[:, 1] - limits.upper)
 
+    @cached_property
+    def poses(self) -> list[NamedPose]:
+        """Named poses of the cell, as its controller reaches them."""
+        return named_poses(self.cell)
+
     def checks(self) -> list[Check]:
         """Verdicts, each with its number and band."""
         faster = np.max(np.array(self.cell.limits.speed) - self.model.drives.speed_limit)
@@ -154,7 +160,7 @@ class Examination:
         if len(self.locked_modes):
             lowest = float(self.locked_modes[0])
             found.append(Check("", "lowest mode, motors locked [Hz]", "", lowest, low=LOWEST_MODE))
-        return found
+        return found + checks_of(self.poses)
 
     def _of_geometry(self) -> list[Check]:
         return [

@@ -1,10 +1,13 @@
 """`armside laser --robot irb1400`: the same experiment on the robot of chapter 5."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from armside.ilc.measures import norms as measures
 from armside.scripts.cutting.options import LaserCfg
+from armside.scripts.cutting.specification import measure
 from armside.scripts.verifications.irb1400_laser import design as design_claim
 from armside.scripts.verifications.irb1400_laser import laser as laser_claim
 from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
@@ -63,3 +66,11 @@ def test_a_design_belongs_to_a_robot_that_learns_from_its_motors():
 def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
     """`armside verify` runs the same functions over all their seeds."""
     assert [verdict for verdict in claim([0]).verdicts if not verdict.holds] == []
+
+
+def test_a_law_on_the_nominal_robot_learns_motors_and_no_twin():
+    assert measure(LaserCfg(robot="irb1400", law="simulated")).simulated
+    with pytest.raises(ValueError, match="law simulated needs --measure motor"):
+        LaserCfg(law="simulated", measure="tracker")
+    with pytest.raises(ValueError, match="learns on the nominal robot: give no twin with it"):
+        LaserCfg(law="simulated", twin=Path("twin"))

@@ -34,7 +34,8 @@ def test_the_robots_of_the_project_pass_every_verdict(name, capsys):
     outcome, _ = said(capsys, "check", "--robot", name)
     assert outcome["status"] == "done"
     assert all(check["holds"] for check in outcome["checks"])
-    assert len(outcome["checks"]) == 11
+    assert len(outcome["checks"]) == 13
+    assert [one["pose"] for one in outcome["poses"]] == ["p1", "p2", "p3"]
     model = load_model(CELLS[name].xml)
     assert outcome["mass"] == pytest.approx(model.mj.body_mass.sum())
     assert [one["gear"] for one in outcome["axes"]] == model.drives.gear.tolist()
