@@ -30,8 +30,10 @@ class Limits:
     def __post_init__(self) -> None:
         if not len(self.lower) == len(self.upper) == len(self.speed):
             raise ValueError("lower, upper and speed must have one entry for each motor")
-        if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise ValueError(f"lower must be below upper, got {self.lower} and {self.upper}")
+        for axis, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), 1):
+            if not low < high:
+                got = f"got {low:g} and {high:g} on axis {axis}"
+                raise ValueError(f"lower must be below upper, {got}")
         for bound in self.coupled:
             if len(bound.coefficients) != len(self.lower) or not bound.lower < bound.upper:
                 needed = f"{len(self.lower)} coefficients and lower below upper"

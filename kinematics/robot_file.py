@@ -158,7 +158,10 @@ def _limits(robot: Robot, data: Any) -> Limits:
         values[name] = tuple(numbers(f"limits: {name}", data.get(name, [default] * n)))
         if len(values[name]) != n:
             raise ValueError(f"limits: {name} must have {n} numbers, got {len(values[name])}")
-    return Limits(**values, coupled=_coupled(data.get("coupled", [])))
+    try:
+        return Limits(**values, coupled=_coupled(data.get("coupled", [])))
+    except ValueError as error:
+        raise ValueError(f"limits: {error}") from error
 
 
 def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:

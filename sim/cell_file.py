@@ -63,11 +63,13 @@ from .hardware.estimate import Taken
 from .hardware.reading import TABLES, read_hardware
 from .hardware.urdf_bodies import bodies_of
 from .robot.mjcf_arm import read_mjcf
+from .robot.virtual_robot import LOG_PERIOD
 
 _OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
 _LEARNING = ("gamma", "delta", "cutoff")
 _UNIT = 1e-3
 """Largest difference of a quaternion's length from 1."""
+_NYQUIST = 0.5 / LOG_PERIOD
 HELD_FROM = 6
 """Axes from which on the tool's orientation is held by default."""
 
@@ -266,6 +268,11 @@ def _learning(table: Any) -> Learning:
         raise ValueError(f"learning lacks {', '.join(missing)}")
     refuse_unknown("learning", table, _LEARNING)
     gamma, delta, cutoff = (_vector(f"learning: {n}", [table[n]], 1)[0] for n in _LEARNING)
+    if not gamma > 0.0:
+        raise ValueError(f"learning: gamma must be > 0, got {gamma:g}")
+    if not 0.0 < cutoff < _NYQUIST:
+        most = f"below {_NYQUIST:g} Hz, half of the log rate"
+        raise ValueError(f"learning: cutoff must be > 0 and {most}, got {cutoff:g}")
     if delta != int(delta):
         raise ValueError(f"learning: delta must be a whole number of samples, got {delta:g}")
     return Learning(gamma=gamma, delta=int(delta), cutoff=cutoff)

@@ -35,7 +35,8 @@ def scalar(
     inside = (number > low if strict else number >= low) and number <= high
     if not (math.isfinite(number) and inside):
         above = f"{'>' if strict else '>='} {low:g}"
-        most = "" if high >= LARGEST else f" and <= {high:g}"
+        unsaid = high >= LARGEST and not (math.isfinite(number) and number > high)
+        most = "" if unsaid else f" and <= {high:g}"
         unit = f" {unit}" if unit else ""
         raise ValueError(f"{where} must be a finite number {above}{most}{unit}, got {number:g}")
     return number

@@ -62,11 +62,17 @@ def test_fewer_than_six_axes_leave_the_orientation_free_unless_it_is_held(tmp_pa
         (r"\[-0.5, 1.5\]", "[0.0]", "home must have 2 numbers, got 1"),
         (r"\[-0.5, 1.5\]", "[0, 3]", "home must be within the limits, got"),
         (r"speed = \[3, 4\]", "speed = [3]", "limits: speed must have 2 numbers, got 1"),
-        (r"upper = \[2.6,", "upper = [-2.7,", "lower must be below upper, got"),
+        (
+            r"upper = \[2.6,",
+            "upper = [-2.7,",
+            "limits: lower must be below upper, got -2.6 and -2.7 on axis 1",
+        ),
         (r"\[0.70, 0.30, 1.0\]", "[0.7, 0.3]", "pose p1: position must have 3 numbers, got 2"),
         (r"\[pose.p2\]", "[pose.p2]\nquaternion = [1, 1, 0, 0]", "pose p2: quaternion must have l"),
         ("home =", "hoem =", "the file has the unknown key 'hoem'; keys: name,"),
         (r"\ndelta = .*\n", "\n", "learning lacks delta"),
+        (r"gamma = .*", "gamma = -1", "learning: gamma must be > 0, got -1"),
+        (r"cutoff = .*", "cutoff = 500", "learning: cutoff must be > 0 and below 125 Hz, half of"),
         ("d = 1.0", "d = 'high'", "link 1: d must be a number or text such as"),
     ],
 )

@@ -19,6 +19,7 @@ def found(pose):
 
 def test_a_pose_is_reached_by_its_motor_angles():
     for name, one in zip("123", named_poses(IRB1400_CELL), strict=True):
+        assert one.motor_angle is not None
         T = kinematics.compile(IRB1400_CELL.robot).pose(one.motor_angle)
         np.testing.assert_allclose(T[:3, 3], IRB1400_CELL.poses[f"p{name}"].position, atol=1e-9)
     assert all(check.holds for check in checks_of(named_poses(IRB1400_CELL)))

@@ -11,13 +11,22 @@ BODY = "[[body]]\nmass = 1\ncentre = [0, 0, 0]\ninertia = [1, 1, 1]\n"
 WRONG = {
     "mass zero": ("mass = 20", "mass = 0", "hardware: mass must be a finite number > 0 kg, got 0"),
     "mass NaN": ("mass = 20", "mass = nan", "hardware: mass must be a finite number > 0 kg, got"),
+    "mass of a planet": (
+        "mass = 20",
+        "mass = 1e300",
+        r"hardware: mass must .* and <= 1e\+12 kg, g",
+    ),
     "mass of the tool": ("mass = 1\n", "mass = -1\n", "tool: mass must be a finite number > 0 kg"),
     "unknown key": ("[drives]", "[drives]\ngear = 3", "drives has the unknown key 'gear'; keys: g"),
     "unknown table": ("[drives]", "[drive]", "the file has the unknown key 'drive'; keys: name,"),
     "sign of a gear": ("[50, 50,", "[50, -50,", "drives: gear_ratio must be a finite number > 0"),
     "number of gears": ("[50, 50,", "[50,", "drives: gear_ratio must have 4 numbers or one numb"),
     "text": ("[50, 50,", '["high", 50,', "drives: gear_ratio must be a number or text such as"),
-    "limits swapped": ("lower = [-2.2,", "lower = [2.3,", r"lower must be below upper, got \(2.3"),
+    "limits swapped": (
+        "lower = [-2.2,",
+        "lower = [2.3,",
+        "limits: lower must be below upper, got 2.3 and",
+    ),
     "inertia": (
         "inertia = [0.001, 0.001, 0.001]",
         "inertia = [0.001, 0.001, 0.01]",
