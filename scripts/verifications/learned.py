@@ -21,10 +21,9 @@ class Learned(dict[str, Array]):
     """Limits that changed the run."""
 
 
-def learned(cut: Cut, seed: int, of: Design | MotorAngles | None = None) -> Learned:
-    """Measures of a cut that is learned from its motors, by a design of the heuristic law."""
-    measure = of if isinstance(of, MotorAngles) else MotorAngles(of)
-    found = run(cut, measure=measure, seed=seed)
+def learned(cut: Cut, seed: int, design: Design | None = None) -> Learned:
+    """Measures of a cut that is learned from its motors."""
+    found = run(cut, measure=MotorAngles(design), seed=seed)
     rows = found["iterations"]
     measures = Learned({name: np.array([row[name] for row in rows]) for name in NAMES})
     measures.notes = found["notes"]
