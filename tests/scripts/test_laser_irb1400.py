@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.measures import norms as measures
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import measure
@@ -57,7 +58,9 @@ def test_a_design_belongs_to_a_robot_that_learns_from_its_motors():
     assert LaserCfg().delta == THESIS.delta
     ours = LaserCfg(robot="irb1400")
     assert (ours.gamma, ours.delta, ours.cutoff) == ((1.0,), (8,), (20.0,))
-    assert DEFAULT_DESIGN["irb1400"].law.Q.sample_time == LOG_PERIOD
+    Q = DEFAULT_DESIGN["irb1400"].law.Q
+    assert isinstance(Q, ZeroPhaseButterworth)
+    assert Q.sample_time == LOG_PERIOD
     assert LaserCfg(robot="irb1400", delta=(5,)).delta == (5,)
     assert LaserCfg(robot="irb1400", measure="tracker").delta == THESIS.delta
 
@@ -69,7 +72,9 @@ def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
 
 
 def test_a_law_on_the_nominal_robot_learns_motors_and_no_twin():
-    assert measure(LaserCfg(robot="irb1400", law="simulated")).simulated
+    found = measure(LaserCfg(robot="irb1400", law="simulated"))
+    assert isinstance(found, MotorAngles)
+    assert found.simulated
     with pytest.raises(ValueError, match="law simulated needs --measure motor"):
         LaserCfg(law="simulated", measure="tracker")
     with pytest.raises(ValueError, match="learns on the nominal robot: give no twin with it"):

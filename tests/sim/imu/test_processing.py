@@ -65,7 +65,7 @@ def angles(time):
 @cache
 def ideal():
     """Time, specific force and angular velocity in the IMU frame, every physics step."""
-    time = np.arange(round(SECONDS / STEP) + 1) * STEP
+    time = np.arange(round(SECONDS / STEP) + 1, dtype=np.float64) * STEP
     h = 1e-4
     before, phi, after = angles(time - h), angles(time), angles(time + h)
     rate, acceleration = (after - before) / (2 * h), (after - 2 * phi + before) / h**2
@@ -78,7 +78,7 @@ def ideal():
 
 def logged():
     """The motor log: quantised as in the thesis, 118 motor turns for one of the arm."""
-    time = np.arange(round(SECONDS / LOG) + 1) * LOG
+    time = np.arange(round(SECONDS / LOG) + 1, dtype=np.float64) * LOG
     return time, quantise(angles(time), 4095, 118.0)
 
 
@@ -193,7 +193,7 @@ def test_a_clock_offset_beyond_the_search_is_an_error():
 
 
 def test_clocks_of_a_robot_that_stands_still_cannot_be_synchronised():
-    t = np.arange(100) * 0.01
+    t = np.arange(100, dtype=np.float64) * 0.01
     gyro = np.random.default_rng(0).normal(size=(100, 3))
     with pytest.raises(ValueError, match="does not rotate"):
         clock_offset(t, gyro, t, np.zeros((100, 3)))
@@ -238,7 +238,7 @@ def test_a_sensor_that_never_rotates_divides_its_offset_by_the_prior():
 
 def test_difference_quotients_are_those_of_the_thesis():
     h = 0.01
-    t = np.arange(50)[:, np.newaxis] * h
+    t = np.arange(50, dtype=np.float64)[:, np.newaxis] * h
     phi = np.hstack([t**2, 3 * t])
     forward, second = difference_quotients(phi, h, Scheme.FORWARD)
     central, _ = difference_quotients(phi, h, Scheme.CENTRAL)
