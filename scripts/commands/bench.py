@@ -18,7 +18,7 @@ from ..shell.registry import unknown
 
 BENCHMARKS = (
     *("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start"),
-    *("commission", "parts", "controller"),
+    *("commission", "parts", "controller", "calibration"),
 )
 """A new benchmark is a name here and two lines in `load`."""
 
@@ -54,6 +54,8 @@ def load(name: str) -> Callable[[], Sequence[Row]]:
             from ..benchmarks.parts import parts as benchmark
         case "controller":
             from ..benchmarks.controller import controller as benchmark
+        case "calibration":
+            from ..benchmarks.calibration import calibration as benchmark
         case _:
             raise unknown("benchmark", name, BENCHMARKS)
     return benchmark
