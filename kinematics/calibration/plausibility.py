@@ -22,6 +22,10 @@ MISFIT = 0.05
 """Residual of the nominal robot, relative to the spread of the points, that no error explains."""
 EXPLAINED = 0.2
 """Part of that residual that a likely mistake may leave."""
+ALONE = 0.3
+"""Motion of the other targets, relative to that of one, up to which it alone is said to move."""
+UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "kilometres": 1e3}
+"""[m]"""
 OUT_OF_RANGE = 1.1
 """Motor angle relative to its limit from which the unit is doubted."""
 
@@ -95,7 +99,7 @@ def _rigid_targets(data: Measurements) -> None:
     for target in range(data.n_targets):
         own = [value for pair, value in moved.items() if target in pair]
         others = [value for pair, value in moved.items() if target not in pair]
-        if own and min(own) > RIGID and max(others, default=0.0) < RIGID:
+        if own and min(own) > RIGID and max(others, default=0.0) < max(RIGID, ALONE * min(own)):
             named = f"target {target + 1} moves"
             if not others:
                 named = "the two targets move"
@@ -111,11 +115,8 @@ def _fits(robot: Robot, data: Measurements) -> None:
     pose = compile(robot).pose
     reach = _spread(pose(np.ascontiguousarray(data.phi))[:, None, :3, 3])
     ratio = _spread(data.points) / reach
-    for factor, unit in ((1e3, "millimetres"), (1e-3, "kilometres")):
-        if 0.1 < ratio / factor < 10.0:
-            raise ValueError(
-                f"points spread {ratio:.3g} times as far as the robot moves: are they in {unit}?"
-            )
+    if not 0.1 < ratio < 10.0:
+        _scaled(pose, data, ratio, reach)
     rms = _misfit(pose, data)
     if rms < MISFIT * reach:
         return
@@ -124,6 +125,19 @@ def _fits(robot: Robot, data: Measurements) -> None:
         if (left := _misfit(pose, replace(data, phi=phi))) < EXPLAINED * rms:
             raise ValueError(f"{text}, {1e3 * left:.3g} mm with {mistake}")
     raise ValueError(text)
+
+
+def _scaled(pose: AngleFunction, data: Measurements, ratio: float, reach: float) -> None:
+    """Name the unit in which the points fit the robot, or else that in which they spread alike."""
+    fitting = [
+        unit
+        for unit, factor in UNITS.items()
+        if _misfit(pose, replace(data, points=factor * data.points)) < MISFIT * reach
+    ]
+    alike = [unit for unit in ("millimetres", "kilometres") if 0.1 < ratio * UNITS[unit] < 10.0]
+    if named := [*fitting, *alike][:1]:
+        text = f"points spread {ratio:.3g} times as far as the robot moves"
+        raise ValueError(f"{text}: are they in {named[0]}?")
 
 
 def _mistakes(phi: Array) -> Iterator[tuple[str, Array]]:

@@ -79,6 +79,7 @@ def test_outliers_are_listed_with_their_row_and_stay(wavy_data):
     done = calibrate(ARM, replace(wavy_data, points=points), cfg)
     assert done.outliers[0].row == 12
     assert done.outliers[0].residual == pytest.approx(0.02 * np.sqrt(3), rel=0.1)
+    assert done.fitted.row is not None
     assert 12 in done.fitted.row
 
 
@@ -98,6 +99,13 @@ def _moving_target(d):
     points = d.points.copy()
     points[:, 1] += np.random.default_rng(0).normal(0, 0.005, (len(d), 3))
     return replace(d, points=points)
+
+
+def _moving_among_imprecise(d):
+    """Target 3 is 1.5 mm uncertain."""
+    moved = _moving_target(d).points.copy()
+    moved[:, 2] += np.random.default_rng(1).normal(0, 0.9e-3, (len(d), 3))
+    return replace(d, points=moved)
 
 
 def _loose_targets(d):
@@ -124,6 +132,8 @@ WRONG = {
     "half a point": (_half_a_point, "target 1 in row 4 has some coordinates and lacks others"),
     "few": (lambda d: d[np.arange(3)], "too few poses"),
     "still": (_still, "motor 4 does not move"),
+    "inches": (lambda d: replace(d, points=d.points / 0.0254), "are they in inches"),
+    "moving among imprecise": (_moving_among_imprecise, "target 2 moves against the tool"),
     "moving target": (_moving_target, "target 2 moves against the tool"),
     "noise": (
         lambda d: replace(
