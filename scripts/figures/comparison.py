@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 
 from armside.sim.laser.comparison import Case, rms
 from armside.sim.laser.experiment import Iteration
@@ -46,6 +47,10 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
             style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
             axes.plot(np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
         axes.set_yscale("log")
+        axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+        for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
+            formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         speed = 1e3 * case.experiment().motion.reached_speed
         axes.set_title(f"{case.cut.pose}, {speed:.0f} mm/s", loc="left", fontsize=9)
         axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
