@@ -160,7 +160,8 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Recorded
     there = np.isfinite(motor_error)
     some = there.any(axis=0)
     inf, two = (np.full(motor_error.shape[1], np.nan) for _ in range(2))
-    whole = motor_error[there[:, some].all(axis=1)][:, some]
+    whole = motor_error if some.all() else motor_error[:, some]
+    whole = whole if there.all() else whole[there[:, some].all(axis=1)]
     if whole.size:
         inf[some], two[some] = norms.inf_norm(whole), norms.two_norm(whole)
     return RecordedMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
