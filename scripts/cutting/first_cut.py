@@ -9,6 +9,7 @@ from armside.sim.laser.experiment import Experiment
 from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.tool_measure import ToolPath
+from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Cause, Note
 from armside.sim.twin import library
 from armside.sim.twin.correction import Corrected
@@ -35,8 +36,16 @@ class ByTwin:
         return self.found.correction if self.found.trusted else None
 
     def around(self, measure: Measure, experiment: "Experiment | PartExperiment") -> Measure:
-        """The measure that learning goes on with: what its sensor sees of the twin is learned."""
+        """The measure that learning goes on with: what its sensor sees of the twin is learned.
+
+        Along a long way the programmed path stays the target: estimate and law follow the pose
+        there, which those of one place that a model's run is compared by do not.
+        """
         if not self.found.trusted:
+            return measure
+        if isinstance(measure, PathAlongWay) and measure.follows(
+            experiment, measure.assumed(experiment)
+        ):
             return measure
         if isinstance(measure, MotorAngles):
             return replace(measure, target=self.found.motor_path)

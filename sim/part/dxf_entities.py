@@ -8,7 +8,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .biarc import fitted
-from .chain import Chain, arc, line, polyline
+from .chain import Chain, arc, line, place, polyline
 
 FLAT = 1e-6
 """Largest difference of height within an entity, and of a normal from +-z, relative to 1."""
@@ -37,7 +37,8 @@ def _arc(entity: Any, scale: float) -> Chain:
 def _round(entity: Any, scale: float, start: float, angle: float) -> Chain:
     centre, radius = entity.dxf.center, scale * entity.dxf.radius
     if not radius > 0.0:
-        raise ValueError(f"its radius is {entity.dxf.radius:g}")
+        at = place(scale * np.array([centre.x, centre.y]))
+        raise ValueError(f"its radius is {entity.dxf.radius:g}, at {at}")
     chain = arc(scale * np.array([centre.x, centre.y]), radius, start, angle)
     return _seen_from_above(entity, chain)
 
@@ -94,7 +95,8 @@ def _polyline_of(entity: Any, vertices: Array, closed: bool, scale: float) -> Ch
     # A last vertex on the first of a closed polyline, and doubled vertices, add no element.
     kept = np.concatenate([[True], step > 0.0])
     if kept.sum() < 2:
-        raise ValueError("it has zero length")
+        at = f" at {place(scale * vertices[0, :2])}" if len(vertices) else ": it has no vertex"
+        raise ValueError(f"it has zero length{at}")
     bulge = vertices[:-1, 2][step > 0.0]
     chain = polyline(scale * vertices[kept, :2], bulge)
     return _seen_from_above(entity, chain)

@@ -1,5 +1,6 @@
 """A part: its outline, holes and open cuts, told apart and checked."""
 
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -78,15 +79,25 @@ def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
                 f"{chain.name} at {at} lies outside the outline, {chains[outer].name}; "
                 "a drawing has one part"
             )
-    return Part(tuple(_contour(c, d) for c, d in zip(chains, depth, strict=True)), notes)
+    named = zip(chains, _different([chain.name for chain in chains]), depth, strict=True)
+    return Part(tuple(_contour(*each) for each in named), notes)
 
 
-def _contour(chain: Joined, depth: int) -> Contour:
+def _different(names: list[str]) -> list[str]:
+    """Names with a number where they repeat, such as those of the entities of one block."""
+    seen, found = Counter[str](), list[str]()
+    for name in names:
+        seen[name] += 1
+        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return found
+
+
+def _contour(chain: Joined, name: str, depth: int) -> Contour:
     kind, drawn = Kind.OPEN, chain.chain
     if drawn.closed:
         kind = Kind.HOLE if depth % 2 else Kind.OUTLINE
         drawn = drawn if drawn.area > 0.0 else drawn.reversed
-    return Contour(kind=kind, chain=drawn, name=chain.name, layer=chain.layer, depth=depth)
+    return Contour(kind=kind, chain=drawn, name=name, layer=chain.layer, depth=depth)
 
 
 def _check_simple(chain: Joined, drawn: Any) -> None:

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import svgelements
 
+from .chain import place
 from .drawn import Drawing, Drawn, Reading, Unit
 from .svg_paint import invisible, is_background
 from .svg_shapes import chains
@@ -47,31 +49,39 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
     layers = _check(root, reading, left_out)
     reading.check_layers(sorted(layers - {""}))
     found, backgrounds, page = [], [], (float(drawing.width), float(drawing.height))
+    of_tag: Counter[str] = Counter()
     for shape, layer in _shapes(drawing, ""):
+        name = _name(shape, of_tag)
         if not reading.chooses(layer):
             continue
         if invisible(shape):
             left_out["elements without stroke and fill"] += 1
         elif is_background(shape, *page):
-            backgrounds.append(f"{_name(shape)} fills the page: its background, which is not cut")
+            backgrounds.append(f"{name} fills the page: its background, which is not cut")
         else:
-            found += _drawn(shape, layer, scale)
+            found += _drawn(shape, name, layer, scale)
     notes = [f"{what} that are not cut: {n}" for what, n in sorted(left_out.items())]
     return Drawing(tuple(found), (*notes, *backgrounds))
 
 
-def _drawn(shape: Any, layer: str, scale: float) -> Iterator[Drawn]:
-    name = _name(shape)
+def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[Drawn]:
     try:
-        for chain in chains(svgelements.Path(shape).reify(), scale):
-            yield Drawn(chain, name, layer)
+        path = svgelements.Path(shape).reify()
+        found = [Drawn(chain, name, layer) for chain in chains(path, scale)]
+        if not found and (ends := [segment.end for segment in path if segment.end is not None]):
+            at = place(scale * np.array([ends[0].x, -ends[0].y]))
+            raise ValueError(f"it has zero length at {at}")
     except ValueError as error:
         raise ValueError(f"{name} on layer {layer or '(none)'}: {error}") from error
+    return found
 
 
-def _name(shape: Any) -> str:
-    own = shape.values.get("attributes", {})
-    return f"{shape.values.get('tag', 'path')} #{own.get('id') or shape.id or '(without id)'}"
+def _name(shape: Any, of_tag: Counter[str]) -> str:
+    """Tag and id, or the number among the shapes of its tag, which are counted."""
+    own, tag = shape.values.get("attributes", {}), shape.values.get("tag", "path")
+    of_tag[tag] += 1
+    known = own.get("id") or shape.id
+    return f"{tag} #{known}" if known else f"{tag} {of_tag[tag]} (without id)"
 
 
 def _shapes(group: Any, layer: str) -> Iterator[tuple[Any, str]]:

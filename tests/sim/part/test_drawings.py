@@ -102,6 +102,35 @@ def test_an_svg_of_inkscape_has_its_shapes_the_right_way_up(tmp_path):
     assert areas(again, Kind.OUTLINE) == pytest.approx([outline])
 
 
+def test_shapes_without_an_id_have_names_of_their_own(tmp_path):
+    circles = "".join(f'<circle cx="{x}" cy="15" r="3" />' for x in (20, 80))
+    text = INKSCAPE.replace('<path style="fill', circles + '<path style="fill')
+    (tmp_path / "a.svg").write_text(text)
+    names = [c.name for c in read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).contours]
+    assert len(set(names)) == len(names) == 7
+    assert {"circle 1 (without id)", "circle 2 (without id)"} < set(names)
+
+
+def test_a_shape_of_zero_length_in_an_svg_is_refused_with_its_place(tmp_path):
+    point = '<line x1="20" y1="15" x2="20" y2="15" id="dot" />'
+    (tmp_path / "a.svg").write_text(INKSCAPE.replace("<path style", point + "<path style"))
+    with pytest.raises(
+        ValueError, match=r"line #dot on layer Cut: it has zero length at \(30, -25"
+    ):
+        read_part(tmp_path / "a.svg", Reading(layers=("Cut",)))
+
+
+def test_entities_of_one_block_have_names_of_their_own(tmp_path):
+    document = new()
+    frame(document.modelspace())
+    block = document.blocks.new("B")
+    for x in (0.0, 10.0):
+        block.add_circle((x, 0), 2.0)
+    document.modelspace().add_blockref("B", (20, 20))
+    names = [contour.name for contour in read(document, tmp_path).contours]
+    assert len(set(names)) == len(names) == 3
+
+
 def test_elements_of_a_namespace_that_is_not_known_are_said(tmp_path):
     foreign = '<cam:drill xmlns:cam="http://example.org/cam" x="1"/></svg>'
     (tmp_path / "a.svg").write_text(INKSCAPE.replace("</svg>", foreign))
@@ -155,6 +184,14 @@ BAD = {
     "no length": (
         lambda s: s.add_line((7, 8), (7, 8)),
         r"LINE #\w+ has zero length at \(7, 8\) mm",
+    ),
+    "no length of a polyline": (
+        lambda s: s.add_lwpolyline([(7, 8), (7, 8)]),
+        r"LWPOLYLINE #\w+ on layer 0: it has zero length at \(7, 8\) mm",
+    ),
+    "no radius": (
+        lambda s: s.add_circle((7, 8), 0.0),
+        r"CIRCLE #\w+ on layer 0: its radius is 0, at \(7, 8\) mm",
     ),
     "three ends": (
         lambda s: [s.add_line((20, 20), end) for end in ((30, 20), (20, 30), (15, 15))],

@@ -1,0 +1,39 @@
+"""What learning goes on from after a first cut by a twin: along a long way, its own path."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from armside.scripts.cutting.first_cut import ByTwin
+from armside.sim.cut.contour import Circle
+from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.specification import Cut
+from armside.sim.laser.way_measure import PathAlongWay
+
+RUN: Any = object()
+
+
+def by_twin() -> ByTwin:
+    twin: Any = SimpleNamespace(run=lambda *_: RUN)
+    found: Any = SimpleNamespace(trusted=True, correction=np.zeros(0))
+    return ByTwin(twin, found)
+
+
+def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin():
+    experiment = prepare(Cut(pose="p2", imu=ImuCfg()))
+    found = by_twin().around(PathAlongWay(), experiment)
+    assert isinstance(found, PathAlongWay)
+    assert found.target is RUN
+    assert not found.follows(experiment, found.assumed(experiment))
+
+
+def test_a_long_way_is_estimated_along_the_way_with_a_twin_too():
+    experiment, measure = (
+        prepare(Cut(pose="p2", contour=Circle(0.05), imu=ImuCfg())),
+        PathAlongWay(),
+    )
+    found = by_twin().around(measure, experiment)
+    assert found is measure
+    assert measure.follows(experiment, measure.assumed(experiment))
