@@ -63,9 +63,9 @@ def test_seeds_that_judge_are_not_those_of_development():
     assert min(DEVELOPMENT) >= 100
 
 
-def test_a_circle_of_radius_20_is_learned_from_the_estimate():
+def test_an_outline_of_700_mm_is_learned_from_the_estimate():
     """The quick slice: one cut of a seed of development."""
-    job = WayJob(seed=100, pose="p1", task="radius 20 mm, 80 mm/s")
+    job = WayJob(seed=100, pose="p2", task="300 x 80 mm, 80 mm/s")
     assert failing([found_of(job, job.run())]) == []
 
 

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from ezdxf.entities import factory
+from ezdxf.entities.dxfgfx import DXFGraphic
 from scipy.integrate import quad
 
 from armside.sim.part.drawn import Reading, Unit
 from armside.sim.part.dxf import drawing_of
+from armside.sim.part.dxf_entities import READERS
 from armside.sim.part.file import read_part
 from armside.sim.part.kind import Kind
 
@@ -141,7 +144,7 @@ LATER = [
 ]
 LATER += ["HELIX", "REGION", "3DSOLID", "BODY", "TOLERANCE", "MULTILEADER", "LIGHT", "SURFACE"]
 LATER += ["PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY", "OLE2FRAME", "PLANESURFACE"]
-LATER += ["ARC_DIMENSION"]
+LATER += ["ARC_DIMENSION", "LARGE_RADIAL_DIMENSION"]
 LATER += ["EXTRUDEDSURFACE", "LOFTEDSURFACE", "REVOLVEDSURFACE", "SWEPTSURFACE"]
 LATER += ["ACAD_PROXY_ENTITY"]
 REFUSED = [(kind, v) for kind in IN_R12 for v in VERSIONS]
@@ -155,6 +158,25 @@ def test_every_other_type_is_refused_by_name_handle_and_layer(kind, version):
     entity = document.modelspace().new_entity(kind, {"layer": "SCRAP"})
     said = f"{kind} #{entity.dxf.handle} on layer SCRAP cannot be cut"
     with pytest.raises(ValueError, match=f"^{said}"):
+        drawing_of(document, MILLIMETRES)
+
+
+def test_every_graphic_type_of_the_library_is_in_a_test_of_this_page():
+    """Of ezdxf, which knows those of R12 to R2018: vertices and ends belong to what has them."""
+    graphic = {n for n, kind in factory.ENTITY_CLASSES.items() if issubclass(kind, DXFGraphic)}
+    aliases = {"MLEADER", "PDFREFERENCE"}  # of MULTILEADER, and of an underlay's definition
+    elsewhere = {"INSERT", "IMAGE", "ATTRIB", "VERTEX", "SEQEND"}
+    assert graphic - aliases - elsewhere <= {*READERS, *IN_R12, *LATER}
+
+
+def test_an_attribute_of_a_block_is_refused_by_name():
+    document = new()
+    frame(document.modelspace())
+    document.blocks.new("B").add_circle((0, 0), 2.0)
+    insert = document.modelspace().add_blockref("B", (20, 20))
+    insert.add_attrib("TAG", "M6", (20, 20), dxfattribs={"layer": "NOTES"})
+    said = f"^ATTRIB of INSERT #{insert.dxf.handle} on layer NOTES cannot be cut"
+    with pytest.raises(ValueError, match=said):
         drawing_of(document, MILLIMETRES)
 
 
