@@ -48,7 +48,7 @@ def test_the_invisible_background_of_ezdxf_is_no_outline(tmp_path):
 def test_a_filled_background_is_said(background, tmp_path):
     part = by_ezdxf(tmp_path / "a.svg", background)
     check_flange(part)
-    assert part.notes == ("rect #(without id) fills the page: its background, which is not cut",)
+    assert part.notes == ("rect 1 (without id) fills the page: its background, which is not cut",)
 
 
 def test_the_example_is_the_flange_and_its_curves_are_judged_as_circles():
