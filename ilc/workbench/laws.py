@@ -15,6 +15,7 @@ from ..laws.gradient import Gradient
 from ..laws.heuristic import Heuristic
 from ..laws.high_order import HighOrder
 from ..laws.internal_model import internal_model, periodic_pattern
+from ..laws.knob_free import KnobFree
 from ..laws.law import FirstOrder, Law
 from ..laws.model_free import MeasuredGradient
 from ..laws.model_inverse import ModelInverse
@@ -23,6 +24,8 @@ from ..laws.quadratic import QuadraticCriterion
 from .own_law import own_law
 from .setting import Setting
 from .words import Words, converted, unknown_name
+
+_TENTH = 0.1  # of the sample rate: beyond it no servo is driven
 
 
 def heuristic(
@@ -133,6 +136,11 @@ def splines(s: Setting, *, n: int = 12, size: float = 1e-3) -> Law:
     return FiniteDifference(experiment=s.experiment, basis=b_splines(s.n_samples, n), size=size)
 
 
+def knob_free(s: Setting) -> Law:
+    """Gain, shift and band from the data of the first runs: nothing to choose, no model."""
+    return KnobFree(Q=s.Q(_TENTH / s.sample_time))
+
+
 def _gain(s: Setting, gamma: float | None, delta: int | None) -> PType:
     if gamma is None or delta is None:
         proposed = s.proposed
@@ -154,6 +162,7 @@ LAWS: dict[str, Callable[..., Law]] = {
     "disturbance-observer": disturbance_observer,
     "model-free": model_free,
     "splines": splines,
+    "knob-free": knob_free,
 }
 """By name; keyword-only parameters are those of the command line."""
 MEASURING = ("model-free", "splines")

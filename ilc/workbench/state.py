@@ -16,9 +16,14 @@ from armside.arrays import Array
 
 from ..laws.by_segment import SegmentMemory
 from ..laws.guarded import Best
+from ..laws.knob_free import Known
 from ..learning import LoopState
 
-NAMED: Mapping[str, Callable[..., Any]] = {"Best": Best, "SegmentMemory": SegmentMemory}
+NAMED: Mapping[str, Callable[..., Any]] = {
+    "Best": Best,
+    "Known": Known,
+    "SegmentMemory": SegmentMemory,
+}
 """Named tuples that a memory may hold."""
 
 

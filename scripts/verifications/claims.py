@@ -77,13 +77,15 @@ def _load(name: str) -> Function:
             from .robots import robots as claim
         case "robots-design":
             from .robots import design as claim
+        case "knob-free":
+            from .knob_free import knob_free as claim
         case _:
             raise unknown("claim", name, CLAIMS)
     return claim
 
 
 _SEEDS = {
-    **{"long-way": 10},
+    **{"long-way": 10, "knob-free": 100},
     **{"kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},

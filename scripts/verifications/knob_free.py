@@ -1,0 +1,114 @@
+"""The claim of `armside verify knob-free`: a law without design variables on random robots.
+
+Each seed is another robot (the large one if even, the IRB1400 if odd), individual of its
+production line, pose, speed and noise. The law was made on `DEVELOPMENT`; the seeds that judge
+count up from 0.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws.knob_free import KnobFree
+from armside.ilc.learning import learn
+from armside.ilc.measures import norms
+from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.random_cuts import random_cut
+from armside.sim.laser.specification import Cut
+from armside.sim.robot.run import LoadedReference
+from armside.sim.robot.spread import Drawn
+from armside.sim.robot.virtual_robot import LOG_PERIOD
+
+DEVELOPMENT = tuple(range(1000, 1040))
+"""Seeds that the law was made on."""
+ROBOTS = ("large", "irb1400")
+LEARNED, MEDIAN, WORST = 0.10, 5, 10
+"""Fraction of k = 0, and runs after run 0 until it is reached."""
+
+
+@dataclass(frozen=True)
+class _Motors:
+    """Plant whose output is the motors' angles, without the instruments at the tool."""
+
+    loaded: LoadedReference
+    rng: np.random.Generator
+
+    def run(self, correction: Array, /) -> Array:
+        return self.loaded.run(correction, self.rng).motor_angle
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """One robot: (K + 1,) norms of the motors' errors over those of k = 0."""
+
+    cut: Cut
+    together: Array
+    """2-norm over all motors and samples, motor side."""
+    worst: Array
+    """2-norm of the worst motor, normalised as (9.5)."""
+
+
+def case(seed: int) -> Cut:
+    """A circle by a robot individual at a random pose and speed."""
+    cut = random_cut(ROBOTS[seed % len(ROBOTS)], seed)
+    return replace(cut, individual=Drawn(seed))
+
+
+def learned(seed: int, updates: int = WORST) -> Found:
+    """Learn a case with the law; every run is one of its own."""
+    cut = case(seed)
+    loaded = prepare(cut, seed=seed).loaded
+    law = KnobFree(Q=ZeroPhaseButterworth(0.1 / LOG_PERIOD, LOG_PERIOD))
+    plant, gear = _Motors(loaded, np.random.default_rng(seed)), loaded.model.drives.gear
+    trials = learn(plant, law, loaded.reference, updates)
+    each = np.stack([norms.two_norm(trial.error * gear) for trial in trials])
+    together = np.linalg.norm(each, axis=1)
+    return Found(cut, together / together[0], norms.normalise(each, each[0]).max(axis=1))
+
+
+def runs_until(left: Array) -> float:
+    """Runs after run 0 until the fraction is reached; infinite if it is not."""
+    below = np.flatnonzero(left <= LEARNED)
+    return float(below[0]) if len(below) else np.inf
+
+
+def knob_free(seeds: Iterable[int]) -> Table:
+    """Ten updates of each robot, motors alone."""
+    numbers, found = list[int](), list[Found]()
+    for seed in seeds:
+        numbers.append(seed)
+        found.append(learned(seed))
+    columns = ("runs to 10 %, motors together", "worst motor (9.5)")
+    left = ("largest of any run", "k = 5", "k = 10")
+    return Table(
+        "A law without design variables on random robots: 2-norm of the motors over k = 0",
+        ("seed", "robot", "speed [mm/s]", *columns, *left),
+        [_row(seed, one) for seed, one in zip(numbers, found, strict=True)],
+        [*_verdicts(found)],
+    )
+
+
+def _row(seed: int, one: Found) -> tuple[object, ...]:
+    counts = runs_until(one.together), runs_until(one.worst)
+    left = one.together
+    ends = float(left[1:].max()), float(left[min(5, len(left) - 1)]), float(left[-1])
+    return seed, str(one.cut.robot), 1e3 * one.cut.speed, *counts, *ends
+
+
+def _verdicts(found: list[Found]) -> Iterable[Check]:
+    for name, words in (("together", "motors together"), ("worst", "worst motor, (9.5)")):
+        left = np.stack([getattr(one, name) for one in found])
+        runs = np.array([runs_until(each) for each in left])
+        reached = f"{words}: runs to {LEARNED:.0%} of k = 0"
+        yield _at_most(f"{reached}, median", float(np.median(runs)), MEDIAN)
+        yield _at_most(f"{reached}, worst", float(runs.max()), WORST)
+        highest = float(left[:, 1:].max())
+        yield all_hold(f"{words}: no run above run 0; highest {highest:.3f}", left <= 1.0)
+
+
+def _at_most(statement: str, value: float, bar: float) -> Check:
+    return Check("", f"{statement}: at most {bar:g} ({value:g})", "", value, high=bar)
