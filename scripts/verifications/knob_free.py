@@ -58,16 +58,20 @@ def case(seed: int) -> Cut:
     return replace(cut, individual=Drawn(seed))
 
 
-def learned(seed: int, updates: int = WORST) -> Found:
-    """Learn a case with the law; every run is one of its own."""
+def learned(seed: int) -> Found:
+    """Learn a case: five updates, or as many as it takes, at most ten."""
     cut = case(seed)
     loaded = prepare(cut, seed=seed).loaded
     law = KnobFree(Q=ZeroPhaseButterworth(0.1 / LOG_PERIOD, LOG_PERIOD))
     plant, gear = _Motors(loaded, np.random.default_rng(seed)), loaded.model.drives.gear
-    trials = learn(plant, law, loaded.reference, updates)
-    each = np.stack([norms.two_norm(trial.error * gear) for trial in trials])
-    together = np.linalg.norm(each, axis=1)
-    return Found(cut, together / together[0], norms.normalise(each, each[0]).max(axis=1))
+    each, left = list[Array](), np.empty(0)
+    for trial in learn(plant, law, loaded.reference, WORST):
+        each.append(norms.two_norm(trial.error * gear))
+        left = np.linalg.norm(each, axis=1) / np.linalg.norm(each[0])
+        worst = norms.normalise(np.stack(each), each[0]).max(axis=1)
+        if trial.k >= MEDIAN and max(runs_until(left), runs_until(worst)) < np.inf:
+            return Found(cut, left, worst)
+    return Found(cut, left, norms.normalise(np.stack(each), each[0]).max(axis=1))
 
 
 def runs_until(left: Array) -> float:
@@ -77,13 +81,13 @@ def runs_until(left: Array) -> float:
 
 
 def knob_free(seeds: Iterable[int]) -> Table:
-    """Ten updates of each robot, motors alone."""
+    """Motors alone: every run is one of the law's own."""
     numbers, found = list[int](), list[Found]()
     for seed in seeds:
         numbers.append(seed)
         found.append(learned(seed))
     columns = ("runs to 10 %, motors together", "worst motor (9.5)")
-    left = ("largest of any run", "k = 5", "k = 10")
+    left = ("largest of any run", "k = 5", "last run")
     return Table(
         "A law without design variables on random robots: 2-norm of the motors over k = 0",
         ("seed", "robot", "speed [mm/s]", *columns, *left),
@@ -95,19 +99,20 @@ def knob_free(seeds: Iterable[int]) -> Table:
 def _row(seed: int, one: Found) -> tuple[object, ...]:
     counts = runs_until(one.together), runs_until(one.worst)
     left = one.together
-    ends = float(left[1:].max()), float(left[min(5, len(left) - 1)]), float(left[-1])
+    ends = float(left[1:].max()), float(left[MEDIAN]), float(left[-1])
     return seed, str(one.cut.robot), 1e3 * one.cut.speed, *counts, *ends
 
 
 def _verdicts(found: list[Found]) -> Iterable[Check]:
     for name, words in (("together", "motors together"), ("worst", "worst motor, (9.5)")):
-        left = np.stack([getattr(one, name) for one in found])
+        left = [getattr(one, name) for one in found]
         runs = np.array([runs_until(each) for each in left])
         reached = f"{words}: runs to {LEARNED:.0%} of k = 0"
         yield _at_most(f"{reached}, median", float(np.median(runs)), MEDIAN)
         yield _at_most(f"{reached}, worst", float(runs.max()), WORST)
-        highest = float(left[:, 1:].max())
-        yield all_hold(f"{words}: no run above run 0; highest {highest:.3f}", left <= 1.0)
+        highest = np.array([each[1:].max() for each in left])
+        no_worse = f"{words}: no run worse than run 0; the highest is {highest.max():.3f} of it"
+        yield all_hold(no_worse, highest <= 1.0)
 
 
 def _at_most(statement: str, value: float, bar: float) -> Check:
