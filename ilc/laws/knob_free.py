@@ -51,7 +51,8 @@ class KnobFree:
     delay over which the error's autocorrelation rho stays above 1/4. Then ||e_1|| < ||e_0||, since
     ||e - u||^2 is (1 + 1/4 - rho(d)) ||e||^2 with u = e/2 delayed by d. Every update starts from
     the best run; after each that brought no better one it is half as long. Motors share one
-    response: servos of one kind. Where the plant is not so, early runs may be worse than run 0, and
+    response, of servos of one kind; the second update of each is as long as the part of its change
+    that this response explains. Where the plant is not so, early runs may be worse than run 0, and
     the response found from them mends that.
     """
 
@@ -85,9 +86,18 @@ class KnobFree:
         if not (sums.normal.any() and sums.power > 0.0):
             return best[0], memory
         found = impulse_response(sums)
-        certainty = correlation_time(seen - found.simulate(change))
-        step = self.Q(expected_best(found, certainty, best[1]))
+        left = seen - found.simulate(change)
+        step = self.Q(expected_best(found, correlation_time(left), best[1]))
+        if sums.count <= error.size:  # the only run that tells of the response
+            step = step * _explained(seen, left)
         return best[0] + 0.5**setbacks * step, memory
+
+
+def _explained(seen: Array, left: Array) -> Array:
+    """(m,): fraction of the last change of each column that the shared response explains."""
+    power = np.square(seen).sum(axis=0)
+    power[power == 0.0] = np.inf
+    return np.maximum(1.0 - np.square(left).sum(axis=0) / power, 0.0)
 
 
 def _scaled(change: Array, seen: Array) -> tuple[Array, Array]:

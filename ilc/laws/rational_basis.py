@@ -1,0 +1,138 @@
+"""Rational basis functions: u = A(q) / B(q) r, whose parameters transfer to other references.
+
+    A = sum_i a_i psi_i      B = 1 + sum_i b_i psi_i      psi_i = ((1 - q^-1) / T)^i
+
+Bolder and Oomen, "Rational basis functions in iterative learning control - with experimental
+verification on a motion system" (2015). Zeros of B make an exact inverse of a plant with zeros,
+for which polynomials alone need many terms. The criterion ||e_k - T_u (u - u_k)|| is not convex in
+b; it is minimised by least squares weighted with the last B (Sanathanan and Koerner), the best one
+kept.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from ..models.system import Complex, System, require_stable, unit_circle
+from ..records import records
+from .law import FirstOrderLaw
+
+_ROUNDS = 15
+
+
+Response = Callable[[ArrayLike], Complex]
+
+
+@dataclass(frozen=True, eq=False)
+class Rational:
+    """Parameters of A and B, which any reference may be given to."""
+
+    a: Array
+    """(p,) of psi_1 .. psi_p [s^i]."""
+    b: Array
+    """(m,) of psi_1 .. psi_m [s^i]."""
+    sample_time: float
+
+    def denominator(self, omega: ArrayLike) -> Complex:
+        """B at omega [rad/sample]."""
+        return 1.0 + _polynomial(self.b, omega, self.sample_time)
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """A / B at omega [rad/sample]."""
+        A = _polynomial(self.a, omega, self.sample_time)
+        return np.asarray(A / self.denominator(omega), dtype=np.complex128)
+
+    @records("reference")
+    def correction(self, reference: Array) -> Array:
+        """u = A / B r (N, n), of a reference that is at rest at both ends.
+
+        Applied by FFT with a record of rest before and after, so poles outside the unit circle are
+        run backwards in time: u may begin before the motion does.
+        """
+        return _through(self.response, reference)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RationalBasis(FirstOrderLaw):
+    """Law whose correction is A / B r, one A and B for all columns, plant with one system T_u."""
+
+    T_u: System
+    reference: Array
+    """r, shape (N, n), at rest at both ends."""
+    n_numerator: int = 4
+    n_denominator: int = 2
+
+    def __post_init__(self) -> None:
+        require_stable(self.T_u, "T_u")
+        if self.n_numerator < 1 or self.n_denominator < 0:
+            counts = f"{self.n_numerator} and {self.n_denominator}"
+            raise ValueError(f"at least 1 numerator and 0 denominator terms, got {counts}")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if (n_samples, n_columns) != np.shape(self.reference):
+            needed = f"the shape {np.shape(self.reference)} of the reference"
+            raise ValueError(f"records must have {needed}, got {(n_samples, n_columns)}")
+
+    @records("correction", "error")
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        return self.parameters(correction, error).correction(self.reference)
+
+    @records("correction", "error")
+    def parameters(self, correction: Array, error: Array) -> Rational:
+        """The parameters of the next correction."""
+        T = self.T_u.sample_time
+        wanted = error + self.T_u.simulate(correction)  # what T_u u should be
+        moved = self.T_u.simulate(self.reference - self.reference[0])
+        found = Rational(np.zeros(self.n_numerator), np.zeros(self.n_denominator), T)
+        best, smallest = found, np.inf
+        for _ in range(_ROUNDS):
+            found = self._weighted(found, wanted, moved)
+            left = wanted - self.T_u.simulate(found.correction(self.reference))
+            if (size := float(np.linalg.norm(left))) < smallest:
+                best, smallest = found, size
+        return best
+
+    def _weighted(self, last: Rational, wanted: Array, moved: Array) -> Rational:
+        """Minimum of ||(B wanted - A moved) / B_last||."""
+        T, p, m = self.T_u.sample_time, self.n_numerator, self.n_denominator
+
+        def term(signal: Array, i: int) -> Array:
+            def response(omega: ArrayLike) -> Complex:
+                return np.asarray(_difference(omega, T) ** i / last.denominator(omega))
+
+            return _through(response, signal).ravel()
+
+        columns = [term(moved, i + 1) for i in range(p)]
+        columns += [-term(wanted, i + 1) for i in range(m)]
+        A = np.stack(columns, axis=1)
+        size = np.linalg.norm(A, axis=0)
+        size[size == 0.0] = 1.0
+        c = np.linalg.lstsq(A / size, term(wanted, 0), rcond=1e-13)[0] / size
+        return Rational(c[:p], c[p:], T)
+
+
+def _difference(omega: ArrayLike, sample_time: float) -> Complex:
+    """psi_1."""
+    return np.asarray((1.0 - 1.0 / unit_circle(omega)) / sample_time, dtype=np.complex128)
+
+
+def _polynomial(coefficients: Array, omega: ArrayLike, sample_time: float) -> Complex:
+    """Sum of c_i psi_i, i from 1."""
+    psi = _difference(omega, sample_time)
+    return np.asarray(psi * np.polyval(coefficients[::-1], psi), dtype=np.complex128)
+
+
+def _through(response: Response, signal: Array) -> Array:
+    """Filter a record (N, n) by a response, rest before and after it."""
+    n = len(signal)
+    held = np.concatenate((signal, np.repeat(signal[-1:], n, axis=0)))
+    fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, 2 * n + 1) / (2 * n + 1))
+    back = signal[0] + np.outer(fade, signal[-1] - signal[0])
+    whole = np.concatenate((held, back)) - signal[0]
+    omega = 2.0 * np.pi * np.fft.rfftfreq(len(whole))
+    spectrum = np.fft.rfft(whole, axis=0)
+    return np.fft.irfft(response(omega)[:, None] * spectrum, len(whole), axis=0)[:n]
