@@ -45,7 +45,7 @@ SHAPES: dict[str, Callable[[float], ClosedCurve]] = {
     "hexagon": lambda size: hexagon(size, 0.15 * size),
     "slot": lambda size: slot(size, size / 3.0),
 }
-LEARNED = (("circle", 0.010, 0.07), ("square", 0.020, 0.03), ("slot", 0.040, 0.06))
+LEARNED = (("circle", 0.010, 0.04), ("square", 0.030, 0.03), ("slot", 0.050, 0.06))
 """Shape, width [m] and speed [m/s] of the contours that are learned."""
 N_UNSEEN, UPDATES, CUTS = 10, 5, 4
 WIDTHS, LEADS = (3e-6, 3e-5, 3e-4, 3e-3, 3e-2), (0, 5, 10)
@@ -90,7 +90,7 @@ def unseen(seed: int, count: int = N_UNSEEN) -> list[tuple[str, float, float]]:
 
 
 def corrections(robot: Drawn, contours: Sequence[tuple[str, float, float]]) -> list[Array]:
-    """Corrections of contours, each that of the best run by the tracker; springs identified once."""
+    """Corrections of the best run of each contour by the tracker; springs identified once."""
     found, springs = list[Array](), None
     for contour in contours:
         case = Case(cut=cut(*contour, robot), seed=robot.number)

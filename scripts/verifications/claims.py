@@ -77,6 +77,8 @@ def _load(name: str) -> Function:
             from .robots import robots as claim
         case "robots-design":
             from .robots import design as claim
+        case "basis-functions":
+            from .basis_functions import basis_functions as claim
         case "knob-free":
             from .knob_free import knob_free as claim
         case _:
@@ -85,7 +87,7 @@ def _load(name: str) -> Function:
 
 
 _SEEDS = {
-    **{"long-way": 10, "knob-free": 100},
+    **{"long-way": 10, "knob-free": 100, "basis-functions": 2},
     **{"kinematics": 10, "urdf": 5, "laser": 20, "ablations": 3, "env": 1000},
     **{"tuning": 100, "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000},
     **{"chapter9": 5, "imu": 20, "estimation": 10, "estimation-controls": 10},

@@ -1,8 +1,9 @@
 """The claim of `armside verify knob-free`: a law without design variables on random robots.
 
 Each seed is another robot (the large one if even, the IRB1400 if odd), individual of its
-production line, pose, speed and noise. The law was made on `DEVELOPMENT`; the seeds that judge
-count up from 0.
+production line, pose, speed and noise. The law was made on `DEVELOPMENT`. `SEEN` have judged it
+once, before the second update was made as long as the shared response explains the first; those
+that judge count up from 100.
 """
 
 from collections.abc import Iterable
@@ -25,6 +26,7 @@ from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 DEVELOPMENT = tuple(range(1000, 1040))
 """Seeds that the law was made on."""
+SEEN = tuple(range(100))
 ROBOTS = ("large", "irb1400")
 LEARNED, MEDIAN, WORST = 0.10, 5, 10
 """Fraction of k = 0, and runs after run 0 until it is reached."""
