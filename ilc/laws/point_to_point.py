@@ -29,8 +29,8 @@ class PointToPoint(FirstOrderLaw):
     """Samples at which the output has to be right, in 0 .. N - 1."""
     n_samples: int
     n_columns: int = 1
-    correction: float = 1e-8
-    change: float = 1e-6
+    correction: float = 1e-6
+    change: float = 1e-4
     """Weights of u and of its change, relative to that of the error."""
 
     def __post_init__(self) -> None:

@@ -10,8 +10,10 @@ from ..laws.adaptive import Adaptive
 from ..laws.constrained import Constrained
 from ..laws.disturbance_observer import DisturbanceObserver
 from ..laws.finite_difference import FiniteDifference, b_splines
+from ..laws.frequency_kalman import FrequencyKalman
 from ..laws.gains import DType, PType
 from ..laws.gradient import Gradient
+from ..laws.h_infinity import h_infinity as matched
 from ..laws.heuristic import Heuristic
 from ..laws.high_order import HighOrder
 from ..laws.internal_model import internal_model, periodic_pattern
@@ -23,6 +25,7 @@ from ..laws.norm_optimal import NormOptimal
 from ..laws.quadratic import QuadraticCriterion
 from .own_law import own_law
 from .setting import Setting
+from .task_laws import basis, point_to_point, rational, repetitive
 from .words import Words, converted, unknown_name
 
 _TENTH = 0.1  # of the sample rate: beyond it no servo is driven
@@ -141,6 +144,21 @@ def knob_free(s: Setting) -> Law:
     return KnobFree(Q=s.Q(_TENTH / s.sample_time))
 
 
+def kalman(s: Setting, *, noise: float, change: float = 0.0, cutoff: float | None = None) -> Law:
+    """Noise-optimal gain of each frequency; standard deviations of noise, and of what changes."""
+    L = ModelInverse(T_u=s.T_u("kalman"), learned=s.Q(cutoff), regularisation=1e-6)
+    return FrequencyKalman(L=L, noise=noise, change=change)
+
+
+def h_infinity(
+    s: Setting, *, taps: int = 60, uncertainty: float = 0.2, cutoff: float | None = None
+) -> Law:
+    """L of the smallest contraction, for a model that is wrong by a fraction `uncertainty`."""
+    Q = s.Q(cutoff)
+    T_u = s.shared_model("h-infinity")
+    return FirstOrder(L=matched(T_u, Q, n_taps=taps, uncertainty=uncertainty), Q=Q)
+
+
 def _gain(s: Setting, gamma: float | None, delta: int | None) -> PType:
     if gamma is None or delta is None:
         proposed = s.proposed
@@ -163,6 +181,12 @@ LAWS: dict[str, Callable[..., Law]] = {
     "model-free": model_free,
     "splines": splines,
     "knob-free": knob_free,
+    "basis": basis,
+    "rational": rational,
+    "point-to-point": point_to_point,
+    "kalman": kalman,
+    "repetitive": repetitive,
+    "h-infinity": h_infinity,
 }
 """By name; keyword-only parameters are those of the command line."""
 MEASURING = ("model-free", "splines")

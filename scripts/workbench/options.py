@@ -26,7 +26,8 @@ class LearnCfg:
     laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
     """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,
     d-type, gradient, inverse, norm-optimal, constrained, adaptive, high-order, periodic,
-    disturbance-observer, model-free, splines."""
+    disturbance-observer, model-free, splines, knob-free, basis, rational, point-to-point, kalman,
+    repetitive, h-infinity."""
     iterations: int = 10
     """Updates; one run more."""
     reference: str | None = None

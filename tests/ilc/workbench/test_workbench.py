@@ -53,7 +53,13 @@ def half(u, e):
 def wrong(u, e):
     return u[:-1]
 '''
-REQUIRED = {"constrained": ":limit=5", "adaptive": ":noise=0.01,disturbance=0.1"}
+REQUIRED = {
+    "constrained": ":limit=5",
+    "adaptive": ":noise=0.01,disturbance=0.1",
+    "point-to-point": ":times=0.2/0.4/0.6/0.8",
+    "kalman": ":noise=0.01",
+    "repetitive": ":period=25",
+}
 
 
 @pytest.fixture

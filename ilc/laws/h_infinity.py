@@ -1,0 +1,109 @@
+"""L by minimax model matching: the smallest contraction sup |Q (1 - L T_u)| of the criterion (7.5).
+
+    L = arg min  max over omega of |Q| sqrt(|1 - L T_u|^2 + (Delta |L T_u|)^2)
+
+The two steps of de Roover, "Synthesis of a robust iterative learning controller using an H-infinity
+approach" (1996): Q is chosen for where the model holds, then L for that Q. His synthesis returns a
+causal state-space L from Riccati equations. Here L is a filter of finite length that looks ahead,
+and the norm is taken on a grid of frequencies: weighted least squares whose weights follow the
+residual (Lawson, 1961). Each weighting also bounds from below what any filter of this length
+reaches on the grid, so `reached` and `least` state how far from the optimum L is at most.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+
+from ..filters import RecordFilter
+from ..models.system import Complex, System, require_stable, unit_circle
+from ..records import records
+
+_ROUNDS = 200
+_CLOSE = 1.02
+"""Ratio of `reached` to `least` at which the rounds end."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Matched:
+    """Filter sum_i l_i q^(lead - i), samples beyond the ends of a record held."""
+
+    taps: Array
+    """(n,)."""
+    lead: int
+    """[samples]."""
+    reached: float
+    """Largest value of the criterion on the grid; a contraction if below 1 and Delta 0."""
+    least: float
+    """No filter of this length does better on the grid."""
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        """Accept every shape."""
+
+    @records("signal")
+    def __call__(self, signal: Array, /) -> Array:
+        behind = len(self.taps) - 1 - self.lead
+        held = np.pad(signal, ((max(behind, 0), max(self.lead, 0)), (0, 0)), mode="edge")
+        moved = [np.convolve(column, self.taps, mode="valid") for column in held.T]
+        return np.stack(moved, axis=1)
+
+    def response(self, omega: ArrayLike) -> Complex:
+        """(M,) at omega [rad/sample]."""
+        q = unit_circle(omega)
+        return np.asarray(q**self.lead * np.polyval(self.taps[::-1], 1.0 / q), dtype=np.complex128)
+
+
+def h_infinity(
+    T_u: System,
+    Q: RecordFilter,
+    *,
+    n_taps: int = 60,
+    lead: int | None = None,
+    uncertainty: float = 0.0,
+    n_grid: int = 600,
+) -> Matched:
+    """L for one system and a Q of one cutoff.
+
+    Args:
+        lead: samples that L looks ahead; half of the taps if None.
+        uncertainty: Delta, relative error of T_u at every frequency. Where the criterion is below
+            1 / sqrt(2) the iteration contracts for every T_u (1 + d), |d| <= Delta.
+
+    Raises ValueError for an unstable T_u or values out of range.
+    """
+    require_stable(T_u, "T_u")
+    lead = n_taps // 2 if lead is None else lead
+    if n_taps < 1 or not 0 <= lead < n_taps:
+        raise ValueError(f"lead must be in 0 to n_taps - 1, got {lead} of {n_taps} taps")
+    if not (np.isfinite(uncertainty) and uncertainty >= 0.0):
+        raise ValueError(f"uncertainty must be >= 0, got {uncertainty}")
+    omega = np.pi * (np.arange(n_grid) + 0.5) / n_grid
+    gain = np.asarray(Q.response(omega))
+    if gain.ndim != 1:
+        raise ValueError("Q must have one cutoff for all columns")
+    delays = unit_circle(omega)[:, None] ** (lead - np.arange(n_taps))
+    LT = (np.abs(gain) * T_u.response(omega))[:, None] * delays
+    A = np.stack((LT, uncertainty * LT))  # (2, M, n)
+    b = np.stack((np.abs(gain), np.zeros(n_grid)))
+    weight, best, least = np.full(n_grid, 1.0 / n_grid), None, 0.0
+    for _ in range(_ROUNDS):
+        taps = _weighted(A, b, weight)
+        size = np.linalg.norm(A @ taps - b, axis=0)
+        least = max(least, float(np.sqrt(weight @ np.square(size))))
+        if best is None or size.max() < best.reached:
+            best = Matched(taps=taps, lead=lead, reached=float(size.max()), least=0.0)
+        if best.reached <= _CLOSE * least:
+            break
+        weight = weight * size / (weight @ size)
+    assert best is not None
+    return replace(best, least=min(least, best.reached))
+
+
+def _weighted(A: Complex, b: Array, weight: Array) -> Array:
+    """Real taps of the smallest weighted sum of squares; a trace of ridge, for they are many."""
+    normal = np.einsum("kmi,m,kmj->ij", A.conj(), weight, A, optimize=True).real
+    right = np.einsum("kmi,m,km->i", A.conj(), weight, b, optimize=True).real
+    ridge = 1e-12 * np.trace(normal) / len(normal)
+    return np.linalg.solve(normal + ridge * np.eye(len(normal)), right)
