@@ -39,11 +39,12 @@ class Sums(NamedTuple):
     def none(cls, n_taps: int) -> "Sums":
         return cls(np.zeros((n_taps, n_taps)), np.zeros(n_taps), 0.0, 0)
 
+    @records("input", "output")
     def with_records(self, input: Array, output: Array) -> "Sums":
         """Sums with the columns of further records (N, m), at rest before their first sample."""
         normal, right = self.normal.copy(), self.right.copy()
         for u, y in zip(input.T, output.T, strict=True):
-            U = lagged(u, len(right))
+            U = _lagged(u, len(right))
             normal += U.T @ U
             right += U.T @ y
         power = self.power + float(np.vdot(output, output))
@@ -68,7 +69,7 @@ class ImpulseResponse:
         return np.stack(moved, axis=1)
 
 
-def lagged(signal: Array, n_taps: int) -> Array:
+def _lagged(signal: Array, n_taps: int) -> Array:
     """(N, n): column i is the signal (N,) i samples later."""
     U = np.zeros((len(signal), n_taps))
     for i in range(min(n_taps, len(signal))):

@@ -18,7 +18,7 @@ from armside.arrays import Array
 
 from ..models.system import require_stable
 from ..models.system_matrix import Model, check_inputs
-from ..records import records
+from ..records import as_record, records
 from .law import FirstOrderLaw
 
 
@@ -77,7 +77,8 @@ def fitted(bases: Sequence[Array], corrections: Sequence[Array], ridge: float = 
         raise ValueError(f"{len(bases)} bases and {len(corrections)} corrections are no pairs")
     if not (np.isfinite(ridge) and ridge > 0.0):
         raise ValueError(f"ridge must be > 0, got {ridge}")
-    Psi, u = np.concatenate(list(bases)), np.concatenate(list(corrections))
+    learned = [as_record(u, "a correction") for u in corrections]
+    Psi, u = np.concatenate(list(bases)), np.concatenate(learned)
     return np.stack([_ridge(Psi[:, j], u[:, j], ridge) for j in range(u.shape[1])])
 
 

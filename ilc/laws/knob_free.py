@@ -78,7 +78,7 @@ class KnobFree:
             memory = Known(*none, correction, error, correction, error, 0)
             return correction + FIRST * self.Q(error), memory
         change, seen = correction - memory.correction, memory.error - error
-        sums = Sums(*memory[:4]).with_records(*_scaled(change, seen))
+        sums = _with_change(Sums(*memory[:4]), change, seen)
         better = np.linalg.norm(error) < np.linalg.norm(memory.best_error)
         best = (correction, error) if better else (memory.best_correction, memory.best_error)
         setbacks = 0 if better else memory.setbacks + 1
@@ -100,11 +100,13 @@ def _explained(seen: Array, left: Array) -> Array:
     return np.maximum(1.0 - np.square(left).sum(axis=0) / power, 0.0)
 
 
-def _scaled(change: Array, seen: Array) -> tuple[Array, Array]:
+def _with_change(sums: Sums, change: Array, seen: Array) -> Sums:
     """Columns over the norm of their change: each motor says as much as any other."""
     size = np.linalg.norm(change, axis=0)
     moved = size > 0.0
-    return change[:, moved] / size[moved], seen[:, moved] / size[moved]
+    if not moved.any():
+        return sums
+    return sums.with_records(change[:, moved] / size[moved], seen[:, moved] / size[moved])
 
 
 @records("error")

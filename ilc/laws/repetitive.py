@@ -87,6 +87,7 @@ class PlugIn:
         return e
 
 
+@records("lap")
 def around(F: RecordFilter, lap: Array) -> Array:
     """Filter a lap (n_samples, n) that repeats: three laps are filtered, the middle one kept."""
     n = len(lap)

@@ -8,7 +8,6 @@ from armside.ilc.identification.impulse_response import (
     Sums,
     correlation_time,
     impulse_response,
-    lagged,
 )
 from armside.ilc.laws.knob_free import KnobFree, expected_best
 from armside.ilc.models.linear_plant import LinearPlant
@@ -68,10 +67,6 @@ def test_the_banded_solution_is_that_of_the_dense_criterion():
             H = H + 3.0 * found.covariance[i, j] * shifts[i].T @ shifts[j]
     H = H + 1e-9 * H.diagonal().max() * np.eye(50)
     np.testing.assert_allclose(expected_best(found, 3.0, e), np.linalg.solve(H, G.T @ e), rtol=1e-6)
-
-
-def test_the_columns_of_lagged_are_the_signal_later():
-    np.testing.assert_array_equal(lagged(np.arange(1.0, 4.0), 2), [[1, 0], [2, 1], [3, 2]])
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,8 @@ NOT_RECORDS = {
     "memory", "second", "starts", "place", "wanted",
     # lines of a spectrum, sizes of inputs, ratios of variances
     "lines", "rms", "ratio", "K", "start_factor",
+    # functions of a basis, (N, n, p), and their parameters
+    "basis", "bases", "corrections", "parameters",
 }  # fmt: skip
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured"} | {
