@@ -32,7 +32,7 @@ class Sums(NamedTuple):
     """(n,), U^T y."""
     power: float
     """y^T y."""
-    count: int
+    n_samples: int
     """Samples."""
 
     @classmethod
@@ -48,7 +48,7 @@ class Sums(NamedTuple):
             normal += U.T @ U
             right += U.T @ y
         power = self.power + float(np.vdot(output, output))
-        return Sums(normal, right, power, self.count + output.size)
+        return Sums(normal, right, power, self.n_samples + output.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +91,8 @@ def impulse_response(sums: Sums) -> ImpulseResponse:
         ratios = _RATIOS / size
         seen = ratios[:, None] * w
         explained = (ratios[:, None] * np.square(z) / (1.0 + seen)).sum(axis=1)
-        variance = np.maximum(sums.power - explained, _ROUNDING * sums.power) / sums.count
-        evidence = -0.5 * (sums.count * np.log(variance) + np.log1p(seen).sum(axis=1))
+        variance = np.maximum(sums.power - explained, _ROUNDING * sums.power) / sums.n_samples
+        evidence = -0.5 * (sums.n_samples * np.log(variance) + np.log1p(seen).sum(axis=1))
         i = int(np.argmax(evidence))
         if evidence[i] > largest:
             largest, shrunk = float(evidence[i]), ratios[i] / (1.0 + seen[i])

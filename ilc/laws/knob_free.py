@@ -34,7 +34,7 @@ class Known(NamedTuple):
     normal: Array
     right: Array
     power: float
-    count: int
+    n_samples: int
     correction: Array
     error: Array
     best_correction: Array
@@ -88,7 +88,7 @@ class KnobFree:
         found = impulse_response(sums)
         left = seen - found.simulate(change)
         step = self.Q(expected_best(found, correlation_time(left), best[1]))
-        if sums.count <= error.size:  # the only run that tells of the response
+        if sums.n_samples <= error.size:  # the only run that tells of the response
             step = step * _explained(seen, left)
         return best[0] + 0.5**setbacks * step, memory
 

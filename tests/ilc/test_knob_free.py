@@ -18,7 +18,7 @@ from armside.ilc.models.two_mass import TwoMassLoop
 from .signals import bump, error_norms
 
 T_S = 0.004
-ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
+ARX = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1, -0.4884]), T_S)
 LAW = KnobFree(Q=ZeroPhaseButterworth(25.0, T_S))
 
 
@@ -52,7 +52,7 @@ def test_records_without_input_have_no_impulse_response():
 def test_white_noise_has_a_correlation_time_of_one_sample_and_a_low_pass_more():
     white = np.random.default_rng(0).standard_normal((20_000, 1))
     assert correlation_time(white) == pytest.approx(1.0, abs=0.1)
-    slow = System([0.1], [1.0, -0.9], T_S).simulate(white)
+    slow = System(np.array([0.1]), np.array([1.0, -0.9]), T_S).simulate(white)
     assert correlation_time(slow) == pytest.approx(1.9 / 0.1, rel=0.3)  # (1 + a) / (1 - a)
 
 
@@ -60,7 +60,7 @@ def test_the_banded_solution_is_that_of_the_dense_criterion():
     found = impulse_response(Sums.none(12).with_records(*noisy(60, 0.2)))
     e = np.random.default_rng(1).standard_normal((50, 2))
     shifts = [np.eye(50, k=-i) for i in range(12)]
-    G = sum(g * S for g, S in zip(found.taps, shifts, strict=True))
+    G = np.einsum("i,ijk->jk", found.taps, np.stack(shifts))
     H = G.T @ G
     for i in range(12):
         for j in range(12):

@@ -19,8 +19,8 @@ from armside.ilc.models.two_mass import TwoMassLoop
 from .signals import bump, error_norms
 
 T_S = 0.004
-ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-DIRECT = System([1.0], [1.0], T_S)
+ARX = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1, -0.4884]), T_S)
+DIRECT = System(np.ones(1), np.ones(1), T_S)
 Q = ZeroPhaseButterworth(10.0, T_S)
 
 
@@ -73,7 +73,7 @@ def test_the_noise_optimal_gain_ends_below_a_constant_gain():
 def test_change_between_iterations_keeps_the_gain_up():
     law = FrequencyKalman(L=PType(gamma=1.0), noise=1.0, change=1.0)
     u = e = np.random.default_rng(0).standard_normal((50, 1))
-    memory = None
+    _, memory = law.step(u, e)
     for _ in range(30):
         _, memory = law.step(u, e, memory)
     P = memory / (2 * 50)  # of P = P / (P + 1) + 1: the golden ratio

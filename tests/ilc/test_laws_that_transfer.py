@@ -19,7 +19,7 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 T_S = 0.004
-ZERO = System([0, 1.0, -0.7], [1, -1.5, 0.56], T_S)
+ZERO = System(np.array([0, 1.0, -0.7]), np.array([1, -1.5, 0.56]), T_S)
 SERVO = ZERO * (1.0 / ZERO.static_gain)
 """Two poles and a zero: its inverse is rational."""
 
