@@ -22,6 +22,7 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
@@ -32,6 +33,7 @@ from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
+from ..shell.unit_options import UnitCfg
 
 STANDARD = ProcessingCfg()
 LARGEST_NUMBER = 20
@@ -46,7 +48,7 @@ AT_REST = Effort(0.1, 4e6)
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class ImuOptions(BagCfg):
+class ImuOptions(UnitCfg, BagCfg):
     """Motion of the robot, and processing of measurement and prediction."""
 
     robot: str = "irb1400"
@@ -83,6 +85,7 @@ class ImuOptions(BagCfg):
 
     def __post_init__(self) -> None:
         self._check_choice()
+        self.check_unit()
         for name in ("off", "on"):
             if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"{name} must be > 0 s, got {getattr(self, name):g}")
@@ -123,9 +126,10 @@ class ImuOptions(BagCfg):
             accelerometer_delay=1e-3 * self.accelerometer_delay,
             gyroscope_delay=1e-3 * self.gyroscope_delay,
         )
-        moving = ImuExperiment(**setup, program=self.program, processing=processing)
         if self.motion == "rest":
-            return RestExperiment(**setup, off=self.off, on=self.on)
+            return RestExperiment(**setup, imu=self.unit(0.0), off=self.off, on=self.on)
+        setup["imu"] = self.unit(ImuCfg.clock_offset)
+        moving = ImuExperiment(**setup, program=self.program, processing=processing)
         return replace(moving, motion=self.motion)
 
 

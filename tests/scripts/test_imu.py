@@ -7,9 +7,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from armside.scripts.cli import main
+from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.verifications import irb1400 as verify_irb1400
 from armside.scripts.verifications.imu_large import imu_large
 from armside.sim.imu.phases import idle_peaks
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.records.signals import read_signals
 
 FIGURES = {
@@ -128,11 +130,23 @@ def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
         (["--cutoff", "60"], "below 50 Hz"),
         (["--accelerometer-delay", "-1"], "from 0 to 500 ms"),
         (["--motion", "rest", "--on", "1"], "at least 3 s"),
+        (["--imu-rate", "5"], "imu-rate must be 10 to 1000 Hz, got 5"),
+        (["--gyroscope-noise", "11"], "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
+        (["--recording", ".", "--clock-offset", "3"], "--clock-offset is of the virtual robot"),
     ],
 )
 def test_bad_options_are_bad_input(options, words, tmp_path, capsys):
     assert main(["imu", *options, "--out", str(tmp_path / "out")]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_the_unit_is_that_of_its_options_and_by_default_of_the_configuration():
+    assert ImuOptions().experiment().imu == ImuCfg()
+    assert ImuOptions(motion="rest").experiment().imu == ImuCfg(clock_offset=0.0)
+    options = ImuOptions(imu_rate=200.0, gyroscope_bias=2.0, clock_offset=3.0, clock_drift=50.0)
+    unit = options.experiment().imu
+    assert unit.gyroscope.bias == pytest.approx(np.deg2rad(2.0))
+    assert (unit.rate, unit.clock_offset, unit.clock_drift) == pytest.approx((200.0, 3e-3, 5e-5))
 
 
 @pytest.mark.parametrize("claim", ["imu", "imu_causes", "rest"])
