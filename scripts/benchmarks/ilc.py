@@ -8,23 +8,30 @@ import numpy as np
 from scipy import signal
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, two_mass_study
-from armside.ilc.analysis import largest_gamma
+from armside.ilc.analysis import RecordIteration, largest_gamma
 from armside.ilc.filters import butterworth
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
+from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.system import System
-from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.system_matrix import Model, SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop
 
 from ..figures.two_mass import FIGURES
 from .timing import Row, interleaved
 
 REPEATS = 5
+COUPLED = ((2, 2000), (4, 2000), (6, 1000), (6, 2000), (6, 4000))
+"""Motors and samples of norm-optimal learning with entries that all differ."""
 
 
 def ilc() -> Sequence[Row]:
     """Rows of `armside bench ilc`."""
-    return [_search(), _five_hundred(), *_norm_optimal(), *_updates()]
+    coupled = [row for m, n in COUPLED for row in _coupled(m, n)]
+    return [
+        _search(), _five_hundred(), *_norm_optimal(), *coupled, *_state_space(), *_record(),
+        *_updates(),
+    ]  # fmt: skip
 
 
 def _search() -> Row:
@@ -64,6 +71,52 @@ def _norm_optimal() -> list[Row]:
     designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
     what = "norm-optimal, 2,000 samples x 6 motors"
     return [Row(f"{what}: design", designed), Row(f"{what}: iteration", iterated)]
+
+
+def _coupled_motors(n: int) -> SystemMatrix:
+    """n x n second-order entries that all differ, poles of modulus 0.5 to 0.99."""
+    rng = np.random.default_rng(2)
+
+    def entry() -> System:
+        radius, angle = rng.uniform(0.5, 0.99), rng.uniform(0.05, 2.8)
+        a = np.array([1.0, -2.0 * radius * np.cos(angle), radius**2])
+        drawn = System(np.concatenate(([0.0], rng.standard_normal(2))), a, 0.004)
+        return drawn * (1.0 / np.abs(drawn.response(np.linspace(0.0, np.pi, 400))).max())
+
+    return SystemMatrix(tuple(tuple(entry() for _ in range(n)) for _ in range(n)))
+
+
+def _coupled(n: int, n_samples: int) -> list[Row]:
+    what = f"norm-optimal, {n_samples:,} samples x {n} coupled motors"
+    return _timed_law(_coupled_motors(n), n_samples, what)
+
+
+def _state_space() -> list[Row]:
+    T_u = as_state_space(_coupled_motors(6))
+    return _timed_law(T_u, 2000, f"the same 6 motors as {len(T_u.A)} states, 2,000 samples")
+
+
+def _timed_law(T_u: Model, n_samples: int, what: str) -> list[Row]:
+    weights = QuadraticCriterion(correction=1e-4, change=1e-2)
+    u, e = np.random.default_rng(0).standard_normal((2, n_samples, T_u.n_inputs))
+
+    def design() -> NormOptimal:
+        return NormOptimal(T_u=T_u, n_samples=n_samples, criterion=weights)
+
+    law = design()
+    designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
+    return [Row(f"{what}: design", designed), Row(f"{what}: iteration", iterated)]
+
+
+def _record() -> list[Row]:
+    law = Heuristic(Q=ZeroPhaseButterworth(6.0, 0.01), gamma=0.9, delta=5)
+    iteration = RecordIteration(TwoMassLoop().T_motor, law, 2000)
+    timed = [lambda: iteration.contraction, lambda: iteration.spectral_radius]
+    contraction, radius = interleaved(timed, REPEATS)
+    return [
+        Row("contraction of 2,000 samples", contraction),
+        Row("spectral radius of 2,000 samples, with its bound", radius),
+    ]
 
 
 def _updates() -> list[Row]:

@@ -1,0 +1,142 @@
+"""State-space plants in the analysis, from other packages, and what is refused."""
+
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import signal
+
+from armside.ilc.analysis import asymptotic_error, heuristic_criterion
+from armside.ilc.analysis.limits import largest_gain_factor
+from armside.ilc.filters import ZeroPhaseButterworth
+from armside.ilc.laws.gains import MatrixGain
+from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.quadratic import QuadraticCriterion
+from armside.ilc.models.conversion import as_state_space
+from armside.ilc.models.lifted_model import ImpulseResponse
+from armside.ilc.models.state_space import StateSpace
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix, largest_gain
+from armside.ilc.models.time_varying import TimeVarying
+
+from .random_cases import AGREED, DAMPING, SEED, SLOWEST, T_S, cases, random_state_matrix
+
+OMEGA = np.array([0.0, 0.01, 0.4, 2.0, np.pi])
+
+
+def random_plant(seed, n, order, slowest, damping):
+    rng = np.random.default_rng(seed)
+    A = random_state_matrix(rng, order, slowest, damping)
+    B, C = rng.standard_normal((order, n)), rng.standard_normal((n, order))
+    return StateSpace(A, B, C / np.linalg.norm(C @ np.linalg.solve(np.eye(order) - A, B), 2))
+
+
+@cases(5)
+@given(n=st.integers(1, 4), order=st.integers(1, 14), slowest=SLOWEST, damping=DAMPING, seed=SEED)
+def test_the_criterion_is_the_largest_singular_value_over_frequency(
+    n, order, slowest, damping, seed
+):
+    """Singular values on a grid that resolves every pole; nothing is above the bound."""
+    T = random_plant(seed, n, order, slowest, damping)
+    Q = ZeroPhaseButterworth(20.0, T_S)
+    found = heuristic_criterion(T, 0.3, 2, Q)
+    near = [
+        abs(np.angle(p)) + (1.0 - abs(p)) * np.tan(np.linspace(-1.57, 1.57, 801)) for p in T.poles
+    ]
+    omega = np.concatenate((np.linspace(0.0, np.pi, 2001), [found.limiting_omega], *near))
+    omega = omega[(omega >= 0.0) & (omega <= np.pi)]
+    z = np.exp(1j * omega)[:, None, None]
+    G = T.C @ np.linalg.solve(z * np.eye(order) - T.A, T.B + 0.0 * z)
+    gain = Q.response(omega) * np.linalg.norm(np.eye(n) - 0.3 * z**2 * G, 2, axis=(1, 2))
+    assert found.bound is not None
+    assert gain.max() <= found.bound * (1 + AGREED)
+    assert found.contraction == pytest.approx(gain.max(), rel=AGREED)
+    top = np.linalg.norm(G, 2, axis=(1, 2)).max()
+    assert top * (1 - AGREED) <= largest_gain(T)
+
+
+def test_gain_limit_and_asymptotic_error_are_those_of_the_matrix_of_systems():
+    one, other = System([0, 0.3], [1, -0.7], T_S), System([0, 0.1, 0.1], [1, -1.2, 0.5], T_S)
+    matrix = SystemMatrix(((one, other * 0.2), (one * -0.1, other)))
+    T = as_state_space(matrix)
+    np.testing.assert_allclose(T.response(OMEGA), matrix.response(OMEGA), atol=1e-12)
+    Q = ZeroPhaseButterworth(20.0, T_S)
+    factor = largest_gain_factor(matrix, 0.5, 2, Q)
+    assert largest_gain_factor(T, 0.5, 2, Q) == pytest.approx(factor, rel=1e-5)
+    L = MatrixGain(gamma=0.5 * np.eye(2), delta=2)
+    e_0 = np.random.default_rng(0).standard_normal((100, 2))
+    limit = asymptotic_error(e_0, T, L, Q)
+    np.testing.assert_allclose(limit, asymptotic_error(e_0, matrix, L, Q), atol=1e-10)
+
+
+def test_models_of_scipy_and_control_keep_their_response():
+    continuous = control.rss(4, 2, 3)
+    sampled: Any = control.c2d(continuous, T_S)
+    expected = np.moveaxis(sampled(np.exp(1j * OMEGA[1:])), 2, 0)
+    for found in (as_state_space(continuous, T_S), as_state_space(sampled)):
+        np.testing.assert_allclose(found.response(OMEGA[1:]), expected, atol=1e-9)
+    ratio: Any = control.tf(
+        [[[1.0, 0.2], [1.0]], [[0.3], [1.0, 0.0]]],
+        [[[1.0, -0.5, 0.06], [1.0, -0.7]], [[1.0, -0.2], [1.0, -0.9]]],
+        T_S,
+    )
+    expected = np.moveaxis(ratio(np.exp(1j * OMEGA)), 2, 0)
+    np.testing.assert_allclose(as_state_space(ratio).response(OMEGA), expected, atol=1e-12)
+    lag: Any = signal.lti([2.0], [1.0, 3.0])
+    pole = np.exp(-3.0 * T_S)
+    expected = 2.0 / 3.0 * (1.0 - pole) / (np.exp(1j * OMEGA) - pole)
+    np.testing.assert_allclose(as_state_space(lag, T_S).response(OMEGA)[:, 0, 0], expected)
+
+
+def test_a_measured_frequency_response_gives_the_impulse_response_or_is_refused():
+    T = random_plant(1, 2, 4, 0.9, 0.5)
+    omega = 2.0 * np.pi * np.arange(257) / 512
+    measured = ImpulseResponse.from_frequency_response(T.response(omega))
+    u = np.random.default_rng(0).standard_normal((200, 2))
+    np.testing.assert_allclose(measured.simulate(u), T.simulate(u), atol=1e-6)
+    slow = StateSpace(np.array([[0.999]]), np.ones((1, 1)), np.ones((1, 1)))
+    with pytest.raises(ValueError, match="measure a longer period"):
+        ImpulseResponse.from_frequency_response(slow.response(omega))
+
+
+class Own:
+    """Plant of a user: a delay of one sample, by its products alone."""
+
+    n_inputs = n_outputs = 1
+
+    def simulate(self, signal, /):
+        return np.vstack((np.zeros((1, 1)), signal[:-1]))
+
+    def adjoint(self, signal, /):
+        return np.vstack((signal[1:], np.zeros((1, 1))))
+
+
+def test_a_model_of_ones_own_learns_by_its_products_or_is_refused():
+    e = np.random.default_rng(0).standard_normal((50, 1))
+    law = NormOptimal(T_u=Own(), n_samples=50, criterion=QuadraticCriterion(change=0.25))
+    expected = np.vstack((e[1:], [[0.0]])) / 1.25
+    np.testing.assert_allclose(law(np.zeros((50, 1)), e), expected, atol=1e-8)
+    with pytest.raises(ValueError, match="n_inputs, n_outputs, simulate and adjoint"):
+        NormOptimal(T_u=object(), n_samples=50)  # pyright: ignore[reportArgumentType]
+    weights = np.ones(50)
+    weights[7] = 0.0
+    with pytest.raises(ValueError, match="whose sum is > 0"):
+        NormOptimal(T_u=Own(), n_samples=50, criterion=QuadraticCriterion(change=weights))
+
+
+def test_plants_that_do_not_fit_are_refused():
+    A, B, C = np.array([[0.5]]), np.ones((1, 2)), np.ones((1, 1))
+    with pytest.raises(ValueError, match=r"do not fit each other: .* needed are \(n, n\)"):
+        StateSpace(A, B.T, C)
+    with pytest.raises(ValueError, match="unstable"):
+        NormOptimal(T_u=StateSpace(2.5 * A, B, C), n_samples=50)
+    varying = TimeVarying(*(np.repeat(M[None], 40, axis=0) for M in (A, B, C)))
+    with pytest.raises(ValueError, match="T_u covers 40 samples, the record 50"):
+        NormOptimal(T_u=varying, n_samples=50)
+    with pytest.raises(ValueError, match="T_u has 2 inputs, the record 1"):
+        StateSpace(A, B, C).simulate(np.ones((9, 1)))
+    with pytest.raises(ValueError, match="needs a sample_time"):
+        as_state_space(control.rss(2, 1, 1))
