@@ -59,7 +59,10 @@ def test_the_criterion_is_the_largest_singular_value_over_frequency(
 
 
 def test_gain_limit_and_asymptotic_error_are_those_of_the_matrix_of_systems():
-    one, other = System([0, 0.3], [1, -0.7], T_S), System([0, 0.1, 0.1], [1, -1.2, 0.5], T_S)
+    one, other = (
+        System.from_z([0.3], [1, -0.7], T_S),
+        System.from_z([0.1, 0.1], [1, -1.2, 0.5], T_S),
+    )
     matrix = SystemMatrix(((one, other * 0.2), (one * -0.1, other)))
     T = as_state_space(matrix)
     np.testing.assert_allclose(T.response(OMEGA), matrix.response(OMEGA), atol=1e-12)
