@@ -83,7 +83,9 @@ def iterations(seeds: Iterable[int]) -> Table:
         name: np.exp(np.mean([np.log(e.rms_true[1:] / e.rms_true[0]) for e in episodes], axis=0))
         for name, episodes in found.items()
     }
-    chosen = [[d.gamma[0] for d in e.designs] for e in found["learned policy"]]
+    chosen = [
+        [d.gamma[0] for d in e.decisions if isinstance(d, Design)] for e in found["learned policy"]
+    ]
     rows["gain γ of the learned policy, mean"] = np.mean(chosen, axis=0)
     search = rows["best fixed design by search"]
     more = "the searched design is made for its budget: after ten iterations it leaves more"

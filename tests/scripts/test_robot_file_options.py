@@ -88,9 +88,12 @@ def test_the_viewer_and_the_gears_of_measured_data_are_those_of_a_robot_file(rob
 
 
 def test_each_refuses_a_file_whose_table_is_not_its_model(longer):
+    import pyarrow as pa
+
+    table = pa.table({"reference_1": [0.0], "reference_2": [0.0]})
     for use in (
         lambda: posable(ViewCfg(robot=str(longer))),
-        lambda: gears(MeasureCfg(robot=str(longer)), None),
+        lambda: gears(MeasureCfg(robot=str(longer)), table),
         lambda: TuneCfg(robot=str(longer)),
         lambda: TrainCfg(robot=str(longer)),
     ):
