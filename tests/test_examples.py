@@ -21,6 +21,7 @@ def example(name):
 
 def test_there_are_no_examples_that_nobody_runs():
     assert {f.name for f in EXAMPLES.iterdir() if f.suffix in (".py", ".toml")} == {
+        "adjoint.py",
         "own_law.py",
         "laws.py",
         "own_data.py",
