@@ -40,6 +40,7 @@ html_theme_options = {
 }
 autodoc_default_options = {"members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
+autodoc_mock_imports = ["stable_baselines3"]  # of the extra [learn], which the pages do not need
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
