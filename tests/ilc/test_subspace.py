@@ -1,5 +1,6 @@
 """Subspace models of several inputs and outputs: the truth, its order, its noise."""
 
+import control
 import numpy as np
 import pytest
 
@@ -40,7 +41,6 @@ def test_without_noise_the_response_is_exact():
 
 def test_the_realisation_of_an_impulse_is_that_of_python_control():
     """Eigensystem realisation of the same impulse response, by another program."""
-    control = pytest.importorskip("control")
     impulse = np.stack([TRUE.simulate(np.eye(60, 1) * unit) for unit in np.eye(2)], axis=2)
     theirs, _ = control.eigensys_realization(impulse.transpose(1, 2, 0), 4, dt=True)
     expected = theirs(np.exp(1j * OMEGA)).transpose(2, 0, 1)

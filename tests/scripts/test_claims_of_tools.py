@@ -120,7 +120,7 @@ def test_a_searched_design_is_made_for_its_budget(monkeypatch):
     def run(tenth):
         falling = np.array([1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.5, 0.5, 0.5, 0.5, tenth])
         long = [SimpleNamespace(rms_true=falling, diverged=False, notes=()) for _ in range(3)]
-        short = {"rms_true": falling[:6], "designs": [THESIS] * 5}
+        short = {"rms_true": falling[:6], "decisions": [THESIS] * 5}
         policy = [SimpleNamespace(diverged=False, notes=(), **short)] * 3
         episodes = {
             "thesis design": long,

@@ -85,7 +85,6 @@ def test_rsi_messages_hold_the_correction_in_degrees(export, last):
 
 
 def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
-    pytest.importorskip("google.protobuf")
     from armside.sim.controller.egm import _messages
 
     assert export("cut", "--as", "joint-path", "--to", "egm") == 0

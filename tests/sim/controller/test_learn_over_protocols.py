@@ -10,6 +10,7 @@ import pytest
 from armside.ilc.workbench.csv_signal import write_signal
 from armside.scripts.cli import main
 from armside.sim.controller.client import Rsi
+from armside.sim.controller.egm import EgmWire
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
 
@@ -28,8 +29,7 @@ def free_port():
 def served(protocol):
     """The small robot, speaking to a free port; yields the words of the plant."""
     if protocol == "egm":
-        egm = pytest.importorskip("armside.sim.controller.egm", exc_type=ImportError)
-        wire, controller = egm.EgmWire(), guided()
+        wire, controller = EgmWire(), guided()
     else:
         wire, controller = RsiWire(), programmed()
     port, stop = free_port(), threading.Event()
