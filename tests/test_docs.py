@@ -84,7 +84,8 @@ def reads_what_no_line_wrote(command: str, earlier: list[str]) -> bool:
     """True where a line names a file in the folder of an earlier one that was only parsed."""
     typed = [shlex.split(line, comments=True)[1:] for line in earlier]
     unwritten = {w[w.index("--out") + 1] for w in typed if "--out" in w and takes_minutes(w)}
-    return any(word.split("/")[0] in unwritten for word in shlex.split(command) if "/" in word)
+    words = shlex.split(command, comments=True)
+    return any(word.split("/")[0] in unwritten for word in words if "/" in word)
 
 
 def takes_minutes(words: list[str]) -> bool:
