@@ -1,8 +1,9 @@
 """`armside convert`: a run's signals, or a recording of a real arm, for other tools."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from armside.sim.records import read_run
 from armside.sim.records.files import check_file_to_write, check_name
@@ -71,9 +72,7 @@ def _run(run: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
         table = read_table(source)
     write_table(file, table)
     outcome = summary("convert", cfg, common, source=run, file=file, rows=table.num_rows)
-    keep(outcome, common)
-    report.line(f"{table.num_rows} rows of {table.num_columns} columns in {file}")
-    report.summary(outcome)
+    _tell(outcome, (), f"{table.num_rows} rows of {table.num_columns} columns in {file}", report)
 
 
 def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
@@ -105,11 +104,8 @@ def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) ->
     notes = list(recording.notes)
     found = {"source": source, "folder": folder, "samples": samples, "notes": notes}
     outcome = summary("convert", cfg, common, form=recording.form, **found)
-    keep(outcome, common)
-    for note in notes:
-        report.line(note)
-    report.line(f"{', '.join(f'{n} of {name}' for name, n in samples.items())} in {folder}")
-    report.summary(outcome)
+    written = ", ".join(f"{n} of {name}" for name, n in samples.items())
+    _tell(outcome, notes, f"{written} in {folder}", report)
 
 
 def _log(file: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
@@ -127,10 +123,14 @@ def _log(file: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
     rows, notes = log.table.num_rows, list(log.notes)
     found = {"source": file, "file": target, "rows": rows, "notes": notes}
     outcome = summary("convert", cfg, common, form=log.form, **found)
-    keep(outcome, common)
+    _tell(outcome, notes, f"{rows} rows of {log.table.num_columns} columns in {target}", report)
+
+
+def _tell(outcome: dict[str, Any], notes: Iterable[str], written: str, report: Report) -> None:
+    keep(outcome, report.common)
     for note in notes:
         report.line(note)
-    report.line(f"{rows} rows of {log.table.num_columns} columns in {target}")
+    report.line(written)
     report.summary(outcome)
 
 
