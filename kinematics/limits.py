@@ -34,6 +34,9 @@ class Limits:
             if not low < high:
                 got = f"got {low:g} and {high:g} on axis {axis}"
                 raise ValueError(f"lower must be below upper, {got}")
+        for axis, speed in enumerate(self.speed, 1):
+            if not speed > 0.0:
+                raise ValueError(f"speed must be > 0, got {speed:g} on axis {axis}")
         for bound in self.coupled:
             if len(bound.coefficients) != len(self.lower) or not bound.lower < bound.upper:
                 needed = f"{len(self.lower)} coefficients and lower below upper"

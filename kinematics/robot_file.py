@@ -124,7 +124,7 @@ def arm_of(data: Mapping[str, Any]) -> Arm:
         raise ValueError(f"name must be printable text of 1 to 80 characters, got {name!r}")
     robot = Robot(
         links,
-        [numbers("coupling", row) for row in data["coupling"]] if "coupling" in data else None,
+        _rows("coupling", data["coupling"]) if "coupling" in data else None,
         numbers("offset", data["offset"]) if "offset" in data else None,
         _choice("convention", convention, Convention),
         name,
@@ -201,6 +201,13 @@ def numbers(name: str, values: Any) -> list[float]:
     if not isinstance(values, list):
         raise ValueError(f"{name} must be a list of numbers, got {values!r}")
     return [_number(name, value) for value in values]
+
+
+def _rows(name: str, values: Any) -> list[list[float]]:
+    """Rows of a matrix. Raises ValueError with the name."""
+    if not isinstance(values, list):
+        raise ValueError(f"{name} must be a list of rows, got {values!r}")
+    return [numbers(name, row) for row in values]
 
 
 def _number(name: str, value: Any) -> float:

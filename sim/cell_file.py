@@ -131,7 +131,9 @@ def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
     home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
     if home is not None and not limits.contain(home):
         raise ValueError(f"home must be within the limits, got {list(home)}")
-    with_imu = _with_imu(arm, data)
+    with_imu, poses = _with_imu(arm, data), _poses(data.get("pose"))
+    programs = _programs(data.get("program", {}), folder)
+    free, learning = _free(data, robot.n_joints), _learning(data.get("learning"))
     xml, estimates = _hardware(arm, with_imu, home, data, folder)
     return Cell(
         xml=xml,
@@ -139,11 +141,11 @@ def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
         robot=robot,
         with_imu=with_imu,
         limits=limits,
-        poses=_poses(data.get("pose")),
-        programs=_programs(data.get("program", {}), folder),
+        poses=poses,
+        programs=programs,
         home=home,
-        free_rotation=_free(data, robot.n_joints),
-        learning=_learning(data["learning"]) if "learning" in data else None,
+        free_rotation=free,
+        learning=learning,
     )
 
 
@@ -253,15 +255,21 @@ def _rotation(where: str, rows: Any) -> Array:
 
 
 def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
-    if not isinstance(table, dict) or not all(isinstance(v, list) for v in table.values()):
-        raise ValueError("program must be a table of lists of files")
+    if not isinstance(table, dict):
+        raise ValueError(f"program must be a table of lists of files, got {table!r}")
+    for name, files in table.items():
+        if not isinstance(files, list):
+            raise ValueError(f"program: {name} must be a list of files, got {files!r}")
     return {
         name: tuple(_beside(folder, f"program: {name}", file) for file in files)
         for name, files in table.items()
     }
 
 
-def _learning(table: Any) -> Learning:
+def _learning(table: Any) -> Learning | None:
+    """Design of a table; None without one."""
+    if table is None:
+        return None
     if not isinstance(table, dict):
         raise ValueError(f"learning must be a table, got {table!r}")
     if missing := [name for name in _LEARNING if name not in table]:

@@ -92,3 +92,10 @@ EFFECTS: Mapping[str, Key] = {
                             strict=False, high=80.0),
 }  # fmt: skip
 """An effect that is not given is absent."""
+NEEDED: Mapping[str, str] = {
+    "soft_stiffness": "lost_motion",
+    "gear_error_phase": "gear_error",
+    "load_friction_static": "load_friction_scale",
+    "gear_temperature": "load_friction_scale",
+}
+"""Keys of [effects] without meaning where another is not given."""

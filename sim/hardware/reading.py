@@ -8,7 +8,7 @@ from typing import Any
 
 from .description import Hardware, LinkBody, StructureHinge, Values
 from .inertia import checked_inertia
-from .keys import DRIVES, EACH, EFFECTS, GEARS, PHASES, Key
+from .keys import DRIVES, EACH, EFFECTS, GEARS, NEEDED, PHASES, Key
 from .numbers import scalar, table, tables, vector3
 
 TABLES = ("hardware", "base", "body", "drives", "gears", "structure", "effects", "tool")
@@ -34,6 +34,7 @@ def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
     springs = _values("gears", gears, GEARS, n_axes)
     effects = _values("effects", data.get("effects", {}), EFFECTS, n_axes)
     _not_both(springs)
+    _not_alone(effects)
     if rigid and "lost_motion" in effects:
         raise ValueError("effects: lost_motion needs gears with springs, got gears: rigid = true")
     return Hardware(
@@ -96,6 +97,13 @@ def _not_both(gears: Values) -> None:
     for name, other in (("stiffness", "frequency"), ("damping", "damping_ratio")):
         if name in gears and other in gears:
             raise ValueError(f"gears: give {name} or {other}, not both")
+
+
+def _not_alone(effects: Values) -> None:
+    """An effect is absent without its size, and what else is said of it would be without effect."""
+    for name, size in NEEDED.items():
+        if name in effects and size not in effects:
+            raise ValueError(f"effects: {name} needs {size}")
 
 
 def _structure(rows: Any, n_axes: int) -> tuple[StructureHinge, ...]:

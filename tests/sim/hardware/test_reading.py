@@ -71,6 +71,13 @@ WRONG = {
         "[effects]\ngear_temperature = 20\n[tool]",
         "effects: gear_temperature must be a finite number >= 26 and <= 80 deg C, got 20",
     ),
+    "no lost motion": (
+        "[tool]",
+        "[effects]\nsoft_stiffness = 1e4\n[tool]",
+        "effects: soft_stiffness needs lost_motion",
+    ),
+    "speed": ("speed = [7,", "speed = [0,", "limits: speed must be > 0, got 0 on axis 1"),
+    "coupling": ('name = "SCARA"', "coupling = 3", "coupling must be a list of rows, got 3"),
     "both": ('name = "SCARA"', 'name = "SCARA"\nmodel = "a.xml"', "model has the hardware: leave"),
     "left-handed": (
         "quaternion = [0, 1, 0, 0]",
