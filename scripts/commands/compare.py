@@ -16,14 +16,18 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.learning import Begin, iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.notes import notes
 from armside.sim.laser.specification import Cut
+from armside.sim.laser.ways import Way, compared
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin.library import stored_twin
 
+from ..cutting.earlier import FromCfg
+from ..cutting.earlier_comparison import earlier_comparison, save_all
 from ..cutting.effort import effort
 from ..cutting.known_gears import KnownGearsCfg, known_state
 from ..cutting.learning import Prepared
@@ -89,6 +93,11 @@ class CompareCfg(KnownGearsCfg):
             )
 
 
+def cases_of(cfg: CompareCfg, seed: int) -> list[Case]:
+    """All of `cases`."""
+    return list(cases(cfg, seed))
+
+
 def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
     """Each pose and speed; a speed that the controller lowers also with its limit raised."""
     robot = known_state(cfg, find_cell(cfg.robot).robot)
@@ -103,39 +112,50 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
             yield Case(cut=cut, seed=seed)
 
 
-def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> None:
+def compare(
+    *, cfg: CompareCfg = CompareCfg(), of: FromCfg = FromCfg(), common: Common = Common()
+) -> None:
     """Learn each cut from the motors, an estimate, a laser tracker and the true tool; by a twin.
 
-    Writes summary.json, compare.png and replay.rrd: of the first cut, unlearned and learned each
-    way.
+    Writes summary.json, compare.png, state.npz (for --from) and replay.rrd: of the first cut,
+    unlearned and learned each way.
     """
     from armside.sim.estimation.tool_law import ToolLawKind
 
     from ..figures import comparison as figures
 
-    report = Report(common)
+    report, before = Report(common), None
     with checking_input():
         check_writable(common.out or RUNS / "compare")
-        todo = list(cases(cfg, common.seed))
+        if of.start is not None:
+            cfg, common, before = earlier_comparison(of.start, cfg, common, cases_of)
+        todo = cases_of(cfg, common.seed)
         _refuse_absurd(cfg, len(todo))
+        begins = [{} if before is None else before.begins(*each) for each in enumerate(todo)]
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
         if cfg.twin is not None:
             stored_twin(cfg.twin).check(todo[0].cut)
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
-    found: list[dict[str, list[Iteration]]] = []
+    ways: list[dict[str, Way]] = []
     with report.progress("comparing", total=len(todo)) as step:
-        for case in todo:
-            of = case.compared(cfg.iterations, measure)
+        for case, begin in zip(todo, begins, strict=True):
+            learned = compared(case, cfg.iterations, measure, begin)
             if cfg.twin is not None:
-                of["twin"] = _by_twin(case, cfg.twin, cfg.iterations)
-            found.append(of)
+                learned["twin"] = _by_twin(case, cfg.twin, cfg.iterations, begin.get("twin"))
+            ways.append(learned)
             step()
-    rows = [row for case, of in zip(todo, found, strict=True) for row in _rows(case, of)]
+    found = [{name: way.iterations for name, way in each.items()} for each in ways]
+    rows = [row for case, each in zip(todo, ways, strict=True) for row in _rows(case, each)]
     said = together(_notes(todo, found))
-    outcome = summary("compare", cfg, common, comparisons=rows, notes=said)
+    counted = [each.k for each in max((m for of in found for m in of.values()), key=len)]
+    started = None if before is None else before.entry
+    outcome = summary(
+        "compare", cfg, common, comparisons=rows, k=counted, notes=said, started_from=started
+    )
     with run_folder(outcome, common) as folder:
+        save_all(folder, [{name: way.state for name, way in each.items()} for each in ways])
         figures.learned(folder / "compare.png", todo, found)
         figures.write_replay(folder / "replay.rrd", todo[0], found[0])
         if cfg.imu:
@@ -143,15 +163,21 @@ def compare(*, cfg: CompareCfg = CompareCfg(), common: Common = Common()) -> Non
 
             figures.imu_quality(folder / "imu.png", controls([common.seed]).rows)
     report.notes(said)
-    report.table(figures.TITLE, figures.COLUMNS, figures.table(rows))
+    if before is not None:
+        report.line(before.line)
+    heads = figures.columns(counted)
+    report.table(figures.TITLE, heads, figures.table(rows, counted))
     report.results(outcome, folder.path)
 
 
-def _by_twin(case: Case, folder: Path, iterations: int) -> list[Iteration]:
+def _by_twin(case: Case, folder: Path, iterations: int, begin: Begin | None) -> Way:
     """First run by a twin's correction; learning goes on from the motor angles."""
-    measure = MotorAngles(default_design(case.cut.cell))
-    job = Prepared.of(case.experiment(), measure).by_twin_of(folder)
-    return list(job.iterations(iterations))
+    measure, experiment = MotorAngles(default_design(case.cut.cell)), case.experiment()
+    job = Prepared.of(experiment, measure).by_twin_of(folder)
+    resume = None if begin is None else begin.resume
+    begin = Begin(start=job.start, resume=resume)
+    runs = iterate(experiment, job.set_up, iterations, start=job.start, resume=resume)
+    return Way.of(list(runs), experiment, begin.first_correction)
 
 
 def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
@@ -174,16 +200,19 @@ def _refuse_absurd(cfg: CompareCfg, n_cases: int) -> None:
     refuse_absurd(f"{runs} runs at {slowest:g} mm/s and more", needs)
 
 
-def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, Any]]:
-    reached = case.experiment().motion.reached_speed
-    uncorrected = found["motor"][0].tool.rms
-    for measure, iterations in found.items():
+def _rows(case: Case, found: dict[str, Way]) -> Iterator[dict[str, Any]]:
+    experiment = case.experiment()
+    uncorrected = found["motor"].iterations[0].tool.rms
+    if found["motor"].state.start is not None:
+        without = MotorAngles(default_design(case.cut.cell)).prepare(experiment)
+        uncorrected = next(iterate(experiment, without, 0)).tool.rms
+    for measure, way in found.items():
         yield {
             "pose": case.cut.pose,
             "programmed_speed": case.cut.speed,
-            "reached_speed": reached,
+            "reached_speed": experiment.motion.reached_speed,
             "measure": measure,
-            "arm_rms": rms(iterations),
+            "arm_rms": rms(way.iterations),
             "uncorrected": uncorrected,
-            "diverged": iterations[-1].diverged,
+            "diverged": way.iterations[-1].diverged,
         }

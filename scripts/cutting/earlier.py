@@ -10,6 +10,9 @@ from cyclopts import Parameter
 from armside.arrays import Array
 from armside.ilc.learning import LoopState
 from armside.ilc.workbench.state import RunState, read_states, save_states
+from armside.kinematics import Joint
+from armside.sim.cell import Cell
+from armside.sim.cell_file import find_cell
 from armside.sim.laser.resume import state_after
 from armside.sim.part.carried import Motion, carried
 from armside.sim.records.run_folder import RunFolder
@@ -24,8 +27,8 @@ STATE, KEY = "state.npz", "learning"
 """File with the state that a run can be gone on from, and its entry."""
 FREE = ("iterations", "repetitions", "plan_only")
 """Options that a run does not take over from an earlier one."""
-OF_ROBOT = ("robot", "model")
-"""Options that no correction can be taken to."""
+BY_AXIS = "Axis by axis, arm-side angles of the motors at the same place of the contour"
+"""Rule by which a correction is taken to another robot."""
 ENDED = "diverged"
 Cfg = TypeVar("Cfg")
 
@@ -38,7 +41,7 @@ class FromCfg:
     start: Annotated[Path | None, Parameter(name="--from")] = None
     """Folder of an earlier run. Options not given are that run's. With none changed, learning goes
     on where it ended, or with --iterations 0 its last correction is repeated; otherwise its last
-    correction is taken to the changed robot or speed, and learning starts from there."""
+    correction is taken to the changed robot, payload or speed, and learning starts from there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,10 +63,16 @@ class Earlier:
     def correction(self, motion: Motion) -> Array:
         """(N, n) [rad], its last correction on a motion. InputError for another path."""
         try:
-            found = carried(self.state.loop.correction, self.run.path, motion)
+            loop, path = self.state.loop, self.run.path
+            found = carried(loop.correction, path, motion, anywhere=self.other_robot)
         except ValueError as error:
             raise InputError(f"{self.run.folder} cannot be started from: {error}") from error
         return np.array(found)
+
+    @property
+    def other_robot(self) -> bool:
+        """The correction is taken to another robot."""
+        return "robot" in self.changed
 
     @property
     def how(self) -> str:
@@ -82,7 +91,8 @@ class Earlier:
         """The same in a sentence."""
         where = f"k = {self.state.loop.k} of {self.run.folder}"
         if self.changed:
-            return f"Starts from the correction of {where}; changed: {', '.join(self.changed)}"
+            said = f"Starts from the correction of {where}; changed: {', '.join(self.changed)}"
+            return f"{said}. {BY_AXIS}" if self.other_robot else said
         return f"{'Repeats the correction of' if self.repeats else 'Goes on from'} {where}"
 
 
@@ -100,8 +110,9 @@ def earlier(
         raise InputError(f"{start} ended with status {ENDED}: there is nothing to start from")
     stored = run.summary["config"]
     found = carried_options(cfg, stored, FREE)
-    if other := [name for name in OF_ROBOT if name in found.changed]:
-        raise InputError(f"{start} has another {other[0]}: a correction belongs to its robot")
+    if "robot" in found.changed:
+        robot = getattr(found.options, "robot")  # noqa: B009 - of laser and of cut
+        refuse_other_axes(start, stored["robot"], robot)
     seed, used = common.seed or stored.get("seed", 0), found.options
     changed = [*found.changed, *(["seed"] if seed != stored.get("seed", 0) else [])]
     if changed and getattr(used, "twin", None) is not None:
@@ -113,6 +124,25 @@ def earlier(
         raise InputError(f"{start} kept no state to start from")
     made = Earlier(run=run, state=state, changed=tuple(changed), repeats=iterations == 0)
     return used, replace(common, seed=seed), made
+
+
+def refuse_other_axes(start: Path, robot: str, other: str) -> None:
+    """Raise InputError where another robot has other axes than that of a run."""
+    before, now = (axes_of(find_cell(name)) for name in (robot, other))
+    if before != now:
+        said = f"{start} is a run of {robot} with {_axes(before)}, {other} has {_axes(now)}"
+        raise InputError(f"{said}: a correction goes to a robot with as many axes of each kind")
+
+
+def axes_of(cell: Cell) -> tuple[bool, ...]:
+    """Whether each axis slides."""
+    moving = [link.joint for link in cell.robot.links if link.joint is not Joint.FIXED]
+    return tuple(joint is Joint.PRISMATIC for joint in moving)
+
+
+def _axes(slides: tuple[bool, ...]) -> str:
+    sliding = [str(i) for i, one in enumerate(slides, start=1) if one]
+    return f"{len(slides)} axes" + (f", axis {' and '.join(sliding)} sliding" if sliding else "")
 
 
 def save_state(folder: RunFolder, state: RunState | None) -> None:

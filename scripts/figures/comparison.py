@@ -17,19 +17,32 @@ Learned = Mapping[str, list[Iteration]]
 """Iterations by measured output."""
 NARROWEST = 5.4
 """Width of `compare.png` that its legend needs [inch]."""
-TITLE = "Arm RMS (9.6) [µm] before learning, after five updates and at the end"
-COLUMNS = ("pose", "speed [mm/s]", "learned from", "k = 0", "k = 5", "last", "last / uncorrected")
+TITLE = "Arm RMS (9.6) [µm] of the first run, after five updates and at the end"
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
+def columns(k: Sequence[int]) -> list[str]:
+    """Heads of the table, for runs of these iterations."""
+    early = [f"k = {_early(k)}"] if _early(k) not in (k[0], k[-1]) else []
+    heads = ["pose", "speed [mm/s]", "learned from", f"k = {k[0]}", *early, f"k = {k[-1]}"]
+    return [*heads, "last / uncorrected"]
+
+
+def table(rows: Sequence[Mapping[str, Any]], k: Sequence[int]) -> list[list[Any]]:
     """Rows of the table with these columns, from the comparisons of summary.json."""
     found: list[list[Any]] = []
+    early = _early(k)
     for row in rows:
         rms, end = row["arm_rms"], " (diverged)" if row["diverged"] else ""
-        microns = [1e6 * rms[k] for k in (0, min(5, len(rms) - 1), -1)]
+        shown = [0, *([k.index(early)] if early not in (k[0], k[-1]) else []), -1]
+        microns = [1e6 * rms[min(i, len(rms) - 1)] for i in shown]
         place = [row["pose"], 1e3 * row["reached_speed"], row["measure"] + end]
         found.append([*place, *microns, rms[-1] / row["uncorrected"]])
     return found
+
+
+def _early(k: Sequence[int]) -> int:
+    """The iteration after five updates; the last where there are none between."""
+    return 5 if 5 in k else k[-1]
 
 
 def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None:
@@ -45,7 +58,8 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
         for name, iterations in of.items():
             i = NAMES.index(name)
             style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
-            axes.plot(np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
+            at = [each.k for each in iterations]
+            axes.plot(at, np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
         axes.set_yscale("log")
         axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
         for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):

@@ -8,10 +8,10 @@ from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
 from .design import default_design
 from .experiment import Experiment, Iteration, prepare
-from .learning import first_run, iterate, learned
+from .learning import Begin, first_run, iterate, learned
 from .measures import MotorAngles
 from .specification import Cut
-from .tool_measure import Source, ToolOutput, ToolPath
+from .tool_measure import ToolOutput, ToolPath
 
 COMPARED = ToolPath(law=ToolLaw(gamma=0.8))
 """Learning gain of the comparison and of the claims about estimation."""
@@ -34,28 +34,34 @@ class Case:
         measure: ToolPath = COMPARED,
         springs: Springs | None = None,
         repeats: int = 1,
+        *,
+        experiment: Experiment | None = None,
+        begin: Begin = Begin(),
     ) -> tuple[ToolOutput, Iterator[Iteration]]:
-        """Learn from the tool's path; commissioned by the first run, or on known springs."""
-        experiment = self.experiment()
+        """Learn from the tool's path; commissioned by the first run, or on known springs.
+
+        experiment: as `experiment()` makes one, in its place.
+        """
+        experiment = self.experiment() if experiment is None else experiment
         measure = replace(measure, imu=self.cut.imu or measure.imu, springs=springs)
-        arm, first = measure.assumed(experiment), first_run(experiment)
+        arm, start = measure.assumed(experiment), begin.first_correction
+        first = first_run(experiment, start=start)
         output = measure.commissioned(experiment, arm, first)
-        return output, learned(experiment, output, first, iterations, repeats=repeats)
+        how = {"repeats": repeats, "start": start, "resume": begin.resume}
+        return output, learned(experiment, output, first, iterations, **how)
 
-    def from_motors(self, iterations: int) -> Iterator[Iteration]:
+    def from_motors(
+        self,
+        iterations: int,
+        *,
+        experiment: Experiment | None = None,
+        begin: Begin = Begin(),
+    ) -> Iterator[Iteration]:
         """Learn from the motor angles, as the thesis does, with the default design of the robot."""
-        experiment = self.experiment()
-        measure = MotorAngles(default_design(self.cut.cell))
-        return iterate(experiment, measure.prepare(experiment), iterations)
-
-    def compared(self, iterations: int, measure: ToolPath = COMPARED) -> dict[str, list[Iteration]]:
-        """Iterations by measured output; one identification serves all laws."""
-        output, estimated = self.from_tool(iterations, measure)
-        found = {"motor": list(self.from_motors(iterations)), "estimate": list(estimated)}
-        for source, name in ((Source.TRACKER, "tracker"), (Source.TRUTH, "oracle")):
-            chosen = replace(measure, source=source)
-            found[name] = list(self.from_tool(iterations, chosen, output.known.springs)[1])
-        return found
+        experiment = self.experiment() if experiment is None else experiment
+        set_up = MotorAngles(default_design(self.cut.cell)).prepare(experiment)
+        how = {"start": begin.start, "resume": begin.resume}
+        return iterate(experiment, set_up, iterations, **how)
 
 
 def rms(iterations: list[Iteration]) -> list[float]:

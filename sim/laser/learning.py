@@ -33,6 +33,21 @@ MEASURES: Mapping[str, Measure] = {
 """By name."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Begin:
+    """Beginning of a loop: without correction, with one, or where an earlier loop ended."""
+
+    start: Array | None = None
+    """(N, n) [rad], correction of the first run."""
+    resume: RunState | None = None
+    """State after an earlier run, which has a first correction of its own."""
+
+    @property
+    def first_correction(self) -> Array | None:
+        """Correction of k = 0; None for none."""
+        return self.start if self.resume is None else self.resume.start
+
+
 def learn(
     cut: Cut,
     *,

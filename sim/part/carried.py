@@ -18,22 +18,27 @@ def place(motion: Motion) -> Array:
     return motion.arc_length
 
 
-def carried(correction: Array, before: Motion, motion: Motion) -> Array:
+def carried(correction: Array, before: Motion, motion: Motion, *, anywhere: bool = False) -> Array:
     """The correction (N, n) that was learned along `before`, for `motion`: (M, n).
 
     The same samples where both are timed alike, otherwise by the place on the path.
+    anywhere: the path may lie elsewhere, as that of another robot does.
 
     Raises ValueError where they follow different paths.
     """
-    if not follows(before, motion):
-        raise ValueError("its tool path is another one, and a correction belongs to its path")
+    if not follows(before, motion, anywhere=anywhere):
+        which = "contour" if anywhere else "tool path"
+        raise ValueError(f"its {which} is another one, and a correction belongs to its path")
     if len(correction) == len(motion.time) and np.array_equal(before.position, motion.position):
         return correction
     return along_path(correction, place(before), place(motion))
 
 
-def follows(before: Motion, motion: Motion) -> bool:
-    """Whether two motions follow the same path with the same orientation of the tool."""
+def follows(before: Motion, motion: Motion, *, anywhere: bool = False) -> bool:
+    """Whether two motions follow the same path with the same orientation of the tool.
+
+    anywhere: the same contours, wherever they lie.
+    """
     if isinstance(before, PartMotion) and isinstance(motion, PartMotion):
         pairs = [(a.path, b.path) for a, b in zip(before.legs, motion.legs, strict=False)]
         same = len(before.legs) == len(motion.legs) and all(
@@ -48,6 +53,8 @@ def follows(before: Motion, motion: Motion) -> bool:
         )
     else:
         return False
+    if anywhere:
+        return bool(same)
     planes = (m.plane.origin for m in (before, motion)), (m.plane.axes for m in (before, motion))
     alike = all(np.allclose(*pair, rtol=0, atol=SAME) for pair in planes)
     return bool(same and alike and np.allclose(before.quaternion[0], motion.quaternion[0]))

@@ -97,16 +97,6 @@ def test_bad_input_is_one_clear_line(words, said, bad_input):
     bad_input(f"laser {words}", said)
 
 
-def test_compare_puts_all_measures_side_by_side(tmp_path):
-    args = ["compare", "--poses", "p2", "--speeds", "40", "--iterations", "3", "--quiet"]
-    assert main([*args, "--out", str(tmp_path)]) == 0
-    assert {f.name for f in tmp_path.iterdir()} == {"summary.json", "compare.png", "replay.rrd"}
-    rows = json.loads((tmp_path / "summary.json").read_text())["comparisons"]
-    assert [r["measure"] for r in rows] == ["motor", "estimate", "tracker", "oracle"]
-    motor, *tool = (r["arm_rms"][-1] for r in rows)
-    assert all(value < 0.5 * motor for value in tool)
-
-
 def test_learning_from_the_estimate_needs_one_run_to_commission():
     """`armside bench estimation` times it."""
     cut = Cut(pose="p1", without=tuple(Effect))

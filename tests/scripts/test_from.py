@@ -6,8 +6,11 @@ import ezdxf
 import numpy as np
 import pytest
 
+from armside import assets
 from armside.scripts.cli import main
 from armside.sim.records import read_run
+
+SCARA = str(assets.IRB1400_XML.parent / "scara.toml")
 
 
 def run(command, out, *words):
@@ -94,11 +97,23 @@ def test_a_part_is_taken_to_another_speed_by_the_place_on_its_path(part, tmp_pat
     assert sum(row["motor_two"]) < 0.8 * sum(said["uncorrected"]["motor_two"])
 
 
+def test_a_correction_goes_axis_by_axis_to_another_robot_with_the_same_axes(first, tmp_path):
+    """A stated test of transfer: its first run is shown beside one without the correction."""
+    carried = run("laser", tmp_path / "b", "--from", first, "--robot", "irb1400", "--iterations", 0)
+    assert carried["started_from"]["changed"] == ["robot", "delta", "cutoff"]  # a design of its own
+    taken, learned = corrections(tmp_path / "b")[0], corrections(first)[2]
+    assert taken.shape[1] == 6
+    np.testing.assert_allclose(np.ptp(taken, axis=0), np.ptp(learned, axis=0), rtol=0.05)
+    (row,) = carried["iterations"]
+    assert row["motor_two"] != carried["started_from"]["uncorrected"]["motor_two"]
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("--pose", "p2"), "its tool path is another one"),
-        (("--robot", "irb1400"), "has another robot"),
+        (("--robot", "irb1400", "--radius", "6"), "its contour is another one"),
+        (("--robot", SCARA), "has 4 axes, axis 3 sliding: a correction goes to a robot with as"),
         (("--shape", "square", "--size", "10"), "its tool path is another one"),
     ],
 )

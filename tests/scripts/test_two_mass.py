@@ -5,9 +5,11 @@ import math
 
 import pytest
 
+from armside.ilc import two_mass_study
 from armside.scripts.cli import main
 from armside.scripts.commands.two_mass import FIGURE_NAMES
 from armside.scripts.figures import two_mass as two_mass_figures
+from armside.scripts.workbench.two_mass import study_of
 
 QUICK = ("8.3", "8.6", "8.8", "8.12", "why-q")
 
@@ -52,6 +54,16 @@ def test_figures_take_the_users_joint_and_law(tmp_path, capsys):
     assert undamped == pytest.approx((20.0 / 0.08) ** 0.5 / (2.0 * math.pi), rel=1e-6)
     first, last = tables["8.9"]["rows"][0][1], tables["8.9"]["rows"][-1][1]
     assert last < 0.5 * first
+
+
+def test_learn_has_the_joint_of_the_study_and_can_go_on(tmp_path):
+    """The figures are fixed experiments; to go on, the joint is learned as any other plant."""
+    words = ["learn", "--plant", "two-mass", "--laws", "norm-optimal", "--iterations", "3"]
+    assert main([*words, "--quiet", "--out", str(tmp_path / "a")]) == 0
+    (row,) = json.loads((tmp_path / "a/summary.json").read_text())["laws"]
+    study = study_of((), 0.9, 5, 17.0, "norm-optimal")
+    of_figures = two_mass_study.run(study.plant, study.one_law, 3)
+    assert row["error_two"] == pytest.approx(list(of_figures.motor), rel=1e-12)  # rounding
 
 
 def test_learning_that_overflows_is_a_failure_in_one_line(tmp_path, capsys):

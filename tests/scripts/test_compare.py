@@ -1,0 +1,86 @@
+"""`armside compare`: every way to learn a cut in one table, gone on from and taken elsewhere."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside import assets
+from armside.scripts.cli import main
+from armside.scripts.commands.compare import CompareCfg, cases_of
+from armside.scripts.cutting.earlier_comparison import earlier_comparison
+from armside.scripts.shell.options import Common
+from armside.sim.records.errors import InputError
+
+WAYS = ["motor", "estimate", "tracker", "oracle"]
+ROBOT = str(assets.IRB1400_XML.parent / "two_link.toml")
+"""Two axes: its springs are identified in a second."""
+CUTS = ("--robot", ROBOT, "--poses", "p1", "--speeds", "60", "--seed", "2")
+LINE = ("compare", *CUTS, "--quiet")
+
+
+def run(out, *words):
+    assert main([*map(str, words), "--out", str(out)]) == 0
+    return json.loads((out / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    out = tmp_path_factory.mktemp("compare") / "first"
+    run(out, *LINE, "--iterations", 1)
+    return out
+
+
+def test_updates_in_two_comparisons_are_those_of_one_to_the_last_bit(first, tmp_path):
+    once = run(tmp_path / "once", *LINE, "--iterations", 3)
+    again = run(tmp_path / "b", "compare", "--quiet", "--from", first, "--iterations", 2)
+    assert (once["k"], again["k"]) == ([0, 1, 2, 3], [0, 2, 3])
+    for whole, parts in zip(once["comparisons"], again["comparisons"], strict=True):
+        assert parts["arm_rms"] == [whole["arm_rms"][k] for k in again["k"]]
+    assert once["started_from"] is None
+    assert again["started_from"] == {
+        "run": str(first),
+        "k": 1,
+        "how": "its last runs",
+        "changed": [],
+    }
+    files = {"summary.json", "compare.png", "replay.rrd", "state.npz"}
+    assert {file.name for file in (tmp_path / "once").iterdir()} == files
+    assert [row["measure"] for row in once["comparisons"]] == WAYS
+    motor, *tool = (row["arm_rms"][-1] for row in once["comparisons"])
+    assert all(value < 0.5 * motor for value in tool)
+
+
+def started(first, robot=ROBOT, **options):
+    cfg = CompareCfg(robot=robot, poses=("p1",), **options)
+    return earlier_comparison(first, cfg, Common(seed=2), cases_of)
+
+
+def test_each_way_takes_its_own_correction_to_another_speed(first):
+    cfg, common, before = started(first, speeds=(80.0,))
+    assert before.changed == ("speeds",)
+    (case,) = cases_of(cfg, common.seed)
+    begins = before.begins(0, case)
+    assert list(begins) == WAYS
+    n = len(case.experiment().loaded.reference)
+    for way, begin in begins.items():
+        learned = before.states[f"0 {way}"].loop.correction
+        assert begin.start is not None
+        assert begin.start.shape == (n, 2) != learned.shape
+        np.testing.assert_allclose(np.ptp(begin.start, axis=0), np.ptp(learned, axis=0), rtol=0.02)
+
+
+def test_what_a_comparison_cannot_start_from_is_named(first, tmp_path):
+    cfg, common, before = started(first, stiffness_error=10.0)
+    (case,) = cases_of(cfg, common.seed)
+    elsewhere = replace(case, cut=replace(case.cut, pose="p2"))
+    with pytest.raises(InputError, match=r"no cut at p2\. It has: p1"):
+        before.begins(0, elsewhere)
+    with pytest.raises(InputError, match="has another robot"):
+        started(first, robot="irb1400")
+    summary = json.loads((first / "summary.json").read_text())
+    summary["comparisons"][1]["diverged"] = True
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    with pytest.raises(InputError, match="learning from estimate diverged at p1"):
+        started(tmp_path)
