@@ -1,4 +1,4 @@
-"""Riccati recursion of a quadratic criterion over a finite record, compiled.
+"""Factors of a quadratic criterion over a finite record, for models in state-space form.
 
     minimise over d    1/2 d^T H d - g^T d,    H = G^T W G + R,
 
@@ -7,6 +7,7 @@ backwards factors H in O(N); every solution is then one recursion backwards and 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -14,24 +15,35 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
+from ..models.block_recursion import SUMS, times_blocks
 from ..models.blocks import Realisation
+from .chandrasekhar import constant_gains
 
-_STEADY = 1e-14  # relative change of P a sample at which the recursion is in its steady state
 Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Factored:
-    """Gains of the recursion: K (N, m, n), and S (N, m, m) as its Cholesky factor."""
+    """Gains of the recursion, the last sample first; the last ones hold for all earlier samples.
+
+    S = L L^T is the criterion of the correction of one sample, L^-1 G its coupling to the state.
+    """
 
     model: Realisation
-    K: Array
-    S: Array
+    gain: Array
+    """(M, m, n), L^-1 G."""
+    L: Array
+    """(M, m, m), lower triangular; M <= N."""
 
     def solve(self, g: Array) -> Array:
         """d with H d = g, (N, m) each."""
         one = self.model
-        return _solve(one.A, one.first, one.B, self.K, self.S, np.ascontiguousarray(g))
+        return _solve(one.A, one.first, self._B, self.gain, self.L, np.ascontiguousarray(g))
+
+    @cached_property
+    def _B(self) -> Array:
+        """(1 or N, m, n)."""
+        return np.ascontiguousarray(np.swapaxes(self.model.B, 1, 2))
 
 
 def factor(model: Realisation, W: Array, R: Array) -> Factored:
@@ -39,168 +51,132 @@ def factor(model: Realisation, W: Array, R: Array) -> Factored:
 
     Raises ValueError if H is singular: some correction has neither an effect nor a weight.
     """
-    fixed = all(len(M) == 1 for M in (model.A, model.B, model.C, model.D))
-    constant = fixed and bool((W[0] == W).all() and (R[0] == R).all())
     W, R = np.ascontiguousarray(W), np.ascontiguousarray(R)
     matrices = model.A, model.first, model.B, model.C, model.D
-    K, S, regular = _factor(*matrices, W, R, _STEADY if constant else -1.0)
+    fixed = all(len(M) == 1 for M in (model.A, model.B, model.C, model.D))
+    if fixed and bool((W[0] == W).all() and (R[0] == R).all()):
+        gain, L, regular = constant_gains(model, W[0], R[0], len(W))
+    else:
+        gain, L, regular = _varying_gains(*matrices, W, R)
     if not regular:
         remedy = "raise the weight of the correction or of its change"
         raise ValueError(f"the criterion does not determine the correction: {remedy}")
-    return Factored(model, K, S)
+    return Factored(model, gain, L)
 
 
-@njit(cache=True, error_model="numpy")
-def _factor(
-    A: Array, first: Index, B: Array, C: Array, D: Array, W: Array, R: Array, steady: float
+@njit(cache=True, error_model="numpy", fastmath=SUMS)
+def _varying_gains(
+    A: Array, first: Index, B: Array, C: Array, D: Array, W: Array, R: Array
 ) -> tuple[Array, Array, bool]:  # pragma: no cover - compiled
+    """Riccati recursion; (gain, L) as of `Factored`, and that H is regular."""
     n_samples, m = R.shape
     n, p = B.shape[1], C.shape[1]
-    K, S = np.zeros((n_samples, m, n)), np.zeros((n_samples, m, m))
+    gain, L = np.zeros((n_samples, m, n)), np.zeros((n_samples, m, m))
     P, PB, PA = np.zeros((n, n)), np.zeros((m, n)), np.zeros((n, n))
-    G, following = np.zeros((m, n)), np.zeros((n, n))
-    for t in range(n_samples - 1, -1, -1):
+    for k in range(n_samples):
+        t = n_samples - 1 - k
         ta, tb, tc, td = t % len(A), t % len(B), t % len(C), t % len(D)
+        G, S = gain[k], L[k]
         # PB^T, S = R + D^T W D + B^T P B and G = B^T P A + D^T W C, P that of sample t + 1
         PB[:] = 0.0
         for i in range(n):
             for j in range(m):
                 weight = B[tb, i, j]
                 if weight != 0.0:
-                    for k in range(n):
-                        PB[j, k] += weight * P[i, k]
-        S[t] = 0.0
+                    for c in range(n):
+                        PB[j, c] += weight * P[i, c]
         for j in range(m):
-            S[t, j, j] = R[t, j]
-            for k in range(m):
+            S[j, j] = R[t, j]
+            for c in range(m):
                 for o in range(p):
-                    S[t, j, k] += D[td, o, j] * W[t, o] * D[td, o, k]
+                    S[j, c] += D[td, o, j] * W[t, o] * D[td, o, c]
                 for i in range(n):
-                    S[t, j, k] += PB[j, i] * B[tb, i, k]
-        G[:], PA[:] = 0.0, 0.0
-        for b in range(len(first) - 1):
-            start, size = first[b], first[b + 1] - first[b]
-            for i in range(size):
-                for j in range(m):
-                    for c in range(size):
-                        G[j, start + c] += PB[j, start + i] * A[ta, b, i, c]
-            for row in range(n):
-                for i in range(size):
-                    for c in range(size):
-                        PA[row, start + c] += P[row, start + i] * A[ta, b, i, c]
+                    S[j, c] += PB[j, i] * B[tb, i, c]
+        times_blocks(A[ta], first, PB, G)
         for o in range(p):
             for j in range(m):
                 weight = D[td, o, j] * W[t, o]
                 if weight != 0.0:
                     for i in range(n):
                         G[j, i] += weight * C[tc, o, i]
-        # Cholesky factor of S in place, and K = S^-1 G
+        # L with S = L L^T, and L^-1 G, both in place
         for j in range(m):
-            for k in range(j + 1):
-                value = S[t, j, k]
-                for i in range(k):
-                    value -= S[t, j, i] * S[t, k, i]
-                if k < j:
-                    S[t, j, k] = value / S[t, k, k]
+            for c in range(j + 1):
+                value = S[j, c]
+                for i in range(c):
+                    value -= S[j, i] * S[c, i]
+                if c < j:
+                    S[j, c] = value / S[c, c]
+                elif not value > 0.0:
+                    return gain, L, False
                 else:
-                    if not value > 0.0:
-                        return K, S, False
-                    S[t, j, j] = np.sqrt(value)
-            for k in range(j + 1, m):
-                S[t, j, k] = 0.0
-        for j in range(m):
-            for i in range(n):
-                K[t, j, i] = G[j, i]
-            for k in range(j):
+                    S[j, j] = np.sqrt(value)
+            S[j, j + 1 :] = 0.0
+            for c in range(j):
                 for i in range(n):
-                    K[t, j, i] -= S[t, j, k] * K[t, k, i]
-            for i in range(n):
-                K[t, j, i] /= S[t, j, j]
-        # P = A^T P A + C^T W C - G^T S^-1 G, with K = L^-1 G up to here
-        following[:] = 0.0
-        for b in range(len(first) - 1):
-            start, size = first[b], first[b + 1] - first[b]
-            for c in range(size):
-                for i in range(size):
-                    weight = A[ta, b, i, c]
-                    for k in range(n):
-                        following[start + c, k] += weight * PA[start + i, k]
+                    G[j, i] -= S[j, c] * G[c, i]
+            G[j] /= S[j, j]
+        # P = A^T P A + C^T W C - G^T S^-1 G
+        times_blocks(A[ta], first, P, PA)
+        times_blocks(A[ta], first, PA.T.copy(), P)
         for o in range(p):
             for i in range(n):
                 weight = W[t, o] * C[tc, o, i]
                 if weight != 0.0:
-                    for k in range(n):
-                        following[i, k] += weight * C[tc, o, k]
+                    for c in range(n):
+                        P[i, c] += weight * C[tc, o, c]
         for j in range(m):
             for i in range(n):
-                weight = K[t, j, i]
-                for k in range(n):
-                    following[i, k] -= weight * K[t, j, k]
-        for j in range(m - 1, -1, -1):
-            for k in range(j + 1, m):
-                for i in range(n):
-                    K[t, j, i] -= S[t, k, j] * K[t, k, i]
-            for i in range(n):
-                K[t, j, i] /= S[t, j, j]
-        change, largest = 0.0, 0.0
+                weight = G[j, i]
+                for c in range(n):
+                    P[i, c] -= weight * G[j, c]
         for i in range(n):
-            for k in range(i + 1):
-                value = 0.5 * (following[i, k] + following[k, i])
-                change = max(change, abs(value - P[i, k]))
-                largest = max(largest, abs(value))
-                P[i, k] = value
-                P[k, i] = value
-        if change <= steady * largest:
-            K[:t], S[:t] = K[t], S[t]
-            break
-    return K, S, True
+            for c in range(i):
+                P[i, c] = P[c, i] = 0.5 * (P[i, c] + P[c, i])
+    return gain, L, True
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@njit(cache=True, error_model="numpy", fastmath=SUMS)
 def _solve(
-    A: Array, first: Index, B: Array, K: Array, S: Array, g: Array
+    A: Array, first: Index, B: Array, gain: Array, L: Array, g: Array
 ) -> Array:  # pragma: no cover - compiled
     n_samples, m = g.shape
-    n = B.shape[1]
-    d = g.copy()
-    s, following = np.zeros(n), np.zeros(n)
-    for t in range(n_samples - 1, -1, -1):  # w = g + B^T s, s = A^T s - K^T w
-        ta, tb = t % len(A), t % len(B)
-        for i in range(n):
-            for j in range(m):
-                d[t, j] += B[tb, i, j] * s[i]
-        following[:] = 0.0
-        for b in range(len(first) - 1):
-            start, size = first[b], first[b + 1] - first[b]
-            for i in range(size):
-                for c in range(size):
-                    following[start + c] += A[ta, b, i, c] * s[start + i]
+    n, last = B.shape[2], len(L) - 1
+    h, s, x = np.zeros((n_samples, m)), np.zeros((1, n)), np.zeros(n)
+    following = np.zeros((1, n))
+    for t in range(n_samples - 1, -1, -1):  # h = L^-1 (g + B^T s), s = A^T s - (L^-1 G)^T h
+        now, tb = min(n_samples - 1 - t, last), t % len(B)
+        times_blocks(A[t % len(A)], first, s, following)
         for j in range(m):
+            value = g[t, j]
             for i in range(n):
-                following[i] -= K[t, j, i] * d[t, j]
+                value += B[tb, j, i] * s[0, i]
+            for c in range(j):
+                value -= L[now, j, c] * h[t, c]
+            value /= L[now, j, j]
+            h[t, j] = value
+            for i in range(n):
+                following[0, i] -= gain[now, j, i] * value
         s, following = following, s
-    x = np.zeros(n)
-    for t in range(n_samples):  # d = S^-1 w - K x, x = A x + B d
-        ta, tb = t % len(A), t % len(B)
-        for j in range(m):
-            for k in range(j):
-                d[t, j] -= S[t, j, k] * d[t, k]
-            d[t, j] /= S[t, j, j]
-        for j in range(m - 1, -1, -1):
-            for k in range(j + 1, m):
-                d[t, j] -= S[t, k, j] * d[t, k]
-            d[t, j] /= S[t, j, j]
-        for j in range(m):
-            for i in range(n):
-                d[t, j] -= K[t, j, i] * x[i]
-        for i in range(n):
-            following[i] = 0.0
-            for j in range(m):
-                following[i] += B[tb, i, j] * d[t, j]
-        for b in range(len(first) - 1):
-            start, size = first[b], first[b + 1] - first[b]
+    new = following[0]
+    for t in range(n_samples):  # d = L^-T (h - L^-1 G x), in h, and x = A x + B d
+        now, ta, tb = min(n_samples - 1 - t, last), t % len(A), t % len(B)
+        for block in range(len(first) - 1):
+            start, size = first[block], first[block + 1] - first[block]
             for i in range(size):
+                value = 0.0
                 for c in range(size):
-                    following[start + i] += A[ta, b, i, c] * x[start + c]
-        x, following = following, x
-    return d
+                    value += A[ta, block, i, c] * x[start + c]
+                new[start + i] = value
+        for j in range(m - 1, -1, -1):
+            value = h[t, j]
+            for i in range(n):
+                value -= gain[now, j, i] * x[i]
+            for c in range(j + 1, m):
+                value -= L[now, c, j] * h[t, c]
+            value /= L[now, j, j]
+            h[t, j] = value
+            for i in range(n):
+                new[i] += B[tb, j, i] * value
+        x, new = new, x
+    return h

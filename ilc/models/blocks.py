@@ -5,6 +5,7 @@ x(t + 1) = A(t) x(t) + B(t) u(t)        y(t) = C(t) x(t) + D(t) u(t)        x(0)
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,15 +51,28 @@ class Realisation:
 
     def simulate(self, signal: Array) -> Array:
         """y (N, p) for u (N, m)."""
-        from .block_recursion import forward  # imported here: compiled
+        from .block_recursion import states  # imported here: compiled
 
-        return forward(self.A, self.first, self.B, self.C, self.D, np.ascontiguousarray(signal))
+        x = states(self.A, self.first, _at_each_sample(self.B, signal))
+        return _at_each_sample(self.C, x) + _at_each_sample(self.D, signal)
 
     def adjoint(self, signal: Array) -> Array:
-        """T^T e (N, m) for e (N, p): the recursion of the transposed matrices, backwards."""
-        from .block_recursion import backward
+        """T^T e (N, m) for e (N, p)."""
+        return self._dual.simulate(signal[::-1])[::-1]
 
-        return backward(self.A, self.first, self.B, self.C, self.D, np.ascontiguousarray(signal))
+    @cached_property
+    def _dual(self) -> "Realisation":
+        """Model of the transposed matrices in reversed time: T^T between reversed records."""
+        A, B, C, D = (
+            np.ascontiguousarray(np.swapaxes(M[::-1], -1, -2))
+            for M in (self.A, self.C, self.B, self.D)
+        )
+        return Realisation(A, self.first, B, C, D)
+
+
+def _at_each_sample(M: Array, signal: Array) -> Array:
+    """M(t) s(t), shape (N, rows), for M (1 or N, rows, columns)."""
+    return signal @ M[0].T if len(M) == 1 else np.matmul(M, signal[:, :, None])[:, :, 0]
 
 
 def filtered(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,12 +65,28 @@ class SystemMatrix:
     @records("signal")
     def simulate(self, signal: Array) -> Array:
         """Outputs (N, n) for inputs (N, n), from zero state."""
-        output = np.zeros_like(signal)
+        if self._is_diagonal:
+            columns = [row[i].simulate(signal[:, [i]]) for i, row in enumerate(self.entries)]
+            return np.concatenate(columns, axis=1)
+        from .block_recursion import filter_matrix  # imported here: compiled
+
+        return filter_matrix(*self._coefficients, np.ascontiguousarray(signal))
+
+    @cached_property
+    def _is_diagonal(self) -> bool:
+        return not any(
+            s.b.any() for i, row in enumerate(self.entries) for j, s in enumerate(row) if i != j
+        )
+
+    @cached_property
+    def _coefficients(self) -> tuple[Array, Array]:
+        """b and a of all entries (n, n, order + 1), padded with zeros to the same length."""
+        size = max(max(len(s.b), len(s.a)) for row in self.entries for s in row)
+        b, a = np.zeros((2, len(self.entries), len(self.entries), size))
         for i, row in enumerate(self.entries):
             for j, system in enumerate(row):
-                if system.b.any():
-                    output[:, [i]] += system.simulate(signal[:, [j]])
-        return output
+                b[i, j, : len(system.b)], a[i, j, : len(system.a)] = system.b, system.a
+        return b, a
 
     @records("signal")
     def adjoint(self, signal: Array) -> Array:
@@ -94,7 +111,7 @@ class SystemMatrix:
     def submatrix(self, columns: list[int]) -> "SystemMatrix":
         return SystemMatrix(tuple(tuple(self.entries[i][j] for j in columns) for i in columns))
 
-    @property
+    @cached_property
     def transposed(self) -> "SystemMatrix":
         return SystemMatrix(tuple(zip(*self.entries, strict=True)))
 

@@ -105,19 +105,34 @@ def test_two_thousand_samples_of_six_motors_are_at_the_optimum():
     assert np.sum(gradient**2) / (Wu + Wd) <= AGREED * cost
 
 
-def test_gains_grow_in_proportion_to_the_samples_and_a_diagonal_is_solved_motor_by_motor():
+def test_a_diagonal_is_solved_motor_by_motor_and_constant_gains_are_kept_once():
     servo = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
     slow = System([0, 0.1], [1, -0.9], T_S)
-    criterion = QuadraticCriterion(correction=1e-4, change=1e-2)
-    problems = [
-        QuadraticProblem.build(SystemMatrix.diagonal([servo, slow] * 3), criterion, n, 6)
-        for n in (250, 500)
-    ]
-    kept = [sum(part.K.size for _, part in problem.parts) for problem in problems]
-    assert kept[1] == 2 * kept[0]
-    # five states of each servo and one of each lag
-    assert kept[1] == 500 * (3 * 5 + 3 * 1)
-    assert [columns for columns, _ in problems[0].parts] == [[i] for i in range(6)]
+    T = SystemMatrix.diagonal([servo, slow] * 3)
+
+    def kept(n: int, change) -> int:
+        criterion = QuadraticCriterion(correction=1e-4, change=change)
+        problem = QuadraticProblem.build(T, criterion, n, 6)
+        assert [columns for columns, _ in problem.parts] == [[i] for i in range(6)]
+        return sum(part.gain.size for _, part in problem.parts)
+
+    # five states of each servo and one of each lag; weights that vary need each sample's gain
+    assert kept(500, np.linspace(1e-2, 1e-3, 500)) == 500 * (3 * 5 + 3 * 1)
+    assert kept(500, 1e-2) == kept(250, 1e-2) < 250 * (3 * 5 + 3 * 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_gains_of_a_constant_model_are_those_of_its_riccati_recursion(seed):
+    rng = np.random.default_rng(seed)
+    n, n_samples = 3, 60
+    one = realise(random_matrix(rng, n, 4, 0.5, 0.995), np.ones(1), n_samples)
+    W, R = np.exp(rng.uniform(-2.0, 2.0, (2, 1, n))).repeat(n_samples, axis=1)
+    alike = factor(one, W, R)
+    W[0, 0] *= 1.0 + 1e-15  # no longer constant, so the recursion runs at each sample
+    varying = factor(one, W, R)
+    used = len(alike.L)
+    np.testing.assert_allclose(alike.L, varying.L[:used], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(alike.gain, varying.gain[:used], rtol=1e-9, atol=1e-10)
 
 
 def test_a_correction_without_effect_or_weight_is_refused():
