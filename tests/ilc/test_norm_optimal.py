@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion, QuadraticProblem
-from armside.ilc.laws.riccati import factor
+from armside.ilc.laws.riccati import Factored, factor
 from armside.ilc.models.realisation import all_pass_states, realise
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
@@ -27,7 +27,7 @@ def random_system(rng, order, low, high):
             poles += [pole, pole.conjugate()]
         else:
             poles.append(radius)
-    a = np.poly(poles).real
+    a = np.poly(poles).real.astype(np.float64)
     b = np.concatenate(([0.0], rng.standard_normal(order)))
     omega = np.linspace(0.0, np.pi, 400)
     gain = np.abs(System(b, a, T_S).response(omega)).max()
@@ -94,7 +94,8 @@ def test_two_thousand_samples_of_six_motors_are_at_the_optimum():
 
     def through(entries, signal):
         columns = [
-            sum(lfilter(s.b, s.a, signal[:, j]) for j, s in enumerate(row)) for row in entries
+            np.sum([lfilter(s.b, s.a, signal[:, j]) for j, s in enumerate(row)], axis=0)
+            for row in entries
         ]
         return np.stack(columns, axis=1)
 
@@ -106,15 +107,16 @@ def test_two_thousand_samples_of_six_motors_are_at_the_optimum():
 
 
 def test_a_diagonal_is_solved_motor_by_motor_and_constant_gains_are_kept_once():
-    servo = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-    slow = System([0, 0.1], [1, -0.9], T_S)
+    servo = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1, -0.4884]), T_S)
+    slow = System(np.array([0, 0.1]), np.array([1, -0.9]), T_S)
     T = SystemMatrix.diagonal([servo, slow] * 3)
 
     def kept(n: int, change) -> int:
         criterion = QuadraticCriterion(correction=1e-4, change=change)
         problem = QuadraticProblem.build(T, criterion, n, 6)
         assert [columns for columns, _ in problem.parts] == [[i] for i in range(6)]
-        return sum(part.gain.size for _, part in problem.parts)
+        gains = [part.gain for _, part in problem.parts if isinstance(part, Factored)]
+        return sum(gain.size for gain in gains)
 
     # five states of each servo and one of each lag; weights that vary need each sample's gain
     assert kept(500, np.linspace(1e-2, 1e-3, 500)) == 500 * (3 * 5 + 3 * 1)
@@ -136,7 +138,7 @@ def test_gains_of_a_constant_model_are_those_of_its_riccati_recursion(seed):
 
 
 def test_a_correction_without_effect_or_weight_is_refused():
-    delayed = System([0, 0, 1.0], [1], T_S)
+    delayed = System(np.array([0, 0, 1.0]), np.array([1]), T_S)
     change = np.ones(40)
     change[-2:] = 0.0  # the last two samples of u reach no output
     with pytest.raises(ValueError, match="does not determine the correction"):
@@ -145,7 +147,10 @@ def test_a_correction_without_effect_or_weight_is_refused():
 
 def test_a_step_that_the_model_contradicts_is_refused():
     """The check is against the model itself, not against the factors that gave the step."""
-    true, other = System([0, 1.0], [1, -0.5], T_S), System([0, -1.0], [1, 0.9], T_S)
+    true, other = (
+        System(np.array([0, 1.0]), np.array([1, -0.5]), T_S),
+        System(np.array([0, -1.0]), np.array([1, 0.9]), T_S),
+    )
     criterion = QuadraticCriterion(change=1e-6)
     problem = QuadraticProblem.build(true, criterion, 50, 1)
     weights = np.ones((50, 1)), np.full((50, 1), 1e-6)
