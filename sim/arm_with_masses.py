@@ -6,7 +6,8 @@ from typing import NamedTuple
 from armside.kinematics import Arm, Body, UrdfArm, read_urdf
 
 from .cell import CELLS
-from .cell_file import find_cell, find_robot, is_cell_file
+from .cell_file import find_cell, is_cell_file
+from .named_robot import find_robot
 from .robot.cell_model import cell_model
 from .robot.mjcf_arm import read_mjcf
 from .robot.serial_bodies import serial_bodies

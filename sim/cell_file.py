@@ -62,7 +62,6 @@ from .hardware.description import LinkBody
 from .hardware.estimate import Taken
 from .hardware.reading import TABLES, read_hardware
 from .hardware.urdf_bodies import bodies_of
-from .robot.mjcf_arm import read_mjcf
 from .robot.virtual_robot import LOG_PERIOD
 
 _OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
@@ -90,24 +89,6 @@ def check_named(robot: str) -> None:
     if robot not in CELLS and not robot.endswith(".toml"):
         known = ", ".join(CELLS)
         raise ValueError(f"Unknown robot {robot!r}. Robots: {known}, or a robot file (.toml)")
-
-
-def find_robot(name: str) -> Arm:
-    """Robot and limits as `find_arm` has them, of a cell's robot file, and of an MJCF.
-
-    An MJCF is named as a URDF is: FILE.xml, FILE.xml#TIP, FILE.xml#BASE:TIP.
-
-    Raises as `find_arm`, `read_cell` and `read_mjcf`.
-    """
-    model, _, links = name.partition("#")
-    if model.endswith(".xml"):
-        base, _, tip = links.rpartition(":")
-        arm = read_mjcf(Path(model), base or None, tip or None)
-        return Arm(arm.robot, arm.limits)
-    if is_cell_file(name):
-        cell = read_cell(Path(name))
-        return Arm(cell.robot, cell.limits)
-    return find_arm(name)
 
 
 def is_cell_file(name: str) -> bool:

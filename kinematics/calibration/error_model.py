@@ -3,12 +3,11 @@
 Base and tool frame are moved by three translations and three rotations each; link i gets errors of
 its four Denavit-Hartenberg parameters and Hayati's rotation beta_i about its y-axis, which takes
 the place of d where two axes are parallel. The identification Jacobian is then the Jacobian of the
-longer robot: derived by the symbolic toolbox, compiled, and kept.
+longer robot, in sections that the symbolic toolbox derives and compiles (`error_chain`).
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -16,15 +15,9 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..compiled import CompiledRobot, compile
 from ..dh import Joint, Link, Robot
 from ..links import standard_links
-
-_X = (Link(theta=pi / 2, alpha=pi / 2, joint=Joint.FIXED),)
-_X_BACK = (Link(alpha=-pi / 2, joint=Joint.FIXED), Link(theta=-pi / 2, joint=Joint.FIXED))
-_Y = (Link(alpha=-pi / 2, joint=Joint.FIXED),)
-_Y_BACK = (Link(alpha=pi / 2, joint=Joint.FIXED),)
-"""Constant links that take the z-axis to x or y, and back."""
+from .error_chain import FRAME_ROTATIONS, N_FRAME, N_LINK, Section, frames, joined, links
 
 AXES = ("x", "y", "z")
 DH = ("theta", "d", "a", "alpha")
@@ -78,22 +71,32 @@ class ErrorModel:
         out[:, self.joints] += self.robot.joint_variables(phi)
         return out
 
-    @cached_property
-    def compiled(self) -> CompiledRobot:
-        """Pose and Jacobian of the longer robot."""
-        return compile(self._longer)
+    def kinematics(self, variables: Array) -> Section:
+        """Pose (N, 4, 4) and Jacobian (N, 6, E) of the tool, for variables (N, E)."""
+        n, end = len(variables), N_FRAME + N_LINK * len(self._links)
+        own = variables[:, N_FRAME:end].reshape(n, -1, N_LINK) + self._nominal
+        T, J = links(own.reshape(-1, N_LINK))
+        T, J = T.reshape(n, -1, 4, 4), J.reshape(n, -1, 6, N_LINK)
+        turned = np.zeros((n, N_FRAME))
+        turned[:, FRAME_ROTATIONS] = variables[:, end:]
+        tool = frames(turned)
+        return joined(
+            [
+                frames(variables[:, :N_FRAME]),
+                *(Section(T[:, i], J[:, i]) for i in range(len(self._links))),
+                Section(tool.pose, tool.jacobian[:, :, FRAME_ROTATIONS]),
+            ]
+        )
+
+    def nominal_pose(self, phi: Array) -> Array:
+        """T_base_tool (N, 4, 4) of the robot without errors, at motor angles (N, n)."""
+        return self.kinematics(self.variables(phi, np.zeros(len(self.names)))).pose
 
     @cached_property
     def _links(self) -> tuple[Link, ...]:
         return standard_links(self.robot)
 
     @cached_property
-    def _longer(self) -> Robot:
-        free = (Link(joint=Joint.PRISMATIC), Link())
-        links = [*_X, *free, *_X_BACK, *_Y, *free, *_Y_BACK, *free]
-        for link in self._links:
-            links += [Link(theta=link.theta), Link(d=link.d, joint=Joint.PRISMATIC)]
-            links += [*_X, Link(d=link.a, joint=Joint.PRISMATIC), Link(theta=link.alpha), *_X_BACK]
-            links += [*_Y, Link(), *_Y_BACK]
-        tool = [*_X, Link(), *_X_BACK, *_Y, Link(), *_Y_BACK, Link()]
-        return Robot([*links, *tool], name=f"{self.robot.name} with errors")
+    def _nominal(self) -> Array:
+        """(n_links, 5) theta, d, a, alpha of the links, and 0 for beta."""
+        return np.array([[*(float(getattr(link, k)) for k in DH), 0.0] for link in self._links])

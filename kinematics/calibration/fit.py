@@ -16,7 +16,6 @@ from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 
-from ..compiled import compile
 from .error_model import AXES, ErrorModel
 from .joint_errors import JointErrors
 from .measurements import Measurements
@@ -134,7 +133,7 @@ def _kinematics(
     for i in np.unique(joints).astype(int):
         own = joints == i
         variables[:, i] += functions[:, own] @ state.joint[own]
-    return model.compiled.pose(variables), model.compiled.jacobian(variables)
+    return model.kinematics(variables)
 
 
 def residuals_and_jacobian(problem: Problem, x: Array, rows: slice) -> tuple[Array, Array]:
@@ -263,8 +262,7 @@ def fit(
 
     start: fit of the same measurements and geometry with fewer joint errors, to start from.
     """
-    nominal = compile(model.robot).pose(np.ascontiguousarray(data.phi))
-    registration = register(nominal, data)
+    registration = register(model.nominal_pose(data.phi), data)
     problem = make_problem(model, registration, in_base(registration, data), choice, priors)
     x, noise = np.zeros(len(problem.scale)), priors.noise or FIRST_NOISE
     if start is not None:

@@ -1,6 +1,6 @@
 """Checks of measurements against the nominal robot: what cannot be right is named, not fitted."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..compiled import AngleFunction, compile
 from ..dh import Robot
 from ..limits import Limits
+from .error_model import ErrorModel
 from .measurements import Measurements, unique_poses
 from .registration import register
 
@@ -28,6 +28,10 @@ UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "kilometres
 """[m]"""
 OUT_OF_RANGE = 1.1
 """Motor angle relative to its limit from which the unit is doubted."""
+
+
+PoseFunction = Callable[[Array], Array]
+"""T_base_tool (N, 4, 4) of motor angles (N, n)."""
 
 
 def check(robot: Robot, limits: Limits, data: Measurements) -> None:
@@ -112,8 +116,8 @@ def _rigid_targets(data: Measurements) -> None:
 
 def _fits(robot: Robot, data: Measurements) -> None:
     """Compare with the nominal robot, and with it under likely mistakes."""
-    pose = compile(robot).pose
-    reach = _spread(pose(np.ascontiguousarray(data.phi))[:, None, :3, 3])
+    pose = ErrorModel(robot).nominal_pose
+    reach = _spread(pose(data.phi)[:, None, :3, 3])
     ratio = _spread(data.points) / reach
     if not 0.1 < ratio < 10.0:
         _scaled(pose, data, ratio, reach)
@@ -127,7 +131,7 @@ def _fits(robot: Robot, data: Measurements) -> None:
     raise ValueError(text)
 
 
-def _scaled(pose: AngleFunction, data: Measurements, ratio: float, reach: float) -> None:
+def _scaled(pose: PoseFunction, data: Measurements, ratio: float, reach: float) -> None:
     """Name the unit in which the points fit the robot, or else that in which they spread alike."""
     fitting = [
         unit
@@ -151,8 +155,8 @@ def _mistakes(phi: Array) -> Iterator[tuple[str, Array]]:
         yield f"the sign of motor {i} reversed", phi * sign
 
 
-def _misfit(pose: AngleFunction, data: Measurements) -> float:
-    T = pose(np.ascontiguousarray(data.phi))
+def _misfit(pose: PoseFunction, data: Measurements) -> float:
+    T = pose(data.phi)
     R, p, targets, _ = register(T, data)
     nominal = T[:, None, :3, 3] + np.einsum("nij,tj->nti", T[:, :3, :3], targets)
     error = np.linalg.norm(data.points - (nominal @ R.T + p), axis=2)

@@ -6,7 +6,6 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..compiled import compile
 from .error_model import DH, ErrorModel
 from .fit import Choice, Priors, in_base, make_problem, residuals_and_jacobian
 from .identifiability import Dependence, Spectrum, independent, spectrum
@@ -74,7 +73,7 @@ def identification_jacobian(
     """
     rows = np.unique(np.linspace(0, len(data) - 1, min(MOST, len(data))).astype(int))
     data = data[rows]
-    registration = register(compile(model.robot).pose(np.ascontiguousarray(data.phi)), data)
+    registration = register(model.nominal_pose(data.phi), data)
     own = in_base(registration, data)
     problem = make_problem(model, registration, own, Choice(links), Priors())
     r, J = residuals_and_jacobian(problem, np.zeros(len(problem.scale)), slice(0, len(data)))

@@ -39,7 +39,7 @@ def measurements(n: int) -> Measurements:
     rng, model = np.random.default_rng(0), _model()
     phi = rng.uniform(-2.5, 2.5, (n, 6))
     errors = rng.normal(0.0, ERROR, len(model.names))
-    T = model.compiled.pose(model.variables(phi + HARMONIC * np.sin(3.0 * phi), errors))
+    T = model.kinematics(model.variables(phi + HARMONIC * np.sin(3.0 * phi), errors)).pose
     points = T[:, :3, 3] + T[:, :3, :3] @ TARGET + rng.normal(0.0, NOISE, (n, 3))
     return Measurements(phi=phi, points=points[:, None])
 

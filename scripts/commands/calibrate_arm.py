@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
-from armside.sim.cell_file import find_robot
+from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.bag_options import BagCfg

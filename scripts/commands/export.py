@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from armside.sim.arm_with_masses import arm_with_masses
-from armside.sim.cell_file import find_robot
+from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder

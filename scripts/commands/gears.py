@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
-from armside.sim.cell_file import find_cell, find_robot
+from armside.sim.cell_file import find_cell
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.setup import Setup
+from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
 from ..cutting.individual import IndividualCfg, robot_state

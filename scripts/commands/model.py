@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from armside.kinematics import Robot
-from armside.sim.cell_file import find_robot
+from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder

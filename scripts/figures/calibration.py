@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Robot, compile, robot_toml
+from armside.kinematics import robot_toml
 from armside.kinematics.calibration import Calibration, next_poses
 from armside.kinematics.codegen import Language
 from armside.kinematics.codegen import write as code
@@ -156,6 +156,5 @@ def draw_region(file: Path, done: Calibration) -> None:
 
 def _places(done: Calibration) -> Array:
     """Distance from the base's axis and height of the tool at the held-out poses, (H, 2) [m]."""
-    robot: Robot = done.nominal.problem.model.robot
-    p = compile(robot).pose(np.ascontiguousarray(done.held_out.phi))[:, :3, 3]
+    p = done.nominal.problem.model.nominal_pose(done.held_out.phi)[:, :3, 3]
     return np.column_stack([np.hypot(p[:, 0], p[:, 1]), p[:, 2]])

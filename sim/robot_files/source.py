@@ -9,9 +9,9 @@ from armside.kinematics import Limits, Link, Robot
 from armside.kinematics.robot_file import Arm
 from armside.kinematics.urdf import read_urdf
 
-from ..cell_file import find_robot
 from ..hardware.description import Hardware
 from ..hardware.urdf_bodies import bodies_of
+from ..named_robot import find_robot
 from ..robot.mjcf_arm import read_mjcf
 
 

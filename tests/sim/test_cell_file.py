@@ -10,7 +10,8 @@ import pytest
 from armside import assets
 from armside.kinematics.codegen.urdf import urdf
 from armside.sim.cell import CELLS
-from armside.sim.cell_file import find_cell, find_robot, read_cell
+from armside.sim.cell_file import find_cell, read_cell
+from armside.sim.named_robot import find_robot
 from armside.sim.robot.cell_model import cell_model
 
 FOLDER = assets.LARGE_ROBOT_XML.parent

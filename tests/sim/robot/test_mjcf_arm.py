@@ -9,7 +9,7 @@ import pytest
 
 from armside import assets
 from armside.kinematics.links import link_frames
-from armside.sim.cell_file import find_robot
+from armside.sim.named_robot import find_robot
 from armside.sim.robot.mjcf_arm import read_mjcf
 
 ROUNDING = 1e-10
