@@ -5,7 +5,6 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.cell_file import check_named
@@ -38,6 +37,8 @@ from ..shell.unit_options import UnitCfg
 STANDARD = ProcessingCfg()
 LARGEST_NUMBER = 20
 """Recordings of one command."""
+LONGEST_REST = 600.0
+"""[s], with motors off and on each: half a minute of the processor or so."""
 LARGEST_CUTOFF = 25.0
 """[Hz], where motor angles are low-passed before they are differentiated."""
 LONGEST_DELAY = 1000.0
@@ -87,8 +88,9 @@ class ImuOptions(UnitCfg, BagCfg):
         self._check_choice()
         self.check_unit()
         for name in ("off", "on"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} must be > 0 s, got {getattr(self, name):g}")
+            if not 0.0 < getattr(self, name) <= LONGEST_REST:
+                allowed = f"> 0 and at most {LONGEST_REST:g} s"
+                raise ValueError(f"{name} must be {allowed}, got {getattr(self, name):g}")
         for name in ("accelerometer_delay", "gyroscope_delay"):
             if not abs(getattr(self, name)) <= LONGEST_DELAY:
                 said, got = name.replace("_", "-"), f"{getattr(self, name):g}"
