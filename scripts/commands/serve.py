@@ -86,6 +86,8 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
         status="done" if controller.runs else "no client",
         runs=records,
         late=server.late,
+        longest_delay=server.longest if cfg.real_time else None,
+        prioritised=server.prioritised,
         wrong_messages=server.wrong_count,
         reasons=[*server.wrong, *controller.refusals],
     )
@@ -97,9 +99,18 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     columns = ("run", "seconds", "missed", "motor error RMS [rad]")
     rows = [(i, row["seconds"], row["missed"], row["motor_rms"]) for i, row in enumerate(records)]
     report.table("Runs", columns, rows[-20:])
+    if cfg.real_time:
+        report.line(_of_time(server))
     for reason in [*server.wrong, *controller.refusals][:10]:
         report.line(f"Note: refused: {reason}")
     report.results(outcome, folder.path)
+
+
+def _of_time(server: "Server") -> str:
+    """Line on the cycles of 4 ms."""
+    late = f"{server.late} answers came after their cycle or twice"
+    said = f"Real time: {late}; cycles began at most {1e3 * server.longest:.2g} ms late"
+    return said if server.prioritised else f"{said} (the system grants no real-time priority)"
 
 
 def _run(cfg: ServeCfg, server: "Server", controller: "VirtualController") -> bool:

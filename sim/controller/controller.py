@@ -116,6 +116,10 @@ class VirtualController:
             resting=self._resting(),
         )
 
+    def ahead(self) -> None:
+        """Run the physics of this cycle while its answer is awaited."""
+        self._run.ahead()
+
     def cycle(self, answer: Answer | None) -> None:
         """Take the answer to the message of this cycle, or none, and run one period."""
         self._number += 1

@@ -8,13 +8,14 @@ import gc
 import select
 import socket
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from .controller import VirtualController
 from .messages import Answer, Phase, State, WireError
+from .real_time import real_time
 
 Address = tuple[str, int]
 LARGEST = 65_535
@@ -27,6 +28,9 @@ MOST_REASONS = 100
 
 class Wire(Protocol):
     """A protocol's messages on the controller's side."""
+
+    additive: bool
+    """Answers are added to the program; otherwise they are absolute angles."""
 
     def encode_state(self, state: State) -> bytes:
         """Message of a cycle."""
@@ -54,20 +58,25 @@ class Server:
     """[s], for an answer, where cycles do not follow the clock."""
     bind: str = "127.0.0.1"
     late: int = 0
-    """Answers that came late or twice."""
+    """Answers that came after their cycle or twice. In real time an absolute target that is one
+    cycle late still serves the next, where that has none: the newest counts."""
     wrong: list[str] = field(default_factory=list[str])
     """What was wrong with datagrams that are no messages; the first of each reason."""
     wrong_count: int = 0
     longest: float = 0.0
     """[s], the longest that a cycle began after its time, in real time."""
+    prioritised: bool | None = field(default=None, init=False)
+    """The system gave the thread the priority of real time; None where it was not asked."""
+    _before: State | None = field(default=None, init=False, repr=False)
+    """Message of the last cycle."""
 
     def serve(self, until: Callable[[], bool]) -> None:
         """Send and receive until `until()` holds, asked each cycle. Raises OSError."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
             udp.bind((self.bind, 0))
             udp.setblocking(False)
-            tick = time.monotonic()
-            with _collecting_at_rest() if self.real_time else nullcontext():
+            with real_time() if self.real_time else nullcontext() as self.prioritised:
+                tick = time.monotonic()
                 while not until():
                     tick = self._cycle(udp, tick)
 
@@ -75,22 +84,38 @@ class Server:
         controller = self.controller
         waiting = controller.phase is Phase.WAITING
         state = controller.state()
-        self.late += len(self._received(udp))
+        overdue = self._overdue(udp)
         _send(udp, self.wire.encode_state(state), self.client)
+        controller.ahead()
         if self.real_time:
             tick += 1e-3 * CYCLE_MS
-            answer = self._newest(udp, state, tick)
+            answer = self._newest(udp, state, tick) or overdue
             late = time.monotonic() - tick
             self.longest = max(self.longest, 0.0 if waiting else late)
             tick = time.monotonic() if late > 0.25 else tick
         else:
             answer = self._first(udp, state, self._patience())
         controller.cycle(answer)
+        self._before = state
         if controller.phase is Phase.WAITING:
             self.wire.forget()
             if self.real_time and not waiting:
                 gc.collect()
         return tick
+
+    def _overdue(self, udp: socket.socket) -> Answer | None:
+        """Counts answers that came after their cycle; the newest, if it may serve the next one.
+
+        Corrections belong to their place on the path, and are not used later.
+        """
+        datagrams = self._received(udp)
+        if not self.real_time or self._before is None:
+            self.late += len(datagrams)
+            return None
+        found = [self._answer(datagram, self._before) for datagram in datagrams]
+        overdue = [answer for answer in found if answer is not None]
+        self.late += len(overdue)
+        return overdue[-1] if overdue and not self.wire.additive else None
 
     def _patience(self) -> float:
         match self.controller.phase:
@@ -117,7 +142,9 @@ class Server:
             if not select.select([udp], [], [], left)[0]:
                 break
             for datagram in self._received(udp, most=1):
-                newest = self._answer(datagram, state) or newest
+                answer = self._answer(datagram, state)
+                self.late += None not in (answer, newest)  # the one before was due earlier
+                newest = answer or newest
         return newest
 
     def _answer(self, datagram: bytes, state: State) -> Answer | None:
@@ -144,18 +171,6 @@ class Server:
             if sender[0] == self.client[0]:
                 found.append(datagram)
         return found
-
-
-@contextmanager
-def _collecting_at_rest() -> Iterator[None]:
-    """Python's garbage collector off: it takes up to a cycle. It runs when a run has ended."""
-    was = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was:
-            gc.enable()
 
 
 def _send(udp: socket.socket, datagram: bytes, to: Address) -> None:

@@ -72,21 +72,43 @@ class StreamedRun:
     @property
     def commanded(self) -> Array:
         """Set point (n,) [rad] of the servo: program, and correction after its lag."""
-        return self.planned + self._path.position[self._reached]
+        return self.planned + self._path.position[self._row]
 
     @property
     def motor_angle(self) -> Array:
         """Measured motor angles (n,) [rad] at this sample."""
         model, noise = self.loaded.model, self._noise.encoder
-        angle = self._state_before(self._reached)[1 + model.motor]
-        noise = None if noise is None else noise[self._reached : self._reached + 1]
+        angle = self._state_before(self._row)[1 + model.motor]
+        noise = None if noise is None else noise[self._row : self._row + 1]
         return measured_angle(model, angle[None], noise)[0]
 
     @property
     def speed(self) -> Array:
         """Speeds (n,) [rad/s] of the motors at this sample, arm side."""
         model = self.loaded.model
-        return self._state_before(self._reached)[1 + model.mj.nq + model.motor]
+        return self._state_before(self._row)[1 + model.mj.nq + model.motor]
+
+    @property
+    def _row(self) -> int:
+        """Physics step of this sample."""
+        return self.sample * self.loaded.ratio
+
+    def ahead(self) -> None:
+        """Run the period after this sample now, where a correction acts after two periods or more.
+
+        Not after the first sample, whose correction is held from the beginning. `advance` then
+        takes the correction alone, and signals stay those of this sample until it does.
+
+        Raises ArithmeticError when the physics is unstable.
+        """
+        loaded = self.loaded
+        late_enough = 2.0 * loaded.log_period + loaded.model.timestep
+        if self.sample and loaded.model.drives.correction_delay >= late_enough:
+            self._run_period()
+
+    def _run_period(self) -> None:
+        if not self.finished and self._reached == self._row:
+            self._step(self.loaded.ratio)
 
     def advance(self, correction: Array) -> None:
         """Run one period with u (n,) [rad] of this sample.
@@ -96,7 +118,7 @@ class StreamedRun:
         if self.finished:
             raise RuntimeError("the run is finished")
         self._correction[self.sample] = correction
-        self._step(self.loaded.ratio)
+        self._run_period()
         self.sample += 1
 
     def recording(self) -> Recording:
@@ -104,7 +126,7 @@ class StreamedRun:
         whole = self.finished
         if whole and self._reached < len(self._states):
             self._step(1)
-        rows = self._reached
+        rows = self._reached if whole else self._row
         loaded, samples = self.loaded, self.sample + whole
         encoder = self._noise.encoder
         return recorded(

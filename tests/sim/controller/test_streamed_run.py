@@ -38,3 +38,20 @@ def test_a_robot_whose_correction_acts_at_once_cannot_be_streamed():
     fast = replace(loaded, model=replace(loaded.model, drives=drives))
     with pytest.raises(ValueError, match=r"acts after 0\.004 s or more, .* after 0\.003 s"):
         StreamedRun(fast)
+
+
+def test_physics_ahead_of_a_correction_changes_no_bit_and_no_signal_before_its_time():
+    loaded = prepare(Cut(radius=0.002)).loaded
+    plain, early = (StreamedRun(loaded, np.random.default_rng(2)) for _ in range(2))
+    corrections = 1e-3 * np.random.default_rng(4).standard_normal((30, 6)).cumsum(axis=0)
+    for u in corrections:
+        early.ahead()
+        np.testing.assert_array_equal(early.motor_angle, plain.motor_angle)
+        np.testing.assert_array_equal(early.speed, plain.speed)
+        plain.advance(u)
+        early.advance(u)
+    early.ahead()  # a run that ends here has no more samples for it
+    a, b = plain.recording(), early.recording()
+    np.testing.assert_array_equal(a.motor_angle, b.motor_angle)
+    np.testing.assert_array_equal(a.truth.tool_position, b.truth.tool_position)
+    assert len(b.time) == 30
