@@ -75,9 +75,11 @@ def _print(report: Report, outcome: dict[str, Any]) -> None:
     low, high = said["nis_expected"]
     report.line(
         f"NIS {said['nis']:.2f}, {low:.2f} to {high:.2f} if the filter is right about innovations; "
-        f"NEES of the tool's position {said['nees']:.1f}, {said['nees_expected']:g} if it is right "
-        "about the tool"
+        f"NEES of the tool's position {said['nees']:.1f}, {said['nees_expected']:g} if standard "
+        f"deviations are right about the tool; {said['nees_of_filter']:.1f} by the filter alone"
     )
+    sd, error = (1e6 * said[key] for key in ("tool_standard_deviation", "tool_error"))
+    report.line(f"Tool: standard deviation {sd:.1f} um, error {error:.1f} um (RMS, 3D)")
     if outcome["not_identified"]:
         names = ", ".join(outcome["not_identified"])
         report.line(f"Not identified by this cut, kept as assumed: {names}")

@@ -1,23 +1,24 @@
 """Identification of an arm from one cut, scored against the ground truth."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.estimation.consistency import bounds, normalised_squared
 
 from ..cut.notes import motion_notes
-from ..estimation.arm_estimator import ArmEstimator, estimator
-from ..estimation.arm_identification import Run, identify, prepared
-from ..estimation.arm_springs import SpringPrior
+from ..estimation.arm_estimator import estimator
+from ..estimation.arm_filter import ProcessNoise
+from ..estimation.arm_identification import identify, prepared
+from ..estimation.arm_springs import SpringPrior, springs_at
 from ..estimation.imu_health import repaired
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
-from ..estimation.relative_path import relative_to_start
 from ..estimation.springs_file import springs_entry
+from ..instruments.imu import ImuCfg
 from ..robot.individual import as_built
+from .consistency import consistency
 from .experiment import Experiment
 from .learning import first_run
 from .notes import pass_notes
@@ -26,9 +27,6 @@ from .plant import Pass
 UNTOLD = 0.5
 """Relative reduction of a parameter's prior variance below which the cut does not identify it: the
 prior says more than the data."""
-IMMOVABLE = 1e-9
-"""Singular values of the tool's Jacobian below this part of the largest are directions in which the
-tool does not move, and has no covariance."""
 FOUND = 0.1
 """Largest relative distance of an identified mode from the true one that it counts as."""
 
@@ -69,7 +67,14 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
         "whiteness": {
             name: getattr(found.whiteness, name) for name in ("rms", "p_value", "is_white")
         },
-        "consistency": _consistency(estimator(arm, found.springs, rest, imu), made, measured),
+        "consistency": consistency(
+            estimator(arm, found.springs, rest, imu),
+            _at_theta(arm, prior, rest, imu, made),
+            found.fit,
+            measured,
+            log.truth,
+            experiment.nominal,
+        ),
         "truth": {
             "gear_stiffness": gear,
             "believed_over_true": effective(arm.stiffness) / gear,
@@ -83,16 +88,22 @@ def identified(experiment: Experiment, arm: NominalArm, *, coupled: bool = True)
     }
 
 
+def _at_theta(
+    arm: NominalArm, prior: SpringPrior, rest: Array, imu: ImuCfg, made: Pass
+) -> Callable[[Array], Array]:
+    """Tool path (N, 3) [m] of a run, estimated on the springs of parameters theta (m,)."""
+    log, fraction = made.recording, ProcessNoise().fraction
+
+    def path(theta: Array) -> Array:
+        known = estimator(arm, springs_at(arm, prior, theta, fraction), rest, imu)
+        return known(log.time, log.motor_angle, made.imu).displacement[:, :3]
+
+    return path
+
+
 def unidentified(names: Sequence[str], information: Array) -> list[str]:
     """Parameters that keep their prior: the data reduce its variance by less than `UNTOLD`."""
     return [name for name, told in zip(names, information, strict=True) if told < UNTOLD]
-
-
-def directions(jacobian: Array) -> Array:
-    """(3, r) basis of the directions in which a tool moves, by its Jacobian (3, n) of positions."""
-    U, size, _ = np.linalg.svd(jacobian)
-    rank = int((size > IMMOVABLE * size[0]).sum())
-    return np.eye(3) if rank == len(U) else U[:, :rank]
 
 
 def effective(stiffness: Array) -> Array:
@@ -118,31 +129,3 @@ def arm_of(experiment: Experiment) -> NominalArm:
     """The individual itself as the arm of an estimator: linear gears and all of its structure."""
     truth = NominalCfg(structure=True, payload=experiment.added_payload)
     return nominal_arm(as_built(experiment.nominal, experiment.individual), truth)
-
-
-def _consistency(known: ArmEstimator, made: Pass, measured: Run) -> dict[str, Any]:
-    """Consistency of the filter: normalised squares of its innovations and of the tool's error.
-
-    NIS and NEES are 6 and 3 on average where it is, NEES 2 where the tool moves in a plane. Gear
-    errors that it does not model show in NEES: they are slow, and hardly disturb an innovation.
-    """
-    log, truth = made.recording, made.recording.truth
-    states = known.deviations(measured)
-    seen = np.isfinite(states.innovation).all(axis=1)
-    nis = normalised_squared(states.innovation[seen], states.innovation_covariance[seen])
-
-    moving = directions(known.model.tool[:3, : known.model.n_free])
-    tool = moving.T @ known.model.tool[:3]
-    P = tool @ known.smoother(measured).smoothed_covariance @ tool.T
-    period = measured.period
-    rows = np.rint((measured.imu_time + known.clock_offset) / period).astype(int)
-    inside = (rows >= 0) & (rows < len(log.time))
-    true = relative_to_start(truth.tool_position[:: round(period / float(truth.time[1]))])
-    estimate = known(log.time, log.motor_angle, made.imu).displacement
-    nees = normalised_squared((estimate - true)[rows[inside], :3] @ moving, P[inside])
-    return {
-        "nis": float(nis.mean()),
-        "nis_expected": bounds(len(nis), 6),
-        "nees": float(nees.mean()),
-        "nees_expected": float(moving.shape[1]),
-    }

@@ -15,9 +15,10 @@ from armside.arrays import Array
 from armside.ilc.estimation.prediction_error import ParameterEstimate
 
 from ...robot.drives import EXACT
-from ...robot.effects import Effect, available, gear_orders
+from ...robot.effects import Effect, available
 from ...robot.model import RobotModel
 from ..relative_path import REST_SAMPLES
+from ..tool_covariance import gear_variance
 from .deflection import deflection
 from .elasticity import Elasticity
 from .estimator import WayEstimator
@@ -69,8 +70,6 @@ def sensitivities(motion: RigidMotion, nominal: Elasticity, theta: Array, J: Arr
 
 
 def _of_gears(motion: RigidMotion, robot: RobotModel, J: Array) -> Array:
-    amplitude, order = gear_orders(robot)
-    turned = (motion.phi - motion.phi[0])[:, :, None] * order
-    variance = (amplitude**2 * (1.0 - np.cos(turned))).sum(axis=2)
+    variance = gear_variance(robot, motion.phi - motion.phi[0])
     axes = J[:, :, motion.arm.axes]
     return (axes * variance[:, None, :]) @ np.swapaxes(axes, 1, 2)
