@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .profile_program import Rows
+from .profile_program import Rows, stacked
 from .timing import PathLimits
 
 STEP = 0.4e-3
@@ -107,27 +107,30 @@ class Grid:
         held[[0, 1, -2, -1]] = True
         return held
 
+    @property
+    def kinds(self) -> int:
+        """Number of rows at each point beside those of jerk."""
+        return len(self.fixed_rows.bound)
+
     @cached_property
-    def fixed_rows(self) -> list[Rows]:
+    def fixed_rows(self) -> Rows:
         """Limits of speed, of acceleration, and of the joints."""
         n, one, none = len(self.s), np.ones(len(self.s)), np.zeros(len(self.s))
         free = ~self.held
         most = np.where(free, self.caps**2 / self.unit, np.inf)
         steepest = np.full(n, 2.0 * self.step * self.limits.acceleration / self.unit)
         steepest[[0, -2, -1]] = np.inf
-        found = [
+        found = (
             Rows(none, one, none, most),
             Rows(none, -one, none, np.where(free, 0.0, np.inf)),
             Rows(none, -one, one, steepest),
             Rows(none, one, -one, steepest),
-        ]
-        return found + self._joint_rows()
+        )
+        return stacked(found if self.joints is None else (*found, self._joint_rows(self.joints)))
 
-    def _joint_rows(self) -> list[Rows]:
+    def _joint_rows(self, joints: Bounds) -> Rows:
         """Limits of joints, at each point those that speed and acceleration can come to."""
-        if self.joints is None:
-            return []
-        joints, unit = self.joints, self.unit
+        unit = self.unit
         bend, offset = joints.bend * self.caps[:, None] ** 2, joints.offset
         reach = np.abs(joints.along) * self.limits.acceleration
         signs = np.repeat([1.0, -1.0], joints.along.shape[1])
@@ -143,9 +146,9 @@ class Grid:
         used = np.take_along_axis(near, chosen, axis=1).T
         bound = np.where(used, (1.0 - offset) / size, np.inf)
         slope, bend = slope / size, bend / size
-        return [Rows(-s, b, s, most) for s, b, most in zip(slope, bend, bound, strict=True)]
+        return Rows(-slope, bend, slope, bound)
 
-    def jerk_rows(self, x: Array | None) -> list[Rows]:
+    def jerk_rows(self, x: Array | None) -> Rows:
         """Limit of jerk, linearised at x (N,) over its unit; at the caps if None."""
         at = np.maximum(self.caps**2 if x is None else x * self.unit, 1e-12)
         jerk = self.fraction * self.limits.jerk * self.step**2
@@ -153,7 +156,5 @@ class Grid:
         bound = (2.0 if x is None else 3.0) * jerk / np.sqrt(at) / self.unit
         bound[[0, -1]] = np.inf
         one = np.ones_like(at)
-        return [
-            Rows(one, falling - 2.0, one, bound),
-            Rows(-one, falling + 2.0, -one, bound),
-        ]
+        rising, sinking = (one, falling - 2.0, one, bound), (-one, falling + 2.0, -one, bound)
+        return stacked([Rows(*rising), Rows(*sinking)])

@@ -8,8 +8,10 @@ step takes time in proportion to the number of points. Paths are independent and
 the other, each with a step length and a barrier of its own.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,8 @@ STEPS = 200
 """Most steps; 15 to 30 are usual, more where joints limit much of a path."""
 GAP = 1e-9
 """Largest mean complementarity at the end, where x is of the order of 1."""
+SOLVED = 0.4
+"""Fraction of the points above which those of solved paths are left out."""
 FEASIBLE = 1e-7
 """Largest violation of a row at the end."""
 TO_BOUNDARY = 0.995
@@ -35,13 +39,19 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """One row for each point; one whose bound is infinite is none."""
+    """K rows for each point; one whose bound is infinite is none."""
 
     lower: Array
     middle: Array
     upper: Array
     bound: Array
-    """(N,) each."""
+    """(K, N) each, or (N,) of a single kind."""
+
+
+def stacked(rows: Sequence[Rows]) -> Rows:
+    """Rows of several kinds as one, (K, N)."""
+    names = [field.name for field in fields(Rows)]
+    return Rows(*(np.vstack([getattr(row, name) for row in rows]) for name in names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,15 +69,17 @@ class Programme:
     """(N,), points whose x stays."""
 
     @classmethod
-    def of(
-        cls, rows: list[Rows], starts: NDArray[np.int64], held: NDArray[np.bool_]
-    ) -> "Programme":
+    def of(cls, rows: Rows, starts: NDArray[np.int64], held: NDArray[np.bool_]) -> "Programme":
         """Rows between two paths, and those of held points alone, must have an infinite bound."""
-        used = [np.stack([getattr(row, n) for row in rows]) for n in ("lower", "middle", "upper")]
-        bound = np.stack([row.bound for row in rows])
-        real = np.isfinite(bound)
-        lower, middle, upper = (np.where(real, part, 0.0) for part in used)
-        return cls(lower, middle, upper, np.where(real, bound, 1.0), starts, held)
+        real = np.isfinite(rows.bound)
+        used = (np.where(real, part, 0.0) for part in (rows.lower, rows.middle, rows.upper))
+        return cls(*used, np.where(real, rows.bound, 1.0), starts, held)
+
+    def of_paths(self, chosen: NDArray[np.bool_]) -> "Programme":
+        """The rows of some paths (M,) alone."""
+        points, sizes = self.per_path(chosen), self.sizes[chosen]
+        rows = (getattr(self, name)[:, points] for name in ("lower", "middle", "upper", "bound"))
+        return Programme(*rows, np.cumsum(sizes) - sizes, self.held[points])
 
     def times(self, x: Array) -> Array:
         """(K, N), left sides of all rows."""
@@ -95,7 +107,7 @@ class Programme:
         band[0, self.held] += HELD
         return band
 
-    def per_path(self, values: Array) -> Array:
+    def per_path(self, values: NDArray[Any]) -> NDArray[Any]:
         """(N,), for each point a value of its path (M,)."""
         return np.repeat(values, self.sizes)
 
@@ -105,41 +117,78 @@ class Programme:
         return np.diff(self.starts, append=self.bound.shape[1])
 
 
-def largest(programme: Programme, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+def largest(programme: Programme, x: Array, gap: float = GAP) -> tuple[Array, NDArray[np.bool_]]:
     """x (N,) of the largest sum, and for each path (M,) whether it was found.
 
-    x: where to start; held points keep it.
+    x: where to start; held points keep it. gap: largest mean complementarity of what is found.
     """
-    A, starts = programme, programme.starts
-    count = A.sizes * len(A.bound)
-    slack = np.maximum(A.bound - A.times(x), 0.1)
-    z = np.full_like(slack, 1.0 / len(A.bound))
-    found = np.zeros(len(starts), dtype=bool)
+    slack = np.maximum(programme.bound - programme.times(x), 0.1)
+    at = _Iterate(x, slack, np.full_like(slack, 1.0 / len(slack)))
+    A, best, found = programme, x.copy(), np.zeros(len(programme.starts), dtype=bool)
+    paths, points = np.arange(len(found)), np.arange(len(x))  # that A still has
     for _ in range(STEPS):
-        dual = np.where(A.held, 0.0, A.back(z) - 1.0)
-        primal = A.times(x) + slack - A.bound
-        gap = np.add.reduceat((slack * z).sum(axis=0), starts) / count
-        worst = np.maximum.reduceat(np.abs(primal).max(axis=0), starts)
-        found = (gap < GAP) & (worst < FEASIBLE)
-        if found.all():
+        state = at.state(A, gap)
+        best[points], found[paths] = at.x, state.solved
+        if state.solved.all():
             break
-        moving = A.per_path(np.where(found, 0.0, 1.0))
+        if A.sizes[state.solved].sum() > SOLVED * len(at.x):
+            left = ~state.solved
+            rest = A.per_path(left)
+            A, at, paths, points = A.of_paths(left), at.at(rest), paths[left], points[rest]
+            state = at.state(A, gap)
+        at = at.stepped(A, state)
+    return best, found
+
+
+class _State(NamedTuple):
+    solved: NDArray[np.bool_]
+    """(M,), each path."""
+    mean: Array
+    """(M,), complementarity."""
+    primal: Array
+    """(K, N), residual."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Iterate:
+    """Point of the interior method."""
+
+    x: Array
+    """(N,)."""
+    slack: Array
+    z: Array
+    """(K, N) each, primal and dual."""
+
+    def at(self, points: NDArray[np.bool_]) -> "_Iterate":
+        """Some of the points (N,)."""
+        return _Iterate(self.x[points], self.slack[:, points], self.z[:, points])
+
+    def state(self, A: Programme, gap: float) -> _State:
+        primal = A.times(self.x) + self.slack - A.bound
+        mean = np.add.reduceat((self.slack * self.z).sum(axis=0), A.starts)
+        mean = mean / (A.sizes * len(A.bound))
+        worst = np.maximum.reduceat(np.abs(primal).max(axis=0), A.starts)
+        return _State((mean < gap) & (worst < FEASIBLE), mean, primal)
+
+    def stepped(self, A: Programme, state: _State) -> "_Iterate":
+        """After a predictor and a corrector; solved paths stay."""
+        x, slack, z = self.x, self.slack, self.z
+        solved, mean, primal = state
+        dual = np.where(A.held, 0.0, A.back(z) - 1.0)
+        moving = A.per_path(np.where(solved, 0.0, 1.0))
         weight = np.where(moving > 0.0, np.minimum(z / slack, HEAVIEST), 1.0)
         factor = cholesky_banded(A.normal(weight), lower=True, check_finite=False)
         # Predictor: straight to complementarity of zero.
         step = _direction(A, factor, weight, slack, z, dual, primal, slack * z)
         length = _length(A, slack, z, step, 1.0)
         after = (slack + length[0] * step[1]) * (z + length[1] * step[2])
-        reached = np.add.reduceat(after.sum(axis=0), starts) / count
-        target = A.per_path(gap * np.clip(reached / np.maximum(gap, 1e-300), 0.0, 1.0) ** 3)
+        reached = np.add.reduceat(after.sum(axis=0), A.starts) / (A.sizes * len(A.bound))
+        target = A.per_path(mean * np.clip(reached / np.maximum(mean, 1e-300), 0.0, 1.0) ** 3)
         step = _direction(
             A, factor, weight, slack, z, dual, primal, slack * z + step[1] * step[2] - target
         )
-        along, beside = _length(A, slack, z, step, TO_BOUNDARY)
-        x = x + moving * along * step[0]
-        slack = slack + moving * along * step[1]
-        z = z + moving * beside * step[2]
-    return x, found
+        along, beside = (moving * each for each in _length(A, slack, z, step, TO_BOUNDARY))
+        return _Iterate(x + along * step[0], slack + along * step[1], z + beside * step[2])
 
 
 def _direction(

@@ -9,26 +9,29 @@ IJAMT 62, 2012, maximise the same.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 
 from .profile_grid import BoundsAt, Grid
-from .profile_program import Programme, Rows, largest
+from .profile_program import GAP, Programme, Rows, largest
 from .profile_timing import profile_timing
 from .timing import PathLimits, Timing
 
 ROUNDS = 3
 """Linear programmes, each from the solution of the one before."""
+ROUGH = 1e-6
+"""Gap of the programmes before the last, which only say where that is linearised."""
 EXCESS = 1e-3
 """Relative excess of the jerk limit that counts as none."""
 START = 0.25
 """Speed at the end of the first phase, relative to the lowest one allowed near it."""
 ATTEMPTS = 10
 """Most changes of the first phase or of the fraction of the jerk limit."""
-TOGETHER = 2000
+TOGETHER = 3000
 """Grid points that are solved at once: memory does not grow with the number of paths, and a
 programme of that size stays in a processor's cache."""
 
@@ -102,9 +105,9 @@ def _first_grid(path: Bends, speed: float, limits: PathLimits) -> Grid:
 
 
 def _batches(grids: dict[int, Grid]) -> Iterator[list[int]]:
-    """Indices of grids that are solved at once."""
+    """Indices of grids that are solved at once: those with as many rows beside each other."""
     batch, points = list[int](), 0
-    for i, grid in list(grids.items()):
+    for i, grid in sorted(grids.items(), key=lambda each: each[1].kinds):
         if batch and points + len(grid.s) > TOGETHER:
             yield batch
             batch, points = [], 0
@@ -133,10 +136,12 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
     held = np.concatenate([grid.held for grid in able])
     at: list[Array | None] = [None] * len(able)
     for round_ in range(ROUNDS):
-        rows = [[*grid.jerk_rows(x), *grid.fixed_rows] for grid, x in zip(able, at, strict=True)]
-        programme = Programme.of(_side_by_side(rows, sizes), starts, held)
+        rows = _side_by_side(
+            [(g.jerk_rows(x), g.fixed_rows) for g, x in zip(able, at, strict=True)], starts
+        )
         begin = [g.start if x is None else x for g, x in zip(able, at, strict=True)]
-        x, found = largest(programme, np.concatenate(begin))
+        gap = GAP if round_ == ROUNDS - 1 else ROUGH
+        x, found = largest(Programme.of(rows, starts, held), np.concatenate(begin), gap)
         for i, part in enumerate(np.split(x, starts[1:])):
             if found[i] and (round_ == 0 or at[i] is not None):
                 at[i] = np.maximum(part, 0.0)
@@ -146,21 +151,21 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
     return [solution.get(id(grid)) for grid in grids]
 
 
-def _side_by_side(rows: list[list[Rows]], sizes: Array) -> list[Rows]:
+def _side_by_side(rows: Sequence[tuple[Rows, Rows]], starts: NDArray[np.int64]) -> Rows:
     """Rows of several grids as those of one; a kind that a grid lacks is no row there."""
-    kinds = max(len(own) for own in rows)
-    zeros = [np.zeros(int(n)) for n in sizes]
-    empty = [Rows(zero, zero, zero, np.full(len(zero), np.inf)) for zero in zeros]
-    filled = [own + [none] * (kinds - len(own)) for own, none in zip(rows, empty, strict=True)]
-    return [
-        Rows(
-            *(
-                np.concatenate([getattr(own[k], name) for own in filled])
-                for name in ("lower", "middle", "upper", "bound")
-            )
-        )
-        for k in range(kinds)
-    ]
+    kinds = max(len(first.bound) + len(second.bound) for first, second in rows)
+    n = int(starts[-1]) + rows[-1][0].bound.shape[1]
+    lower, middle, upper = np.zeros((3, kinds, n))
+    every = Rows(lower, middle, upper, np.full((kinds, n), np.inf))
+    for own, begin in zip(rows, starts, strict=True):
+        top = 0
+        for part in own:
+            height, width = part.bound.shape
+            for field in fields(Rows):
+                block = getattr(every, field.name)[top : top + height, begin : begin + width]
+                block[:] = getattr(part, field.name)
+            top += height
+    return every
 
 
 def _lowest(ends: Array, allowed: Array, lower: float, upper: float) -> float:

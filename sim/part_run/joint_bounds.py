@@ -186,17 +186,17 @@ class JointBounds:
 
 def _between(places: Array, known: Bounds) -> BoundsAt:
     """Limits between places, linear."""
-
-    def table(s: Array, values: Array) -> Array:
-        return np.stack([np.interp(s, places, column) for column in values.T], axis=1)
+    columns = [np.atleast_2d(getattr(known, field.name).T).T for field in fields(Bounds)]
+    table = np.hstack(columns)
+    slope = np.diff(table, axis=0) / np.diff(places)[:, np.newaxis]
+    width = np.cumsum([column.shape[1] for column in columns])[:-1]
 
     def at(s: Array) -> Bounds:
-        return Bounds(
-            speed=np.interp(s, places, known.speed),
-            along=table(s, known.along),
-            bend=table(s, known.bend),
-            offset=table(s, known.offset),
-        )
+        inside = np.clip(s, places[0], places[-1])
+        i = np.clip(np.searchsorted(places, inside, side="right") - 1, 0, len(slope) - 1)
+        values = table[i] + (inside - places[i])[:, np.newaxis] * slope[i]
+        speed, along, bend, offset = np.split(values, width, axis=1)
+        return Bounds(speed=speed[:, 0], along=along, bend=bend, offset=offset)
 
     return at
 

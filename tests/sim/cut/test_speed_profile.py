@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from armside.sim.cut.profile_program import Programme, Rows, largest
+from armside.sim.cut.profile_program import Programme, Rows, largest, stacked
 from armside.sim.cut.speed_profile import Bends, profile, profiles
 from armside.sim.cut.timing import PathLimits, rest_to_rest
 
@@ -104,7 +104,7 @@ def test_the_interior_point_method_finds_the_optimum_of_another_solver():
         Rows(one, -2 * one, one, bend),
         Rows(-one, 2 * one, -one, bend),
     ]
-    found, solved = largest(Programme.of(rows, np.array([0]), held), x)
+    found, solved = largest(Programme.of(stacked(rows), np.array([0]), held), x)
     assert solved.all()
     A, b = [], []
     for row in rows:
