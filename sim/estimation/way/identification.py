@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 _STARTS = ((0.0, 0.7), (-0.2, 0.0))
 """Log stiffness of gears and of the structure."""
+_FURTHER = ((0.0, 1.2),)
+"""Likewise, where these lead to a minimum far from the prior: one without lost motion, where a
+structure that stiffens without bound, or gives way, stands in for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +58,16 @@ def identify(
     Raises RuntimeError where no start leads to a minimum.
     """
     sd, n = prior.standard_deviation(nominal), len(nominal.stiffness)
-    starts = []
-    for gears, structure in _STARTS:
-        start = np.zeros_like(sd)
-        start[:n] = structure
-        start[nominal.axes] = gears
-        starts.append(start)
+
+    def start(gears: float, structure: float) -> Array:
+        theta = np.zeros_like(sd)
+        theta[:n] = structure
+        theta[nominal.axes] = gears
+        return theta
+
+    starts, further = ([start(*each) for each in given] for given in (_STARTS, _FURTHER))
     model = _Innovations(motion, nominal, samples, imu, process_noise)
-    fit = estimate_parameters(model, np.zeros_like(sd), sd, starts)
+    fit = estimate_parameters(model, np.zeros_like(sd), sd, starts, further)
     constants = constants_at(nominal, fit.theta, process_noise.fraction)
     return WayIdentified(constants, fit, whiteness(fit.innovation))
 

@@ -57,6 +57,24 @@ def test_parameters_without_information_keep_their_prior():
     assert found.information == pytest.approx([1.0, 0.0], abs=1e-3)
 
 
+def two_minima(theta):
+    """The record is explained at 0.5 and, as well, at 5."""
+    return Whitened(np.full((100, 1), (theta[0] - 0.5) * (theta[0] - 5.0)), 0.0)
+
+
+@pytest.mark.parametrize(("start", "further", "end"), [(6.0, [], 5.0), (6.0, [1.0], 0.5)])
+def test_a_minimum_far_from_the_prior_is_left_for_a_better_one(start, further, end):
+    starts = [np.array([start])], [np.array([each]) for each in further]
+    found = estimate_parameters(two_minima, np.zeros(1), np.ones(1), *starts)
+    assert found.theta[0] == pytest.approx(end, abs=0.01)
+
+
+def test_a_minimum_near_the_prior_is_not_searched_for_again():
+    starts = [np.array([1.0])], [np.array([6.0])]
+    found = estimate_parameters(two_minima, np.zeros(1), np.ones(1), *starts)
+    assert len(found.costs) == 1
+
+
 def test_a_prediction_error_without_a_finite_value_is_an_error():
     with pytest.raises(RuntimeError, match="not finite"):
         estimate_parameters(
