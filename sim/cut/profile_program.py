@@ -72,14 +72,21 @@ class Programme:
     def of(cls, rows: Rows, starts: NDArray[np.int64], held: NDArray[np.bool_]) -> "Programme":
         """Rows between two paths, and those of held points alone, must have an infinite bound."""
         real = np.isfinite(rows.bound)
-        used = (np.where(real, part, 0.0) for part in (rows.lower, rows.middle, rows.upper))
-        return cls(*used, np.where(real, rows.bound, 1.0), starts, held)
+        sides = rows.lower, rows.middle, rows.upper
+        lower, middle, upper = (np.where(real, side, 0.0) for side in sides)
+        return cls(lower, middle, upper, np.where(real, rows.bound, 1.0), starts, held)
 
     def of_paths(self, chosen: NDArray[np.bool_]) -> "Programme":
         """The rows of some paths (M,) alone."""
         points, sizes = self.per_path(chosen), self.sizes[chosen]
-        rows = (getattr(self, name)[:, points] for name in ("lower", "middle", "upper", "bound"))
-        return Programme(*rows, np.cumsum(sizes) - sizes, self.held[points])
+        return Programme(
+            lower=self.lower[:, points],
+            middle=self.middle[:, points],
+            upper=self.upper[:, points],
+            bound=self.bound[:, points],
+            starts=np.cumsum(sizes) - sizes,
+            held=self.held[points],
+        )
 
     def times(self, x: Array) -> Array:
         """(K, N), left sides of all rows."""
