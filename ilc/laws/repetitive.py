@@ -43,6 +43,12 @@ class Repetitive(FirstOrderLaw):
         if n_samples < self.begin + 2 * self.period:
             needed = f"{self.begin} samples and two laps of {self.period}"
             raise ValueError(f"the record must hold {needed}, got {n_samples}")
+        lap = np.zeros((self.period, n_columns))
+        try:
+            around(self.Q, around(self.L, lap))
+        except ValueError as error:
+            short = f"a lap of {self.period} samples is too short for its filters"
+            raise ValueError(f"{short}: {error}") from error
 
     @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:

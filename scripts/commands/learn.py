@@ -57,7 +57,7 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
     from armside.ilc.workbench.laws import build_law
 
     for law in cfg.laws:
-        build_law(law, setting_of(task))
+        build_law(law, setting_of(task)).check(*task.reference.shape)
         start = None if before is None else before.correction(law, task)
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"

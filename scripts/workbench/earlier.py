@@ -21,6 +21,7 @@ from ..shell.options import Common
 from .options import LearnCfg
 from .plants import named_task
 from .results import STATE, key
+from .same_path import refuse_other_path
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task
@@ -58,6 +59,7 @@ class Earlier:
         """u of the last run with the same law, or else with the first; None when continued.
 
         Where both tasks follow a path at other speeds, it is carried over by the place there.
+        Raises InputError where a robot follows another path.
         """
         if self.continues:
             return None
@@ -71,6 +73,7 @@ class Earlier:
         found = first[0].loop.correction
         if "plant" not in self.changed or task.place is None:
             return found
+        refuse_other_path(self.options.plant, task.name)
         before = named_task(self.options, self.seed)
         return found if before.place is None else along_path(found, before.place, task.place)
 

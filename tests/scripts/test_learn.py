@@ -47,6 +47,18 @@ def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys):
     assert len(list((place / "a").glob("correction-*.csv"))) == 6
 
 
+def test_laws_of_noise_points_laps_and_bases_are_predicted_beside_their_results(place):
+    laws = ("knob-free", "basis:order=2", "rational", "point-to-point:times=0.3/0.6")
+    laws += ("kalman:noise=0.01", "repetitive:period=30", "h-infinity:uncertainty=0.3")
+    words = ["learn", "--plant", "lag.json", "--laws", *laws, "--iterations", "1", "--quiet"]
+    assert main([*words, "--samples", "100", "--out", "a"]) == 0
+    found = read(place / "a")["laws"]
+    assert [each["law"] for each in found] == list(laws)
+    for each in found:
+        assert not each["diverged"]
+        assert each["predicted"]["error_two"] == pytest.approx(each["error_two"], rel=1e-6)
+
+
 def test_a_robot_goes_on_bit_for_bit_and_says_so(place):
     robot = ["learn", "--plant", "large:radius=2,speed=80", "--seed", "4", "--quiet"]
     assert main([*robot, "--iterations", "2", "--out", "two"]) == 0
@@ -85,7 +97,7 @@ def test_a_folder_asks_for_each_log_and_ends_with_the_results(place, capsys):
     assert len(read(place / "a")["laws"][0]["error_two"]) == 2
 
 
-def test_a_correction_is_carried_over_to_another_speed(place):
+def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(place, capsys):
     slow, fast = "large:radius=2,speed=60", "large:radius=2,speed=70"
     assert main(["learn", "--plant", slow, "--iterations", "2", "--quiet", "--out", "slow"]) == 0
     words = ["learn", "--plant", fast, "--iterations", "0", "--quiet"]
@@ -94,6 +106,10 @@ def test_a_correction_is_carried_over_to_another_speed(place):
     carried, without = read(place / "carried"), read(place / "without")
     assert carried["started_from"]["changed"] == ["plant"]
     assert carried["laws"][0]["error_two"][0] < 0.5 * without["laws"][0]["error_two"][0]
+    for plant, other in (("large:radius=3", "radius"), ("large:radius=2,pose=p2", "pose")):
+        assert main(["learn", "--plant", plant, "--from", "slow", "--out", "other"]) == 2
+        said = capsys.readouterr().err
+        assert f"another {other}, and a correction belongs to its path" in said
 
 
 @pytest.mark.parametrize(
@@ -105,6 +121,8 @@ def test_a_correction_is_carried_over_to_another_speed(place):
         ("--plant lag.json --laws own.py:third", 2, "Unknown name 'third'"),
         ("--plant lag.json --laws own.py:broken", 1, "own.py, line 6: IndexError"),
         ("--plant lag.json --laws heuristic:gamma=30,cutoff=40", 1, "diverged with heuristic"),
+        ("--plant lag.json --laws repetitive:period=2", 2, "a lap of 2 samples is too short"),
+        ("--plant lag.json --laws repetitive:period=300", 2, "two laps of 300, got 400"),
         ("--plant large:pose=p9", 2, "p9"),
         ("--plant large --reference step", 2, "a robot's reference is its cut"),
         ("--plant lag.json --model own.py", 2, "own.py is not a readable JSON"),
