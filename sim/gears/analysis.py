@@ -10,7 +10,7 @@ from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
 from ..measured.motion import MotionRecording
-from ..measured.plausible import check_angles
+from ..measured.plausible import check_angles, check_times
 from .aligned import SHORTEST, Aligned, Sensor, align
 from .bands import InBand, Spectra, in_bands, spectra
 from .joint_motion import RATE
@@ -107,6 +107,7 @@ def analyse(
     """
     sensor, robot = _sensor(recordings, cfg.sensor), compile(arm.robot)
     for recording in recordings:
+        check_times(recording)
         check_angles(arm.limits, recording)
     aligned = tuple(align(robot, recording) for recording in recordings)
     alone = len(aligned) == 1

@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 from armside.arrays import Array
 
 from ..measured.motion import Stream
+from .imu_check import check_pair, check_readings, check_sensor
 from .joint_motion import RATE, JointMotion, lowpass
 from .lag import coarse_lag
 
@@ -29,13 +30,6 @@ STRIDE = 4
 """Samples of the grid for one of the fit."""
 MARGIN = 1.0
 """[s] At both ends, where filters have not settled."""
-SCALE = (0.5, 2.0)
-"""Singular values of M of a sensor in SI units. ESTIMATE: beyond it the unit is wrong."""
-UNITS = (
-    ("angular rate", "degrees per second", 180.0 / np.pi),
-    ("specific force", "g", 1.0 / 9.81),
-    ("specific force", "mm/s^2", 1e3),
-)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,8 +101,9 @@ def align_imu(
     otherwise its tilt against gravity is fitted too.
 
     Raises:
-        ValueError: the IMU did not see this motion, or its units are wrong.
+        ValueError: the IMU did not see this motion, or its units or axes are wrong.
     """
+    check_readings(imu)
     R, omega = motion.R, motion.velocity[:, 3:]
     own_speed, speed = (np.linalg.norm(w, axis=1) for w in (imu.values[:, 3:], omega))
     last = int(fraction * len(motion.time))
@@ -125,7 +120,7 @@ def align_imu(
     )
     gyro_delay, rate = least_squares(of_gyro, [start, 0.0], x_scale=[1e-2, 1e-4]).x
     M_gyro, gyro_bias = slow.fit(turned, slow.reading(gyro_delay, rate)[:, 3:])[1:]
-    _check_units("angular rate", M_gyro)
+    check_sensor("angular rate", M_gyro)
     alpha = np.einsum("nji,nj->ni", R, motion.acceleration[:, 3:])
     force = slow.predicted(np.einsum("nji,nj->ni", R, motion.acceleration[:, :3] - GRAVITY))
     levers = slow.predicted((_cross(alpha) + _cross(w) @ _cross(w)).reshape(-1, 9)).reshape(
@@ -141,7 +136,8 @@ def align_imu(
     scale = np.array([1e-2, 0.1, 0.1, 0.1, 1e-2, 1e-2])[: len(first)]
     found = least_squares(lambda x: of_force(x)[0].ravel(), first, x_scale=scale).x
     _, M_accelerometer, accelerometer_bias = of_force(found)
-    _check_units("specific force", M_accelerometer)
+    check_sensor("specific force", M_accelerometer)
+    check_pair(M_gyro, M_accelerometer, accelerometer_bias)
     return ImuAlignment(
         gyro_delay=float(gyro_delay),
         accelerometer_delay=float(found[0]),
@@ -190,18 +186,6 @@ class _Slow:
         solution: Any = np.linalg.lstsq(columns, weight * reading, rcond=None)[0]
         found: Array = solution
         return weight * reading - columns @ found, found[:3].T, found[3]
-
-
-def _check_units(quantity: str, M: Array) -> None:
-    values = np.linalg.svd(M)[1]
-    if SCALE[0] <= values.min() and values.max() <= SCALE[1]:
-        return
-    typical = float(np.median(values))
-    for name, unit, factor in UNITS:
-        if name == quantity and 0.5 < typical / factor < 2.0:
-            raise ValueError(f"IMU: {quantity} is {typical:.3g} times as large: is it in {unit}?")
-    text = f"singular values {', '.join(f'{value:.3g}' for value in values)}"
-    raise ValueError(f"IMU: {quantity} does not fit the motion: {text}, where 1 is expected")
 
 
 def _at(time: Array, values: Array, wanted: Array) -> Array:

@@ -17,7 +17,7 @@ from ..gears.joint_motion import RATE, JointMotion, joint_motion, lowpass
 from ..gears.motor_check import check_motors
 from ..gears.tracker_alignment import TrackerAlignment, align_tracker
 from ..measured.motion import MotionRecording, Stream
-from ..measured.plausible import check_angles
+from ..measured.plausible import check_angles, check_times
 from .compare import Comparison, moving_rms
 from .evaluation import WINDOW
 
@@ -95,6 +95,7 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         ValueError: no IMU, units or angles that cannot be right, or another motion; names the
             recording.
     """
+    check_times(recording)
     check_angles(arm.limits, recording)
     imu, tracker = recording.imu, None
     if imu is None:
@@ -103,6 +104,7 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         motion = joint_motion(robot := compile(arm.robot), recording.encoders)
         check_motors(robot, motion, imu)
         whole = align_imu(motion, imu, level=False)
+        _check_first_part(whole.covered(motion, imu))
         half = align_imu(motion, imu, FITTED, level=False)
         if recording.tracker is not None:
             tracker = align_tracker(motion, recording.tracker, FITTED)
@@ -117,6 +119,13 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         comparison=comparison,
         measures=_measures(comparison, half.gravity),
     )
+
+
+def _check_first_part(seen: NDArray[np.bool_]) -> None:
+    """Raise ValueError if the IMU missed half of the part that its constants are fitted on."""
+    if (part := float(seen[: int(FITTED * len(seen))].mean())) < 0.5:
+        text = f"the IMU saw {100 * part:.0f} % of the first half of what the encoders saw"
+        raise ValueError(f"{text}: cut both to the same time")
 
 
 def _compared(motion: JointMotion, imu: Stream, half: ImuAlignment, cutoff: float) -> Comparison:

@@ -53,7 +53,11 @@ def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecordin
     if not source.is_dir():
         raise ValueError(f"{source} is no folder of a recording, and no bag")
     if (form := _form(source)) is not None:
-        return form.read(source)
+        try:
+            return form.read(source)
+        except ValueError as error:
+            name = source.resolve().name
+            raise error if name in str(error) else ValueError(f"{name}: {error}") from error
     forms = "encoders.csv, metadata.yaml of a ROS 2 bag, ContinuousEvaluation.mat, or a run's "
     forms += "signals.parquet"
     raise ValueError(f"{source} is no recording of a known form: it needs {forms}")

@@ -50,7 +50,9 @@ def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, 
     if (back := steps < 0.0).mean() > BACKWARDS:
         row = int(np.flatnonzero(back)[0]) + 2
         raise ValueError(f"{name}: the clock runs backwards, first in sample {row}")
-    forward = np.r_[True, time[1:] > np.maximum.accumulate(time)[:-1]]
+    reached = np.maximum.accumulate(time)
+    _refuse_most(name, "are older than those before them: the clock is set back", time < reached)
+    forward = np.r_[True, time[1:] > reached[:-1]]
     time, values = time[forward], values[forward]
     if not 0.0 < (length := time[-1] - time[0]) <= LONGEST:
         raise ValueError(f"{name}: {length:.3g} s of samples; at most {LONGEST:g} s can be used")

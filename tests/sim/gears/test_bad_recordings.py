@@ -7,7 +7,8 @@ import pytest
 
 from armside.sim.gears import analyse
 from armside.sim.imu.recorded import process
-from armside.sim.measured import Stream
+from armside.sim.measured import Stream, read_motion
+from armside.sim.measured.motion_tables import write
 from armside.sim.measured.repair import repaired
 
 
@@ -18,6 +19,33 @@ def encoders(change):
 
 def imu(factor):
     return lambda one: replace(one, imu=Stream(one.imu.time, one.imu.values * factor))
+
+
+def columns(order):
+    """The IMU's six columns in another order."""
+    return lambda one: replace(one, imu=Stream(one.imu.time, one.imu.values[:, order]))
+
+
+def stuck(one):
+    values = np.where(np.arange(6) == 5, 0.1, one.imu.values)
+    return replace(one, imu=Stream(one.imu.time, values))
+
+
+def without_gravity(one):
+    """Its mean taken off the specific force, as some drivers do."""
+    mean = one.imu.values.mean(axis=0) * np.repeat([1.0, 0.0], 3)
+    return replace(one, imu=Stream(one.imu.time, one.imu.values - mean))
+
+
+def between(name, keep):
+    """Samples of an instrument at the times that `keep` takes."""
+
+    def spoil(one):
+        stream = getattr(one, name)
+        rows = keep(stream.time)
+        return replace(one, **{name: Stream(stream.time[rows], stream.values[rows])})
+
+    return spoil
 
 
 def held(motor):
@@ -35,6 +63,14 @@ WRONG = {
     "gyro in degrees": (imu(np.repeat([1.0, 57.3], 3)), "degrees per second"),
     "accelerometer in g": (imu(np.repeat([1 / 9.81, 1.0], 3)), "in g"),
     "accelerometer in mm/s^2": (imu(np.repeat([1e3, 1.0], 3)), "in mm/s"),
+    "sensors exchanged": (columns([3, 4, 5, 0, 1, 2]), "angular velocities are exchanged"),
+    "axes exchanged": (columns([1, 0, 2, 4, 3, 5]), "angular rate are left-handed"),
+    "gyro reversed": (imu(np.repeat([1.0, -1.0], 3)), "angular rate are left-handed"),
+    "columns of one sensor": (columns([1, 2, 0, 3, 4, 5]), "differ by 120 degrees"),
+    "a dead axis": (stuck, "angular_velocity_z never changes"),
+    "no gravity": (without_gravity, "is gravity taken out?"),
+    "too short": (between("encoders", lambda t: t < 6.0), "at least 10 s are needed"),
+    "a stretch missing": (between("imu", lambda t: (t < 12) | (t > 20)), "no samples for 8.01 s"),
 }
 
 
@@ -51,6 +87,11 @@ def test_one_error_names_recording_and_fault(recordings, scenes, name, use):
 def test_a_recording_without_imu_is_refused(recordings, scenes):
     with pytest.raises(ValueError, match="scene 1: the recording has no IMU"):
         process(scenes.ARM, replace(recordings[0], imu=None))
+
+
+def test_an_imu_that_missed_the_part_that_is_fitted_is_refused(recordings, scenes):
+    with pytest.raises(ValueError, match="the IMU saw 0 % of the first half"):
+        process(scenes.ARM, between("imu", lambda t: t > 25.0)(recordings[0]))
 
 
 def test_a_motor_that_stands_still_is_no_fault_where_the_gyro_agrees(scenes):
@@ -75,8 +116,33 @@ def test_a_clock_that_runs_backwards_is_refused_and_single_faults_are_counted(re
     assert "1 not finite, 1 with a repeated or older stamp" in notes[0]
 
 
+def test_a_clock_that_is_set_back_is_refused(recordings):
+    time, values, late = spoiled(recordings[0], 2000)
+    time[late] -= 15.0
+    with pytest.raises(ValueError, match=r"IMU: \d+ % .* the clock is set back"):
+        repaired("IMU", time, values)
+
+
 def test_values_that_are_mostly_missing_are_refused(recordings):
     time, values, late = spoiled(recordings[0], 1000)
     values[late] = np.nan
     with pytest.raises(ValueError, match=r"IMU: \d+ % of the samples are not finite"):
         repaired("IMU", time, values)
+
+
+DAMAGES = {
+    "columns are missing: angular_velocity_z": lambda text: text.replace("angular_velocity_z", "w"),
+    "imu: 60 samples": lambda text: "\n".join(text.split("\n")[:62]) + "\n",
+    "no table of numbers": lambda text: "",
+    "Failed to parse string: .half": lambda text: text.replace("0.5", "half", 1),
+}
+
+
+@pytest.mark.parametrize("said", DAMAGES)
+def test_a_damaged_table_is_named_with_its_folder(tmp_path, recordings, said):
+    write(tmp_path, recordings[0], "csv")
+    file = tmp_path / "imu.csv"
+    file.write_text(DAMAGES[said](file.read_text()))
+    with pytest.raises(ValueError, match=f"{tmp_path.name}.*{said}") as error:
+        read_motion(tmp_path)
+    assert "\n" not in str(error.value)
