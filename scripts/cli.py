@@ -24,6 +24,7 @@ COMMANDS = {
     "two-mass": "Regenerate chapter 8: a flexible joint learns.",
     "learn": "Compare learning laws on any plant, your own too.",
     "serve": "Put the virtual robot behind a controller's protocol.",
+    "identify-plant": "Identify a model from your record or an experiment.",
     "design": "Propose gain, shift and cutoff for a model.",
     "tune": "Search the design of the learning law with Optuna.",
     "train": "Learn a policy that chooses designs (extra [learn]).",
@@ -78,6 +79,8 @@ def load(name: str) -> Callable[..., None]:
             from .commands.learn import learn as command
         case "serve":
             from .commands.serve import serve as command
+        case "identify-plant":
+            from .commands.identify_plant import identify_plant as command
         case "design":
             from .commands.design import design as command
         case "tune":

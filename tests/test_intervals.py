@@ -67,12 +67,17 @@ SECOND = System(np.array([0, 0, 0.2, 0.1]), np.array([1.0, -1.5, 0.7]), STEP)
 """A lightly damped pair of poles."""
 
 
-def polynomial_fits(seed, orders, noise, truth):
+def polynomial_records(seed, orders, noise, n=80):
     rng = np.random.default_rng(seed)
-    for _ in range(80):
+    for _ in range(n):
         u = excitation(rng)
         y = SECOND.simulate(u) + noise.simulate(0.1 * rng.standard_normal(u.shape))
-        low, high = fit_polynomial(u, y, STEP, orders).confidence().T
+        yield fit_polynomial(u, y, STEP, orders)
+
+
+def polynomial_fits(seed, orders, noise, truth):
+    for fit in polynomial_records(seed, orders, noise):
+        low, high = fit.confidence().T
         yield (low < truth) & (high > truth)
 
 
@@ -86,6 +91,22 @@ def coefficients_by_output_error():
     truth = [0.2, 0.1, -1.5, 0.7]
     yield from polynomial_fits(6, Orders.output_error(2, 2, 2), noise, truth)
     yield from polynomial_fits(7, Orders.output_error(2, 2, 2), noise, truth)
+
+
+COLOURED = System(np.array([1.0, 0.5]), np.array([1.0, -0.7]), STEP)
+
+
+def coefficients_by_box_jenkins():
+    truth = [0.2, 0.1, 0.5, -0.7, -1.5, 0.7]
+    return polynomial_fits(8, Orders.box_jenkins(2, 1, 1, 2, 2), COLOURED, truth)
+
+
+def response_by_box_jenkins():
+    omega = np.array([0.1, 0.4, 0.8, 1.5, 2.5])
+    true = np.abs(SECOND.response(omega))
+    for fit in polynomial_records(9, Orders.box_jenkins(2, 1, 1, 2, 2), COLOURED):
+        off = np.abs(fit.system.response(omega)) - true
+        yield np.abs(off) < 1.96 * fit.response_deviation(omega)
 
 
 def walk(theta):
@@ -180,6 +201,8 @@ INTERVALS = (
     gain_and_pole_by_output_error,
     coefficients_of_armax,
     coefficients_by_output_error,
+    coefficients_by_box_jenkins,
+    response_by_box_jenkins,
     parameters_by_prediction_error,
     mean_nis,
     nees_of_the_filter,

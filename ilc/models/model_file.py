@@ -51,6 +51,17 @@ def read_system(file: Path) -> System:
     return model
 
 
+def write_model(file: Path, model: System | StateSpace) -> None:
+    """Write a model with every digit, as `read_model` reads it. JSON."""
+    values = {"sample_time": model.sample_time}
+    if isinstance(model, System):
+        values |= {"b": model.b.tolist(), "a": model.a.tolist()}
+    else:
+        matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
+        values |= {name: M.tolist() for name, M in matrices.items()}
+    file.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+
+
 def _json(file: Path) -> dict[str, Any]:
     try:
         content = json.loads(file.read_text(encoding="utf-8"))

@@ -18,6 +18,8 @@ GOOD = {
     "best.json": '{"best": {"gamma": 0.9, "delta": 3, "cutoff": 10.0}}',
     "data.csv": "time,reference_1,motor_angle_1\n"
     + "".join(f"{i * 0.004},{i * 0.001},{i * 0.00099}\n" for i in range(50)),
+    "record.csv": "u,y\n"
+    + "".join(f"{i * i % 7 - 3},{(i - 1) ** 2 % 7 - 3.1}\n" for i in range(200)),
     "log.csv": "timestamp, cmd_num, J1, J2\n0, 1, 10, 20\n0.004, 1, 10.5, 21\n",
     "individual.toml": "friction = [1.1, 1, 1, 0.9, 1, 1]\n",
     "gears.toml": f"{_GEARS}amplitude = 1.1e-5\nphase = 5.3\n",

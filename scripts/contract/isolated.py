@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 MODULES = (
     *("laser", "imu", "identify", "commission", "compare", "replay", "convert", "measure"),
-    *("design", "tune", "calibrate_arm", "gears", "cut", "export_correction"),
+    *("design", "identify_plant", "tune", "calibrate_arm", "gears", "cut", "export_correction"),
 )
 PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),

@@ -38,6 +38,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "imu": ("--motion", "rest", "--off", "3", "--on", "3"),
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),
+    "identify-plant": ("../files/record.csv", "--structures", "oe", "--largest-order", "2"),
     "two-mass": ("--figure", "8.3"),
     "learn": ("--iterations", "1", "--samples", "50"),
     "tune": ("--trials", "1", "--episodes", "1", "--iterations", "1", "--pose", "p1"),

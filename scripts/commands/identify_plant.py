@@ -1,0 +1,161 @@
+"""`armside identify-plant`: a model from a record or an experiment, for `learn` and `design`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from armside.sim.records.summary import summary
+
+from ..shell.console import Report, run_folder
+from ..shell.effort import Effort, refuse_absurd
+from ..shell.errors import RunFailed, checking_input
+from ..shell.options import Common, FileToRead, options
+
+if TYPE_CHECKING:
+    from armside.ilc.workbench.input_output import InputOutput
+
+SECONDS = 3e-5
+"""[s] for each sample, structure and square of the largest order, rounded up."""
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class IdentifyPlantCfg:
+    """Source of the record, and the models that are compared."""
+
+    plant: str | None = None
+    """Plant to experiment on, in place of a record, as of learn: large:pose=p2, two-mass, a robot
+    file FILE.toml, a model's file, file.py:Name."""
+    column: int = 1
+    """Motor (column of the correction) that the experiment moves."""
+    rms: float | None = None
+    """Size of the correction of an experiment, in the unit of the plant's correction [default: 2 %
+    of the range of the reference]."""
+    highest: float | None = None
+    """Highest frequency of the multisine of an experiment [Hz] [default: twice the cutoff that the
+    plant is learned with]."""
+    periods: int = 4
+    """Periods of the multisine in an experiment; the first is not used for the response."""
+    inputs: int = 1
+    """Columns of inputs in a CSV file; those after them are outputs."""
+    sample_time: float | None = None
+    """[s], where a record does not state it."""
+    period: int | None = None
+    """Samples of one period of a record with one periodic input: a frequency response too."""
+    from_rest: bool = False
+    """The record starts at rest at zero: means are not subtracted."""
+    structures: Annotated[
+        tuple[Literal["arx", "armax", "oe", "bj", "subspace"], ...],
+        Parameter(consume_multiple=True),
+    ] = ("arx", "armax", "oe", "bj", "subspace")
+    """Structures to compare: oe is output error, bj is Box-Jenkins. Records with several inputs or
+    outputs are for subspace alone."""
+    largest_order: int = 4
+    """Orders 1 to this one are tried."""
+    largest_delay: int = 10
+    """Delays 0 to this one are tried [samples]."""
+    validation: FileToRead = None
+    """Another record, on which each model is simulated."""
+
+    def __post_init__(self) -> None:
+        ranges = {"column": (1, 100), "periods": (3, 1000), "inputs": (1, 20)}
+        ranges |= {"largest_order": (1, 14), "largest_delay": (0, 100)}
+        for name, (low, high) in ranges.items():
+            if not low <= (value := getattr(self, name)) <= high:
+                raise ValueError(f"{name} must be {low} to {high}, got {value}")
+        if self.rms is not None and not 0.0 < self.rms <= 1e100:
+            raise ValueError(f"rms must be above 0 and at most 1e100, got {self.rms:g}")
+        if self.highest is not None and not 0.0 < self.highest <= 1e9:
+            raise ValueError(f"highest must be above 0 and at most 1e9 Hz, got {self.highest:g}")
+        if self.sample_time is not None and not 1e-9 <= self.sample_time <= 1e6:
+            raise ValueError(f"sample_time must be 1e-9 to 1e6 s, got {self.sample_time:g}")
+        if self.period is not None and self.period < 4:
+            raise ValueError(f"period must be at least 4 samples, got {self.period}")
+        if not self.structures or len(set(self.structures)) < len(self.structures):
+            raise ValueError("at least one structure is needed, each given once")
+
+
+def identify_plant(
+    record: FileToRead = None,
+    /,
+    *,
+    cfg: IdentifyPlantCfg = IdentifyPlantCfg(),
+    common: Common = Common(),
+) -> None:
+    """Identify a plant: its delay, and the order of each structure by BIC.
+
+    record: CSV with columns time (perhaps), inputs, outputs; or MAT with u, y and perhaps
+    sample_time. Without one, an experiment with a multisine on --plant, such as the virtual robot.
+    Writes plant.json, which `learn --plant` and `design --model` take, identification.png and
+    summary.json.
+    """
+    from armside.ilc.identification.structures import Structure, compare_structures
+    from armside.ilc.models.model_file import write_model
+    from armside.ilc.workbench.input_output import read_input_output
+
+    from ..figures import identified_plant as shown
+
+    report = Report(common)
+    with checking_input():
+        made = _record(record, cfg, common)
+        _refuse_long(made, cfg)
+        fresh = None
+        if cfg.validation is not None:
+            fresh = read_input_output(cfg.validation, made.u.shape[1], cfg.sample_time)
+            fresh = fresh if cfg.from_rest else fresh.centred
+            if fresh.y.shape[1] != made.y.shape[1]:
+                raise ValueError(f"{cfg.validation} must have {made.y.shape[1]} outputs, as the "
+                                 f"record has, got {fresh.y.shape[1]}")  # fmt: skip
+        measured = shown.periodic_response(made)
+    with report.progress("identifying", total=1) as step:
+        try:
+            found = compare_structures(
+                made.u, made.y, made.sample_time, [Structure(name) for name in cfg.structures],
+                largest_order=cfg.largest_order, largest_delay=cfg.largest_delay,
+            )  # fmt: skip
+        except ValueError as error:  # of data that do not determine a model
+            raise RunFailed(str(error)) from error
+        step()
+    outcome = summary("identify-plant", cfg, common, **shown.results(found, made, fresh, measured))
+    with run_folder(outcome, common) as folder:
+        write_model(folder / "plant.json", found[0].system)
+        shown.draw(folder / "identification.png", found[0], made, measured, common.seed)
+    shown.tables(report, outcome)
+    report.results(outcome, folder.path)
+
+
+def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputOutput":
+    """Record of the file, deviations from its means; or of an experiment."""
+    import numpy as np
+
+    from armside.ilc.workbench.input_output import excited, read_input_output
+
+    if (file is None) == (cfg.plant is None):
+        raise ValueError("give a record, or --plant to experiment on, and not both")
+    if file is not None:
+        made = read_input_output(file, cfg.inputs, cfg.sample_time)
+        made = made if cfg.from_rest else made.centred
+        return made if cfg.period is None else made.with_period(cfg.period)
+    from ..workbench.options import LearnCfg
+    from ..workbench.plants import is_folder, named_task
+
+    asked: dict[str, Any] = {"plant": cfg.plant, "sample_time": cfg.sample_time}
+    if cfg.period is not None or is_folder(LearnCfg(**asked)):
+        raise ValueError("an experiment sets its own period, and needs a plant that can be run")
+    task = named_task(LearnCfg(**asked), common.seed)
+    try:
+        rms = cfg.rms or 0.02 * float(np.ptp(task.reference, axis=0).max())
+        highest = 2.0 * task.default_cutoff if cfg.highest is None else cfg.highest
+        rng = np.random.default_rng(common.seed)
+        return excited(task, cfg.column, rms, highest, cfg.periods, rng)
+    finally:
+        task.close()
+
+
+def _refuse_long(made: "InputOutput", cfg: IdentifyPlantCfg) -> None:
+    n, states = len(made.u), cfg.largest_order * (1 + made.y.shape[1])
+    seconds = n * len(cfg.structures) * cfg.largest_order**2 * SECONDS
+    what = f"fits of order {cfg.largest_order} to {n} samples"
+    refuse_absurd(what, Effort(seconds, 8.0 * n * 40 * states))
