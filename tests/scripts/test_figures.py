@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from armside.ilc.workbench.compare import LawRun
+from armside.ilc.workbench.prediction import Prediction
+from armside.scripts.figures import convergence
 from armside.scripts.figures import laser as figures
 
 RADIUS = 5e-3
@@ -122,3 +125,29 @@ def test_errors_draw_six_motors_and_the_arm(tmp_path, n_iterations):
         colors = {tuple(c) for c in np.unique(np.asarray(image)[..., :3].reshape(-1, 3), axis=0)}
     for color in figures.COLORS:
         assert tuple(bytes.fromhex(color[1:])) in colors
+
+
+def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(convergence, "save", lambda figure, file: seen.extend(figure.axes))
+    expected = Prediction(errors=np.ones(3), contraction=None, spectral_radius=None)
+    runs = [
+        LawRun(
+            law=f"law {i}",
+            noise=0.0,
+            repetition=0,
+            first_k=0,
+            norms=np.ones(3),
+            largest=np.ones(3),
+            measures=[],
+            correction=np.zeros((2, 1)),
+            diverged=False,
+            state=None,
+            prediction=expected,
+        )
+        for i in range(20)
+    ]
+    convergence.draw_convergence(tmp_path / "c.png", "laws", runs)
+    lines = [line for line in seen[0].lines if len(line.get_xdata())]
+    kinds = {(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines}
+    assert len(kinds) == len(lines) == 40
