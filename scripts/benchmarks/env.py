@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from armside.arrays import Array
+from armside.assets import LARGE_ROBOT_XML
 from armside.sim.cores import cores
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors, action_of
@@ -14,23 +16,22 @@ from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 from .timing import Row, interleaved
 
 ROBOTS = 64
+FILES = ("two_link.toml", "ur5e_like.toml", "panda_like.toml")
+"""Robot files that are measured: two, six and seven axes."""
+OF_FILES = 16
+OPTIONS = {"speed": 0.040}
+"""Records of one length: the fastest for a common rollout."""
 
 
 def env() -> Sequence[Row]:
-    """A step of 64 robots, and an episode of them, against bare rollouts of the same steps."""
+    """Steps of large robots and of robots of files, and an episode, against bare rollouts."""
     cells = IlcTuningVectorEnv(ROBOTS, autoreset_mode="Disabled", iterations=10)
     action = np.tile(action_of(THESIS, Motors.SHARED), (ROBOTS, 1))
-    options = {"speed": 0.040}  # records of one length: the fastest for a common rollout
-    cells.reset(seed=0, options=options)
+    cells.reset(seed=0, options=OPTIONS)
     bare = _bare(cells)
 
-    def step() -> None:
-        if cells.episodes_over.any():
-            cells.reset(seed=0, options=options)
-        cells.step(action)
-
     def episode() -> None:
-        cells.reset(seed=0, options=options)
+        cells.reset(seed=0, options=OPTIONS)
         for _ in range(5):
             cells.step(action)
 
@@ -38,14 +39,37 @@ def env() -> Sequence[Row]:
         for _ in range(6):
             bare()
 
-    ours, theirs = interleaved([step, bare], repeats=8)
+    ours, theirs = interleaved([_stepping(cells, action), bare], repeats=8)
     whole, bare_whole = interleaved([episode, bare_episode], repeats=3)
     cells.close()
     peer = f"bare mujoco.rollout, {cores()} threads"
     return [
         Row(f"step of {ROBOTS} robots", ours, peer, theirs),
         Row("episode: reset with planning, five steps", whole, peer, bare_whole),
+        *(_step_of_file(file, peer) for file in FILES),
     ]
+
+
+def _step_of_file(name: str, peer: str) -> Row:
+    """A step of the robots of a file, at the first pose and speed that they draw."""
+    file = LARGE_ROBOT_XML.with_name(name)
+    cells = IlcTuningVectorEnv(OF_FILES, robot=file, autoreset_mode="Disabled", iterations=10)
+    cells.reset(seed=0, options=OPTIONS)
+    action = np.tile(action_of(THESIS, Motors.SHARED), (OF_FILES, 1))
+    ours, theirs = interleaved([_stepping(cells, action), _bare(cells)], repeats=8)
+    cells.close()
+    return Row(f"step of {OF_FILES} robots of {file.stem}", ours, peer, theirs)
+
+
+def _stepping(cells: IlcTuningVectorEnv, action: Array) -> Callable[[], None]:
+    """A step of all robots, which start again once their episodes are over."""
+
+    def step() -> None:
+        if cells.episodes_over.any():
+            cells.reset(seed=0, options=OPTIONS)
+        cells.step(action)
+
+    return step
 
 
 def _bare(cells: IlcTuningVectorEnv) -> Callable[[], None]:
