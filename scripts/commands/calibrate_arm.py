@@ -50,6 +50,7 @@ class CalibrateArmCfg(BagCfg):
     """Number of poses to propose for the next measurement."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.harmonics is not None and not 0 <= self.harmonics <= 200:
             raise ValueError(f"harmonics must be from 0 to 200, got {self.harmonics}")
         if self.compliance and self.harmonics is None:

@@ -85,6 +85,7 @@ class ImuOptions(UnitCfg, BagCfg):
     """Delay of the gyro's low-pass that is compensated [ms]."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._check_choice()
         self.check_unit()
         for name in ("off", "on"):

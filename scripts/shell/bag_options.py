@@ -29,8 +29,12 @@ class BagCfg:
     joints: Annotated[tuple[str, ...], _SEVERAL] = ()
     """Names of the joints in the order of the robot's motors [default: by their numbers]."""
 
+    def __post_init__(self) -> None:
+        """Raise ValueError for a topic or joint that is given twice."""
+        self.topics()
+
     def topics(self) -> BagTopics:
-        """Choice of topics. Raises ValueError for one that is given twice."""
+        """Choice of topics."""
         return BagTopics(
             joint=self.joint_topic,
             imu=self.imu_topic,

@@ -51,6 +51,11 @@ def same(a, b):
     return x.tobytes() == y.tobytes()
 
 
+def test_joints_that_are_given_twice_are_bad_input(run, capsys):
+    assert cli.main(["convert", str(run), "--joints", "a", "b", "a"]) == 2
+    assert capsys.readouterr().err == "armside: a is given twice\n"
+
+
 def test_a_lost_beam_survives_files_without_missing_values(tmp_path):
     table = pa.table(
         {
