@@ -12,3 +12,5 @@ from .limits import largest_cutoff as largest_cutoff
 from .limits import largest_gain_factor as largest_gain_factor
 from .limits import largest_gamma as largest_gamma
 from .record_iteration import RecordIteration as RecordIteration
+from .sampled_robustness import fraction_interval as fraction_interval
+from .sampled_robustness import sampled_robustness as sampled_robustness
