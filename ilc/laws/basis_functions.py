@@ -5,8 +5,8 @@
 
 Psi holds functions of the reference r: its derivatives (van der Meulen, Tousain and Bosgra, "Fixed
 structure feedforward controller design exploiting iterative trials", 2008; van de Wijdeven and
-Bosgra, "Using basis functions in iterative learning control", 2010) and hysteresis operators, which
-friction needs. theta describes the plant, not the task.
+Bosgra, "Using basis functions in iterative learning control", 2010) and hysteresis operators
+(`models.hysteresis`), which friction needs. theta describes the plant, not the task.
 """
 
 from collections.abc import Sequence
@@ -32,23 +32,6 @@ def derivatives(reference: Array, sample_time: float, order: int = 4) -> Array:
         last = np.gradient(last, sample_time, axis=0)
         found.append(last)
     return np.stack(found, axis=2)
-
-
-@records("reference")
-def stops(reference: Array, widths: Sequence[float]) -> Array:
-    """(N, n, m): stop operators of each column, from -1 to 1: friction before and after it slips.
-
-    A stop of width w follows the reference, divided by w, until it is 1, and waits there until the
-    reference turns. Their sums are the hysteresis of Prandtl and Ishlinskii.
-    """
-    if not all(np.isfinite(w) and w > 0.0 for w in widths):
-        raise ValueError(f"widths must be > 0, got {list(widths)}")
-    change = np.diff(reference, axis=0, prepend=reference[:1])[:, :, None] / np.array(widths)
-    found, state = np.empty_like(change), np.zeros(change.shape[1:])
-    for i, step in enumerate(change):
-        state = np.clip(state + step, -1.0, 1.0)
-        found[i] = state
-    return found
 
 
 def led(basis: Array, leads: Sequence[int]) -> Array:

@@ -6,6 +6,9 @@ of the plant from the changes of all runs, with its covariance S, and minimises 
     E ||e - G d||^2 = ||e - G d||^2 + d^T E[dG^T dG] d
 
 Where the response is not known the second term keeps d small, so the band grows as runs tell more.
+No response explains a motor that friction holds. With the reference known, the friction of each
+motor is identified as well: the correction that its motion needed is taken out of the changes, and
+what the reference needs beyond the best run's motion is added to d.
 """
 
 from dataclasses import dataclass
@@ -16,31 +19,34 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import RecordFilter
+from ..identification.friction import friction
 from ..identification.impulse_response import (
     ImpulseResponse,
     Sums,
     correlation_time,
     impulse_response,
 )
-from ..records import records
+from ..records import as_record, records
 
 FIRST = 0.5
 """Part of the error that the first update adds."""
 
 
 class Known(NamedTuple):
-    """Memory: sums of all changes so far, the last run and the best."""
+    """Memory: all runs so far."""
 
-    normal: Array
-    right: Array
-    power: float
-    n_samples: int
-    correction: Array
-    error: Array
-    best_correction: Array
-    best_error: Array
-    setbacks: int
-    """Updates since the best run."""
+    corrections: Array
+    errors: Array
+    """(K, N, m)."""
+
+    def with_run(self, correction: Array, error: Array) -> "Known":
+        corrections = np.concatenate((self.corrections, correction[None]))
+        return Known(corrections, np.concatenate((self.errors, error[None])))
+
+    @property
+    def best(self) -> int:
+        """Run of the smallest error."""
+        return int(np.argmin(np.linalg.norm(self.errors, axis=(1, 2))))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,52 +67,71 @@ class KnobFree:
     sample rate."""
     n_taps: int = 60
     """Samples of the impulse response."""
+    reference: Array | None = None
+    """r (N, m), for e = r - y: the friction of the motors is identified. None: it is not."""
 
     def __post_init__(self) -> None:
         if self.n_taps < 2:
             raise ValueError(f"n_taps must be >= 2, got {self.n_taps}")
+        if self.reference is not None:
+            object.__setattr__(self, "reference", as_record(self.reference, "reference"))
 
     def check(self, n_samples: int, n_columns: int) -> None:
         self.Q.check(n_samples, n_columns)
+        if self.reference is not None and self.reference.shape != (n_samples, n_columns):
+            needed = f"reference has shape {self.reference.shape}"
+            raise ValueError(f"{needed}, the record has {(n_samples, n_columns)}")
 
     @records("correction", "error")
     def step(
         self, correction: Array, error: Array, memory: Known | None = None, /
     ) -> tuple[Array, Known]:
         if memory is None:
-            none = Sums.none(self.n_taps)
-            memory = Known(*none, correction, error, correction, error, 0)
+            memory = Known(correction[None], error[None])
             return correction + FIRST * self.Q(error), memory
-        change, seen = correction - memory.correction, memory.error - error
-        sums = _with_change(Sums(*memory[:4]), change, seen)
-        better = np.linalg.norm(error) < np.linalg.norm(memory.best_error)
-        best = (correction, error) if better else (memory.best_correction, memory.best_error)
-        setbacks = 0 if better else memory.setbacks + 1
-        memory = Known(*sums, correction, error, *best, setbacks)
+        memory = memory.with_run(correction, error)
+        best, setbacks = memory.best, len(memory.errors) - 1 - memory.best
+        change, seen = np.diff(memory.corrections, axis=0), -np.diff(memory.errors, axis=0)
+        held, missing = self._held(memory)
+        acting = change - held
+        sums = _of_changes(change, acting, seen, self.n_taps)
         if not (sums.normal.any() and sums.power > 0.0):
-            return best[0], memory
+            return memory.corrections[best], memory
         found = impulse_response(sums)
-        left = seen - found.simulate(change)
-        step = self.Q(expected_best(found, correlation_time(left), best[1]))
-        if sums.n_samples <= error.size:  # the only run that tells of the response
-            step = step * _explained(seen, left)
-        return best[0] + 0.5**setbacks * step, memory
+        left = seen[-1] - found.simulate(acting[-1])
+        step = expected_best(found, correlation_time(left), memory.errors[best])
+        known = _explained(seen, [found.simulate(v) for v in acting])
+        step = self.Q(step + missing) * (FIRST + (1.0 - FIRST) * known)
+        return memory.corrections[best] + 0.5**setbacks * step, memory
+
+    def _held(self, memory: Known) -> tuple[Array, Array]:
+        """Change of friction from run to run (K - 1, N, m), and from the best to the reference."""
+        if self.reference is None:
+            return np.zeros_like(memory.errors[1:]), np.zeros_like(memory.errors[0])
+        errors = [self.Q(e) for e in memory.errors]
+        corrections = [self.Q(u) for u in memory.corrections]
+        model = friction(self.reference, list(zip(corrections, errors, strict=True)))
+        needed = np.stack([model.as_correction(self.reference - e) for e in errors])
+        return np.diff(needed, axis=0), model.as_correction(self.reference) - needed[memory.best]
 
 
-def _explained(seen: Array, left: Array) -> Array:
-    """(m,): fraction of the last change of each column that the shared response explains."""
-    power = np.square(seen).sum(axis=0)
+def _explained(seen: Array, simulated: list[Array]) -> Array:
+    """(m,): fraction of all changes (K, N, m) of each column that the model explains."""
+    power = np.square(seen).sum(axis=(0, 1))
     power[power == 0.0] = np.inf
-    return np.maximum(1.0 - np.square(left).sum(axis=0) / power, 0.0)
+    return np.maximum(1.0 - np.square(seen - np.stack(simulated)).sum(axis=(0, 1)) / power, 0.0)
 
 
-def _with_change(sums: Sums, change: Array, seen: Array) -> Sums:
-    """Columns over the norm of their change: each motor says as much as any other."""
-    size = np.linalg.norm(change, axis=0)
-    moved = size > 0.0
-    if not moved.any():
-        return sums
-    return sums.with_records(change[:, moved] / size[moved], seen[:, moved] / size[moved])
+def _of_changes(change: Array, acting: Array, seen: Array, n_taps: int) -> Sums:
+    """Sums of what acted and what was seen, (K, N, m), over the norm of their change: each motor
+    says as much as any other."""
+    sums = Sums.none(n_taps)
+    for du, v, y in zip(change, acting, seen, strict=True):
+        size = np.linalg.norm(du, axis=0)
+        moved = size > 0.0
+        if moved.any():
+            sums = sums.with_records(v[:, moved] / size[moved], y[:, moved] / size[moved])
+    return sums
 
 
 @records("error")

@@ -141,7 +141,7 @@ def splines(s: Setting, *, n: int = 12, size: float = 1e-3) -> Law:
 
 def knob_free(s: Setting) -> Law:
     """Gain, shift and band from the data of the first runs: nothing to choose, no model."""
-    return KnobFree(Q=s.Q(_TENTH / s.sample_time))
+    return KnobFree(Q=s.Q(_TENTH / s.sample_time), reference=s.reference)
 
 
 def kalman(s: Setting, *, noise: float, change: float = 0.0, cutoff: float | None = None) -> Law:

@@ -21,8 +21,8 @@ from armside.ilc.laws.basis_functions import (
     derivatives,
     fitted,
     led,
-    stops,
 )
+from armside.ilc.models.hysteresis import stops
 from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.evaluation.check import Check, Table, all_hold

@@ -73,7 +73,8 @@ def case(seed: int) -> tuple[Cut, LoadedReference]:
 def learned(seed: int) -> Found:
     """Learn a case: five updates, or as many as it takes, at most ten."""
     cut, loaded = case(seed)
-    law = KnobFree(Q=ZeroPhaseButterworth(0.1 / LOG_PERIOD, LOG_PERIOD))
+    Q = ZeroPhaseButterworth(0.1 / LOG_PERIOD, LOG_PERIOD)
+    law = KnobFree(Q=Q, reference=loaded.reference)
     plant, gear = _Motors(loaded, np.random.default_rng(seed)), loaded.model.drives.gear
     each, left, worst = list[Array](), np.empty(0), np.empty(0)
     for trial in learn(plant, law, loaded.reference, WORST):

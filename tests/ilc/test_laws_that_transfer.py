@@ -11,9 +11,9 @@ from armside.ilc.laws.basis_functions import (
     derivatives,
     fitted,
     led,
-    stops,
 )
 from armside.ilc.laws.rational_basis import RationalBasis
+from armside.ilc.models.hysteresis import stops
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
