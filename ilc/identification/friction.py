@@ -19,7 +19,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.hysteresis import stops
-from ..records import records
+from ..records import as_record, records
 
 FRACTIONS = (1.0, 0.1, 0.01)
 """Widths of the stops: decades of the range of the reference."""
@@ -57,8 +57,12 @@ class Friction:
         return np.asarray(lfilter(b, a, force))
 
 
+@records("reference")
 def friction(reference: Array, runs: Sequence[tuple[Array, Array]]) -> Friction:
     """Friction that explains runs (correction, error), each (N, n), low-pass filtered."""
+    runs = [(as_record(u, "a correction"), as_record(e, "an error")) for u, e in runs]
+    if not runs or any(x.shape != reference.shape for run in runs for x in run):
+        raise ValueError(f"runs must be records of shape {reference.shape}, one or more")
     widths = np.ptp(reference, axis=0)[:, None] * np.array(FRACTIONS)
     moves = [_of_motion(reference - e, widths) for _, e in runs]
     n, p = widths.shape
@@ -89,14 +93,13 @@ def _fit(
     """(p + 2,) sizes, kappa, tau of motor j, and the part of z^2 that they leave."""
     from scipy.optimize import nnls
 
-    rows = []
+    rows, p = [], moves[0].shape[2] - 4
     for move, (u, e) in zip(moves, runs, strict=True):
         z = e[:, j] + u[np.maximum(np.arange(len(u)) - delay, 0), j]
         z = z - z[0]
-        p = move.shape[2] - 4
         of_servo = np.stack((-np.cumsum(z), -np.gradient(z)), axis=1)
         rows.append(np.concatenate((move[:, j, :p], of_servo, move[:, j, p:], z[:, None]), axis=1))
-    R = np.linalg.qr(np.concatenate(rows), mode="r")
+    R: Array = np.asarray(np.linalg.qr(np.concatenate(rows), mode="r"))
     power = float(R[:, -1] @ R[:, -1])
     if power == 0.0:
         return np.zeros(p + 2), 0.0

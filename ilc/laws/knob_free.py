@@ -29,13 +29,14 @@ from ..identification.impulse_response import (
 from ..records import as_record, records
 
 FIRST = 0.5
-"""Part of the error that the first update adds."""
+"""Part of the error that the first update adds, and of a step of which nothing is explained."""
 
 
 class Known(NamedTuple):
-    """Memory: all runs so far."""
+    """Memory: all K runs so far."""
 
     corrections: Array
+    """(K, N, m)."""
     errors: Array
     """(K, N, m)."""
 
@@ -57,9 +58,9 @@ class KnobFree:
     delay over which the error's autocorrelation rho stays above 1/4. Then ||e_1|| < ||e_0||, since
     ||e - u||^2 is (1 + 1/4 - rho(d)) ||e||^2 with u = e/2 delayed by d. Every update starts from
     the best run; after each that brought no better one it is half as long. Motors share one
-    response, of servos of one kind; the second update of each is as long as the part of its change
-    that this response explains. Where the plant is not so, early runs may be worse than run 0, and
-    the response found from them mends that.
+    response, of servos of one kind. The step of each motor lies between half and whole, by the part
+    of its changes that response and friction explain. Where the plant is not so, early runs may be
+    worse than run 0, and the response found from them mends that.
     """
 
     Q: RecordFilter
