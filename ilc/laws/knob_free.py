@@ -40,10 +40,6 @@ class Known(NamedTuple):
     errors: Array
     """(K, N, m)."""
 
-    def with_run(self, correction: Array, error: Array) -> "Known":
-        corrections = np.concatenate((self.corrections, correction[None]))
-        return Known(corrections, np.concatenate((self.errors, error[None])))
-
     @property
     def best(self) -> int:
         """Run of the smallest error."""
@@ -90,7 +86,7 @@ class KnobFree:
         if memory is None:
             memory = Known(correction[None], error[None])
             return correction + FIRST * self.Q(error), memory
-        memory = memory.with_run(correction, error)
+        memory = _with_run(memory, correction, error)
         best, setbacks = memory.best, len(memory.errors) - 1 - memory.best
         change, seen = np.diff(memory.corrections, axis=0), -np.diff(memory.errors, axis=0)
         held, missing = self._held(memory)
@@ -114,6 +110,11 @@ class KnobFree:
         model = friction(self.reference, list(zip(corrections, errors, strict=True)))
         needed = np.stack([model.as_correction(self.reference - e) for e in errors])
         return np.diff(needed, axis=0), model.as_correction(self.reference) - needed[memory.best]
+
+
+def _with_run(known: Known, correction: Array, error: Array) -> Known:
+    corrections = np.concatenate((known.corrections, correction[None]))
+    return Known(corrections, np.concatenate((known.errors, error[None])))
 
 
 def _explained(seen: Array, simulated: list[Array]) -> Array:

@@ -94,6 +94,13 @@ def test_runs_of_another_length_are_refused(runs):
         friction(DIP, runs)
 
 
+@pytest.mark.parametrize("hostile", [np.full_like(DIP, np.nan), DIP.astype(complex), DIP[:, 0]])
+def test_a_record_that_is_none_is_refused(hostile):
+    for run in ((hostile, DIP), (DIP, hostile)):
+        with pytest.raises(ValueError, match="must be|must have shape"):
+            friction(DIP, [run])
+
+
 def test_a_reference_of_another_shape_is_refused():
     with pytest.raises(ValueError, match=r"reference has shape \(300, 2\), the record has"):
         KnobFree(Q=Q, reference=DIP).check(200, 2)

@@ -33,6 +33,7 @@ NOT_RECORDS = {
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured"} | {
     "ByHand.record",
     "fit_circle",
+    "friction",
     "path_accuracy",
     "path_repeatability",
     "per_sample",
