@@ -97,7 +97,7 @@ def test_runs_of_another_length_are_refused(runs):
 @pytest.mark.parametrize("hostile", [np.full_like(DIP, np.nan), DIP.astype(complex), DIP[:, 0]])
 def test_a_record_that_is_none_is_refused(hostile):
     for run in ((hostile, DIP), (DIP, hostile)):
-        with pytest.raises(ValueError, match="must be|must have shape"):
+        with pytest.raises(ValueError, match=r"must be|must have shape"):
             friction(DIP, [run])
 
 
