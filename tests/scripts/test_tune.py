@@ -2,35 +2,21 @@
 
 import json
 import os
-import signal
-import subprocess
 import sys
-import threading
-import time
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import optuna
 import pytest
 
 from armside.scripts.commands import tune
-from armside.scripts.figures import tuning as tune_figures
-from armside.scripts.shell import console
-from armside.scripts.shell.interrupts import noticing
-from armside.scripts.shell.options import Common
-from armside.scripts.studies import report as tune_report
 from armside.scripts.studies import storage as study_storage
-from armside.scripts.studies import study as studies
 from armside.scripts.studies.options import TuneCfg
-from armside.scripts.studies.search import evaluate, run_trial, search
-from armside.scripts.studies.study import Outcome, open_study
+from armside.scripts.studies.search import evaluate, run_trial
+from armside.scripts.studies.study import open_study
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
-from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import WORST, Objective, Ratio, prepare
-from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.sensor import RewardSensor
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
 
@@ -149,171 +135,6 @@ def test_other_samplers_propose_designs(armside, sampler):
     assert armside(f"tune {QUICK} --quiet --trials 3 --sampler {sampler}").status == 0
 
 
-def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
-    def interrupted(study, *_, **__):
-        study.optimize(lambda trial: 0.5, n_trials=1)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(tune, "search", interrupted)
-    status, _, err = armside(f"tune {QUICK} --study a --storage sqlite:///b.db")
-    assert status == 130
-    assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
-
-
-def test_ctrl_c_in_the_first_runs_says_what_is_kept_from_before(armside, monkeypatch):
-    def interrupted(rules, episodes, stop):
-        raise KeyboardInterrupt
-
-    line = f"tune {QUICK} --quiet --trials 1 --study a --storage sqlite:///b.db"
-    assert armside(line).status == 0
-    monkeypatch.setattr(tune, "Objective", interrupted)
-    status, _, err = armside(line)
-    assert status == 130
-    assert "kept in study 'a' of 'sqlite:///b.db': 1" in err
-
-
-SLOW_RUNS = """
-import sys, time
-from armside.scripts import cli
-from armside.scripts.studies import storage
-from armside.sim.tuning.rules import Rules
-
-storage.SLOW = 60.0
-
-def slow(*args, advance=Rules.advance):
-    time.sleep(0.3)
-    return advance(*args)
-
-Rules.advance = slow
-sys.exit(cli.main())
-"""
-
-
-def test_ctrl_c_twice_is_one_interruption(tmp_path):
-    """The second comes while the runs in flight are waited for."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", SLOW_RUNS, "tune", *QUICK.split()],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    process.stdout.readline()  # the first trial is done, the second waits for its run
-    time.sleep(0.1)
-    for _ in range(2):
-        process.send_signal(signal.SIGINT)
-        time.sleep(0.1)
-    _, err = process.communicate(timeout=60)
-    # A shell calls both 130: Python lets go of signals before it ends.
-    assert process.returncode in (130, -signal.SIGINT)
-    assert err.startswith("armside: interrupted; finished trials kept in study")
-    assert err.count("\n") == 1
-
-
-def test_what_goes_wrong_after_ctrl_c_is_an_interruption():
-    def stopped_twice(then):
-        with noticing(lambda: "kept") as stop:
-            for _ in range(2):
-                signal.raise_signal(signal.SIGINT)
-            assert stop.asked
-            then()
-
-    def broken():
-        raise UnboundLocalError
-
-    before = signal.getsignal(signal.SIGINT)
-    for then in (broken, lambda: None):  # noticed at the end, if not before
-        with pytest.raises(KeyboardInterrupt, match="kept"):
-            stopped_twice(then)
-        assert signal.getsignal(signal.SIGINT) is before
-    with pytest.raises(UnboundLocalError), noticing(lambda: "kept"):
-        broken()
-
-
-def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
-    def broken(*args):
-        raise RuntimeError("a run failed")
-
-    known = set(threading.enumerate())
-    monkeypatch.setattr(Rules, "advance", broken)
-    with pytest.raises(RuntimeError), _objective(payload=40.0, episodes=2) as objective:
-        next(objective.ratios(THESIS))
-    monkeypatch.setattr(Rules, "first", broken)
-    with pytest.raises(RuntimeError):
-        _objective(payload=40.0, episodes=2)
-    assert set(threading.enumerate()) == known
-
-
-def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
-    tried = [Outcome(0, 0.5, 0.6, True), Outcome(1, 1e3, 1e3, True), Outcome(2, 9.0, 8.0, True)]
-    tune_figures.history(tmp_path / "a.png", tried, sensor="by the motors")
-    (axes,) = drawn[0].axes
-    lines = {line.get_label(): line for line in axes.lines}
-    assert axes.get_ylim()[1] > 9.0  # whatever is finite is inside
-    assert list(lines["diverged, beyond the axis"].get_xdata()) == [1]
-    assert list(lines["best so far, by the motors"].get_ydata()) == [0.5] * 3
-    assert list(lines["same design, ground truth"].get_ydata()) == [0.6] * 3
-
-
-@pytest.mark.parametrize("width", [60, 80])
-@pytest.mark.parametrize("motors", list(Motors))
-def test_every_number_can_be_read_in_a_narrow_terminal(monkeypatch, capsys, motors, width):
-    monkeypatch.setenv("COLUMNS", str(width))
-    rng = np.random.default_rng(0)
-    values = studies.parameters(THESIS, motors)
-    values = {name: float(rng.uniform(0.1, 30.0)) for name in values}
-    best = {"trial": 1234, "ratio": 0.54321, "ratio_true": 0.65432} | values
-    outcome = {
-        "config": {"reward": "estimate", "study": "a", "storage": "b"},
-        "trials": {"complete": 55},
-        "bests": [best],
-        "best": best,
-        "importance": {key: {"share": 0.12345, "by_chance": 0.23456} for key in values},
-    }
-    tune_report.tables(console.Report(Common()), outcome, Path("c"))
-    out = capsys.readouterr().out
-    words = out.replace("│", " ").split()
-    assert {console.cell(value) for value in (*best.values(), 0.12345, 0.23456)} <= set(words)
-    assert "…" not in out
-
-
-@pytest.mark.parametrize("motors", list(Motors))
-def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
-    values = dict.fromkeys(studies.parameters(THESIS, motors), 0.12345)
-    study = optuna.create_study()
-    trial = optuna.trial.create_trial(
-        params=values,
-        distributions={n: optuna.distributions.FloatDistribution(0.0, 1.0) for n in values},
-        value=0.54321,
-        user_attrs={studies.TRUE: 0.65432},
-    )
-    study.add_trial(trial)
-    tune_report.new_best(console.Report(Common()), study.trials[0], RewardSensor.ESTIMATE)
-    first, second = capsys.readouterr().out.splitlines()
-    assert first == "best so far, trial 0: ratio 0.543 by the estimate"
-    assert second.startswith("true 0.654")
-    assert ("gamma" in second) is (motors is Motors.SHARED)
-    assert len(first) <= 60
-    assert len(second) <= 66  # of which the last four are a unit
-
-
-@pytest.mark.parametrize("ends", [(0.5, 0.4), (0.5, 1e3), (0.5, 0.4, 1e3, None)])
-def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypatch, ends):
-    drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
-    tried = [Outcome(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
-    tune_figures.history(tmp_path / "a.png", tried, sensor="by the estimate")
-    (axes,) = drawn[0].axes
-    drawn[0].canvas.draw()
-    box, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
-    gap = 0.2 * drawn[0].dpi  # less than a line of text
-    assert 0.0 <= legend.y0 - box.y1 < gap
-    assert 0.0 <= drawn[0].bbox.y1 - legend.y1 < gap
-    assert drawn[0].bbox.x0 <= legend.x0 < legend.x1 <= drawn[0].bbox.x1
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -363,37 +184,6 @@ def test_bad_input_is_found_before_the_first_runs(armside, tmp_path, monkeypatch
 
 
 @pytest.mark.filterwarnings("ignore:Heartbeat of storage")
-def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch):
-    def theirs(trial):
-        if trial.number in better:  # another process ends two while ours runs
-            for value in (better[trial.number], 0.9):
-                other.add_trial(
-                    optuna.trial.create_trial(value=value, user_attrs={studies.TRUE: value})
-                )
-        trial.set_user_attr(studies.TRUE, 0.5)
-        return 0.5
-
-    better = {0: 0.4, 3: 0.2}
-    url = f"sqlite:///{tmp_path}/a.db"
-    ours, other = (
-        open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
-    )
-    told, steps = [], []
-    monkeypatch.setattr(studies, "ask_first", lambda *_: None)
-    search(
-        ours,
-        theirs,
-        5,
-        {},
-        check=lambda: None,
-        step=lambda: steps.append(1),
-        new_best=lambda trial: told.append(trial.value),
-    )
-    assert told == [0.5, 0.4, 0.2]
-    assert len(steps) == 5
-
-
-@pytest.mark.filterwarnings("ignore:Heartbeat of storage")
 def test_a_trial_that_others_took_for_dead_is_left_to_them(tmp_path):
     url = f"sqlite:///{tmp_path}/a.db"
     ours, other = (
@@ -423,23 +213,3 @@ def test_without_optuna_the_extra_is_named(armside, monkeypatch, tmp_path):
     assert (status, out) == (2, "")
     assert err == "armside: armside tune needs Optuna: pip install 'armside[tuning]'\n"
     assert not list(tmp_path.iterdir())
-
-
-def test_a_limit_that_changed_what_was_asked_is_noted(armside):
-    fast = QUICK.replace("--speed 60", "--speed 100")
-    status, out, _ = armside(f"tune {fast} --trials 1 --json")
-    assert status == 0
-    (note,) = json.loads(out)["notes"]
-    assert note["cause"] == "speed"
-    assert "from 100 to 80.62 mm/s" in note["text"]
-    assert note["text"].endswith("(in 1 of 1 episodes)")
-
-
-def test_limits_that_the_best_design_touches_are_noted():
-    study = optuna.create_study()
-    for value, text in ((0.5, "drives saturate"), (0.4, "speed limit is reached"), (0.9, "worse")):
-        stored = [{"cause": "saturation", "text": text, "runs": []}]
-        study.add_trial(optuna.trial.create_trial(value=value, user_attrs={studies.NOTES: stored}))
-    (note,) = studies.notes_of_best(study)
-    assert note.line == "with the best design speed limit is reached"
-    assert studies.notes_of_best(optuna.create_study()) == []
