@@ -4,6 +4,7 @@ import fcntl
 import importlib.util
 import os
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,9 +17,13 @@ from hypothesis import settings
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # CI asks whether a change is sound, and the same change gets the same answer; whoever works on it
-# draws new examples with every run.
-settings.load_profile("ci" if os.environ.get("ARMSIDE_CI") else "default")
-
+# draws new examples with every run, and fewer of them.
+settings.register_profile("quick", max_examples=40)
+settings.load_profile("ci" if os.environ.get("ARMSIDE_CI") else "quick")
+WHOLE = bool(os.environ.get("ARMSIDE_CI"))
+"""In CI what is slow runs as it stands; else, with the same claims, a small form of it."""
+TWIN_OF = "2001"
+"""Individual whose twin is shared by the tests."""
 
 SLOWEST = (
     "README.md",
@@ -63,6 +68,51 @@ def made_once(tmp_path_factory, worker_id):
         return done
 
     return folder
+
+
+@pytest.fixture(scope="session")
+def commissioned(made_once):
+    """Folder with the `twin` of `TWIN_OF`, made from one cut, and its summary as JSON."""
+
+    def commission(folder):
+        line = f"commission --individual {TWIN_OF} --cuts 1 --json --out {folder / 'twin'}"
+        command = [sys.executable, "-m", "armside", *line.split()]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        (folder / "printed.json").write_text(done.stdout)
+
+    return made_once("commissioned", commission)
+
+
+@pytest.fixture(scope="module")
+def quick_identification():
+    """Springs are identified from the best of the starts in a few steps; in CI, as they are.
+
+    For tests of what is done with springs. Tests of the identification itself do without.
+    """
+    few = {"_FIRST_STEPS": 3, "_STEPS": 5, "_KEPT": 1}
+    with pytest.MonkeyPatch.context() as patch:
+        if not WHOLE:
+            for name, value in few.items():
+                patch.setattr(f"armside.ilc.estimation.prediction_error.{name}", value)
+        yield
+
+
+@pytest.fixture
+def one_step_commissioning(monkeypatch):
+    """A twin is commissioned in one step of its identification; in CI, in all of them.
+
+    For tests of what goes into a twin, not of how good it is.
+    """
+    from armside.sim.twin import commission
+    from armside.sim.twin.identification import Identification, identify
+
+    def one_step(design, cuts, _cfg, progress, *, sensor):
+        cfg = Identification(steps=1, linearised=(0,))
+        return identify(design, cuts, cfg, progress, sensor=sensor)
+
+    if not WHOLE:
+        monkeypatch.setattr(commission, "identify", one_step)
 
 
 @pytest.fixture

@@ -5,6 +5,9 @@ In blocks marked `sh` or `console` each line that starts with `armside` is run, 
 `$ ` before it. Commands that take minutes are only parsed. A line that several pages show and
 that reads no file is run once, and each page goes on with the folder that it wrote. A block marked
 `toml` whose first line is `# NAME.toml` is written to that file.
+
+In CI this is the whole of it. Else cuts that are learned make one update, springs are identified in
+few steps, and one twin stands for those of the pages.
 """
 
 import os
@@ -23,7 +26,9 @@ ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 TAKES_MINUTES = {"bench", "calibrate", "compare", "reproduce", "verify"}
 WHOLE = bool(os.environ.get("ARMSIDE_CI"))
-"""Run lines of half a minute as they stand; else what they do is left to their commands' tests."""
+"""Run lines as they stand; else those of half a minute are left to their commands' tests."""
+TWIN_OF = "2001"
+"""Individual of the twin that `commissioned` makes."""
 SHOWS = {"view": {"view"}, "serve": {"serve"}, "replay": {"--web", "--png", "--video"}}
 """Commands that open a window, serve until they are stopped, or need a GL library: their own tests
 run them."""
@@ -59,12 +64,29 @@ def commands(block: Block) -> list[str]:
 
 def run_command(command: str) -> None:
     words = shlex.split(command, comments=True)[1:]
-    if not WHOLE and "--cuts" in words:
-        words[words.index("--cuts") + 1] = "1"
+    if not WHOLE:
+        words = small(words)
     if words and (takes_minutes(words) or only_shows(words)):
         parse(words, cli.COMMANDS, cli.load)
     else:
         assert cli.main(words) == 0, command
+
+
+def small(words: list[str]) -> list[str]:
+    """The words with one update where none are asked for, and the individual of the shared twin."""
+    if words[:1] in (["laser"], ["cut"]) and not {"--iterations", "--plan-only"} & set(words):
+        words = [*words, "--iterations", "1"]
+    if "--twin" in words:
+        at = words.index("--individual") + 1
+        words = [*words[:at], TWIN_OF, *words[at + 1 :]]
+    return words
+
+
+def copy_twin(command: str, commissioned: Path) -> None:
+    """Put the shared twin where a page's commissioning would write its own."""
+    words = shlex.split(command, comments=True)[1:]
+    parse(words, cli.COMMANDS, cli.load)
+    shutil.copytree(commissioned / "twin", words[words.index("--out") + 1])
 
 
 def run_once(command: str, made_once) -> None:
@@ -102,7 +124,8 @@ def only_shows(words: list[str]) -> bool:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, made_once):
+@pytest.mark.usefixtures("quick_identification")
+def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, request):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "examples").symlink_to(ROOT / "docs" / "examples")
@@ -110,8 +133,10 @@ def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, made_once
     earlier: list[str] = []
     for block in blocks(page.read_text(encoding="utf-8")):
         for command in commands(block):
-            if command == SEVERAL_PAGES:
-                run_once(command, made_once)
+            if not WHOLE and command.startswith("armside commission "):
+                copy_twin(command, request.getfixturevalue("commissioned"))
+            elif command == SEVERAL_PAGES:
+                run_once(command, request.getfixturevalue("made_once"))
             elif not reads_what_no_line_wrote(command, earlier):
                 run_command(command)
             earlier.append(command)

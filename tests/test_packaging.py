@@ -23,6 +23,7 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 OURS = ("assets", "ilc", "kinematics", "scripts", "sim")
 """Folders at the root, linked from `src/armside`."""
+ESTIMATED = 'measure="estimate", '
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
 
 
@@ -135,8 +136,12 @@ def test_what_is_imported_is_what_was_installed(installed, tmp_path):
 
 def test_the_lines_of_the_readme_run_beside_packages_of_the_users_own(installed, tmp_path):
     """Saved as `sim.py`, in a folder that has an `assets` and a `scripts` as well."""
-    lines = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)
-    (tmp_path / "sim.py").write_text("".join(lines))
+    found = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)
+    lines = "".join(found)
+    if not os.environ.get("ARMSIDE_CI"):  # identifying springs is run by test_docs.py
+        assert ESTIMATED in lines
+        lines = lines.replace(ESTIMATED, "")
+    (tmp_path / "sim.py").write_text(lines)
     for name in ("assets", "scripts"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise ImportError('of the user')\n")

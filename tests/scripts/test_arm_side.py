@@ -10,6 +10,8 @@ from armside.sim.laser import Cut, learn
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
+pytestmark = pytest.mark.usefixtures("quick_identification")
+
 
 @pytest.fixture(scope="module")
 def identified(tmp_path_factory):

@@ -11,6 +11,8 @@ from armside.sim.notes import Tally
 
 from .verdicts import failing
 
+pytestmark = pytest.mark.usefixtures("quick_identification")
+
 HOLDING = dict.fromkeys(COLUMNS, 100.0) | {"start": 1000.0, "motor": 300.0}
 TWO_LINK = IRB1400_XML.parent / "two_link.toml"
 

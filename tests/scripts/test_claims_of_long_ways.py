@@ -10,6 +10,8 @@ from armside.scripts.verifications.long_way import DEVELOPMENT, POSES, long_way,
 from armside.scripts.verifications.long_way_cut import TASKS, Found, WayJob, found_of
 from armside.sim.notes import Cause
 
+pytestmark = pytest.mark.usefixtures("quick_identification")
+
 GOOD = [
     Found(
         seed=seed,

@@ -2,8 +2,6 @@
 
 import json
 import shutil
-import subprocess
-import sys
 from functools import partial
 
 import numpy as np
@@ -15,24 +13,16 @@ from armside.sim.instruments.laser_tracker import LaserTrackerCfg
 from armside.sim.twin import library
 from armside.sim.twin.twin import Twin
 
-INDIVIDUAL = "2001"
+INDIVIDUAL = "2001"  # of the shared twin
 SCATTER = 6e-6
 """[m], by which noise of an IMU moves a corrected cut from run to run: 2 to 5 um were seen."""
+pytestmark = pytest.mark.usefixtures("quick_identification")
 
 
 @pytest.fixture(scope="module")
-def twin(made_once):
+def twin(commissioned):
     """Folder of a twin that was commissioned from one cut, and its summary."""
-
-    def commission(folder):
-        line = f"commission --individual {INDIVIDUAL} --cuts 1 --json --out {folder / 'twin'}"
-        command = [sys.executable, "-m", "armside", *line.split()]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
-        (folder / "printed.json").write_text(done.stdout)
-
-    folder = made_once("commissioned", commission)
-    return folder / "twin", json.loads((folder / "printed.json").read_text())
+    return commissioned / "twin", json.loads((commissioned / "printed.json").read_text())
 
 
 def test_commissioning_leaves_a_twin_with_its_pictures(twin):

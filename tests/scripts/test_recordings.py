@@ -2,15 +2,18 @@
 
 import json
 import shutil
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
+import pyarrow.compute
 import pyarrow.parquet as pq
 import pytest
 
 from armside.scripts import cli
 
+compute: Any = pyarrow.compute
+"""Its functions are made when it is imported."""
 LOG = ("reference", "motor_angle", "motor_torque")
 DOCUMENTED = ("time", *(f"{name}_{i}" for name in LOG for i in range(1, 7)))
 """Columns of docs/formats.md that a robot's own recording needs, beside those of the tracker."""
@@ -52,7 +55,7 @@ def with_value(value):
 
 
 def torques(factor):
-    return lambda column: pc.multiply(column, factor)
+    return lambda column: compute.multiply(column, factor)
 
 
 TORQUE = [f"motor_torque_{i}" for i in range(1, 7)]
@@ -62,14 +65,17 @@ CORRUPT = {
     "infinite": (lambda t: changed(t, with_value(np.inf), "reference_1"), "not finite"),
     "units": (lambda t: changed(t, torques(1e3), *TORQUE), "it must be in N m of the motor"),
     "flange": (
-        lambda t: changed(t, lambda z: pc.add(z, 0.1), "tracker_z"),
+        lambda t: changed(t, lambda z: compute.add(z, 0.1), "tracker_z"),
         "another flange",
     ),
     "beam": (lambda t: changed(t, with_value(np.nan), "tracker_y"), "the tracker lost 1 of"),
     "columns": (lambda t: t.drop_columns(["motor_torque_6"]), "lacks the column motor_torque_6"),
     "empty": (lambda t: t.slice(0, 0), "is no recorded cut: it has no rows"),
-    "rest": (lambda t: t.filter(pc.less(t["time"], 0.2)), "rest.parquet"),
-    "gap": (lambda t: t.filter(pc.not_equal(t["time"], t["time"][1000])), "log is not at 250 Hz"),
+    "rest": (lambda t: t.filter(compute.less(t["time"], 0.2)), "rest.parquet"),
+    "gap": (
+        lambda t: t.filter(compute.not_equal(t["time"], t["time"][1000])),
+        "log is not at 250 Hz",
+    ),
 }
 
 
@@ -98,6 +104,7 @@ def test_a_truncated_file_and_another_robot_are_named_in_one_line(armside, good,
         assert said in err
 
 
+@pytest.mark.usefixtures("one_step_commissioning")
 def test_a_corrupt_cut_is_left_out_by_its_name_alone(armside, good, table, tmp_path):
     """And what is left is a recording of documented columns: the twin is the same, bit for bit."""
     documented = table.select([*DOCUMENTED, *TRACKER])

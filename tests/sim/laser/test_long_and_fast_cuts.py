@@ -14,6 +14,8 @@ from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.results import results
 from armside.sim.notes import Cause
 
+pytestmark = pytest.mark.usefixtures("quick_identification")
+
 
 def test_a_sound_imu_is_not_refused_on_a_fast_cut():
     """149 mm/s and 8 m/s^2: the search once turned the IMU for what its springs left."""

@@ -30,6 +30,7 @@ def parses(monkeypatch):
     return found
 
 
+@pytest.mark.usefixtures("quick_identification")
 def test_learning_from_the_estimate_reads_the_robot_file_once(parses):
     assert len(list(learn(Cut(), measure="estimate", iterations=1))) == 2
     assert parses == [str(LARGE_CELL.xml)]
