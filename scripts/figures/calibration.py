@@ -79,8 +79,11 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
     ]
     report.table("Parameters", ["name", "value", "standard deviation", "unit"], shown)
     errors = outcome["joint_errors"]
-    sag = "with" if errors["compliance"] else "without"
-    report.line(f"Full model: harmonics up to {errors['harmonics']}, {sag} compliance")
+    if any(errors.values()):
+        sag = "with" if errors["compliance"] else "without"
+        report.line(f"Full model: harmonics up to {errors['harmonics']}, {sag} compliance")
+    else:
+        report.line("Full model: the geometry alone, without errors of the joints")
     report.line(
         f"{100 * outcome['inside']:.1f} % of the held-out poses lie where the full model holds; "
         "the geometry is used for the others"
@@ -120,7 +123,8 @@ def draw_residuals(file: Path, done: Calibration) -> None:
     for name in FITS:
         length = done.residuals(name)
         values = 1e3 * np.sort(length[np.isfinite(length)])
-        left.plot(values, np.linspace(0, 100, len(values)), label=name)
+        style = "--" if name == "full" else "-"  # it may be the geometry
+        left.plot(values, np.linspace(0, 100, len(values)), style, label=name)
     left.set(xlabel="held-out error [mm]", ylabel="poses [%]", title="Fraction below an error")
     left.set(xlim=(0, None), ylim=(0, 100))
     left.grid(alpha=0.3)

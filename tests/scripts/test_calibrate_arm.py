@@ -1,13 +1,17 @@
 """`armside calibrate-arm` on the set that is part of the project."""
 
+import ctypes
 import importlib
 import json
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armside.kinematics import compile, read_robot
+from armside.kinematics.urdf import read_urdf
 
 UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
 FAST = "--harmonics 0 --next 3"
@@ -19,6 +23,23 @@ def done(armside, tmp_path):
     status, out, err = armside(line)
     assert (status, err) == (0, "")
     return json.loads(out), tmp_path / "out"
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_table_urdf_and_c_of_the_calibrated_arm_agree(done):
+    _, folder = done
+    robot, _ = read_robot(folder / "calibrated.toml")
+    phi = np.random.default_rng(0).uniform(-2.0, 2.0, (20, 6))
+    expected = compile(robot).pose(phi)
+    by_urdf = compile(read_urdf(folder / "calibrated.urdf").robot).pose(phi)
+    np.testing.assert_allclose(by_urdf, expected, atol=1e-12)
+    source, library = folder / "calibrated_pose.c", folder / "calibrated_pose.so"
+    subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
+    by_c = np.zeros_like(expected)
+    function = ctypes.CDLL(str(library)).calibrated_pose
+    for one, T in zip(phi, by_c, strict=True):
+        function(one.ctypes.data_as(ctypes.c_void_p), T.ctypes.data_as(ctypes.c_void_p))
+    np.testing.assert_allclose(by_c, expected, atol=1e-12)
 
 
 def test_summary_and_files(done):
