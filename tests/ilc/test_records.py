@@ -23,7 +23,7 @@ NOT_RECORDS = {
     "start", "start_covariance", "prior", "prior_sd", "pattern", "normal",
     # sizes of errors over iterations, other values of any shape
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
-    "memory", "second", "starts", "place", "wanted",
+    "memory", "second", "starts", "further", "place", "wanted",
     # lines of a spectrum, sizes of inputs, ratios of variances
     "lines", "rms", "ratio", "K", "start_factor",
     # functions of a basis, (N, n, p), and their parameters
