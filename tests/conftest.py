@@ -34,7 +34,7 @@ SLOWEST = (
     "test_packaging.py",
     "test_arm_side.py",
     "test_docs.py",
-    "test_replay.py",
+    "test_replay_shown.py",
 )
 """Parts of the names of the tests and set-ups that take longest, the longest first."""
 

@@ -1,5 +1,6 @@
 """Every law beside the analysis that predicts it, on random stable plants and on the joint."""
 
+import os
 from itertools import pairwise
 
 import numpy as np
@@ -22,6 +23,7 @@ from armside.ilc.models.system_matrix import SystemMatrix
 
 from .signals import N, bump
 
+EXAMPLES = 6 if os.environ.get("ARMSIDE_CI") else 3
 T_S = 0.004
 ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
 
@@ -68,7 +70,7 @@ LAWS = {
 
 
 @pytest.mark.parametrize("name", LAWS)
-@settings(max_examples=6, deadline=None, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=EXAMPLES, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(T_u=stable_plants())
 def test_fixed_point_and_rate_are_those_of_the_lifted_analysis(name, T_u):
     law = LAWS[name](T_u)

@@ -11,7 +11,12 @@ import numpy as np
 import pytest
 
 from armside.scripts import cli
+from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.grid import parse
+from armside.scripts.jobs.point import run_grid
 from armside.scripts.thesis.report import Section
+
+from .sweep_engine import AXES, Serial
 
 HERE = Path(__file__).parent
 START = f"""
@@ -87,3 +92,26 @@ def assert_complete():
         assert all(np.isfinite(check.ours) for check in section.checks)
 
     return check
+
+
+@pytest.fixture(scope="session")
+def whole(made_once):
+    """The dataset of AXES, computed in one process without any disturbance."""
+
+    def make(folder):
+        counts = run_grid(parse(AXES, 0), dataset(folder), Serial())
+        assert counts == {"done": 4, "failed": 4}
+
+    return dataset(made_once("whole", make)).read()
+
+
+@pytest.fixture(scope="session")
+def replayed(made_once):
+    """Folder with a run of two iterations, `two`, and its replay, `two.rrd`."""
+
+    def make(folder):
+        out, file = folder / "two", folder / "two.rrd"
+        assert cli.main(["laser", "--iterations", "1", "--quiet", "--out", str(out)]) == 0
+        assert cli.main(["replay", str(out), "--save", str(file), "--quiet"]) == 0
+
+    return made_once("replayed", make)

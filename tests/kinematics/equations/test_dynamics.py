@@ -1,5 +1,7 @@
 """Dynamics against MuJoCo, against energies, and as laws of mechanics."""
 
+import os
+
 import mujoco
 import numpy as np
 import pytest
@@ -22,6 +24,9 @@ from armside.kinematics.links import link_transform
 from armside.kinematics.symbolic.lagrange import symbolic_dynamics
 
 ROUNDING = 1e-10  # relative
+SIZES = (1, 2, 3, 4, 6, 8) if os.environ.get("ARMSIDE_CI") else (1, 2, 3, 6)
+"""Numbers of joints."""
+EXAMPLES = 30 if os.environ.get("ARMSIDE_CI") else 10
 
 
 def mujoco_model(model: InertialModel) -> mujoco.MjModel:
@@ -64,7 +69,7 @@ def add_inertia(parent, place: np.ndarray, body: Body) -> None:
 
 
 @pytest.mark.parametrize("convention", Convention)
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 6, 8])
+@pytest.mark.parametrize("n", SIZES)
 def test_recursions_agree_with_mujoco(n, convention, random_model, random_robot, interpreted):
     rng = np.random.default_rng(n)
     model = random_model(rng, random_robot(rng, n, convention))
@@ -137,7 +142,7 @@ def functions(arm, interpreted):
 six = st.tuples(*[st.floats(-3, 3)] * 6).map(np.array)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=EXAMPLES, deadline=None)
 @given(phi=six, rate=six)
 def test_inertia_rate_minus_twice_coriolis_is_skew(functions, phi, rate):
     """(2.16), with dD/dt by central differences."""
@@ -149,7 +154,7 @@ def test_inertia_rate_minus_twice_coriolis_is_skew(functions, phi, rate):
     np.testing.assert_allclose((N + N.T) / scale, 0, atol=1e-7)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=EXAMPLES, deadline=None)
 @given(phi=six, rate=six)
 def test_coriolis_times_rate_is_what_the_recursion_has(arm, functions, phi, rate):
     friction = lost(arm, rate)
@@ -158,7 +163,7 @@ def test_coriolis_times_rate_is_what_the_recursion_has(arm, functions, phi, rate
     np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-10 * (1 + rate @ rate))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=EXAMPLES, deadline=None)
 @given(phi=six, rate=six, rate_dot=six)
 def test_power_of_the_motors_is_the_change_of_energy_and_the_friction(
     arm, functions, phi, rate, rate_dot
