@@ -13,6 +13,7 @@ from ..records import as_record
 from .csv_signal import read_signal
 from .task import Task
 
+_LARGEST = 1e100  # range of a column; its inverse is the smallest: squares stay finite
 _EXCITED = 1e-2  # least power of a line relative to the greatest
 _IRREGULAR = 1e-3  # largest deviation of a step of time from the sample time, relative
 
@@ -33,8 +34,14 @@ class InputOutput:
     def __post_init__(self) -> None:
         for name in "uy":
             object.__setattr__(self, name, as_record(getattr(self, name), name))
-            if not np.ptp(getattr(self, name), axis=0).all():
+            with np.errstate(over="ignore"):
+                ranges = np.ptp(getattr(self, name), axis=0)
+            if not ranges.all():
                 raise ValueError(f"a column of {name} does not vary")
+            if not 1.0 / _LARGEST <= ranges.min() <= ranges.max() <= _LARGEST:
+                allowed = f"{1.0 / _LARGEST:g} to {_LARGEST:g}"
+                given = f"{ranges.min():g} to {ranges.max():g}"
+                raise ValueError(f"columns of {name} must vary by {allowed}, got {given}")
         if len(self.u) != len(self.y):
             raise ValueError(f"u and y must have one length, got {len(self.u)} and {len(self.y)}")
 
@@ -72,7 +79,7 @@ def read_input_output(
     n = signal.values.shape[1]
     if n <= n_inputs:
         needed = f"{n_inputs} columns of inputs and at least one of outputs"
-        raise ValueError(f"{file} must have {needed}, got {n} columns")
+        raise ValueError(f"{file} must have {needed}, got {n} in all")
     if signal.time is not None and len(signal.time) > 1:
         steps = np.diff(signal.time)
         if np.abs(steps - np.median(steps)).max() > _IRREGULAR * np.median(steps):
@@ -107,7 +114,7 @@ def _sample_time(file: Path, stated: float | None, given: float | None) -> float
         raise ValueError(f"{file} has a sample time of {stated:g} s, got {given:g} s")
     found = given if given is not None else stated
     if found is None or not (np.isfinite(found) and found > 0.0):
-        raise ValueError(f"{file} has no column time: give --sample-time")
+        raise ValueError(f"{file} states no sample time: give --sample-time")
     return found
 
 

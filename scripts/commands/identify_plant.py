@@ -10,7 +10,7 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import RunFailed, checking_input
+from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
 
 if TYPE_CHECKING:
@@ -58,10 +58,13 @@ class IdentifyPlantCfg:
     """Delays 0 to this one are tried [samples]."""
     validation: FileToRead = None
     """Another record, on which each model is simulated."""
+    band_fits: int = 30
+    """Repeated fits behind the band of a subspace model in the figure; 0 draws no band."""
 
     def __post_init__(self) -> None:
         ranges = {"column": (1, 100), "periods": (3, 1000), "inputs": (1, 20)}
         ranges |= {"largest_order": (1, 14), "largest_delay": (0, 100)}
+        ranges |= {"band_fits": (0, 1000)}
         for name, (low, high) in ranges.items():
             if not low <= (value := getattr(self, name)) <= high:
                 raise ValueError(f"{name} must be {low} to {high}, got {value}")
@@ -71,6 +74,8 @@ class IdentifyPlantCfg:
             raise ValueError(f"highest must be above 0 and at most 1e9 Hz, got {self.highest:g}")
         if self.sample_time is not None and not 1e-9 <= self.sample_time <= 1e6:
             raise ValueError(f"sample_time must be 1e-9 to 1e6 s, got {self.sample_time:g}")
+        if self.band_fits == 1:
+            raise ValueError("band_fits must be 0 or at least 2, got 1")
         if self.period is not None and self.period < 4:
             raise ValueError(f"period must be at least 4 samples, got {self.period}")
         if not self.structures or len(set(self.structures)) < len(self.structures):
@@ -91,6 +96,8 @@ def identify_plant(
     Writes plant.json, which `learn --plant` and `design --model` take, identification.png and
     summary.json.
     """
+    import numpy as np
+
     from armside.ilc.identification.structures import Structure, compare_structures
     from armside.ilc.models.model_file import write_model
     from armside.ilc.workbench.input_output import read_input_output
@@ -109,19 +116,17 @@ def identify_plant(
                 raise ValueError(f"{cfg.validation} must have {made.y.shape[1]} outputs, as the "
                                  f"record has, got {fresh.y.shape[1]}")  # fmt: skip
         measured = shown.periodic_response(made)
-    with report.progress("identifying", total=1) as step:
-        try:
-            found = compare_structures(
-                made.u, made.y, made.sample_time, [Structure(name) for name in cfg.structures],
-                largest_order=cfg.largest_order, largest_delay=cfg.largest_delay,
-            )  # fmt: skip
-        except ValueError as error:  # of data that do not determine a model
-            raise RunFailed(str(error)) from error
+    with report.progress("identifying", total=1) as step, checking_input():
+        found = compare_structures(  # a record that determines no model is bad input
+            made.u, made.y, made.sample_time, [Structure(name) for name in cfg.structures],
+            largest_order=cfg.largest_order, largest_delay=cfg.largest_delay,
+        )  # fmt: skip
         step()
     outcome = summary("identify-plant", cfg, common, **shown.results(found, made, fresh, measured))
     with run_folder(outcome, common) as folder:
         write_model(folder / "plant.json", found[0].system)
-        shown.draw(folder / "identification.png", found[0], made, measured, common.seed)
+        rng = np.random.default_rng(common.seed)
+        shown.draw(folder / "identification.png", found[0], made, measured, cfg.band_fits, rng)
     shown.tables(report, outcome)
     report.results(outcome, folder.path)
 
@@ -156,6 +161,7 @@ def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputO
 
 def _refuse_long(made: "InputOutput", cfg: IdentifyPlantCfg) -> None:
     n, states = len(made.u), cfg.largest_order * (1 + made.y.shape[1])
-    seconds = n * len(cfg.structures) * cfg.largest_order**2 * SECONDS
+    fits = len(cfg.structures) + cfg.band_fits / 30.0
+    seconds = n * fits * cfg.largest_order**2 * SECONDS
     what = f"fits of order {cfg.largest_order} to {n} samples"
     refuse_absurd(what, Effort(seconds, 8.0 * n * 40 * states))

@@ -107,18 +107,27 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
 
 
 def draw(
-    file: Path, best: Candidate, made: InputOutput, measured: FrequencyResponse | None, seed: int
+    file: Path,
+    best: Candidate,
+    made: InputOutput,
+    measured: FrequencyResponse | None,
+    fits: int,
+    rng: np.random.Generator,
 ) -> None:
-    """Response of the model with its band of 95 %, beside the measured one; output over time."""
+    """Response of the model with its band of 95 %, beside the measured one; output over time.
+
+    The band of a subspace model needs `fits` repeated fits; 0 draws none.
+    """
     omega = np.pi * np.geomspace(2e-3, 0.999, 300)
     f = hertz(omega, made.sample_time)
-    magnitude, band = _response(best, made, omega, np.random.default_rng(seed))
+    magnitude, band = _response(best, made, omega, fits, rng)
     figure = new_figure(9.6, 4.2)
-    figure.set_layout_engine("constrained")
+    figure.subplots_adjust(left=0.08, right=0.98, bottom=0.14, top=0.91, wspace=0.18)
     left, right = figure.subplots(1, 2)
+    named = "model" if np.isnan(band).all() else "model, 95 %"
     for i, (G, width) in enumerate(zip(magnitude.T, band.T, strict=True)):
         color = COLORS[i % len(COLORS)]
-        left.loglog(f, G, color=color, lw=1.2, label="model, 95 %" if i == 0 else None)
+        left.loglog(f, G, color=color, lw=1.2, label=named if i == 0 else None)
         left.fill_between(f, np.maximum(G - width, 1e-3 * G), G + width, color=color, alpha=0.2)
     if measured is not None:
         at, size = hertz(measured.omega, made.sample_time), np.abs(measured.response[:, 0, 0])
@@ -135,11 +144,13 @@ def draw(
 
 
 def _response(
-    best: Candidate, made: InputOutput, omega: Array, rng: np.random.Generator
+    best: Candidate, made: InputOutput, omega: Array, fits: int, rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """Magnitudes (M, entries), and half the widths of their intervals of 95 %."""
     G = np.abs(best.system.response(omega)).reshape(len(omega), -1)
     if isinstance(best.fit, PolynomialFit):
         return G, SIGMAS * best.fit.response_deviation(omega)[:, None]
-    spread = bootstrap_response_deviation(best.fit, made.u, omega, rng, repeats=30)
+    if fits == 0:
+        return G, np.full(G.shape, np.nan)
+    spread = bootstrap_response_deviation(best.fit, made.u, omega, rng, repeats=fits)
     return G, SIGMAS / np.sqrt(2.0) * spread.reshape(len(omega), -1)

@@ -51,13 +51,16 @@ def test_a_record_gives_a_plant_that_learn_takes_and_intervals_around_the_truth(
     assert armside("learn --plant found/plant.json --iterations 1 --samples 60").status == 0
 
 
-def test_several_inputs_of_a_mat_file_become_a_state_space(armside, tmp_path):
+@pytest.mark.parametrize("band", ["--band-fits 2", "--band-fits 0"])
+def test_several_inputs_of_a_mat_file_become_a_state_space(armside, tmp_path, band):
     plant = SystemMatrix(((TRUE, TRUE * 0.2), (TRUE * -0.1, TRUE)))
     rng = np.random.default_rng(2)
     u = rng.standard_normal((600, 2))
     y = plant.simulate(u) + 0.02 * rng.standard_normal(u.shape)
     savemat(tmp_path / "two.mat", {"u": u, "y": y, "sample_time": STEP})
-    status, out, err = armside("identify-plant two.mat --largest-order 6 --from-rest --out two")
+    status, out, err = armside(
+        f"identify-plant two.mat --largest-order 6 --from-rest {band} --out two"
+    )
     assert (status, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
     omega = np.array([0.05, 0.5])
@@ -86,6 +89,7 @@ def test_an_experiment_measures_the_response_of_its_plant(armside, tmp_path):
         ("identify-plant --plant two-mass --largest-order 15", "must be 1 to 14, got 15"),
         ("identify-plant --plant two-mass --structures oe oe", "each given once"),
         ("identify-plant nowhere.csv", "nowhere.csv"),
+        ("identify-plant --plant two-mass --band-fits 1", "0 or at least 2"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(bad_input, line, said):
@@ -96,7 +100,20 @@ def test_records_that_say_nothing_are_refused_in_one_line(armside, tmp_path):
     u, y = measured(0, n=100)
     write(tmp_path / "untimed.csv", u, y, time=False)
     write(tmp_path / "still.csv", 0.0 * u, y)
-    for file, said in (("untimed", "give --sample-time"), ("still", "column of u does not vary")):
-        status, _, err = armside(f"identify-plant {file}.csv")
-        assert (status, err.count("\n")) == (2, 1)
+    write(tmp_path / "alone.csv", u, y[:, :0])
+    write(tmp_path / "huge.csv", 1e200 * u, y)
+    write(tmp_path / "tiny.csv", u, 1e-200 * y)
+    write(tmp_path / "short.csv", u[:12], y[:12])
+    write(tmp_path / "same.csv", u, u)
+    for file, said in (
+        ("untimed", "give --sample-time"),
+        ("still", "column of u does not vary"),
+        ("alone", "at least one of outputs, got 1 in all"),
+        ("huge", "u must vary by 1e-100 to 1e+100"),
+        ("tiny", "y must vary by 1e-100 to 1e+100"),
+        ("short", "need more than 12 samples"),
+        ("same", "do not excite"),
+    ):
+        status, out, err = armside(f"identify-plant {file}.csv")
+        assert (status, out, err.count("\n")) == (2, "", 1)
         assert said in err
