@@ -33,8 +33,8 @@ class ConvertCfg(BagCfg):
     to: Kind = "csv"
     """Kind of file; hdf5 and mcap need the extra [convert], mcap of a recording [bags]."""
     file: Path | None = None
-    """File to write, or folder for a recording [default: signals.<kind> in the run's folder;
-    <name>-<kind> beside the recording, <name>-signals.<kind> beside a log]."""
+    """File to write, or folder for a recording [default: signals.KIND in the run's folder;
+    NAME-KIND beside the recording, NAME-signals.KIND beside a log]."""
     columns: FileToRead = None
     """File (TOML) that says which columns of a controller's log are which (docs/formats.md)."""
 

@@ -53,7 +53,7 @@ class ExportCorrectionCfg:
     """Kind of file; rsi: messages with axis corrections [deg], egm: messages with joint angles
     [deg], both at 250 Hz."""
     file: FileToWrite = None
-    """File to write [default: <form>.<kind> in the working folder]."""
+    """File to write [default: FORM.KIND in the working folder]."""
     law: str | None = None
     """Law whose correction is wanted, where `learn` compared several."""
     robot: str | None = None

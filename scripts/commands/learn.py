@@ -126,6 +126,7 @@ def _finish(
     from ..workbench import results
 
     diverged = [run.law for run in runs if run.diverged]
+    worse = results.of_the_tool(runs)
     outcome = summary(
         "learn",
         cfg,
@@ -133,6 +134,7 @@ def _finish(
         status="diverged" if diverged else "done",
         started_from=None if before is None else before.entry,
         laws=results.rows(runs),
+        notes=worse,
     )
     title = Path(cfg.plant).name if "/" in cfg.plant else cfg.plant
     with run_folder(outcome, common) as folder:
@@ -141,7 +143,7 @@ def _finish(
     if before is not None:
         report.line(before.line)
     results.show(report, title, runs)
-    for note in notes:
+    for note in [*worse, *notes]:
         report.line(f"Note: {note}")
     report.results(outcome, folder.path)
     if diverged:

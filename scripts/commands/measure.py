@@ -21,6 +21,7 @@ from armside.sim.evaluation.recorded import (
 )
 from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
 from armside.sim.records.signals import signals_of
+from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
 from armside.sim.robot.cell_model import cell_model
@@ -80,11 +81,13 @@ class MeasureCfg:
 def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:
     """Measure recorded data: motor errors, and how far the tool was from its circle or contour.
 
-    file: CSV, MATLAB, HDF5 or Parquet with columns time [s], reference_1.., motor_angle_1.. [rad,
-    arm side], and if there are any k, tracker_x, tracker_y, tracker_z [m]. See docs/formats.md.
+    file: folder of a run; or CSV, MATLAB, HDF5 or Parquet with columns time [s], reference_1..,
+    motor_angle_1.. [rad, arm side], and if there are any k, tracker_x, tracker_y, tracker_z [m].
+    See docs/formats.md.
     """
     report = Report(common)
     with checking_input():
+        file = read_run(file).file("signals.parquet") if file.is_dir() else file
         read = read_table(file)
         if b"armside.config" in (read.schema.metadata or {}):
             signals = signals_of(read, source=file.name)

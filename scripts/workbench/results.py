@@ -18,6 +18,10 @@ from ..shell.console import Report
 
 STATE = "state.npz"
 """File with the states that `--from` continues."""
+TOOL = "arm_rms"
+"""Measure of a virtual robot's tool [m]."""
+SHOWN = {TOOL: ("arm RMS [µm]", 1e6)}
+"""Heading and factor of a measure in the table; others are shown as they are."""
 LABEL = 18
 """Width of a law's label, so that a table with five numbers fits 80 columns."""
 
@@ -79,19 +83,22 @@ def show(report: Report, title: str, runs: Sequence[LawRun]) -> None:
     """Tables of first and last error beside the prediction."""
     together = groups(runs)
     levels = len({run.noise for run in runs}) > 1
-    first, last = runs[0].first_k, max(run.first_k + len(run.norms) for run in runs) - 1
-    heads = ["law", f"k = {first}", f"k = {last}", "predicted", "criterion", "radius"]
+    first, last = _ends(runs)
+    at = [f"k = {k}" for k in dict.fromkeys((first, last))]
+    heads = ["law", *at, "predicted", "criterion", "radius"]
     table = []
     for group in together:
         norms, seen = mean_norms(group), group[0].prediction
         ends = float(norms[-1]) if len(norms) == last - first + 1 else None
-        numbers: list[Any] = [float(norms[0]), None if group[0].diverged else ends]
+        numbers: list[Any] = [float(norms[0]), None if group[0].diverged else ends][-len(at) :]
         if seen is None:
             numbers += [None] * 3
         else:
             numbers += [float(seen.errors[-1]), seen.contraction, seen.spectral_radius]
         table.append([_folded(label(group[0], levels)), *numbers])
-    shown = [i for i in range(len(heads)) if i < 3 or any(row[i] is not None for row in table)]
+    shown = [
+        i for i in range(len(heads)) if i <= len(at) or any(row[i] is not None for row in table)
+    ]
     repeated = f", mean of {len(together[0])}" if len(together[0]) > 1 else ""
     report.table(
         f"{title}: ||e_k||{repeated}",
@@ -99,19 +106,49 @@ def show(report: Report, title: str, runs: Sequence[LawRun]) -> None:
         [[row[i] for i in shown] for row in table],
         missing="diverged, or not known for this law",
     )
-    names = list(runs[0].measures[0]) if runs[0].measures else []
-    if names:
-        heads = ["law", *(f"{name}, k = {k}" for name in names for k in (first, last))]
-        more = [_measures(group, names, levels) for group in together]
-        report.table("Other measures", heads, more)
+    if measures := list(runs[0].measures[0]) if runs[0].measures else []:
+        _show_measures(report, measures, runs)
 
 
-def _measures(group: Sequence[LawRun], names: Sequence[str], levels: bool) -> list[Any]:
-    row: list[Any] = [_folded(label(group[0], levels))]
-    for name in names:
-        for at in (0, -1):
-            row.append(float(np.mean([run.measures[at][name] for run in group])))
-    return row
+def _ends(runs: Sequence[LawRun]) -> tuple[int, int]:
+    """First and last iteration of a comparison."""
+    return runs[0].first_k, max(run.first_k + len(run.norms) for run in runs) - 1
+
+
+def _show_measures(report: Report, names: Sequence[str], runs: Sequence[LawRun]) -> None:
+    """Table of the measures that are not the learned error, means over repetitions."""
+    levels, first_and_last = len({run.noise for run in runs}) > 1, _ends(runs)
+    ends = dict(zip(first_and_last, (0, -1), strict=True))
+    shown = {name: SHOWN.get(name, (name, 1.0)) for name in names}
+    heads = [f"{heading}, k = {k}" for heading, _ in shown.values() for k in ends]
+    table: list[list[Any]] = [
+        [
+            _folded(label(group[0], levels)),
+            *(
+                factor * float(np.mean([run.measures[at][name] for run in group]))
+                for name, (_, factor) in shown.items()
+                for at in ends.values()
+            ),
+        ]
+        for group in groups(runs)
+    ]
+    report.table("Other measures", ["law", *heads], table)
+
+
+def of_the_tool(runs: Sequence[LawRun]) -> list[str]:
+    """Notes on laws that made the tool of a robot worse; the learned motors may have improved."""
+    measured = [run for run in runs if run.measures and TOOL in run.measures[0]]
+    if not measured:
+        return []
+    from armside.sim.laser.notes import GROWTH
+
+    ends = [(run.measures[0][TOOL], run.measures[-1][TOOL], run.law) for run in measured]
+    worse = [each for each in ends if each[1] > GROWTH * each[0]]
+    if not worse:
+        return []
+    (before, *_), (_, after, law) = worse[0], max(worse, key=lambda each: each[1] / each[0])
+    count = f"{len(worse)} of {len(measured)} runs made the tool worse"
+    return [f"{count}: RMS {1e6 * before:.4g} to {1e6 * after:.4g} um with {law}"]
 
 
 def _folded(text: str) -> str:

@@ -35,6 +35,7 @@ def test_a_run_read_back_is_the_run_bit_for_bit_and_measures_the_same(run, tmp_p
     for name in written.column_names:
         assert same(back[name], written[name]), name
     rows = measured(file, capsys)
+    assert measured(run, capsys) == rows
     for row, original in zip(
         rows, json.loads((run / "summary.json").read_text())["iterations"], strict=True
     ):

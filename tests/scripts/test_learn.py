@@ -70,6 +70,22 @@ def test_a_robot_goes_on_bit_for_bit_and_says_so(place):
     assert more["laws"][0]["arm_rms"] == two["laws"][0]["arm_rms"][2:]
 
 
+def test_motors_that_follow_while_the_tool_gets_worse_are_noted(place, capsys):
+    words = ["learn", "--plant", "large:radius=2,speed=80", "--iterations", "1"]
+    assert main([*words, "--out", "one"]) == 0
+    said, (law,) = capsys.readouterr().out, read(place / "one")["laws"]
+    assert law["error_two"][1] < law["error_two"][0]
+    first, last = (1e6 * rms for rms in law["arm_rms"])
+    assert last > first
+    rms = f"RMS {first:.4g} to {last:.4g} um with heuristic"
+    assert read(place / "one")["notes"] == [f"1 of 1 runs made the tool worse: {rms}"]
+    assert "arm RMS [µm], k = 0" in said
+    assert f"{last:.4g}" in said
+    assert main(["learn", "--from", "one", "--iterations", "1", "--out", "more"]) == 0
+    heads = [line for line in capsys.readouterr().out.splitlines() if "law" in line]
+    assert [line.count("k = 2") for line in heads] == [1, 1]  # one run, one column
+
+
 def test_another_law_starts_from_the_correction(place):
     words = ["learn", "--plant", "lag.json", "--quiet"]
     assert main([*words, "--laws", "gradient", "--iterations", "3", "--out", "a"]) == 0

@@ -1,7 +1,6 @@
 """The virtual robot behind a protocol, by command line."""
 
 import json
-import os
 import socket
 import subprocess
 import sys
@@ -27,11 +26,12 @@ def test_a_served_robot_is_learned_on_from_another_process(tmp_path):
         [*SERVE, *words, "--port", str(port), "--runs", "3", "--out", str(tmp_path / "served")],
         stdout=subprocess.PIPE,
         text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )
     assert served.stdout is not None
     try:
-        printed = served.stdout.readline()  # it may take long to begin where others work
+        printed = (
+            served.stdout.readline()
+        )  # comes at once; it may take long to begin where others work
         plant = f"rsi:port={port},wait=60"
         out = ["--out", str(tmp_path / "learned")]
         assert main(["learn", "--plant", plant, "--iterations", "1", "--quiet", *out]) == 0
