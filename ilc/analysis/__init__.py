@@ -6,6 +6,8 @@ from .criterion import criterion as criterion
 from .criterion import frequency_grid as frequency_grid
 from .criterion import hertz as hertz
 from .criterion import heuristic_criterion as heuristic_criterion
+from .eigenloci import Eigenloci as Eigenloci
+from .eigenloci import eigenloci as eigenloci
 from .lifted import LiftedIteration as LiftedIteration
 from .limits import largest_common_cutoff as largest_common_cutoff
 from .limits import largest_cutoff as largest_cutoff

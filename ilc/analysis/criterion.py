@@ -135,13 +135,20 @@ def heuristic_criterion(
     def power(omega: Array) -> Array:
         return np.square(at(omega).learning * at(omega).q)
 
-    poles = getattr(Q, "poles", None)
+    poles = iteration_poles(T_u, delta, Q)
     if omega is not None or poles is None:
         return at(frequency_grid() if omega is None else omega)
-    lead = np.zeros(int(np.abs(delta).max()))
-    all_poles = np.concatenate((T_u.all_poles, poles, lead)).astype(np.complex128)
-    largest = peak(power, all_poles, frequency_grid())
+    largest = peak(power, poles, frequency_grid())
     return replace(at(largest.omega), bound=float(np.sqrt(largest.bound)))
+
+
+def iteration_poles(T_u: Model, delta: int | tuple[int, ...], Q: RecordFilter) -> Complex | None:
+    """Poles of Q (1 - gamma q^delta T_u), those at the origin included; None if Q states none."""
+    poles = getattr(Q, "poles", None)
+    if poles is None:
+        return None
+    lead = np.zeros(int(np.abs(delta).max()))
+    return np.concatenate((T_u.all_poles, poles, lead)).astype(np.complex128)
 
 
 def heuristic_gain(

@@ -7,6 +7,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..analysis.criterion import criterion, frequency_grid, heuristic_criterion
+from ..analysis.eigenloci import Eigenloci, eigenloci
 from ..analysis.lifted import LiftedIteration
 from ..laws.heuristic import Heuristic
 from ..laws.law import FirstOrder, Law
@@ -52,6 +53,15 @@ def predict(law: str, setting: Setting, first_error: Array, iterations: int) -> 
     if Words.parse(law).name in MEASURING:  # L is measured, not stated
         return Prediction(None, None, errors)
     return Prediction(_contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
+
+
+def predicted_loci(law: str, setting: Setting) -> Eigenloci | None:
+    """Eigenloci of a heuristic law with the coupled model of the setting; None for others."""
+    built = build_law(law, setting)
+    if not isinstance(built, Heuristic) or setting.model is None:
+        return None
+    coupled = not isinstance(setting.model, System)
+    return eigenloci(setting.model, built.gamma, built.delta, built.Q) if coupled else None
 
 
 def _errors(law: Law, T_u: Model, first_error: Array, iterations: int) -> Array:

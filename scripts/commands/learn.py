@@ -16,6 +16,7 @@ from ..workbench.options import LearnCfg
 
 if TYPE_CHECKING:
     from armside.arrays import Array
+    from armside.ilc.analysis import Eigenloci
     from armside.ilc.workbench.compare import LawRun
     from armside.ilc.workbench.task import Task
 
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     """Compare learning laws on any plant, with the convergence that its model predicts.
 
-    Writes convergence.png, a correction a law as CSV, reference.csv, state.npz (for --from) and
-    summary.json.
+    Writes convergence.png, eigenloci of coupled models, a correction a law as CSV, reference.csv,
+    state.npz (for --from) and summary.json.
     """
     from armside.ilc.workbench.own import OwnCodeError
 
@@ -46,9 +47,19 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
         with closing(task):
             runs = _runs(cfg, common, task, before, report)
             record = (task.reference, task.sample_time)
+            loci = _loci(cfg, task)
     except OwnCodeError as error:
         raise RunFailed(str(error)) from error
-    _finish(cfg, common, report, runs, record, before)
+    _finish(cfg, common, report, runs, record, before, loci)
+
+
+def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
+    """Eigenloci of each heuristic law, for a coupled model."""
+    from armside.ilc.workbench.compare import setting_of
+    from armside.ilc.workbench.prediction import predicted_loci
+
+    found = {law: predicted_loci(law, setting_of(task)) for law in cfg.laws}
+    return {law: each for law, each in found.items() if each is not None}
 
 
 def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
@@ -111,7 +122,7 @@ def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
         report.summary(summary("learn", cfg, common, status="waiting", k=state.k))
         return
     record = (session.reference, session.folder.sample_time)
-    _finish(cfg, common, report, [session.result(state)], record, None)
+    _finish(cfg, common, report, [session.result(state)], record, None, {})
 
 
 def _finish(
@@ -121,8 +132,10 @@ def _finish(
     runs: "list[LawRun]",
     record: "tuple[Array, float]",
     before: Earlier | None,
+    loci: "dict[str, Eigenloci]",
 ) -> None:
     from ..figures.convergence import draw_convergence
+    from ..figures.eigenloci import draw_eigenloci
     from ..workbench import results
 
     diverged = [run.law for run in runs if run.diverged]
@@ -135,14 +148,22 @@ def _finish(
         started_from=None if before is None else before.entry,
         laws=results.rows(runs),
         notes=worse,
+        eigenloci={
+            law: {"largest": each.spectral_radius, "bound": each.bound}
+            for law, each in loci.items()
+        },
     )
     title = Path(cfg.plant).name if "/" in cfg.plant else cfg.plant
     with run_folder(outcome, common) as folder:
         draw_convergence(folder / "convergence.png", title, runs)
+        for i, (law, each) in enumerate(loci.items()):
+            draw_eigenloci(folder / f"eigenloci-{i + 1}.png", law, each, record[1])
         notes = results.write(folder, runs, *record)
     if before is not None:
         report.line(before.line)
     results.show(report, title, runs)
+    for law, each in loci.items():
+        report.line(f"Eigenloci of {law}: largest modulus {each.spectral_radius:.3g}")
     for note in [*worse, *notes]:
         report.line(f"Note: {note}")
     report.results(outcome, folder.path)

@@ -5,6 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from armside.ilc.models.conversion import as_state_space
+from armside.ilc.models.model_file import write_model
+from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix
 from armside.scripts.cli import main
 
 LAG = {"sample_time": 0.01, "b": [0, 0.1], "a": [1, -0.9]}
@@ -45,6 +49,21 @@ def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys):
     assert all(len(each["predicted"]["error_two"]) == 2 for each in found)
     assert (place / "a" / "convergence.png").stat().st_size > 10_000
     assert len(list((place / "a").glob("correction-*.csv"))) == 6
+
+
+def test_coupled_motors_show_their_eigenloci_below_the_criterion(place, capsys):
+    servo = System(np.array([0, 0.1]), np.array([1, -0.9]), 0.01)
+    write_model(place / "two.json", as_state_space(SystemMatrix(
+        ((servo, servo * 0.5), (servo * 0.0, servo)))))  # fmt: skip
+    laws = ["heuristic:gamma=0.5,delta=1", "norm-optimal"]
+    words = ["learn", "--plant", "two.json", "--laws", *laws, "--iterations", "1"]
+    assert main([*words, "--samples", "80", "--out", "a"]) == 0
+    assert f"Eigenloci of {laws[0]}: largest modulus" in capsys.readouterr().out
+    found = read(place / "a")
+    (entry,) = found["eigenloci"].values()
+    criterion = found["laws"][0]["predicted"]["criterion"]
+    assert 0.0 < entry["largest"] <= entry["bound"] < criterion  # not normal
+    assert [file.name for file in (place / "a").glob("eigenloci*")] == ["eigenloci-1.png"]
 
 
 def test_laws_of_noise_points_laps_and_bases_are_predicted_beside_their_results(place):
