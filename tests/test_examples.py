@@ -22,6 +22,7 @@ def example(name):
 def test_there_are_no_examples_that_nobody_runs():
     assert {f.name for f in EXAMPLES.iterdir() if f.suffix in (".py", ".toml")} == {
         "adjoint.py",
+        "composed_laws.py",
         "own_law.py",
         "laws.py",
         "own_data.py",
