@@ -56,9 +56,10 @@ class Halves(BySegment):
     def __init__(self, reference, sample_time, cutoff, delta=4):
         n = len(reference)
         second = np.clip((np.arange(n) - 0.45 * n) / (0.1 * n), 0.0, 1.0)
+        weight = np.stack((1.0 - second, second), axis=1).astype(np.float64)
         super().__init__(
             law=Heuristic(Q=ZeroPhaseButterworth(cutoff, sample_time), gamma=0.9, delta=delta),
-            weight=np.stack((1.0 - second, second), axis=1),
+            weight=weight,
             judged=((0, n // 2), (n // 2, n)),
             size_of=lambda error: np.sqrt(np.square(error).mean(axis=0)),
         )
