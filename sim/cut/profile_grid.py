@@ -12,9 +12,11 @@ from .profile_program import Rows, stacked
 from .timing import PathLimits
 
 STEP = 0.4e-3
-"""Distance of grid points along the path [m]."""
+"""Distance of grid points along the path [m], less where blends of steps are too fast."""
 FEWEST, MOST = 60, 2000
 """Number of grid points."""
+KEPT = 0.5
+"""Fraction of x = v^2 that a programme of the time leaves of the one before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +31,17 @@ class Bounds:
     """(N, J) [s^2/m^2]."""
     offset: Array
     """(N, J)."""
+
+    @property
+    def steady(self) -> Array:
+        """(N,) [m/s], highest speed that the joints can hold."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            most = [(1.0 - sign * self.offset) / (sign * self.bend) for sign in (1.0, -1.0)]
+        sides = [
+            np.where(s * self.bend > 0.0, m, np.inf) for s, m in zip((1.0, -1.0), most, strict=True)
+        ]
+        fastest = np.maximum(np.minimum(*sides).min(axis=1), 0.0)
+        return np.minimum(self.speed, np.sqrt(fastest))
 
 
 BoundsAt = Callable[[Array], Bounds]
@@ -49,6 +62,10 @@ class Grid:
     fraction: float
     """Of the jerk limit that the linear programme may use."""
     bounds: BoundsAt | None = None
+    spacing: float = STEP
+    """Of the points [m], where neither their fewest nor their most say another."""
+    timed: bool = False
+    """Whether the sum of x is weighted as it shortens the time."""
 
     @property
     def ramp(self) -> float:
@@ -60,7 +77,9 @@ class Grid:
         """(N,) [m]."""
         inset = self.limits.jerk * self.ramp**3 / 6.0
         length = self.ends[-1] - 2.0 * inset
-        return inset + length * np.linspace(0.0, 1.0, int(np.clip(length / STEP, FEWEST, MOST)))
+        return inset + length * np.linspace(
+            0.0, 1.0, int(np.clip(length / self.spacing, FEWEST, MOST))
+        )
 
     @property
     def step(self) -> float:
@@ -147,6 +166,23 @@ class Grid:
         bound = np.where(used, (1.0 - offset) / size, np.inf)
         slope, bend = slope / size, bend / size
         return Rows(-slope, bend, slope, bound)
+
+    def weight(self, x: Array | None) -> Array:
+        """(N,), of x in the sum. The time falls by x^(-3/2) / 2 with x, here that at x or caps."""
+        if not self.timed:
+            return np.ones(len(self.s))
+        caps = self.caps**2 / self.unit
+        slope = (caps if x is None else np.maximum(x, 1e-3 * caps)) ** -1.5
+        return slope / slope.mean()
+
+    def rows(self, x: Array | None) -> Rows:
+        """Those that change with x (N,), over its unit, of the programme before; None for none."""
+        jerk = self.jerk_rows(x)
+        if x is None or not self.timed:
+            return jerk
+        none = np.zeros_like(x)
+        floor = np.where(self.held, np.inf, -KEPT * x)
+        return stacked([jerk, Rows(none, none - 1.0, none, floor)])
 
     def jerk_rows(self, x: Array | None) -> Rows:
         """Limit of jerk, linearised at x (N,) over its unit; at the caps if None."""

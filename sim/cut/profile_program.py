@@ -1,6 +1,6 @@
 """Linear programmes of speed profiles: the largest sum of x along many paths at once.
 
-    maximise sum x  subject to  lower_i x_(i-1) + middle_i x_i + upper_i x_(i+1) <= bound_i
+    maximise sum w x  subject to  lower_i x_(i-1) + middle_i x_i + upper_i x_(i+1) <= bound_i
 
 for several rows at each point, with some x held. A row touches three points in a line, so that the
 normal equations of an interior point method (Mehrotra, SIAM J. Optimization 2, 1992) are banded: a
@@ -67,14 +67,27 @@ class Programme:
     """(M,), first point of each path."""
     held: NDArray[np.bool_]
     """(N,), points whose x stays."""
+    weight: Array
+    """(N,), of x in the sum."""
 
     @classmethod
-    def of(cls, rows: Rows, starts: NDArray[np.int64], held: NDArray[np.bool_]) -> "Programme":
-        """Rows between two paths, and those of held points alone, must have an infinite bound."""
+    def of(
+        cls,
+        rows: Rows,
+        starts: NDArray[np.int64],
+        held: NDArray[np.bool_],
+        weight: Array | None = None,
+    ) -> "Programme":
+        """Rows between two paths, and those of held points alone, must have an infinite bound.
+
+        weight: (N,), of order 1; ones if None.
+        """
+        weight = np.ones(len(held)) if weight is None else weight
         real = np.isfinite(rows.bound)
         sides = rows.lower, rows.middle, rows.upper
         lower, middle, upper = (np.where(real, side, 0.0) for side in sides)
-        return cls(lower, middle, upper, np.where(real, rows.bound, 1.0), starts, held)
+        bound = np.where(real, rows.bound, 1.0)
+        return cls(lower, middle, upper, bound, starts, held, weight)
 
     def of_paths(self, chosen: NDArray[np.bool_]) -> "Programme":
         """The rows of some paths (M,) alone."""
@@ -86,6 +99,7 @@ class Programme:
             bound=self.bound[:, points],
             starts=np.cumsum(sizes) - sizes,
             held=self.held[points],
+            weight=self.weight[points],
         )
 
     def times(self, x: Array) -> Array:
@@ -125,7 +139,7 @@ class Programme:
 
 
 def largest(programme: Programme, x: Array, gap: float = GAP) -> tuple[Array, NDArray[np.bool_]]:
-    """x (N,) of the largest sum, and for each path (M,) whether it was found.
+    """x (N,) of the largest weighted sum, and for each path (M,) whether it was found.
 
     x: where to start; held points keep it. gap: largest mean complementarity of what is found.
     """
@@ -181,7 +195,7 @@ class _Iterate:
         """After a predictor and a corrector; solved paths stay."""
         x, slack, z = self.x, self.slack, self.z
         solved, mean, primal = state
-        dual = np.where(A.held, 0.0, A.back(z) - 1.0)
+        dual = np.where(A.held, 0.0, A.back(z) - A.weight)
         moving = A.per_path(np.where(solved, 0.0, 1.0))
         weight = np.where(moving > 0.0, np.minimum(z / slack, HEAVIEST), 1.0)
         factor = cholesky_banded(A.normal(weight), lower=True, check_finite=False)

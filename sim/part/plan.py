@@ -11,7 +11,7 @@ from armside.arrays import Array
 from ..cut.profile_grid import BoundsAt
 from ..cut.speed_profile import Bends, Profile, profiles
 from ..cut.timing import PathLimits, rest_to_rest
-from .chain import MM, Chain
+from .chain import MM, Chain, place
 from .kerf import compensated
 from .kind import Kind
 from .leads import Led, led
@@ -112,7 +112,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
 
     joints: limits of a robot's joints along paths; none if None.
 
-    Raises ValueError, with contour and place, where the beam is too wide.
+    Raises ValueError, with contour and place, where the beam is too wide or a speed rests.
     """
     cutting = cutting or Cutting()
     tree = shapely.STRtree(
@@ -128,6 +128,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     cuts = []
     for i, begin in zip(sequence, begins, strict=True):
         (found, corners), contour = led_paths[i], part.contours[i]
+        _check_moving(contour, found.path, speeds[i])
         rapid = float(np.linalg.norm(entry[i] - begin))
         cuts.append(
             PlannedCut(
@@ -156,6 +157,16 @@ def _path(contour: Contour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Le
         return led(path, inwards=not outwards, obstacles=tree), corners
     except ValueError as error:
         raise ValueError(f"{contour.name}: {error}") from error
+
+
+def _check_moving(contour: Contour, path: Chain, profile: Profile) -> None:
+    """Raises ValueError where the tool would all but rest within a cut for no limit's sake."""
+    if len(profile.rests):
+        at = float(profile.rests[0])
+        raise ValueError(
+            f"{contour.name}: no speeds found that keep it moving at {place(path.point(at))}, "
+            f"{at / MM:.1f} mm along the path; try another speed or a larger corner"
+        )
 
 
 def _profiles(
