@@ -107,8 +107,8 @@ def analyse(
     """
     sensor, robot = _sensor(recordings, cfg.sensor), compile(arm.robot)
     for recording in recordings:
-        check_times(recording)
         check_angles(arm.limits, recording)
+        check_times(recording)
     aligned = tuple(align(robot, recording) for recording in recordings)
     alone = len(aligned) == 1
     parts = [(0.0, 0.5), (0.5, 1.0)] if alone else [(0.0, 1.0)]

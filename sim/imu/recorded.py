@@ -95,8 +95,8 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         ValueError: no IMU, units or angles that cannot be right, or another motion; names the
             recording.
     """
-    check_times(recording)
     check_angles(arm.limits, recording)
+    check_times(recording)
     imu, tracker = recording.imu, None
     if imu is None:
         raise ValueError(f"{recording.name}: the recording has no IMU")
