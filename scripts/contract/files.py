@@ -123,8 +123,8 @@ def _poses(file: Path, n: int = 60) -> None:
 
 
 def _motion(folder: Path) -> None:
-    """A recording that `gears --robot ur10` takes: encoders and a tracker, ten seconds."""
-    rng, time = np.random.default_rng(0), np.arange(0.0, 10.0, 0.01)
+    """A recording that `gears --robot ur10` takes: encoders and a tracker, twelve seconds."""
+    rng, time = np.random.default_rng(0), np.arange(0.0, 12.0, 0.01)
     phi = np.sin(np.outer(time, rng.uniform(0.5, 1.0, 6)) + rng.uniform(0.0, 6.0, 6))
     tool = compile(find_arm("ur10").robot).pose(phi)[:, :3, 3]
     tables = {"encoders": [f"motor_angle_{i}" for i in range(1, 7)]}
