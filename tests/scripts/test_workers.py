@@ -37,6 +37,18 @@ def test_a_process_that_dies_is_named_and_the_others_have_results():
         assert workers.map(math.sqrt, [4.0]) == [2.0]
 
 
+def test_an_interruption_does_not_wait_for_tasks_in_flight():
+    def interrupted():
+        with Workers(1) as workers:
+            workers.submit("long", time.sleep, 600.0)
+            raise KeyboardInterrupt
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert time.monotonic() - begin < 300.0
+
+
 def test_a_number_of_processes_is_at_least_one():
     with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
         Workers(0)
