@@ -156,12 +156,22 @@ def test_a_line_is_left_out_only_if_it_reads_what_was_not_written():
     assert not reads_what_no_line_wrote("armside laser --gears judged/gears.toml", [ran])
 
 
+def anchors(page: Path) -> set[str]:
+    """Of its headings, as GitHub and MyST name them."""
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    headings = re.findall(r"^#+ +(.+?) *$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
 def test_links_between_pages_and_to_files_lead_somewhere():
     for page in PAGES:
         text = re.sub(r"`[^`]*`", "", FENCE.sub("", page.read_text(encoding="utf-8")))
-        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+        for target, heading in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)[^)]*\)", text):
             if not re.match(r"[a-z]+:", target):
-                assert (page.parent / target).exists(), f"{page.name} links to {target}"
+                there = page.parent / target if target else page
+                assert there.exists(), f"{page.name} links to {target}"
+                known = not heading or there.suffix != ".md" or heading in anchors(there)
+                assert known, f"{page.name} links to {target}#{heading}"
 
 
 def test_a_line_of_several_pages_is_run_once_and_fails_on_every_page(
