@@ -1,5 +1,6 @@
 """The page docs/mutation.md: score by package, and the fate of every mutant."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from .mutant import PACKAGES, Mutant, counted
@@ -18,7 +19,8 @@ marked † were once measured to go unnoticed by the tests closest to them.
 
 def page(mutants: Sequence[Mutant], generic: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
     """Markdown of the page. Mutants without a result count as not tried."""
-    parts = [_INTRODUCTION, _scores("Curated faults", mutants, results)]
+    parts = [_INTRODUCTION + _commits((*mutants, *generic), results)]
+    parts.append(_scores("Curated faults", mutants, results))
     if generic:
         parts.append(_scores("Generic mutants, a sample", generic, results))
     parts.append(_equivalent(mutants))
@@ -26,6 +28,13 @@ def page(mutants: Sequence[Mutant], generic: Sequence[Mutant], results: Mapping[
         own = [mutant for mutant in counted(mutants) if mutant.package == package]
         parts.append(f"## {package}\n\n" + _table(own, results))
     return "\n".join(parts)
+
+
+def _commits(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
+    """Sentence that says of which commits the results are; empty where none is known."""
+    tried = [results[mutant.key].commit for mutant in counted(mutants) if mutant.key in results]
+    found = [f"{commit} ({n} faults)" for commit, n in Counter(tried).most_common() if commit]
+    return f"\nResults are of the code and the tests of {', '.join(found)}.\n" if found else ""
 
 
 def score(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> tuple[int, int]:

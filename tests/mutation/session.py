@@ -5,7 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cosmic_ray.work_db import use_db
@@ -13,7 +13,7 @@ from cosmic_ray.work_item import MutationSpec, TestOutcome, WorkerOutcome, WorkI
 
 from .mutant import Mutant
 from .warm import TIMED_OUT, run_pytest, warm_up
-from .workspace import copied, mutated
+from .workspace import commit, copied, mutated
 
 FOLDER = Path("build/mutation")
 DATABASE = "session.sqlite"
@@ -30,6 +30,8 @@ class Trial:
     killed: bool
     by: str
     """The test that failed first, `time limit`, or the widest tests that passed."""
+    commit: str = ""
+    """Commit of the tree that was mutated."""
 
 
 def trial(mutant: Mutant, root: Path, *, wider: bool) -> Trial:
@@ -74,7 +76,7 @@ class Session:
         """Outcomes by key of mutant."""
         with use_db(self.folder / DATABASE) as database:
             return {
-                key: Trial(found.test_outcome is TestOutcome.KILLED, found.output)
+                key: Trial(found.test_outcome is TestOutcome.KILLED, found.output, found.diff or "")
                 for key, found in database.results
             }
 
@@ -93,6 +95,7 @@ class Session:
         """
         if not mutants:
             return
+        tree = commit()
         copies = [copied(self.folder / f"tree-{i}") for i in range(min(workers, len(mutants)))]
         # a spawned worker has nothing of ours imported, and a folder of its own
         context = multiprocessing.get_context("spawn")
@@ -104,7 +107,7 @@ class Session:
                 pool.map(green, [sorted({test for mutant in mutants for test in mutant.tests})])
             cases = [(mutant, wider) for mutant in mutants]
             for mutant, outcome in pool.imap_unordered(_tried, cases):
-                self._keep(mutant, outcome)
+                self._keep(mutant, replace(outcome, commit=tree))
                 report(mutant, outcome)
 
     def _keep(self, mutant: Mutant, outcome: Trial) -> None:
@@ -119,6 +122,7 @@ class Session:
             worker_outcome=WorkerOutcome.NORMAL,
             output=outcome.by,
             test_outcome=TestOutcome.KILLED if outcome.killed else TestOutcome.SURVIVED,
+            diff=outcome.commit,
         )
         with use_db(self.folder / DATABASE) as database:
             if mutant.key not in {item.job_id for item in database.work_items}:

@@ -1,5 +1,6 @@
 """The tool itself: it mutates one place, restores the tree, and counts what it saw."""
 
+import subprocess
 from dataclasses import replace
 
 import pytest
@@ -9,7 +10,7 @@ from .mutant import ROOT, Mutant, curated
 from .page import page, score
 from .session import Session, Trial, trial
 from .warm import TIMED_OUT
-from .workspace import copied, mutated
+from .workspace import commit, copied, mutated
 
 MUTANT = Mutant(name="sum", file="ilc/a.py", old="a + b", new="a - b", tests=("tests/ilc",))
 
@@ -91,8 +92,8 @@ def test_nearest_tests_come_first_and_the_first_failure_ends_a_trial(
 
 def test_results_are_kept_between_sessions(tmp_path):
     Session(tmp_path)._keep(MUTANT, Trial(True, "t"))
-    Session(tmp_path)._keep(MUTANT, Trial(False, "u"))
-    assert Session(tmp_path).results() == {MUTANT.key: Trial(False, "u")}
+    Session(tmp_path)._keep(MUTANT, Trial(False, "u", "1234abcd"))
+    assert Session(tmp_path).results() == {MUTANT.key: Trial(False, "u", "1234abcd")}
 
 
 def test_a_page_counts_what_was_tried_and_says_what_survives():
@@ -100,14 +101,15 @@ def test_a_page_counts_what_was_tried_and_says_what_survives():
     same = replace(MUTANT, name="same", new="b + a", equivalent="addition commutes")
     untried = replace(MUTANT, name="untried", new="0", found=True)
     results = {
-        MUTANT.key: Trial(True, "tests/ilc/t.py::a[x|y]"),
-        survivor.key: Trial(False, "tests/ilc"),
+        MUTANT.key: Trial(True, "tests/ilc/t.py::a[x|y]", "1234abcd"),
+        survivor.key: Trial(False, "tests/ilc", "5678efab"),
         same.key: Trial(False, "tests/ilc"),
     }
     mutants = [MUTANT, survivor, same, untried]
     assert score(mutants, results) == (1, 2)
     text = page(mutants, [], results)
     assert "| ilc | 1 | 2 | 50 % |" in text
+    assert "of 1234abcd (1 faults), 5678efab (1 faults)." in text
     assert "| a.py | sum | ilc/t.py::a |" in text
     assert "**survives**: too small to see" in text
     assert "ilc/a.py: same. addition commutes" in text
@@ -122,3 +124,19 @@ def test_a_copy_has_the_files_that_git_knows_and_their_times(tmp_path):
     assert (copy / name).read_bytes() == (ROOT / name).read_bytes()
     assert (copy / name).stat().st_mtime_ns == (ROOT / name).stat().st_mtime_ns
     assert not (copy / ".git").exists()
+
+
+def test_the_commit_of_a_tree_is_known_where_it_has_one(tmp_path):
+    assert commit(tmp_path) == ""
+
+    def git(*command):
+        author = ("-c", "user.name=a", "-c", "user.email=a@b.c")
+        subprocess.run(("git", *author, *command), cwd=tmp_path, check=True, capture_output=True)
+
+    (tmp_path / "a").write_text("one")
+    for command in (("init",), ("add", "a"), ("commit", "-m", "one")):
+        git(*command)
+    clean = commit(tmp_path)
+    assert len(clean) == 10
+    (tmp_path / "a").write_text("two")
+    assert commit(tmp_path) == clean + "+"

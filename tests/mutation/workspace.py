@@ -23,6 +23,19 @@ def copied(target: Path, root: Path = ROOT) -> Path:
     return target
 
 
+def commit(root: Path = ROOT) -> str:
+    """Commit of a tree, `+` behind it where files differ from it; empty without a history."""
+    found = []
+    for command in ("rev-parse --short=10 HEAD", "status --porcelain --untracked-files=no"):
+        done = subprocess.run(
+            ("git", *command.split()), cwd=root, check=False, capture_output=True, text=True
+        )
+        if done.returncode != 0:
+            return ""
+        found.append(done.stdout.strip())
+    return found[0] + ("+" if found[1] else "")
+
+
 @contextlib.contextmanager
 def mutated(mutant: Mutant, root: Path) -> Iterator[None]:
     """Mutate the file of a copied tree, and restore text, times and compiled code afterwards.
