@@ -32,7 +32,8 @@ class ReplayCfg:
     save: FileToWrite = None
     """Write the replay to this file (.rrd) instead of showing it."""
     png: FileToWrite = None
-    """Write a picture of robot and tool path to this file (.png), without a window."""
+    """Write a picture of robot and tool path to this file (.png), without a window; several runs
+    below each other."""
     video: FileToWrite = None
     """Write a film of the runs to this file (.gif, .webp; .mp4 with ffmpeg), without a window."""
     magnification: float | None = None
@@ -64,15 +65,15 @@ def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common())
     written = [file for file in (cfg.save, cfg.png, cfg.video) if file is not None]
     if cfg.web or cfg.save is not None or not written:
         _write_and_show(stored, cfg, report)
-    if shots is not None:
+    if shots:
         from armside.sim.replay import film
 
         if cfg.png is not None:
             film.picture(cfg.png, shots, cfg.magnification)
             report.line(f"Picture in {cfg.png}")
         if cfg.video is not None:
-            with report.progress("drawing", total=film.n_images(shots)) as step:
-                film.film(cfg.video, shots, cfg.magnification, step)
+            with report.progress("drawing", total=film.n_images(shots[0])) as step:
+                film.film(cfg.video, shots[0], cfg.magnification, step)
             report.line(f"Film in {cfg.video}")
     outcome = summary("replay", cfg, common, runs=list(runs), written=written)
     keep(outcome, common)
@@ -97,8 +98,8 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
         from armside.sim.replay.film import check_film
 
         check_film(cfg.video)
-    if len(stored) > 1 and (cfg.png or cfg.video):
-        raise InputError("--png and --video take one run")
+    if len(stored) > 1 and cfg.video:
+        raise InputError("--video takes one run")
     if others and cfg.magnification is not None:
         raise InputError(
             "--magnification is for runs of laser and cut: others have no path to deviate from"
@@ -108,13 +109,13 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     return stored
 
 
-def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "Shots | None":
+def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "list[Shots]":
     """What a picture or a film is drawn from, where one is asked for."""
     if cfg.png is None and cfg.video is None:
-        return None
+        return []
     from armside.sim.replay import film
 
-    return film.stored_shots(stored[0])
+    return [film.stored_shots(run) for run in stored]
 
 
 def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> None:

@@ -40,7 +40,7 @@ def picture(run: Path, file: Path) -> None:
     from armside.sim.records import read_run
     from armside.sim.replay import film
 
-    film.picture(file, film.stored_shots(read_run(run)))
+    film.picture(file, [film.stored_shots(read_run(run))])
 
 
 def robots(_run: Path, file: Path) -> None:

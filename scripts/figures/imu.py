@@ -18,6 +18,10 @@ WIDE = "#A9D5F0"
 """Of a wide line under a thin one: where the two agree, both are seen."""
 LEAST = 0.15
 """Smallest range of a motor's panel over the largest, so that noise is not magnified."""
+AT_REST = 1e-3
+"""Range of a motor that counts as at rest, over the largest."""
+STACKED = 3
+"""Most panels in one column."""
 
 
 def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> None:
@@ -43,20 +47,29 @@ def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
 
 
 def motor_angles(file: Path, time: Array, angle: Array) -> None:
-    """Logged motor angles (N, n) [rad], arm side, each on its own scale. Thesis Figs. 5.4, 5.5."""
-    n_axes = angle.shape[1]
+    """Logged motor angles (N, n) [rad], arm side, each on its own scale. Thesis Figs. 5.4, 5.5.
+
+    Motors at rest have no panel; the title names them, and how far they moved.
+    """
+    moved = np.ptp(angle, axis=0)
+    resting = moved <= AT_REST * moved.max()
+    moving = np.flatnonzero(~resting) if moved.any() else np.arange(len(moved))
+    n_columns = 1 if len(moving) <= STACKED else 2
     figure = new_figure(9.0, 6.4)
     figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
-    grid = figure.subplots(-(-n_axes // 2), 2, sharex=True, squeeze=False)
-    widest = max(float(np.ptp(angle, axis=0).max()), 1e-6)
+    if len(moving) < len(moved):
+        names = ", ".join(str(i + 1) for i in np.flatnonzero(resting))
+        said = f"Motors at rest, within {1e6 * moved[resting].max():.0f} µrad: {names}"
+        figure.text(0.98, 0.955, said, ha="right", fontsize=9)
+    grid = figure.subplots(-(-len(moving) // n_columns), n_columns, sharex=True, squeeze=False)
     figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
-    for i, axes in enumerate(grid.flat[:n_axes]):
+    for i, axes in zip(moving, grid.flat, strict=False):
         axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
         axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
         middle = 0.5 * float(angle[:, i].min() + angle[:, i].max())
-        half = 0.56 * max(float(np.ptp(angle[:, i])), LEAST * widest)
+        half = 0.56 * max(float(moved[i]), LEAST * float(moved.max()), 1e-6)
         axes.set_ylim(middle - half, middle + half)
-    for axes in grid.flat[n_axes:]:
+    for axes in grid.flat[len(moving) :]:
         axes.set_visible(False)
     for axes in grid[:, 0]:
         axes.set_ylabel("angle [rad]", fontsize=8)

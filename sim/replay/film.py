@@ -34,8 +34,10 @@ Line = tuple[Contour, Array | float, Sequence[int], int]
 
 @dataclass(frozen=True)
 class Shots:
-    """Runs to be drawn."""
+    """Runs of one experiment to be drawn."""
 
+    name: str
+    """Of its folder."""
     mj: mujoco.MjModel
     runs: Sequence[RecordedRun]
     contours: Sequence[Contour]
@@ -53,24 +55,40 @@ def stored_shots(run: StoredRun) -> Shots:
     config = run.summary["config"]
     source = Path(config.get("model") or find_cell(config["robot"]).xml)
     mj = drawn_model(run.robot, source, run.file("robot.xml"))
-    return Shots(mj, run.signals.runs, contours)
+    return Shots(run.folder.name, mj, run.signals.runs, contours)
 
 
-def picture(file: Path, shots: Shots, factor: float | None = None) -> None:
+def picture(file: Path, shown: Sequence[Shots], factor: float | None = None) -> None:
     """Write one picture: the robot at its start, the tool's first and last path beside it.
 
-    factor: magnification of deviations from the path, by default one that fits.
+    Several runs stand below each other, each by its name, at one magnification.
+
+    factor: magnification of deviations from the path, by default one that fits all.
     """
-    with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
-        image = _robot(camera, shots.runs[0].recording.truth.qpos[0])
-    if shots.contours:
-        first, last = shots.contours[0], shots.contours[-1]
-        title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
-        motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
-        panel = _Panel(shots.contours, factor)
-        image = _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
+    cut = [shots.contours for shots in shown if shots.contours]
+    if factor is None and cut:
+        factor = min(map(fitting_magnification, cut))
+    rows = [_row(shots, factor, shots.name if len(shown) > 1 else "") for shots in shown]
+    image = Image.new("RGB", (max(row.width for row in rows), HEIGHT * len(rows)), "white")
+    for i, row in enumerate(rows):
+        image.paste(row, (0, i * HEIGHT))
     with atomic(file) as partial:
         image.save(partial, format="PNG", optimize=True)
+
+
+def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
+    with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
+        image = _robot(camera, shots.runs[0].recording.truth.qpos[0])
+    if name:
+        pen = ImageDraw.Draw(image)
+        pen.text((20, 14), name, fill=tuple(INK), font=ImageFont.load_default(size=22))
+    if not shots.contours:
+        return image
+    first, last = shots.contours[0], shots.contours[-1]
+    title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
+    motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
+    panel = _Panel(shots.contours, factor)
+    return _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
 
 
 def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:

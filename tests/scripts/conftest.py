@@ -14,6 +14,7 @@ from armside.scripts import cli
 from armside.scripts.jobs.dataset import dataset
 from armside.scripts.jobs.grid import parse
 from armside.scripts.jobs.point import run_grid
+from armside.scripts.studies import storage
 from armside.scripts.thesis.report import Section
 
 from .sweep_engine import AXES, Serial
@@ -92,6 +93,12 @@ def assert_complete():
         assert all(np.isfinite(check.ours) for check in section.checks)
 
     return check
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """A busy machine may take seconds to open a storage, which is then announced."""
+    monkeypatch.setattr(storage, "SLOW", 60.0)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 import ctypes
 import importlib
 import json
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -25,8 +24,8 @@ def done(armside, tmp_path):
     return json.loads(out), tmp_path / "out"
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_table_urdf_and_c_of_the_calibrated_arm_agree(done):
+def test_table_urdf_and_c_of_the_calibrated_arm_agree(done, require_program):
+    compiler = require_program("cc")
     _, folder = done
     robot, _ = read_robot(folder / "calibrated.toml")
     phi = np.random.default_rng(0).uniform(-2.0, 2.0, (20, 6))
@@ -34,7 +33,7 @@ def test_table_urdf_and_c_of_the_calibrated_arm_agree(done):
     by_urdf = compile(read_urdf(folder / "calibrated.urdf").robot).pose(phi)
     np.testing.assert_allclose(by_urdf, expected, atol=1e-12)
     source, library = folder / "calibrated_pose.c", folder / "calibrated_pose.so"
-    subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
+    subprocess.run([compiler, "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
     by_c = np.zeros_like(expected)
     function = ctypes.CDLL(str(library)).calibrated_pose
     for one, T in zip(phi, by_c, strict=True):

@@ -7,6 +7,7 @@ from PIL import Image
 from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.prediction import Prediction
 from armside.scripts.figures import convergence
+from armside.scripts.figures import imu as imu_figures
 from armside.scripts.figures import laser as figures
 
 RADIUS = 5e-3
@@ -151,3 +152,23 @@ def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monk
     lines = [line for line in seen[0].lines if len(line.get_xdata())]
     kinds = {(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines}
     assert len(kinds) == len(lines) == 40
+
+
+@pytest.mark.parametrize("moving", [[0, 1, 2, 3, 4, 5], [3, 4, 5], [1], []])
+def test_motors_that_move_have_a_panel_and_those_at_rest_are_named(tmp_path, monkeypatch, moving):
+    drawn = []
+    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+    time = np.linspace(0.0, 1.0, 100)
+    angle = np.zeros((100, 6))
+    angle[:, moving] = np.sin(6.0 * time)[:, None]
+    resting = sorted({*range(6)} - {*moving})
+    angle[50:, resting] += 12e-6 if moving else 0.0
+    imu_figures.motor_angles(tmp_path / "m.png", time, angle)
+    (figure,) = drawn
+    panels = [axes for axes in figure.axes if axes.get_visible()]
+    for i, axes in zip(moving or range(6), panels, strict=True):
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), angle[:, i])
+        assert axes.get_title(loc="left") == f"Motor {i + 1}"
+    said = [text.get_text() for text in figure.texts if "rest" in text.get_text()]
+    names = ", ".join(str(i + 1) for i in resting)
+    assert said == ([f"Motors at rest, within 12 µrad: {names}"] if moving and resting else [])

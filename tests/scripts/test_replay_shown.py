@@ -169,6 +169,21 @@ def test_a_picture_shows_the_robot_and_its_path(run, tmp_path, graphics):
     assert colours(png.read_bytes(), right)["blue"] > 500
 
 
+def test_a_picture_of_two_runs_shows_both_at_one_magnification(run, tmp_path, graphics):
+    other = tmp_path / "other"
+    line = f"laser --iterations 0 --speed 30 --quiet --out {other}"
+    assert cli.main(line.split()) == 0
+    alone, both = tmp_path / "alone.png", tmp_path / "both.png"
+    for words in ([run, "--png", alone], [run, other, "--png", both]):
+        assert cli.main(["replay", *map(str, words), "--quiet"]) == 0
+    with Image.open(alone) as one, Image.open(both) as two:
+        assert two.size == (one.width, 2 * one.height)
+    right = (0.58, 0.1, 1.0, 0.9)
+    assert colours(alone.read_bytes(), right)["blue"] > 500
+    for top, bottom in ((0.1, 0.45), (0.55, 0.9)):
+        assert colours(both.read_bytes(), (0.58, top, 1.0, bottom))["blue"] > 500
+
+
 def test_a_film_shows_every_run_in_real_time(run, tmp_path, graphics, monkeypatch):
     from armside.sim.replay import film
 

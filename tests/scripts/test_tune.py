@@ -10,26 +10,16 @@ import optuna
 import pytest
 
 from armside.scripts.commands import tune
-from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies.options import TuneCfg
 from armside.scripts.studies.search import evaluate, run_trial
 from armside.scripts.studies.study import open_study
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
-from armside.sim.tuning.objective import WORST, Objective, Ratio, prepare
+from armside.sim.tuning.objective import WORST, Ratio
 
-QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+from .quick_tuning import QUICK, objective_at_p1
 
-
-@pytest.fixture(autouse=True)
-def patient(monkeypatch):
-    """A busy machine may take seconds to open a storage, which is then announced."""
-    monkeypatch.setattr(study_storage, "SLOW", 60.0)
-
-
-def _objective(**options):
-    cfg = TuneCfg(pose="p1", speed=60.0, **options)
-    return Objective(cfg.rules, prepare(cfg.rules, range(cfg.episodes), cfg.fixed))
+pytestmark = pytest.mark.usefixtures("patient")
 
 
 def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_path):
@@ -101,7 +91,7 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
 def test_hopeless_designs_are_pruned_between_iterations():
     study = optuna.create_study(pruner=optuna.pruners.ThresholdPruner(upper=1e-3))
     with (
-        _objective(payload=40.0, episodes=1, iterations=3) as objective,
+        objective_at_p1(payload=40.0, episodes=1, iterations=3) as objective,
         pytest.raises(optuna.TrialPruned),
     ):
         evaluate(objective, study.ask())
@@ -109,14 +99,14 @@ def test_hopeless_designs_are_pruned_between_iterations():
 
 
 def test_every_design_meets_the_same_noise_and_divergence_is_the_worst():
-    with _objective(payload=40.0, episodes=2, iterations=2) as objective:
+    with objective_at_p1(payload=40.0, episodes=2, iterations=2) as objective:
         first, again = (list(objective.ratios(THESIS)) for _ in range(2))
     assert first == again
     assert len(first) == 2
     assert first[-1].measured < 1.0
     assert first[-1].true < 1.0
     bold = Design(gamma=(1.5,), delta=(0,), cutoff=(30.0,))
-    with _objective(episodes=1, iterations=10) as objective:
+    with objective_at_p1(episodes=1, iterations=10) as objective:
         assert list(objective.ratios(bold))[-1] == Ratio(WORST, WORST)
 
 
@@ -189,7 +179,7 @@ def test_a_trial_that_others_took_for_dead_is_left_to_them(tmp_path):
     ours, other = (
         open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
     )
-    with _objective(payload=40.0, episodes=1, iterations=1) as objective:
+    with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
 
         def slept(trial):
             theirs = other._storage

@@ -10,24 +10,12 @@ import pytest
 
 from armside.scripts.commands import tune
 from armside.scripts.shell.interrupts import noticing
-from armside.scripts.studies import storage as study_storage
-from armside.scripts.studies.options import TuneCfg
 from armside.sim.laser.design import THESIS
-from armside.sim.tuning.objective import Objective, prepare
 from armside.sim.tuning.rules import Rules
 
-QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+from .quick_tuning import QUICK, objective_at_p1
 
-
-@pytest.fixture(autouse=True)
-def patient(monkeypatch):
-    """A busy machine may take seconds to open a storage, which is then announced."""
-    monkeypatch.setattr(study_storage, "SLOW", 60.0)
-
-
-def _objective(**options):
-    cfg = TuneCfg(pose="p1", speed=60.0, **options)
-    return Objective(cfg.rules, prepare(cfg.rules, range(cfg.episodes), cfg.fixed))
+pytestmark = pytest.mark.usefixtures("patient")
 
 
 def test_a_search_that_is_interrupted_says_what_is_kept(armside, monkeypatch):
@@ -118,9 +106,9 @@ def test_the_threads_of_a_search_end_whatever_happens(monkeypatch):
 
     known = set(threading.enumerate())
     monkeypatch.setattr(Rules, "advance", broken)
-    with pytest.raises(RuntimeError), _objective(payload=40.0, episodes=2) as objective:
+    with pytest.raises(RuntimeError), objective_at_p1(payload=40.0, episodes=2) as objective:
         next(objective.ratios(THESIS))
     monkeypatch.setattr(Rules, "first", broken)
     with pytest.raises(RuntimeError):
-        _objective(payload=40.0, episodes=2)
+        objective_at_p1(payload=40.0, episodes=2)
     assert set(threading.enumerate()) == known

@@ -11,7 +11,6 @@ from armside.scripts.figures import tuning as tune_figures
 from armside.scripts.shell import console
 from armside.scripts.shell.options import Common
 from armside.scripts.studies import report as tune_report
-from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.search import search
 from armside.scripts.studies.study import Outcome, open_study
@@ -19,13 +18,9 @@ from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.sensor import RewardSensor
 
-QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+from .quick_tuning import QUICK
 
-
-@pytest.fixture(autouse=True)
-def patient(monkeypatch):
-    """A busy machine may take seconds to open a storage, which is then announced."""
-    monkeypatch.setattr(study_storage, "SLOW", 60.0)
+pytestmark = pytest.mark.usefixtures("patient")
 
 
 def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
