@@ -1,115 +1,29 @@
 """`armside compare`: the same cuts learned from motors, estimate, tracker and ground truth."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-import numpy as np
-from cyclopts import Parameter
-
-from armside.sim.cell import pose
-from armside.sim.cell_file import find_cell
-from armside.sim.cut.timing import PathLimits
-from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.learning import Begin, iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.notes import notes
-from armside.sim.laser.specification import Cut
 from armside.sim.laser.ways import Way, compared
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin.library import stored_twin
 
+from ..cutting.comparison import CompareCfg, cases_of, refuse_absurd_comparison
 from ..cutting.earlier import FromCfg
 from ..cutting.earlier_comparison import earlier_comparison, save_all
-from ..cutting.effort import effort
-from ..cutting.known_gears import KnownGearsCfg, known_state
 from ..cutting.learning import Prepared
-from ..cutting.options import LARGEST, SLOWEST
 from ..shell.console import Report, run_folder
-from ..shell.effort import refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
-
-_Several = Parameter(consume_multiple=True)
-RADIUS = 0.005
-"""[m], of the circles."""
-MEASURES = 4
-"""Ways to learn each cut."""
-
-
-@options
-@dataclass(frozen=True, kw_only=True)
-class CompareCfg(KnownGearsCfg):
-    """Cuts of one robot."""
-
-    robot: str = "large"
-    """Robot: large, irb1400, or a robot file (.toml)."""
-    poses: Annotated[tuple[str, ...], _Several] = ()
-    """Named poses [default: all of the robot; p1, p2 and p3 of thesis (9.3) of the large one]."""
-    speeds: Annotated[tuple[float, ...], _Several] = (40.0, 100.0)
-    """Programmed speeds [mm/s]."""
-    raised_acceleration: float = 2.2
-    """Raised limit: cuts whose speed the controller lowers are also made with it [m/s^2]."""
-    iterations: int = 10
-    """Number of updates; one run more is made."""
-    stiffness_error: float = 30.0
-    """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
-    law: Literal["inverse", "norm-optimal", "heuristic"] = "inverse"
-    """Law on the arm side; the motor side has the thesis's heuristic."""
-    twin: Path | None = None
-    """Folder of `armside commission` for this robot: also cut right at the first run by this twin,
-    and learned on from the motors."""
-    imu: bool = False
-    """Also draw imu.png: what rate, noise and clock of the IMU buy or cost; takes minutes."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        known = find_cell(self.robot).poses
-        object.__setattr__(self, "poses", self.poses or tuple(known))
-        if self.gears is not None and self.twin is not None:
-            raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
-        for name in self.poses:
-            pose(name, known)
-        if not self.speeds:
-            raise ValueError("speeds takes one value or more, got none")
-        for speed in self.speeds:
-            if not SLOWEST <= speed <= LARGEST["speed"][0]:
-                raise ValueError(f"speeds must be > 0 mm/s, at most 10000, got {speed:g}")
-        if self.iterations < 1:
-            raise ValueError(f"iterations must be >= 1, got {self.iterations}")
-        if not 0.0 <= self.stiffness_error < 100.0:
-            raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
-        PathLimits(acceleration=self.raised_acceleration)
-        if self.imu and self.robot != "large":
-            raise ValueError(
-                f"imu.png is of cuts of the large robot: leave --imu out of {self.robot}"
-            )
-
-
-def cases_of(cfg: CompareCfg, seed: int) -> list[Case]:
-    """All of `cases`."""
-    return list(cases(cfg, seed))
-
-
-def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
-    """Each pose and speed; a speed that the controller lowers also with its limit raised."""
-    robot = known_state(cfg, find_cell(cfg.robot).robot)
-    for speed in cfg.speeds:
-        limits = [PathLimits()]
-        if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):
-            limits.append(PathLimits(acceleration=cfg.raised_acceleration))
-        for limit, name in product(limits, cfg.poses):
-            cut = Cut(
-                robot=cfg.robot, pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot
-            )
-            yield Case(cut=cut, seed=seed)
+from ..shell.options import Common
 
 
 def compare(
@@ -130,7 +44,7 @@ def compare(
         if of.start is not None:
             cfg, common, before = earlier_comparison(of.start, cfg, common, cases_of)
         todo = cases_of(cfg, common.seed)
-        _refuse_absurd(cfg, len(todo))
+        refuse_absurd_comparison(cfg, len(todo))
         begins = [{} if before is None else before.begins(*each) for each in enumerate(todo)]
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
@@ -190,14 +104,6 @@ def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterato
                 of_motion = note.cause in (Cause.SPEED, Cause.ACCELERATION)
                 where = place if of_motion else f"{place}, {measure}"
                 yield replace(note, text=f"{where}: {note.text}")
-
-
-def _refuse_absurd(cfg: CompareCfg, n_cases: int) -> None:
-    """Raise InputError for cuts that would take too long or too much memory."""
-    ways = MEASURES if cfg.twin is None else MEASURES + 1
-    runs, slowest = ways * n_cases * (cfg.iterations + 1), min(cfg.speeds)
-    needs = effort(2.0 * np.pi * RADIUS, slowest * 1e-3, runs, estimated=True)
-    refuse_absurd(f"{runs} runs at {slowest:g} mm/s and more", needs)
 
 
 def _rows(case: Case, found: dict[str, Way]) -> Iterator[dict[str, Any]]:

@@ -8,7 +8,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.commands.compare import CompareCfg, cases_of
+from armside.scripts.cutting.comparison import CompareCfg, cases_of
 from armside.scripts.cutting.earlier_comparison import earlier_comparison
 from armside.scripts.shell.options import Common
 from armside.sim.records.errors import InputError

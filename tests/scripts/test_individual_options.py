@@ -8,7 +8,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.commands.compare import CompareCfg, cases
+from armside.scripts.cutting.comparison import CompareCfg, cases
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import cut
 from armside.scripts.jobs.dataset import schema

@@ -6,11 +6,11 @@ import pytest
 
 from armside import assets
 from armside.scripts.benchmarks.robot import shipped_files
-from armside.scripts.commands.compare import CompareCfg, cases
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg
 from armside.scripts.commands.view import ViewCfg, posable
+from armside.scripts.cutting.comparison import CompareCfg, cases
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.part_options import CutCfg
 from armside.scripts.jobs.grid import parse
