@@ -77,7 +77,8 @@ def cut(
             if by_twin is not None and before is None:
                 about["predicted"] = by_twin.predicted
                 notes += first_cut.trust(by_twin.found)
-            outcome = summary("cut", cfg, common, **about, **results(experiment, rows), notes=notes)
+            about |= results(experiment, rows, kept)
+            outcome = summary("cut", cfg, common, **about, notes=notes)
             write_results(folder, experiment, kept, outcome)
     report.notes(notes)
     if before is not None and ready is not None:

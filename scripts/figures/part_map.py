@@ -29,6 +29,8 @@ class Mapped:
     k: int
     motion: PartMotion
     contours: Sequence[ContourError]
+    rms: float
+    """Of all contours [m]."""
 
 
 def part_map(file: Path, runs: Sequence[Mapped]) -> None:
@@ -48,8 +50,7 @@ def part_map(file: Path, runs: Sequence[Mapped]) -> None:
     drawn = None
     for axes, run, found in zip(panels, runs, deviations, strict=True):
         drawn = _draw(axes, run, found, factor, 1e6 * worst)
-        rms = np.sqrt(np.mean(np.concatenate([d for _, d, _ in found]) ** 2))
-        axes.set_title(f"k = {run.k}: RMS {1e6 * rms:.0f} µm", loc="left", fontsize=9)
+        axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm", loc="left", fontsize=9)
         axes.set_xlabel("x [mm]")
     panels[0].set_ylabel("y [mm]")
     assert drawn is not None

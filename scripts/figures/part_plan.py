@@ -68,6 +68,8 @@ def _draw_part(figure: Figure, axes: Axes, plan: Plan) -> None:
     assert drawn is not None
     figure.colorbar(drawn, ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
     text = "grey: drawn; dashed: rapid moves from the dot; numbers: order"
+    if any(cut.joints for cut in plan.cuts):
+        text += "; bars: micro-joints"
     axes.set_title(text, loc="left", fontsize=9)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from armside.sim.evaluation.corners import LARGEST_RADIUS
 from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import PartExperiment
 from armside.sim.part_run.kept import kept_run
@@ -15,6 +16,17 @@ from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 from ..shell.console import Report
 from .part_map import Mapped
+
+SHOWN = {
+    "arm_rms": "RMS",
+    "arm_maxdev": "max",
+    "arm_corner": "corner",
+    "arm_position": "position",
+    "arm_roundness": "roundness",
+    "arm_path_accuracy": "AT_p",
+}
+"""Measures of a contour and their columns."""
+MISSING = f"roundness is that of round holes, corner of bends up to {1e3 * LARGEST_RADIUS:g} mm"
 
 
 def show_plan(report: Report, plan: Plan) -> None:
@@ -45,18 +57,19 @@ def show_results(report: Report, outcome: dict[str, Any]) -> None:
     for i, contour in enumerate(outcome["contours"]):
         first, last = contour["iterations"][0], contour["iterations"][-1]
         cells: list[Any] = [i + 1, contour["name"], contour["kind"]]
-        for name in ("arm_rms", "arm_maxdev", "arm_position", "arm_roundness", "arm_path_accuracy"):
+        for name in SHOWN:
             cells += [_microns(first[name]), _microns(last[name])]
-        rows.append(cells)
+        edges = contour["kerf"][0], contour["kerf"][-1]
+        rows.append([*cells, *(_microns(edge["widest_true"]) for edge in edges)])
     columns = ["", "contour", "kind"]
-    for name in ("RMS", "max", "position", "roundness", "AT_p"):
+    for name in (*SHOWN.values(), "kerf"):
         columns += [f"{name} before", f"{name} after"]
     last = outcome["iterations"][-1]["k"]
     converged = [contour["iterations"][-1]["converged"] for contour in outcome["contours"]]
     if any(converged):
         report.line(f"Converged: {sum(converged)} of {len(converged)} contours, by k = {last}")
     title = f"Tool by the tracker before learning and at k = {last} [µm]"
-    report.table(title, columns, rows, missing="roundness is that of round holes")
+    report.table(title, columns, rows, missing=MISSING)
     report.table(
         "All contours: largest motor error [mrad of the motor shaft], tool [µm]",
         [
@@ -112,7 +125,9 @@ def write_results(
     (folder / "individual.toml").write_text(individual_toml(own), encoding="utf-8")
     write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
     write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
-    part_map(folder / "part.png", [Mapped(it.k, motion, it.contours) for it in kept])
+    whole = {row["k"]: row["arm_rms"] for row in rows}
+    mapped = [Mapped(it.k, motion, it.contours, whole[it.k]) for it in kept]
+    part_map(folder / "part.png", mapped)
     motor, rms, maxdev = (
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
     )

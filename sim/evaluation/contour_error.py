@@ -7,7 +7,9 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cut.contour import Circle
+from ..part.curve import ChainCurve
 from ..part.motion import ContourPlace, PartMotion
+from .corners import corner_error
 from .kerf import kerf
 from .path_accuracy import path_measures
 from .tool_error import tool_error
@@ -29,6 +31,8 @@ class ContourError:
     """AT_p after ISO 9283."""
     roundness: float
     """Of the edge of a round hole that a beam leaves; NaN for any other contour."""
+    corner: float
+    """Largest deviation of the shape in corners; NaN where there are none."""
     path: Array
     """(M, 2), fitted to the contour, around its middle."""
 
@@ -38,7 +42,8 @@ def contour_errors(
 ) -> tuple[ContourError, ...]:
     """Errors of all contours in their order.
 
-    time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m]; None for no roundness.
+    time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m]; None for no roundness
+    and no corners.
     """
     resting = time < REST
     programmed = motion.position_at(time[:1])[0]
@@ -52,15 +57,18 @@ def contour_errors(
 
 def _error(place: ContourPlace, time: Array, position: Array, beam: float | None) -> ContourError:
     shape = tool_error(place, time, position)
-    round_edge = np.nan
+    round_edge = corner = np.nan
     if beam is not None and isinstance(place.curve, Circle):
         round_edge = kerf(place.curve, shape.path, beam).roundness
+    if beam is not None and isinstance(place.curve, ChainCurve):
+        corner = corner_error(place.curve, shape.path)
     return ContourError(
         rms=shape.rms,
         maxdev=shape.maxdev,
         position=_offset(place, position, shape.path),
         path_accuracy=path_measures(place, [(time, position)]).accuracy,
         roundness=round_edge,
+        corner=corner,
         path=shape.path,
     )
 

@@ -57,11 +57,13 @@ class Kerf:
         return float(np.ptp(self.hole_deviation))
 
 
-def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -> Kerf:
-    """Edges of the area that a disc of diameter `beam` [m] sweeps along a closed path.
+def kerf(
+    curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS, *, closed: bool = True
+) -> Kerf:
+    """Edges of the area that a disc of diameter `beam` [m] sweeps along a path.
 
     path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
-    point is joined to the first. The edges are NaN for a path that is not finite.
+    point is joined to the first if closed. The edges are NaN for a path that is not finite.
     """
     if not beam > 0.0:
         raise ValueError(f"beam must be > 0 m, got {beam}")
@@ -70,7 +72,8 @@ def kerf(curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS) -
     outer, inner = np.full(n_points, -np.inf), np.full(n_points, np.inf)
     if len(path) and np.isfinite(path).all():
         radius = 0.5 * beam
-        discs = _resampled(path, radius / _DISCS_PER_RADIUS)
+        swept = np.vstack([path, path[:1]]) if closed else path
+        discs = _resampled(swept, radius / _DISCS_PER_RADIUS)
         foot, tangent = curve.point(s), curve.tangent(s)
         normal = outward_normal(tangent)
         nearest = np.rint(curve.nearest(discs) / step - 0.5).astype(int)
@@ -99,8 +102,7 @@ def _shifts(curve: ClosedCurve, path: Array, radius: float, step: float) -> rang
 
 
 def _resampled(path: Array, step: float) -> Array:
-    """The closed polyline through (K, 2) points, at most `step` [m] apart."""
-    closed = np.vstack([path, path[:1]])
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    """The polyline through (K, 2) points, at most `step` [m] apart."""
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / step)) + 1)
-    return np.column_stack([np.interp(at, s, column) for column in closed.T])
+    return np.column_stack([np.interp(at, s, column) for column in path.T])

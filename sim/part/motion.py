@@ -78,6 +78,7 @@ class ContourPlace:
     curve: ClosedCurve
     contour_time: tuple[float, float]
     """[s]."""
+    closed: bool
 
     def is_on_contour(self, time: ArrayLike) -> NDArray[np.bool_]:
         """Mask of the times [s] on the contour, without leads."""
@@ -171,7 +172,8 @@ class PartMotion:
     def _place(self, cut: CutLeg) -> ContourPlace:
         curve, middle = centred(cut.turn)
         plane = Plane(self.to_base(middle), self.plane.axes)
-        return ContourPlace(plane=plane, curve=curve, contour_time=cut.contour_time)
+        span, closed = cut.contour_time, cut.turn.closed
+        return ContourPlace(plane=plane, curve=curve, contour_time=span, closed=closed)
 
 
 def _time_at(timing: Timing, s: Array) -> Array:

@@ -9,13 +9,16 @@ import numpy as np
 from armside.ilc.measures import norms as measures
 
 from ..evaluation.contour_error import ContourError
+from ..evaluation.kerf import kerf
 from ..laser.notes import GROWTH
-from ..part.motion import CutLeg
+from ..part.motion import ContourPlace, CutLeg
 from .experiment import PartExperiment
 from .learning import PartIteration
 
 Row = dict[str, Any]
-MEASURES = ("rms", "maxdev", "position", "path_accuracy", "roundness")
+MEASURES = ("rms", "maxdev", "position", "path_accuracy", "roundness", "corner")
+PARTIAL = ("roundness", "corner")
+"""Measures that only some contours have."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,9 +57,14 @@ def _measures(error: ContourError, suffix: str) -> Row:
     return {f"arm_{name}{suffix}": getattr(error, name) for name in MEASURES}
 
 
-def results(experiment: PartExperiment, rows: Sequence[Rows]) -> dict[str, Any]:
-    """Status, limits, and measures of each contour and of all together."""
-    motion = experiment.motion
+def results(
+    experiment: PartExperiment, rows: Sequence[Rows], edges: Sequence[PartIteration] = ()
+) -> dict[str, Any]:
+    """Status, limits, and measures of each contour and of all together.
+
+    edges: iterations whose kerf is computed.
+    """
+    motion, beam = experiment.motion, experiment.job.cutting.beam
     whole = [_whole(row, motion.cuts) for row in rows]
     for row in whole:
         for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
@@ -71,11 +79,22 @@ def results(experiment: PartExperiment, rows: Sequence[Rows]) -> dict[str, Any]:
         ],
         "beam_lost": [row.beam_lost for row in rows],
         "contours": [
-            planned_contour(cut) | {"iterations": [{"k": r.k} | r.contours[i] for r in rows]}
+            planned_contour(cut)
+            | {"iterations": [{"k": r.k} | r.contours[i] for r in rows]}
+            | {"kerf": [_edges(it, i, motion.places[i], beam) for it in edges]}
             for i, cut in enumerate(motion.cuts)
         ],
         "iterations": whole,
     }
+
+
+def _edges(iteration: PartIteration, i: int, place: ContourPlace, beam: float) -> Row:
+    """Median and largest width of the kerf of contour i [m], of the ground truth."""
+    path = iteration.contours_true[i].path
+    width = kerf(place.curve, path, beam, closed=place.closed).width
+    seen = width[np.isfinite(width)]  # a tight corner's normals may miss a path beside it
+    median, widest = (np.median(seen), seen.max()) if len(seen) else (np.nan, np.nan)
+    return {"k": iteration.k, "width_true": float(median), "widest_true": float(widest)}
 
 
 def planned_contour(cut: CutLeg) -> Row:
@@ -97,7 +116,7 @@ def _whole(rows: Rows, cuts: Sequence[CutLeg]) -> Row:
     found: Row = {"k": rows.k, "motor_inf": rows.motor_inf, "motor_two": rows.motor_two}
     for name in [f"arm_{measure}{s}" for s in ("", "_true") for measure in MEASURES]:
         values = np.array([row[name] for row in rows.contours])
-        if "roundness" in name:
+        if any(one in name for one in PARTIAL):
             found[name] = float(np.nanmax(values)) if np.isfinite(values).any() else np.nan
         elif "rms" in name:
             found[name] = float(np.sqrt(np.average(values**2, weights=length)))

@@ -52,6 +52,19 @@ def test_every_contour_has_its_own_measures_in_the_order_of_the_cuts(outcome):
     assert sum(value is not None for value in holes) == 1, "one hole is round"
 
 
+def test_corners_and_kerf_are_measured_where_there_are_any(outcome):
+    for contour in outcome["contours"]:
+        assert [row["k"] for row in contour["kerf"]] == [0, 2]
+        for row in contour["kerf"]:
+            assert row["width_true"] == pytest.approx(2e-4, rel=0.02)
+            assert row["width_true"] < row["widest_true"] < 2e-3
+        rows = contour["iterations"]
+        is_round = rows[0]["arm_roundness"] is not None
+        for row in rows:
+            assert (row["arm_corner_true"] is None) == is_round
+            assert is_round or 0.0 < row["arm_corner_true"] <= row["arm_maxdev_true"]
+
+
 def test_the_motors_learn_all_contours_in_one_run(outcome):
     first, *_, last = outcome["iterations"]
     assert max(last["motor_inf_normalised"]) < 0.3

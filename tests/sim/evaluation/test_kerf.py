@@ -76,6 +76,15 @@ def test_a_cut_that_does_not_close_is_wider_at_its_seam():
     assert np.median(cut.width) == pytest.approx(BEAM, rel=0.01)
 
 
+def test_an_open_cut_is_not_closed_across_the_sheet():
+    """A quarter of a circle, whose chord is up to 1.5 mm from it."""
+    angle = np.linspace(0.0, 0.5 * np.pi, 2000)
+    quarter = 5e-3 * np.column_stack([np.cos(angle), np.sin(angle)])
+    cut = kerf(Circle(0.005), quarter, BEAM, closed=False)
+    np.testing.assert_allclose(cut.width[2:178], BEAM, rtol=0, atol=2 * SCALLOP)
+    assert np.isnan(cut.width[182:-2]).all()
+
+
 def test_a_path_with_gaps_leaves_no_edge():
     path = turn(Circle(0.005))
     path[7] = np.nan
