@@ -262,8 +262,8 @@ def _learning(table: Any) -> Learning | None:
     if not 0.0 < cutoff < _NYQUIST:
         most = f"below {_NYQUIST:g} Hz, half of the log rate"
         raise ValueError(f"learning: cutoff must be > 0 and {most}, got {cutoff:g}")
-    if delta != int(delta):
-        raise ValueError(f"learning: delta must be a whole number of samples, got {delta:g}")
+    if delta != int(delta) or delta < 0.0:
+        raise ValueError(f"learning: delta must be a whole number of samples >= 0, got {delta:g}")
     return Learning(gamma=gamma, delta=int(delta), cutoff=cutoff)
 
 

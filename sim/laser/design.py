@@ -18,7 +18,7 @@ class Design:
 
     gamma: tuple[float, ...]
     delta: tuple[int, ...]
-    """[samples]."""
+    """[samples], >= 0: a robot answers later than it is corrected."""
     cutoff: tuple[float, ...]
     """[Hz]."""
     law: Heuristic = field(init=False, repr=False, compare=False)
@@ -29,6 +29,8 @@ class Design:
         cutoff = self.cutoff[0] if len(self.cutoff) == 1 else self.cutoff
         Q = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         object.__setattr__(self, "law", Heuristic(Q=Q, gamma=gamma, delta=delta))
+        if early := [given for given in self.delta if given < 0]:
+            raise ValueError(f"delta must be >= 0 samples, got {early[0]}")
 
     def arrays(self, n_axes: int) -> dict[str, Array]:
         """Values of each motor by name: (n_axes,) arrays."""
