@@ -151,6 +151,11 @@ class Robot:
         return tuple(index for index, link in enumerate(self.links) if link.moves)
 
     @cached_property
+    def slides(self) -> tuple[bool, ...]:
+        """True for each moving link that is prismatic, (n_joints,)."""
+        return tuple(self.links[index].joint is Joint.PRISMATIC for index in self.moving)
+
+    @cached_property
     def free_symbols(self) -> frozenset[Any]:
         """Symbols and functions of time in the D-H parameters; empty for a robot of numbers."""
         return symbols_of(v for link in self.links for v in vars(link).values())

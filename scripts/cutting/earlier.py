@@ -10,8 +10,6 @@ from cyclopts import Parameter
 from armside.arrays import Array
 from armside.ilc.learning import LoopState
 from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.kinematics import Joint
-from armside.sim.cell import Cell
 from armside.sim.cell_file import find_cell
 from armside.sim.laser.resume import state_after
 from armside.sim.part.carried import Motion, carried
@@ -128,16 +126,10 @@ def earlier(
 
 def refuse_other_axes(start: Path, robot: str, other: str) -> None:
     """Raise InputError where another robot has other axes than that of a run."""
-    before, now = (axes_of(find_cell(name)) for name in (robot, other))
+    before, now = (find_cell(name).robot.slides for name in (robot, other))
     if before != now:
         said = f"{start} is a run of {robot} with {_axes(before)}, {other} has {_axes(now)}"
         raise InputError(f"{said}: a correction goes to a robot with as many axes of each kind")
-
-
-def axes_of(cell: Cell) -> tuple[bool, ...]:
-    """Whether each axis slides."""
-    moving = [link.joint for link in cell.robot.links if link.joint is not Joint.FIXED]
-    return tuple(joint is Joint.PRISMATIC for joint in moving)
 
 
 def _axes(slides: tuple[bool, ...]) -> str:

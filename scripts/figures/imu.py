@@ -46,12 +46,16 @@ def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
         panels[0].legend(frameon=False, fontsize=8, ncols=2)
 
 
-def motor_angles(file: Path, time: Array, angle: Array) -> None:
+def motor_angles(
+    file: Path, time: Array, angle: Array, slides: Sequence[bool] | None = None
+) -> None:
     """Logged motor angles (N, n) [rad], arm side, each on its own scale. Thesis Figs. 5.4, 5.5.
 
-    Motors at rest have no panel; the title names them, and how far they moved.
+    Motors at rest have no panel; the title names them, and how far they moved. slides: (n,), True
+    for each prismatic axis, whose values are in [m]; none if None.
     """
     moved = np.ptp(angle, axis=0)
+    sliding = np.zeros(len(moved), dtype=bool) if slides is None else np.array(slides)
     resting = moved <= AT_REST * moved.max()
     moving = np.flatnonzero(~resting) if moved.any() else np.arange(len(moved))
     n_columns = 1 if len(moving) <= STACKED else 2
@@ -59,20 +63,24 @@ def motor_angles(file: Path, time: Array, angle: Array) -> None:
     figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
     if len(moving) < len(moved):
         names = ", ".join(str(i + 1) for i in np.flatnonzero(resting))
-        said = f"Motors at rest, within {1e6 * moved[resting].max():.0f} µrad: {names}"
+        unit = "µrad, µm of a slide" if sliding[resting].any() else "µrad"
+        said = f"Motors at rest, within {1e6 * moved[resting].max():.0f} {unit}: {names}"
         figure.text(0.98, 0.955, said, ha="right", fontsize=9)
     grid = figure.subplots(-(-len(moving) // n_columns), n_columns, sharex=True, squeeze=False)
     figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
-    for i, axes in zip(moving, grid.flat, strict=False):
+    for k, (i, axes) in enumerate(zip(moving, grid.flat, strict=False)):
         axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
         axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
         middle = 0.5 * float(angle[:, i].min() + angle[:, i].max())
-        half = 0.56 * max(float(moved[i]), LEAST * float(moved.max()), 1e-6)
+        widest = float(moved[sliding == sliding[i]].max())
+        half = 0.56 * max(float(moved[i]), LEAST * widest, 1e-6)
         axes.set_ylim(middle - half, middle + half)
+        if sliding[i]:
+            axes.set_ylabel("position [m]", fontsize=8)
+        elif k % n_columns == 0:
+            axes.set_ylabel("angle [rad]", fontsize=8)
     for axes in grid.flat[len(moving) :]:
         axes.set_visible(False)
-    for axes in grid[:, 0]:
-        axes.set_ylabel("angle [rad]", fontsize=8)
     for axes in grid[-1]:
         axes.set_xlabel("Time [s]")
     save(figure, file)

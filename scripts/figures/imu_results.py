@@ -39,7 +39,8 @@ def _draw(folder: RunFolder, result: ImuResult, suffix: str) -> None:
     omega = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
     a = comparison.acceleration_measured, comparison.acceleration_predicted
     tool = evaluation.tool, evaluation.tool_predicted
-    figures.motor_angles(file("motor-angles"), recording.time, recording.motor_angle)
+    slides = result.experiment.cell.robot.slides
+    figures.motor_angles(file("motor-angles"), recording.time, recording.motor_angle, slides)
     figures.path(file("path"), result.imu_position)
     figures.position(file("position"), recording.time, *tool)
     figures.angular_velocity(file("angular-velocity"), comparison.time, *omega)
@@ -73,7 +74,8 @@ def error_tables(results: Sequence[ImuResult], report: Report) -> None:
             peaks = [
                 f"motor {i} {1e4 * p:.1f}" for i, p in enumerate(m.idle_peaks, 1) if np.isfinite(p)
             ]
-            report.line(f"idle motors are moved by others by {', '.join(peaks)} × 1e-4 rad")
+            unit = "rad, m of a slide" if any(one.experiment.cell.robot.slides) else "rad"
+            report.line(f"idle motors are moved by others by {', '.join(peaks)} × 1e-4 {unit}")
         for move in one.planned.motion.reports:
             if move.limited_by and move.programmed.path is not None:
                 report.line(

@@ -1,5 +1,6 @@
 """Slow motion of all motors around a pose, in which the errors of gears show at the tool."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,10 @@ from ..robot.virtual_robot import LOG_PERIOD
 
 SINES = 3
 """In the motion of each motor."""
+OF_SLIDE = 0.1
+"""Motion of a slide [m] for each radian of other motors. ESTIMATE: strokes are 0.2 m and more."""
+SMALLEST = 0.3
+"""Fraction of the motion that must have room."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,13 +30,20 @@ class Excitation:
     ramp: float = 3.0
     """[s], from rest and to rest."""
 
-    def reference(self, centre: Array, limits: Limits, rng: np.random.Generator) -> Array:
+    def reference(
+        self,
+        centre: Array,
+        limits: Limits,
+        rng: np.random.Generator,
+        slides: Sequence[bool] | None = None,
+    ) -> Array:
         """Motor angles (N, n) [rad] at the log rate around `centre` (n,), at rest at both ends.
 
-        Where a joint limit is near, the whole motion is made smaller.
+        Where a joint limit is near, the whole motion is made smaller. slides: (n,), True for each
+        prismatic axis, whose motion is in [m]; none if None.
 
         Raises ValueError for a centre outside of the limits, or so near that hardly any motion is
-        left.
+        left; names the axis.
         """
         time = np.arange(0.0, self.duration, LOG_PERIOD)
         motion = np.zeros((len(time), len(centre)))
@@ -43,7 +55,20 @@ class Excitation:
         ramp = np.clip(time / self.ramp, 0.0, 1.0)
         ramp = ramp**2 * (3.0 - 2.0 * ramp)
         motion *= (ramp * ramp[::-1])[:, None]
-        for size in np.arange(1.0, 0.25, -0.05):
+        if slides is not None:
+            motion[:, np.array(slides)] *= OF_SLIDE
+        for size in np.arange(1.0, SMALLEST - 0.05, -0.05):
             if limits.contain(centre + size * motion).all():
                 return centre + size * motion
-        raise ValueError("the pose is too near to a joint limit for a motion that excites gears")
+        said = _nearest(centre, SMALLEST * motion, limits)
+        raise ValueError(f"{said} too near to a joint limit for a motion that excites gears")
+
+
+def _nearest(centre: Array, motion: Array, limits: Limits) -> str:
+    """The axis that leaves its range farthest, over its range; the pose where only sums do."""
+    over = np.maximum(
+        (centre + motion - limits.upper).max(axis=0), (limits.lower - centre - motion).max(axis=0)
+    )
+    over /= np.subtract(limits.upper, limits.lower)
+    worst = int(over.argmax())
+    return f"axis {worst + 1} of the pose is" if over[worst] > 0.0 else "the pose is"

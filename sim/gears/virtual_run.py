@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from armside.arrays import Array
+from armside.kinematics import Robot, compile
 
 from ..cell import Cell, ToolPose
 from ..cut.tool_motion import joint_reference
@@ -24,6 +25,7 @@ RUNS = 6
 REFLECTOR = LaserTrackerCfg(acceptance_angle=np.pi)
 """Tracker on a motorised reflector that turns towards it (API Active Target): a corner cube loses
 the beam while the wrist turns."""
+_PARALLEL = 1e-6  # second singular value of the axes' directions, of axes that are parallel
 _MOTION, _TRACKING = 0x6EA2, 0x6EA3  # streams, apart from those of individual and instruments
 
 
@@ -44,14 +46,25 @@ def recorded(
 ) -> MotionRecording:
     """One run of an individual; each repetition is another motion with other noise.
 
-    Raises ValueError for a pose that cannot be reached or excited, or a payload that is too heavy.
+    Raises ValueError for a pose that cannot be reached or excited, a payload that is too heavy, or
+    an arm that turns its tool about one direction alone.
     """
-    centre = posture(setup.cell, setup.tool_pose)
+    cell = setup.cell
+    centre = posture(cell, setup.tool_pose)
+    _check_turns(cell.robot, centre)
     moving, tracking = (np.random.default_rng([seed, repetition, k]) for k in (_MOTION, _TRACKING))
-    reference = excitation.reference(centre, setup.cell.limits, moving)
+    reference = excitation.reference(centre, cell.limits, moving, cell.robot.slides)
     made = rig(setup, lambda _: (None, reference), seed=seed, repetition=repetition)[1]
     plant = replace(made.plant, tracker=set_up(REFLECTOR, tracking))
     return _recording(plant.run(np.zeros_like(reference)), f"run {repetition + 1}")
+
+
+def _check_turns(robot: Robot, centre: Array) -> None:
+    """Raise ValueError where the gyro sees one direction: the IMU's mounting cannot be found."""
+    rotation = compile(robot).jacobian(centre)[3:]
+    if np.linalg.matrix_rank(rotation, tol=_PARALLEL) < 2:
+        said = f"the axes of {robot.name} turn the tool about one direction alone"
+        raise ValueError(f"{said}: gears needs two, to find how the IMU is mounted")
 
 
 def _recording(run: Pass, name: str) -> MotionRecording:

@@ -172,3 +172,16 @@ def test_motors_that_move_have_a_panel_and_those_at_rest_are_named(tmp_path, mon
     said = [text.get_text() for text in figure.texts if "rest" in text.get_text()]
     names = ", ".join(str(i + 1) for i in resting)
     assert said == ([f"Motors at rest, within 12 µrad: {names}"] if moving and resting else [])
+
+
+def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+    time = np.linspace(0.0, 1.0, 50)
+    angle = np.column_stack([np.sin(9.0 * time), 0.05 * time, np.cos(9.0 * time)])
+    imu_figures.motor_angles(tmp_path / "m.png", time, angle, (False, True, False))
+    first, slide, third, *_ = drawn[0].axes
+    assert [axes.get_ylabel() for axes in (first, slide, third)] == [
+        *("angle [rad]", "position [m]", "angle [rad]"),
+    ]
+    assert np.ptp(slide.get_ylim()) < 0.1  # not 0.15 of the radians beside it

@@ -73,7 +73,7 @@ def test_fewer_than_six_axes_leave_the_orientation_free_unless_it_is_held(tmp_pa
         ("home =", "hoem =", "the file has the unknown key 'hoem'; keys: name,"),
         (r"\ndelta = .*\n", "\n", "learning lacks delta"),
         (r"gamma = .*", "gamma = -1", "learning: gamma must be > 0, got -1"),
-        (r"delta = .*", "delta = -1", "learning: delta must be a whole number of samples >= 0, got"),
+        (r"delta = .*", "delta = -1", "learning: delta must be a whole number of samples >= 0"),
         (r"cutoff = .*", "cutoff = 500", "learning: cutoff must be > 0 and below 125 Hz, half of"),
         ("d = 1.0", "d = 'high'", "link 1: d must be a number or text such as"),
     ],

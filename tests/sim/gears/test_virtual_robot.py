@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import CATALOGUE
+from armside.sim.cell_file import find_cell
 from armside.sim.gears import VIRTUAL, Excitation, analyse
 from armside.sim.gears.found import discrepancies
 from armside.sim.gears.virtual_run import posture, recorded
@@ -54,7 +56,27 @@ def test_each_run_is_another_motion_and_can_be_repeated(recordings):
     np.testing.assert_array_equal(again.imu.values, same.imu.values)
 
 
-def test_a_pose_too_near_to_a_limit_is_refused():
+def test_a_pose_too_near_to_a_limit_is_refused_with_the_axis():
     limits = SETUP.cell.limits
-    with pytest.raises(ValueError, match="too near to a joint limit"):
-        QUICKER.reference(np.array(limits.upper), limits, np.random.default_rng(0))
+    centre = 0.5 * np.add(limits.lower, limits.upper)
+    centre[3] = limits.upper[3]
+    with pytest.raises(ValueError, match="axis 4 of the pose is too near to a joint limit"):
+        QUICKER.reference(centre, limits, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("name", ["scara", "two_link"])
+def test_an_arm_whose_axes_are_parallel_is_refused_before_it_runs(name):
+    robot = str(LARGE_ROBOT_XML.with_name(f"{name}.toml"))
+    with pytest.raises(ValueError, match="turn the tool about one direction alone: gears needs"):
+        recorded(Setup(robot=robot, imu=ImuCfg()), 0)
+
+
+def test_a_slide_moves_by_tenths_of_a_metre_where_other_axes_turn_by_a_radian():
+    cell = find_cell(str(LARGE_ROBOT_XML.with_name("scara.toml")))
+    centre = posture(cell, cell.poses["p1"])
+    slides = cell.robot.slides
+    assert slides == (False, False, True, False)
+    motion = QUICKER.reference(centre, cell.limits, np.random.default_rng(0), slides) - centre
+    travel = np.ptp(motion, axis=0)
+    assert 0.02 < travel[2] < 0.2  # of a stroke of 0.2 m
+    assert (travel[[0, 1, 3]] > 0.2).all()
