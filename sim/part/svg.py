@@ -30,6 +30,8 @@ GROUPS = {"svg", "g", "a", "switch", "symbol"}
 SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
 """Tags that draw nothing where they stand."""
 
+CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
+
 
 def read_svg(file: Path, reading: Reading) -> Drawing:
     """Shapes on the chosen layers.
@@ -106,7 +108,8 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
     for element, layer, hidden in _elements(root, "", False):
         tag = element.tag.removeprefix(SVG)
         layers.add(layer)
-        said = f"{tag} #{element.get('id', '(without id)')} on layer {layer or '(none)'}"
+        known = f"#{element.get('id')}" if element.get("id") else "(without id)"
+        said = f"{tag} {known} on layer {layer or '(none)'}"
         if tag.startswith("{"):  # which no viewer draws
             if not tag.startswith(EDITORS):
                 left_out[f"elements of namespace {tag[1:].split('}')[0]}"] += 1
@@ -117,7 +120,7 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         elif tag not in SHAPES:
             raise ValueError(f"{said} cannot be cut; choose the layers to cut, or remove it")
         elif clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-            raise ValueError(f"{said} has a {clip[0]}, which is not known here")
+            raise ValueError(f"{said} has a {clip[0]}: {CLIPPED}")
     return layers
 
 
@@ -130,7 +133,7 @@ def _elements(parent: Any, layer: str, hidden: bool) -> Iterator[tuple[Any, str,
         gone = gone or _property(element, "visibility") == "hidden"
         if tag in GROUPS - {"symbol"}:
             if clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-                raise ValueError(f"group #{element.get('id')} has a {clip[0]}, not known here")
+                raise ValueError(f"group #{element.get('id')} has a {clip[0]}: {CLIPPED}")
             yield from _elements(element, _layer(element.attrib, layer), gone)
         elif tag not in SILENT | {"symbol"}:
             yield element, layer, gone

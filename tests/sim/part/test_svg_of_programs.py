@@ -70,6 +70,16 @@ def test_a_figure_of_matplotlib_is_a_part(tmp_path):
     assert any("fills the page" in note for note in part.notes)
 
 
+def test_a_shape_that_is_clipped_is_refused_by_name(tmp_path):
+    """As matplotlib draws within axes, unless a patch has clip_on=False."""
+    figure = Figure(figsize=(100 / 25.4, 100 / 25.4))
+    figure.add_axes((0.0, 0.0, 1.0, 1.0)).add_patch(Rectangle((0.2, 0.2), 0.5, 0.5, gid="plate"))
+    figure.savefig(tmp_path / "a.svg")
+    wanted = r"path \(without id\) on layer figure_1 has a clip-path: .* release the clip"
+    with pytest.raises(ValueError, match=wanted):
+        read_part(tmp_path / "a.svg")
+
+
 PAINTS = {
     "": 1,
     'fill="red"': 1,
