@@ -1,21 +1,24 @@
 """Pose and Jacobian of a serial arm with an error of every geometric parameter.
 
-The arm is a chain of sections: base frame, links, tool frame. A section is a short robot
-whose joints are its parameters, and its pose and Jacobian are derived by the symbolic toolbox and
-compiled. All links are one section, at their own nominal values, so that nothing is derived or
-compiled for a particular arm.
+The arm is a chain of sections: two of the base frame, one of each link, two of the tool frame. A
+section is a short robot whose joints are its parameters: a turn and a slide about each axis. Its
+pose and Jacobian are derived by the symbolic toolbox and compiled, as one function: nothing is
+derived or compiled for a particular arm.
 """
 
 from functools import cache
 from math import pi
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from armside.arrays import Array
 
-from ..compiled import CompiledRobot, compile
 from ..dh import Joint, Link, Robot
+from ..native_function import native_function, native_module
+
+if TYPE_CHECKING:
+    from ..equations.program import StraightLineProgram
 
 _X = (Link(theta=pi / 2, alpha=pi / 2, joint=Joint.FIXED),)
 _X_BACK = (Link(alpha=-pi / 2, joint=Joint.FIXED), Link(theta=-pi / 2, joint=Joint.FIXED))
@@ -23,11 +26,15 @@ _Y = (Link(alpha=-pi / 2, joint=Joint.FIXED),)
 _Y_BACK = (Link(alpha=pi / 2, joint=Joint.FIXED),)
 """Constant links that take the z-axis to x or y, and back."""
 _SLIDE, _TURN = Link(joint=Joint.PRISMATIC), Link()
-_FRAME = (*_X, _SLIDE, _TURN, *_X_BACK, *_Y, _SLIDE, _TURN, *_Y_BACK, _SLIDE, _TURN)
-_LINK = (_TURN, _SLIDE, *_X, _SLIDE, _TURN, *_X_BACK, *_Y, _TURN, *_Y_BACK)
-FRAME_ROTATIONS = (1, 3, 5)
-"""Places of the rotations among a frame's parameters."""
-N_FRAME, N_LINK = 6, 5
+_SECTION = (_TURN, _SLIDE, *_X, _SLIDE, _TURN, *_X_BACK, *_Y, _SLIDE, _TURN, *_Y_BACK)
+SIZE = 6
+"""Parameters of a section: rz, z, x, rx, y, ry [rad, m], each in the axes of those before it."""
+BASE = ((2, 3, 4, 5), (1, 0))
+"""Parameters of the sections of the base frame: x, rx, y, ry; then z, rz."""
+LINK = (0, 1, 2, 3, 5)
+"""theta, d, a, alpha, and Hayati's beta about y."""
+TOOL = ((3, 5), (0,))
+"""rx, ry; then rz."""
 
 
 class Section(NamedTuple):
@@ -38,23 +45,22 @@ class Section(NamedTuple):
 
 
 @cache
-def _compiled(links: tuple[Link, ...], name: str) -> CompiledRobot:
-    return compile(Robot(links, name=name))
+def _function() -> Any:
+    robot = Robot(_SECTION, name="section with errors")
+
+    def program() -> "StraightLineProgram":
+        from ..equations.forward_kinematics import pose_and_jacobian
+
+        return pose_and_jacobian(robot)
+
+    module = native_module("pose_and_jacobian", robot.key, program)
+    return native_function(module, (SIZE,), (16 + 6 * SIZE,))
 
 
-def frames(variables: Array) -> Section:
-    """Frames moved by x, rx, y, ry, z, rz (N, 6) [m, rad], each in the axes of those before it."""
-    return _section(_compiled(_FRAME, "frame with errors"), variables)
-
-
-def links(variables: Array) -> Section:
-    """Links of theta, d, a, alpha and Hayati's beta about y (N, 5) [rad, m]."""
-    return _section(_compiled(_LINK, "link with errors"), variables)
-
-
-def _section(robot: CompiledRobot, variables: Array) -> Section:
-    flat = np.ascontiguousarray(variables)
-    return Section(robot.pose(flat), robot.jacobian(flat))
+def sections(variables: Array) -> Section:
+    """Sections of parameters (N, 6)."""
+    both = _function()(np.ascontiguousarray(variables))
+    return Section(both[:, :16].reshape(-1, 4, 4), both[:, 16:].reshape(-1, 6, SIZE))
 
 
 def joined(sections: list[Section]) -> Section:

@@ -17,7 +17,7 @@ from armside.arrays import Array
 
 from ..dh import Joint, Link, Robot
 from ..links import standard_links
-from .error_chain import FRAME_ROTATIONS, N_FRAME, N_LINK, Section, frames, joined, links
+from .error_chain import BASE, LINK, SIZE, TOOL, Section, joined, sections
 
 AXES = ("x", "y", "z")
 DH = ("theta", "d", "a", "alpha")
@@ -73,20 +73,16 @@ class ErrorModel:
 
     def kinematics(self, variables: Array) -> Section:
         """Pose (N, 4, 4) and Jacobian (N, 6, E) of the tool, for variables (N, E)."""
-        n, end = len(variables), N_FRAME + N_LINK * len(self._links)
-        own = variables[:, N_FRAME:end].reshape(n, -1, N_LINK) + self._nominal
-        T, J = links(own.reshape(-1, N_LINK))
-        T, J = T.reshape(n, -1, 4, 4), J.reshape(n, -1, 6, N_LINK)
-        turned = np.zeros((n, N_FRAME))
-        turned[:, FRAME_ROTATIONS] = variables[:, end:]
-        tool = frames(turned)
-        return joined(
-            [
-                frames(variables[:, :N_FRAME]),
-                *(Section(T[:, i], J[:, i]) for i in range(len(self._links))),
-                Section(tool.pose, tool.jacobian[:, :, FRAME_ROTATIONS]),
-            ]
-        )
+        n, of_section = len(variables), self._of_section
+        own = np.tile(self._nominal, (n, 1, 1))
+        first = 0
+        for i, columns in enumerate(of_section):
+            own[:, i, columns] += variables[:, first : first + len(columns)]
+            first += len(columns)
+        T, J = sections(own.reshape(-1, SIZE))
+        T, J = T.reshape(n, -1, 4, 4), J.reshape(n, -1, 6, SIZE)
+        parts = enumerate(of_section)
+        return joined([Section(T[:, i], J[:, i][:, :, columns]) for i, columns in parts])
 
     def nominal_pose(self, phi: Array) -> Array:
         """T_base_tool (N, 4, 4) of the robot without errors, at motor angles (N, n)."""
@@ -97,6 +93,14 @@ class ErrorModel:
         return standard_links(self.robot)
 
     @cached_property
+    def _of_section(self) -> list[list[int]]:
+        """Places of the error parameters among those of each section."""
+        return [list(one) for one in (*BASE, *[LINK] * len(self._links), *TOOL)]
+
+    @cached_property
     def _nominal(self) -> Array:
-        """(n_links, 5) theta, d, a, alpha of the links, and 0 for beta."""
-        return np.array([[*(float(getattr(link, k)) for k in DH), 0.0] for link in self._links])
+        """(S, 6), parameters of the sections of the robot without errors."""
+        links = [[*(float(getattr(link, k)) for k in DH), 0.0] for link in self._links]
+        out = np.zeros((len(self._of_section), SIZE))
+        out[len(BASE) : -len(TOOL), LINK] = links
+        return out

@@ -53,7 +53,13 @@ def columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
 def jacobian(robot: Robot) -> StraightLineProgram:
     """J, 6 x n: (v, omega) of the tool origin in base axes from motor rates. Thesis (3.39)."""
     tape = Tape()
-    six = [(*v, *w) for v, w in columns(_chain(robot, tape), tape)]
+    out = motor_jacobian(robot, _chain(robot, tape), tape)
+    return tape.program("jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
+
+
+def motor_jacobian(robot: Robot, chain: Chain, tape: Tape) -> Argument:
+    """J, 6 x n, of the motors of a robot with this chain."""
+    six = [(*v, *w) for v, w in columns(chain, tape)]
     # J_phi = J_theta coupling, (4.10) differentiated
     weights = [[exact(k) for k in column] for column in robot.coupling.T]
     coupled = [
@@ -64,8 +70,18 @@ def jacobian(robot: Robot) -> StraightLineProgram:
         for weight in weights
     ]
     elements = tuple(e for row in zip(*coupled, strict=True) for e in row)
-    out = Argument("J", (6, robot.n_joints), elements)
-    return tape.program("jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
+    return Argument("J", (6, robot.n_joints), elements)
+
+
+@separated
+def pose_and_jacobian(robot: Robot) -> StraightLineProgram:
+    """T_base_tool and J, row by row in one vector of 16 + 6 n."""
+    tape = Tape()
+    chain = _chain(robot, tape)
+    parts = transform(chain, tape), motor_jacobian(robot, chain, tape)
+    elements = tuple(e for part in parts for e in part.elements)
+    out = Argument("T_and_J", (len(elements),), elements)
+    return tape.program("pose_and_jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
 
 
 def jacobian_rate(robot: Robot) -> StraightLineProgram:
