@@ -88,7 +88,7 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     a robot file) makes the runs. Writes summary.json, gears.toml, robot.toml with the error, and
     pictures.
     """
-    from armside.sim.gears import analyse
+    from armside.sim.gears import analyse, coverage_notes
 
     from ..figures import gears as shown
 
@@ -99,6 +99,7 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
         with report.progress("scanning", total=scans) as step:
             done = analyse(arm, recordings, cfg.configuration(virtual=not data), step)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
+    notes += coverage_notes(done)
     found: dict[str, Any] = shown.results(done)
     outcome = summary("gears", cfg, common, data=list(data), notes=notes, **found)
     with run_folder(outcome, common) as folder:

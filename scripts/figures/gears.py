@@ -7,7 +7,7 @@ import numpy as np
 
 from armside.kinematics.gear_file import gear_toml
 from armside.kinematics.robot_file import Arm, GearTerm, robot_toml
-from armside.sim.gears import GearAnalysis, Judgement, Remaining
+from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining, coverage
 from armside.sim.gears.joint_motion import bandpass
 from armside.sim.gears.judgement import judged_rows
 from armside.sim.gears.transmission import CONFIDENCE
@@ -25,13 +25,13 @@ def results(done: GearAnalysis) -> dict[str, Any]:
     return {
         "sensor": done.sensor,
         "orders": sorted({round(term.order, 2) for term in terms}),
-        "joints": [_joint(done, j) for j in range(len(done.resolution))],
+        "joints": [_joint(done, j, own) for j, own in enumerate(coverage(done))],
         "judged": [_judged(one) for one in done.judgements],
         "clocks": _clocks(done),
     }
 
 
-def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
+def _joint(done: GearAnalysis, joint: int, seen: Coverage) -> dict[str, Any]:
     orders, explained = done.scan.orders[joint], done.scan.explained[joint]
     best = int(np.argmax(explained))
     found = [] if done.found is None else [t for t in done.found.terms if t.joint == joint + 1]
@@ -53,6 +53,8 @@ def _joint(done: GearAnalysis, joint: int) -> dict[str, Any]:
         ],
         "resonance": _resonance(done, joint),
         "tool_rms": _tool_rms(done, joint),
+        "usable": seen.usable,
+        "smallest_amplitude": seen.smallest,
         "resolution": done.resolution[joint],
         "scan_peak": {
             "order": orders[best],

@@ -11,6 +11,9 @@ from .analysis import GearAnalysis as GearAnalysis
 from .analysis import GearsCfg as GearsCfg
 from .analysis import Judgement as Judgement
 from .analysis import analyse as analyse
+from .coverage import Coverage as Coverage
+from .coverage import coverage as coverage
+from .coverage import coverage_notes as coverage_notes
 from .excitation import Excitation as Excitation
 from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission

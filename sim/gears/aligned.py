@@ -49,6 +49,14 @@ class Aligned:
             return self.tracker.target
         return np.zeros(3) if self.imu is None else self.imu.lever
 
+    def clock(self, sensor: Sensor) -> Array:
+        """(M,) [s], times of a sensor's clock at the samples of the motion."""
+        if sensor == "imu":
+            assert self.imu is not None
+            return self.imu.clock(self.motion, self.imu.accelerometer_delay)
+        assert self.tracker is not None
+        return self.tracker.clock(self.motion)
+
     def observation(
         self, sensor: Sensor, band: tuple[float, float], part: tuple[float, float] = (0.0, 1.0)
     ) -> Observation:

@@ -27,19 +27,25 @@ class Scan:
 
     orders: tuple[Array, ...]
     explained: tuple[Array, ...]
-    """For each joint, (K,)."""
+    unit: tuple[Array, ...]
+    """Energy of an error of one radian, of a phase between the best and the worst. For each joint,
+    (K,)."""
     energy: float
     """Of the residual."""
 
     def __add__(self, other: "Scan") -> "Scan":
-        explained = zip(self.explained, other.explained, strict=True)
-        energy = self.energy + other.energy
-        return Scan(self.orders, tuple(a + b for a, b in explained), energy)
+        explained = _sums(self.explained, other.explained)
+        unit = _sums(self.unit, other.unit)
+        return Scan(self.orders, explained, unit, self.energy + other.energy)
 
     @property
     def typical(self) -> Array:
         """(n,), median over the orders of each joint: 1.39 times the level of chance."""
         return np.array([np.median(values) for values in self.explained])
+
+
+def _sums(these: tuple[Array, ...], those: tuple[Array, ...]) -> tuple[Array, ...]:
+    return tuple(a + b for a, b in zip(these, those, strict=True))
 
 
 def resolution(phi: Array) -> Array:
@@ -55,18 +61,22 @@ def grids(apart: Array, largest: float) -> tuple[Array, ...]:
 
 def scan(one: Observation, orders: tuple[Array, ...], step: Callable[[], None]) -> Scan:
     """Scan of an observation; `step` is called after each joint."""
-    y, explained = as_real(one.target), list[Array]()
+    y, both = as_real(one.target), list[Array]()
     for joint, own in enumerate(orders):
-        explained.append(np.array([_explained(one, joint, order, y) for order in own]))
+        both.append(np.array([_alone(one, joint, order, y) for order in own]).T)
         step()
-    return Scan(orders, tuple(explained), float(y @ y))
+    explained, unit = ([rows[k] for rows in both] for k in (0, 1))
+    return Scan(orders, tuple(explained), tuple(unit), float(y @ y))
 
 
-def _explained(one: Observation, joint: int, order: float, y: Array) -> float:
+def _alone(one: Observation, joint: int, order: float, y: Array) -> tuple[float, float]:
+    """Energy that an order explains alone, and that of an error of one radian."""
     X = as_real(one.columns(joint, order))
     gram, score = X.T @ X, X.T @ y
-    ridge = 1e-6 * np.trace(gram) + np.finfo(np.float32).tiny
-    return float(score @ np.linalg.solve(gram + ridge * np.eye(2), score))
+    power = float(np.trace(gram))
+    ridge = 1e-6 * power + np.finfo(np.float32).tiny
+    explained = score @ np.linalg.solve(gram + ridge * np.eye(2), score)
+    return float(explained), 0.5 * power
 
 
 def peaks(one: Scan, apart: Array, strongest: int) -> list[Candidate]:
@@ -91,7 +101,7 @@ def refined(
     pairs = [(one, as_real(y)) for one, y in zip(observations, targets, strict=True)]
 
     def missed(value: float) -> float:
-        return -sum(_explained(one, joint, value, y) for one, y in pairs)
+        return -sum(_alone(one, joint, value, y)[0] for one, y in pairs)
 
     bounds = (order - half, order + half)
     how: dict[str, Any] = {"bounds": bounds, "method": "bounded", "options": {"xatol": REFINED}}
