@@ -72,7 +72,8 @@ def irb120(seed: int, data: Path, folder: Path) -> Section:
         _at_most("R2.1", "with all errors, mean [mm]", mean, 0.40),
         _equal("R2.2", "rank of the identifiable parameters", done.identifiable.all.rank, 33),
     ]
-    caption = f"Held-out error of the reflectors. {' '.join(source.notes)[:60]}."
+    left_out = ". ".join(note.rpartition(":")[0] for note in source.notes)
+    caption = f"Held-out error of the reflectors. {left_out}."
     title = "IRB120: kinematic calibration"
     return Section("real-irb120", title, caption, ["real-irb120.png"], checks, [_held_out(done)])
 
