@@ -42,7 +42,7 @@ def test_an_imu_that_saw_half_of_the_motion_is_said_with_the_joints_that_are_mis
     assert named(notes) == {2}
     assert notes[1].startswith("joint 2: no order found: 28 % of samples usable, errors below")
     for joint in coverage(done):
-        assert 0.3 < joint.usable < 0.5
+        assert 0.2 < joint.usable < 0.49
 
 
 def test_lost_samples_count_where_they_leave_holes_too_long_for_the_band(recordings, scenes):
