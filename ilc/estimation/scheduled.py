@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 
@@ -55,11 +56,37 @@ class ScheduledSmoother:
 
     @records("y", gate=as_measured)
     def __call__(self, y: Array, start: Array) -> ScheduledStates:
-        """Of readings (N, p), rows of NaN missing. start: (n,), expected state at first."""
-        known = self._A, self._C, self._gain, self._S, self._filtered, self.schedule
-        e, smoothed = _smooth(*known, y, start.copy())
-        white = np.einsum("nij,nj->ni", self._whitening[self.schedule], e)
-        return ScheduledStates(white, smoothed)
+        """Of readings (N, p), NaN missing, in single channels too. start: (n,), expected at first.
+
+        A row with missing channels is used and whitened by what is known of the others.
+        """
+        seen = np.isfinite(y)
+        known, which = self._with_rows(seen)
+        e, smoothed = _smooth(self._A, self._C, *known[:3], self.schedule, which, y, start.copy())
+        white = np.einsum("nij,nj->ni", known[3][which], np.where(seen, e, 0.0))
+        return ScheduledStates(np.where(seen, white, np.nan), smoothed)
+
+    def _with_rows(self, seen: NDArray[np.bool_]) -> tuple[list[Array], NDArray[np.int64]]:
+        """Gains, S, covariances and whitening of each process, then of each row (N, p) that misses
+        some channels; and the index (N,) among them. S is the identity in missing channels.
+        """
+        known = self._gain, self._S, self._filtered, self._whitening
+        more, which = [[] for _ in known], self.schedule.copy()
+        for i in np.flatnonzero(seen.any(axis=1) & ~seen.all(axis=1)):
+            which[i] = len(known[0]) + len(more[0])
+            for rows, one in zip(more, self._without(self.schedule[i], ~seen[i]), strict=True):
+                rows.append(one)
+        return [_stack([*all_, *rows]) for all_, rows in zip(known, more, strict=True)], which
+
+    def _without(self, s: int, missing: NDArray[np.bool_]) -> tuple[Array, Array, Array, Array]:
+        """Of process s without some channels: K = P C^T S^-1 gives P C^T = K S."""
+        K, S, P = self._gain[s], self._S[s].copy(), self._filtered[s]
+        PC, predicted = K @ S, P + K @ S @ K.T
+        PC[:, missing], S[missing], S[:, missing] = 0.0, 0.0, 0.0
+        S[missing, missing] = 1.0
+        gain = np.linalg.solve(S, PC.T).T
+        whitening: Array = np.asarray(np.linalg.inv(np.linalg.cholesky(S)), dtype=np.float64)
+        return gain, S, predicted - gain @ PC.T, whitening
 
 
 def _stack(matrices: Sequence[Array]) -> Array:
@@ -90,6 +117,7 @@ def _smooth(
     S: Array,
     covariance: Array,
     schedule: np.ndarray,
+    which: np.ndarray,
     y: Array,
     x: Array,
 ) -> tuple[Array, Array]:  # pragma: no cover - compiled
@@ -97,18 +125,17 @@ def _smooth(
     e, filtered, smoothed = np.empty_like(y), np.empty((n_samples, n)), np.empty((n_samples, n))
     for i in range(n_samples):
         e[i] = y[i] - C @ x
-        if np.isfinite(e[i]).all():
-            x = x + gain[schedule[i]] @ e[i]
-        else:
-            e[i] = np.nan
+        if np.isfinite(e[i]).any():
+            x = x + gain[which[i]] @ np.where(np.isnan(e[i]), 0.0, e[i])
         filtered[i] = x
         x = A[schedule[i]] @ x
     ahead = np.zeros(n)  # A^T r_{i+1}, as in `kalman.Smoother`
     for i in range(n_samples - 1, -1, -1):
-        s = schedule[i]
-        smoothed[i] = filtered[i] + covariance[s] @ ahead
+        k = which[i]
+        smoothed[i] = filtered[i] + covariance[k] @ ahead
         r = ahead
-        if np.isfinite(e[i]).all():
-            r = C.T @ np.linalg.solve(S[s], e[i]) + ahead - C.T @ (gain[s].T @ ahead)
-        ahead = r @ A[s]
+        if np.isfinite(e[i]).any():
+            left = np.where(np.isnan(e[i]), 0.0, e[i])
+            r = C.T @ np.linalg.solve(S[k], left) + ahead - C.T @ (gain[k].T @ ahead)
+        ahead = r @ A[schedule[i]]
     return e, smoothed

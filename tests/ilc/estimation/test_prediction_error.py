@@ -116,3 +116,59 @@ def test_correlated_channels_give_the_information_of_their_covariance():
 
     found = estimate_parameters(model, np.zeros(1), np.full(1, 10.0), [np.zeros(1)])
     assert found.covariance[0, 0] == pytest.approx(1.0 / (4000 * 2 * 2), rel=0.03)
+
+
+SEEN_TWICE = np.array([[1.0, 0.0], [0.0, 0.1]])
+
+
+def seen_twice(theta):
+    """The oscillator of `process`, position and velocity read with correlated noise."""
+    one = process(theta)
+    return Process(A=one.A, Q=one.Q, C=SEEN_TWICE, R=1e-4 * np.array([[1.0, 0.5], [0.5, 1.0]]))
+
+
+def with_gaps(seed, theta, missing):
+    rng, p = np.random.default_rng(seed), seen_twice(theta)
+    noise = rng.multivariate_normal(np.zeros(2), p.Q, N)
+    reading = rng.multivariate_normal(np.zeros(2), p.R, N)
+    x, y = np.zeros(2), np.empty((N, 2))
+    for i in range(N):
+        y[i] = p.C @ x + reading[i]
+        x = p.A @ x + noise[i]
+    y[rng.random((N, 2)) < missing] = np.nan
+    return y
+
+
+def test_whitened_innovations_are_white_by_channel_where_others_are_missing():
+    y = with_gaps(0, np.zeros(2), 0.1)
+    white, terms = SteadyStateFilter(seen_twice(np.zeros(2))).whitened(y)
+    np.testing.assert_array_equal(np.isnan(white), np.isnan(y))
+    assert (terms[np.isnan(y)] == 0.0).all()
+    assert np.nanstd(white) == pytest.approx(1.0, abs=0.03)
+    both = white[np.isfinite(white).all(axis=1)]
+    assert np.corrcoef(both.T)[0, 1] == pytest.approx(0.0, abs=0.08)
+
+
+def test_a_missing_channel_costs_no_row_of_a_prediction_error():
+    """Half of the readings, one channel of each row: twice the deviation of all at most. Whole rows
+    would say nothing.
+    """
+    true = np.array([0.3, -0.4])
+    whole = with_gaps(1, true, 0.0)
+    y = whole.copy()
+    y[::2, 0] = y[1::2, 1] = np.nan
+
+    def entries(theta, y=y):
+        return Whitened(*SteadyStateFilter(seen_twice(theta)).whitened(y))
+
+    def rows(theta):
+        white, terms = SteadyStateFilter(seen_twice(theta)).whitened(y)
+        return Whitened(white, np.zeros(terms.shape[1]))
+
+    sd = np.array([0.5, 1.0])
+    found = estimate_parameters(entries, np.zeros(2), sd, [np.zeros(2)])
+    of_all = estimate_parameters(lambda t: entries(t, whole), np.zeros(2), sd, [np.zeros(2)])
+    assert (found.standard_deviation < 2.0 * of_all.standard_deviation).all()
+    assert (np.abs(found.theta - true) < 3.0 * found.standard_deviation).all()
+    blind = estimate_parameters(rows, np.zeros(2), sd, [np.zeros(2)])
+    assert (blind.information < 1e-9).all()

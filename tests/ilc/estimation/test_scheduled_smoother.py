@@ -59,3 +59,31 @@ def test_missing_readings_are_predicted_over():
     assert np.isnan(found.innovation[90:100]).all()
     assert np.isfinite(found.smoothed).all()
     assert np.abs(found.smoothed - states).max() < 5.0
+
+
+def two_channels() -> Process:
+    """The oscillator, its position read twice: one reading is bad, their noises are correlated."""
+    one, C = process(0.3), np.array([[1.0, 0.0], [0.5, 1.0]])
+    return Process(A=one.A, Q=one.Q, C=C, R=np.array([[0.5, 0.2], [0.2, 2.0]]))
+
+
+@pytest.mark.parametrize("channel", [0, 1])
+def test_a_missing_channel_costs_no_row(channel):
+    """One row with a channel missing: nearly the Kalman smoother, which is unsteady after it."""
+    one, rng = two_channels(), np.random.default_rng(5)
+    y = rng.standard_normal((200, 2))
+    y[100, channel] = np.nan
+    exact = Smoother(one, np.eye(2), np.isfinite(y))
+    expected = exact(y)
+    found = ScheduledSmoother([one], np.zeros(200, dtype=int))(y, np.zeros(2))
+    there = 1 - channel
+    scale = np.sqrt(expected.innovation_covariance[100, there, there])
+    white = expected.innovation[100, there] / scale
+    assert found.innovation[100, there] == pytest.approx(white, abs=1e-6)
+    assert np.isnan(found.innovation[100, channel])
+    sd = np.sqrt(np.diag(exact.smoothed_covariance[100]))
+    assert (np.abs(found.smoothed[100] - expected.smoothed[100]) < 0.1 * sd).all()
+    y[100] = np.nan
+    blind, near = ScheduledSmoother([one], np.zeros(200, dtype=int))(y, np.zeros(2)), slice(60, 140)
+    apart, left = (np.abs(each.smoothed - expected.smoothed)[near].max() for each in (blind, found))
+    assert left < 0.5 * apart
