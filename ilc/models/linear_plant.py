@@ -12,7 +12,7 @@ from armside.arrays import Array
 from ..plant import Plant
 from ..records import as_record, records
 from .system import System, require_stable
-from .system_matrix import Model
+from .system_matrix import AnyModel, check_model
 
 
 class Variables(NamedTuple):
@@ -33,13 +33,14 @@ class LinearPlant:
     learning.
     """
 
-    T_u: Model
+    T_u: AnyModel
+    """Time-invariant, or along the record of the reference."""
     reference: Array
     """r, shape (N, n)."""
-    T_r: Model | None = None
+    T_r: AnyModel | None = None
     """None: T_u, the correction is added to the reference."""
-    T_w: Model | None = None
-    T_v: Model | None = None
+    T_w: AnyModel | None = None
+    T_v: AnyModel | None = None
     """Load and noise to output; None: they add to the output."""
     loads: Sequence[Array] = ()
     """w_k, shape (N, n), cyclic over the iterations: one repeats, two alternate."""
@@ -53,7 +54,7 @@ class LinearPlant:
     _iteration: count = field(init=False, repr=False, default_factory=count)
 
     def __post_init__(self) -> None:
-        require_stable(self.T_u, "T_u")
+        check_model(self.T_u)
         reference = as_record(self.reference, "reference")
         object.__setattr__(self, "reference", reference)
         object.__setattr__(self, "loads", tuple(as_record(w, "loads") for w in self.loads))
@@ -90,7 +91,7 @@ class LinearPlant:
         return Variables(z, y)
 
 
-def _through(system: Model | None, signal: Array) -> Array:
+def _through(system: AnyModel | None, signal: Array) -> Array:
     return signal if system is None else system.simulate(signal)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from .conversion import as_state_space
 from .discretise import state_space_to_system
 from .state_space import StateSpace
 from .system import System
@@ -51,15 +52,25 @@ def read_system(file: Path) -> System:
     return model
 
 
-def write_model(file: Path, model: System | StateSpace) -> None:
-    """Write a model with every digit, as `read_model` reads it. JSON."""
-    values = {"sample_time": model.sample_time}
+def write_model(file: Path, model: Model) -> None:
+    """Write a model with every digit, as `read_model` reads it. JSON.
+
+    A matrix of systems becomes a state space. Raises ValueError for what `read_model` refuses.
+    """
+    content: dict[str, Any]
     if isinstance(model, System):
-        values |= {"b": model.b.tolist(), "a": model.a.tolist()}
+        content = {"b": model.b.tolist(), "a": model.a.tolist()}
     else:
-        matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
-        values |= {name: M.tolist() for name, M in matrices.items()}
-    file.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+        model = as_state_space(model)
+        content = _matrices_to_write(model)
+    content = {"sample_time": model.sample_time} | content
+    file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def _matrices_to_write(model: StateSpace) -> dict[str, Any]:
+    _check_size(len(model.A), model.n_inputs, model.n_outputs)
+    matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
+    return {name: M.tolist() for name, M in matrices.items()}
 
 
 def _json(file: Path) -> dict[str, Any]:
@@ -96,15 +107,19 @@ def _state_space(content: dict[str, Any]) -> Model:
     if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (len(C), B.shape[1]):
         shapes = ", ".join(str(matrix.shape) for matrix in (A, B, C, D))
         raise ValueError(f"A, B, C, D do not fit each other: {shapes}")
-    if len(C) != B.shape[1]:
-        raise ValueError(f"as many outputs as inputs are needed, got {len(C)} and {B.shape[1]}")
-    if n > MOST_STATES:
-        raise ValueError(f"at most {MOST_STATES} states are taken, got {n}")
+    _check_size(n, B.shape[1], len(C))
     if not all(np.isfinite(matrix).all() for matrix in (A, B, C, D)):
         raise ValueError("A, B, C, D must be finite")
     if len(C) == 1:
         return _entry(A, B, C, D[0, 0], content["sample_time"])
     return StateSpace(A, B, C, D, content["sample_time"])
+
+
+def _check_size(n_states: int, n_inputs: int, n_outputs: int) -> None:
+    if n_outputs != n_inputs:
+        raise ValueError(f"as many outputs as inputs are needed, got {n_outputs} and {n_inputs}")
+    if n_states > MOST_STATES:
+        raise ValueError(f"at most {MOST_STATES} states are taken, got {n_states}")
 
 
 def _entry(A: Array, B: Array, C: Array, D: float, sample_time: float) -> System:
