@@ -35,6 +35,9 @@ class RecordOptimal(FirstOrderLaw):
     correction_weight: float = 1e-3
     change_weight: float = 1e-2
     """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""
+    tolerance: float | None = None
+    """Residual at which conjugate gradients end, relative to the right side, or they fail. None:
+    at 1e-4 or after 60 steps, which is below what a model of an arm is worth."""
 
     def __post_init__(self) -> None:
         for name in ("correction_weight", "change_weight"):
@@ -42,6 +45,8 @@ class RecordOptimal(FirstOrderLaw):
                 raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
         if not self.correction_weight + self.change_weight > 0.0:
             raise ValueError("correction_weight and change_weight must not both be 0")
+        if self.tolerance is not None and not 0.0 < self.tolerance < 1.0:
+            raise ValueError(f"tolerance must be in (0, 1), got {self.tolerance}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if (n := len(self.input_size)) != n_columns:
@@ -68,19 +73,23 @@ class RecordOptimal(FirstOrderLaw):
             return through(T_H, seen) + (rho + sigma) * step
 
         right = through(T_H, self.F(self.F(error * weight))) - rho * correction / size
-        return correction + size * _conjugate_gradients(normal, right)
+        return correction + size * _conjugate_gradients(normal, right, self.tolerance)
 
 
-def _conjugate_gradients(A: Callable[[Array], Array], b: Array) -> Array:
+def _conjugate_gradients(A: Callable[[Array], Array], b: Array, tolerance: float | None) -> Array:
+    """x of A x = b. Raises RuntimeError where a given tolerance is not reached."""
     x, r = np.zeros_like(b), b.copy()
     p, power = r.copy(), float(np.vdot(b, b))
-    enough = _SOLVED**2 * power
-    for _ in range(_STEPS):
+    enough = (_SOLVED if tolerance is None else tolerance) ** 2 * power
+    for _ in range(_STEPS if tolerance is None else 10 * b.size):
         if power <= enough:
-            break
+            return x
         Ap = A(p)
         along = power / float(np.vdot(p, Ap))
         x, r = x + along * p, r - along * Ap
         last, power = power, float(np.vdot(r, r))
         p = r + power / last * p
+    if tolerance is not None and power > enough:
+        reached = np.sqrt(power / np.vdot(b, b))
+        raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
     return x
