@@ -116,7 +116,7 @@ def _seen(residual: Whitened) -> tuple[NDArray[np.bool_], int]:
     finite = np.isfinite(residual.innovation)
     if np.ndim(residual.log_det) == 2:
         return finite, 1
-    rows = finite.all(axis=1)
+    rows = np.asarray(finite.all(axis=1))
     return rows, int(rows.sum())
 
 

@@ -61,9 +61,10 @@ class ScheduledSmoother:
         A row with missing channels is used and whitened by what is known of the others.
         """
         seen = np.isfinite(y)
-        known, which = self._with_rows(seen)
-        e, smoothed = _smooth(self._A, self._C, *known[:3], self.schedule, which, y, start.copy())
-        white = np.einsum("nij,nj->ni", known[3][which], np.where(seen, e, 0.0))
+        (gain, S, P, whitening), which = self._with_rows(seen)
+        known = self._A, self._C, gain, S, P, self.schedule, which
+        e, smoothed = _smooth(*known, y, start.copy())
+        white = np.einsum("nij,nj->ni", whitening[which], np.where(seen, e, 0.0))
         return ScheduledStates(np.where(seen, white, np.nan), smoothed)
 
     def _with_rows(self, seen: NDArray[np.bool_]) -> tuple[list[Array], NDArray[np.int64]]:

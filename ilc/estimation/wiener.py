@@ -52,7 +52,7 @@ class NonCausal:
         padded = 2 * len(y)
         frequency: Array = np.asarray(np.fft.rfftfreq(padded, sample_time), dtype=np.float64)
         S_zy, S_yy = self._spectra(frequency, sample_time, R)
-        precision = np.linalg.inv(S_yy)
+        precision: Complex = np.asarray(np.linalg.inv(S_yy), dtype=np.complex128)
         if np.isnan(y).any():
             y = _completed(y, lambda record: _filtered(precision, record))
         return _filtered(S_zy @ precision, y)
