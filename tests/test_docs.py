@@ -73,9 +73,12 @@ def run_command(command: str) -> None:
 
 
 def small(words: list[str]) -> list[str]:
-    """The words with one update where none are asked for, and the individual of the shared twin."""
+    """The words with one update at most, and the individual of the shared twin."""
     if words[:1] in (["laser"], ["cut"]) and not {"--iterations", "--plan-only"} & set(words):
         words = [*words, "--iterations", "1"]
+    if words[:1] == ["learn"] and "--iterations" in words:
+        at = words.index("--iterations") + 1
+        words = [*words[:at], str(min(int(words[at]), 1)), *words[at + 1 :]]
     if "--twin" in words:
         at = words.index("--individual") + 1
         words = [*words[:at], TWIN_OF, *words[at + 1 :]]
@@ -114,7 +117,9 @@ def takes_minutes(words: list[str]) -> bool:
     """True for what is only parsed; in CI those of half a minute are run."""
     identifies = "estimate" in words and "--identification" not in words
     measures = words[0] == "gears" and "large" in words
-    return words[0] in TAKES_MINUTES or (not WHOLE and (identifies or measures))
+    learns_in_a_twin = words[0] == "cut" and "--twin" in words
+    long = identifies or measures or learns_in_a_twin
+    return words[0] in TAKES_MINUTES or (not WHOLE and long)
 
 
 def only_shows(words: list[str]) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 
 from ..records import as_measured, records
 from .process import Process, steady_state_covariance
@@ -102,11 +102,11 @@ class Smoother:
         seen = np.asarray(self.seen, dtype=bool)
         if seen.ndim not in (1, 2) or seen.shape[1:] not in ((), (p,)):
             raise ValueError(f"seen must have shape (N,) or (N, {p}), got {seen.shape}")
-        start = np.ascontiguousarray(self.start_covariance, dtype=np.float64)
+        start = read_only(np.asarray(self.start_covariance, dtype=np.float64))
         if start.shape != (n, n):
             raise ValueError(f"start_covariance must have shape {(n, n)}, got {start.shape}")
         rows = seen[:, None] if seen.ndim == 1 else seen
-        channels = np.ascontiguousarray(np.broadcast_to(rows, (len(seen), p)))
+        channels = read_only(np.broadcast_to(rows, (len(seen), p)))
         found = _covariances(one.A, one.Q, one.C, one.R, start, channels)
         object.__setattr__(self, "_gains", _Gains(channels, *found))
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 
 from ..records import records
 
@@ -154,7 +154,7 @@ def steady_state_covariance(process: Process) -> Array:
         R_C = np.linalg.solve(process.R, process.C)
     except np.linalg.LinAlgError:  # a reading without noise
         return _stabilising(process)
-    H, steps = _doubled(np.ascontiguousarray(process.A.T), process.C.T @ R_C, process.Q)
+    H, steps = _doubled(read_only(process.A.T), process.C.T @ R_C, process.Q)
     return H if steps else _stabilising(process)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 
 from ..models.block_recursion import SUMS, times_blocks
 from ..models.blocks import Realisation
@@ -38,7 +38,8 @@ class Factored:
     def solve(self, g: Array) -> Array:
         """d with H d = g, (N, m) each."""
         one = self.model
-        return _solve(one.A, one.first, self._B, self.gain, self.L, np.ascontiguousarray(g))
+        matrices = (read_only(M) for M in (self._B, self.gain, self.L, g))
+        return _solve(read_only(one.A), one.first, *matrices)
 
     @cached_property
     def _B(self) -> Array:
@@ -52,12 +53,12 @@ def factor(model: Realisation, W: Array, R: Array) -> Factored:
     Raises ValueError if H is singular: some correction has neither an effect nor a weight.
     """
     W, R = np.ascontiguousarray(W), np.ascontiguousarray(R)
-    matrices = model.A, model.first, model.B, model.C, model.D
+    A, *others = (read_only(M) for M in (model.A, model.B, model.C, model.D, W, R))
     fixed = all(len(M) == 1 for M in (model.A, model.B, model.C, model.D))
     if fixed and bool((W[0] == W).all() and (R[0] == R).all()):
         gain, L, regular = constant_gains(model, W[0], R[0], len(W))
     else:
-        gain, L, regular = _varying_gains(*matrices, W, R)
+        gain, L, regular = _varying_gains(A, model.first, *others)
     if not regular:
         remedy = "raise the weight of the correction or of its change"
         raise ValueError(f"the criterion does not determine the correction: {remedy}")

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Realisation:
         """y (N, p) for u (N, m)."""
         from .block_recursion import states  # imported here: compiled
 
-        x = states(self.A, self.first, _at_each_sample(self.B, signal))
+        x = states(read_only(self.A), self.first, _at_each_sample(self.B, signal))
         return _at_each_sample(self.C, x) + _at_each_sample(self.D, signal)
 
     def adjoint(self, signal: Array) -> Array:

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 
 from .mjcf import axis_actuators, numeric, scalar
 
@@ -120,13 +120,13 @@ class GearError:
 
     def __call__(self, phi: Array) -> Array:
         """epsilon, shape (M, n) [rad], at arm-side angles phi (M, n)."""
-        return _error(np.ascontiguousarray(phi), self.amplitude, self.order, self.phase)
+        return _error(read_only(phi), self.amplitude, self.order, self.phase)
 
     def rate(self, phi: Array, phi_dot: Array) -> Array:
         """Time derivative of epsilon, shape (M, n) [rad/s]."""
         # sin(x + pi/2) = cos(x): the derivative is an error of other amplitudes and phases
         slope, phase = self.amplitude * self.order, self.phase + 0.5 * np.pi
-        return _error(np.ascontiguousarray(phi), slope, self.order, phase) * phi_dot
+        return _error(read_only(phi), slope, self.order, phase) * phi_dot
 
 
 _NONE = np.zeros((0, 0))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from armside.arrays import Array
+from armside.arrays import Array, read_only
 from armside.ilc.filters import recursion
 
 from .model import RobotModel
@@ -90,7 +90,7 @@ def extend_path(
     """
     timings = np.array([timing.period, timing.period / timing.ratio, timing.delay])
     out = path.position, path.velocity
-    _held_and_lagged(correction, timings, 2.0 * np.pi * timing.lag, rows, out)
+    _held_and_lagged(read_only(correction), timings, 2.0 * np.pi * timing.lag, rows, out)
 
 
 @njit(cache=True, nogil=True)
