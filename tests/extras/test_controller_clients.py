@@ -83,9 +83,11 @@ if __name__ == "__main__":
     client = RSIPI.RSIAPI("config.xml", rsi_mode="absolute")
     client.start()
     assert client.wait_for_connection(timeout=20.0)
-    for k in range(SAMPLES):
+    first = int(client.monitoring.get_ipoc())
+    while (k := (int(client.monitoring.get_ipoc()) - first) // 4) < SAMPLES:  # its own process answers
         client.motion.update_joints(A1=float(wave(k)[0]))
-        time.sleep(0.004)
+        time.sleep(0.001)
+    client.motion.update_joints(A1=float(wave(SAMPLES)[0]))
     client.stop()
 """
 
