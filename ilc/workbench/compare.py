@@ -1,14 +1,15 @@
 """One learning experiment of a comparison: a task, a law, a noise level, a repetition."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
 
-from ..learning import learn
+from ..learning import LoopState, Trial, learn
 from ..records import as_real
 from .laws import build_law
 from .prediction import Prediction, predict
@@ -56,6 +57,21 @@ class _Measured:
         return result, output
 
 
+def _predicted(
+    law: str, setting: Setting, first: Trial[Any], earlier: LoopState | None, iterations: int
+) -> Prediction:
+    """Prediction from the first run, or from the last one of the experiment that is continued.
+
+    Its errors are those of the runs from the first one here on.
+    """
+    if earlier is None:
+        start = first.correction
+        return predict(law, setting, first.error, iterations, first_correction=start)
+    error, start, memory = earlier.error, earlier.correction, earlier.memory
+    seen = predict(law, setting, error, iterations, first_correction=start, memory=memory)
+    return replace(seen, errors=seen.errors[1:])
+
+
 def setting_of(task: Task, experiment: Callable[[Array], Array] | None = None) -> Setting:
     """What laws for a task are built for."""
     return Setting(
@@ -97,6 +113,7 @@ def run_law(
     if resume is not None:
         resume.restore(generators)
     loop = None if resume is None else resume.loop
+    earlier = deepcopy(loop)  # own laws may change their memory in place
     first = last = None
     norms, largest, measures = list[float](), list[float](), list[Mapping[str, float]]()
     drawn = states_of(generators)
@@ -118,8 +135,8 @@ def run_law(
     if first is None or last is None:
         raise ValueError("an experiment that is continued needs at least one more update")
     prediction = None
-    if task.model is not None and resume is None and start is None:
-        prediction = predict(law, setting, first.error, iterations)
+    if task.model is not None:
+        prediction = _predicted(law, setting, first, earlier, iterations)
     return LawRun(
         law=law,
         noise=noise,

@@ -67,7 +67,11 @@ def load(file: Path, name: str) -> Any:
     with in_code_of(file):
         spec.loader.exec_module(module)
     if not hasattr(module, name):
-        public = [each for each in vars(module) if not each.startswith("_")]
+        public = [
+            each
+            for each, found in vars(module).items()
+            if not each.startswith("_") and not inspect.ismodule(found)
+        ]
         raise ValueError(f"{file}: {unknown_name('name', name, public)}")
     return getattr(module, name)
 

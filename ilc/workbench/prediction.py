@@ -1,6 +1,8 @@
 """Convergence that a model predicts for a law: criterion, lifted iteration, and each error."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -38,18 +40,32 @@ class Prediction:
 
 
 @records("first_error")
-def predict(law: str, setting: Setting, first_error: Array, iterations: int) -> Prediction:
-    """Prediction of the law with the setting's model, for learning from u = 0.
+def predict(
+    law: str,
+    setting: Setting,
+    first_error: Array,
+    iterations: int,
+    *,
+    first_correction: Array | None = None,
+    memory: Any = None,
+) -> Prediction:
+    """Prediction of the law with the setting's model.
 
-    first_error: e_0, shape (N, n). The errors follow e_k = e_0 - T_u u_k, the lifted iteration.
+    first_error: e_0, shape (N, n), measured with first_correction u_0 (zero if not given). memory:
+    of the law before its first update. The errors follow e_k = e_0 - T_u (u_k - u_0), the lifted
+    iteration.
     """
     T_u = setting.T_u("a prediction")
+    start = np.zeros_like(first_error) if first_correction is None else first_correction
+
+    def error_of(correction: Array) -> Array:
+        return first_error - T_u.simulate(correction - start)
 
     def simulated(correction: Array) -> Array:
-        return setting.reference - first_error + T_u.simulate(correction)
+        return setting.reference - first_error + T_u.simulate(correction - start)
 
     built = build_law(law, replace(setting, experiment=simulated))
-    errors = _errors(built, T_u, first_error, iterations)
+    errors = _errors(built, error_of, start, memory, iterations)
     if Words.parse(law).name in MEASURING:  # L is measured, not stated
         return Prediction(None, None, errors)
     return Prediction(_contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
@@ -64,14 +80,15 @@ def predicted_loci(law: str, setting: Setting) -> Eigenloci | None:
     return eigenloci(setting.model, built.gamma, built.delta, built.Q) if coupled else None
 
 
-def _errors(law: Law, T_u: Model, first_error: Array, iterations: int) -> Array:
-    errors = [first_error]
-    correction, memory = np.zeros_like(first_error), None
+def _errors(
+    law: Law, error_of: Callable[[Array], Array], correction: Array, memory: Any, iterations: int
+) -> Array:
+    errors = [first_error := error_of(correction)]
     for _ in range(iterations):
         if not np.abs(errors[-1]).max() < LARGEST * max(np.abs(first_error).max(), 1e-300):
             break
         correction, memory = law.step(correction, errors[-1], memory)
-        errors.append(first_error - T_u.simulate(correction))
+        errors.append(error_of(correction))
     norms = np.full(iterations + 1, np.nan)
     norms[: len(errors)] = [np.linalg.norm(error) for error in errors]
     return norms

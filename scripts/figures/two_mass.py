@@ -176,7 +176,9 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     for axes, runs in zip(grid, (without, filtered), strict=True):
         for name, run in runs.items():
             axes.semilogy(run.motor / run.motor[0], label=name)
-    titles = ("Without Q: better at first, then it grows", "With Q: it stays")
+    titles = ("Without Q", "With Q")
+    if of.is_thesis:
+        titles = ("Without Q: better at first, then it grows", "With Q: it stays")
     ylabel = "motor error, 2-norm over its first"
     finish(file, grid, "iteration k", ylabel, titles=titles, legends=[0, 1])
     rows = [

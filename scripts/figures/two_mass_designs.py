@@ -36,7 +36,7 @@ def nyquist(file: Path, seed: int, of: Study = THESIS) -> Table:
     grid[1].set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
     grid[0].set_title("Inside the circle, a frequency is learned", loc="left")
     grid[1].set_title("Near the origin every curve leaves it", loc="left")
-    grid[0].legend(frameon=False, loc="upper right")
+    grid[1].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     save(grid[0].figure, file)
     rows = []
     for delta in (0, 2, 4, 6):

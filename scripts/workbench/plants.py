@@ -65,7 +65,12 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
 
 
 def is_folder(cfg: LearnCfg) -> bool:
-    """The plant is run by hand, files exchanged in a folder."""
+    """The plant is run by hand, files exchanged in a folder.
+
+    A name of a plant is not a folder's, which may be of results that were kept under that name.
+    """
+    if cfg.plant in NAMES:
+        return False
     try:
         return bool(cfg.plant) and Path(cfg.plant).is_dir()
     except (OSError, ValueError):

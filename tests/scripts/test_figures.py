@@ -152,6 +152,10 @@ def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monk
     lines = [line for line in seen[0].lines if len(line.get_xdata())]
     kinds = {(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines}
     assert len(kinds) == len(lines) == 40
+    solid = [line.get_markersize() for line in lines if line.get_linestyle() == "-"]
+    dashed = [line.get_markersize() for line in lines if line.get_linestyle() == "--"]
+    assert len(solid) == len(dashed)
+    assert min(dashed) > 1.5 * max(solid)  # seen around equal ones
 
 
 @pytest.mark.parametrize("moving", [[0, 1, 2, 3, 4, 5], [3, 4, 5], [1], []])

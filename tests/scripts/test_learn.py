@@ -13,6 +13,8 @@ from armside.scripts.cli import main
 
 LAG = {"sample_time": 0.01, "b": [0, 0.1], "a": [1, -0.9]}
 OWN = """
+import math
+
 def half(u, e):
     return u + 0.5 * e
 
@@ -132,6 +134,14 @@ def test_a_folder_asks_for_each_log_and_ends_with_the_results(place, capsys):
     assert len(read(place / "a")["laws"][0]["error_two"]) == 2
 
 
+def test_results_kept_under_the_name_of_a_plant_do_not_become_the_plant(place):
+    words = ["learn", "--iterations", "0", "--quiet", "--out"]
+    assert main([*words, "two-mass"]) == 0
+    assert main([*words, "again", "--plant", "two-mass"]) == 0
+    assert len(read(place / "again")["laws"]) == 1
+    assert not (place / "two-mass" / "u_0.csv").exists()
+
+
 def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(place, capsys):
     slow, fast = "large:radius=2,speed=60", "large:radius=2,speed=70"
     assert main(["learn", "--plant", slow, "--iterations", "2", "--quiet", "--out", "slow"]) == 0
@@ -153,8 +163,12 @@ def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(p
         ("--reference=", 2, "reference must be step"),
         ("--plant lag.jsn", 2, "Unknown plant 'lag.jsn'"),
         ("--plant lag.json --laws herustic", 2, "Unknown law 'herustic'"),
-        ("--plant lag.json --laws own.py:third", 2, "Unknown name 'third'"),
-        ("--plant lag.json --laws own.py:broken", 1, "own.py, line 6: IndexError"),
+        (
+            "--plant lag.json --laws own.py:third",
+            2,
+            "Unknown name 'third'. It can be: half, broken",
+        ),
+        ("--plant lag.json --laws own.py:broken", 1, "own.py, line 8: IndexError"),
         ("--plant lag.json --laws heuristic:gamma=30,cutoff=40", 1, "diverged with heuristic"),
         ("--plant lag.json --laws repetitive:period=2", 2, "a lap of 2 samples is too short"),
         ("--plant lag.json --laws repetitive:period=300", 2, "two laps of 300, got 400"),
