@@ -84,7 +84,8 @@ if __name__ == "__main__":
     client.start()
     assert client.wait_for_connection(timeout=20.0)
     first = int(client.monitoring.get_ipoc())
-    while (k := (int(client.monitoring.get_ipoc()) - first) // 4) < SAMPLES:  # its own process answers
+    # its own process answers
+    while (k := (int(client.monitoring.get_ipoc()) - first) // 4) < SAMPLES:
         client.motion.update_joints(A1=float(wave(k)[0]))
         time.sleep(0.001)
     client.motion.update_joints(A1=float(wave(SAMPLES)[0]))
