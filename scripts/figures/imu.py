@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from armside.arrays import Array
 
@@ -92,9 +93,11 @@ def path(file: Path, position: Array) -> None:
     axes = figure.add_subplot(projection="3d")
     axes.plot(*position.T, color=COLORS[0], lw=1.0)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Performed motion of the IMU")
-    axes.set_box_aspect(np.maximum(np.ptp(position, axis=0), 0.05))
+    size = np.maximum(np.ptp(position, axis=0), 0.05)
+    axes.set_box_aspect(size)
     axes.view_init(elev=25, azim=-60)
-    axes.locator_params(nbins=4)
+    for name, part in zip(AXES, size / size.max(), strict=True):  # ticks as far apart on all axes
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(max(1, round(4.0 * part))))
     figure.savefig(file, metadata={"Software": None})
 
 

@@ -105,15 +105,15 @@ def _print_axes(report: Report, axes: list[dict[str, Any]]) -> None:
         "from",
         "to",
         "speed",
-        "[s^-1]",
+        "unit",
         "gear",
         "limit [N m]",
         "inertia [kg m^2]",
         "load",
     )
     report.table(
-        "Axes, arm side of the gear; load: greatest torque of gravity over the drive's limit; "
-        "of a prismatic axis [mm], [N] and [kg]",
+        "Axes, arm side of the gear; speed: unit per second; load: greatest torque of gravity over "
+        "the drive's limit; of a prismatic axis [mm], [N] and [kg]",
         heads,
         [_axis_row(one) for one in axes],
     )

@@ -5,7 +5,9 @@ import tomllib
 from pathlib import Path
 
 import mujoco
+import numpy as np
 import pytest
+from PIL import Image
 
 from armside import assets
 from armside.scripts.cli import main
@@ -45,7 +47,10 @@ def test_check_lists_what_is_estimated_and_slides_in_millimetres(capsys):
 @pytest.mark.usefixtures("graphics")
 def test_a_picture_of_the_robot_goes_with_its_data(tmp_path):
     assert main(["robot", "show", str(SCARA), "--out", str(tmp_path / "shown"), "--quiet"]) == 0
-    assert (tmp_path / "shown" / "robot.png").stat().st_size > 10_000
+    with Image.open(tmp_path / "shown" / "robot.png") as image:
+        shades = np.asarray(image.convert("L"))
+    assert np.median(shades) == 255  # of the background
+    assert 0.02 < (shades < 200).mean() < 0.5  # of the robot
 
 
 @pytest.mark.parametrize(
