@@ -22,13 +22,16 @@ SPECTRUM_TO = 40.0
 """Largest frequency shown [Hz]; above it the robot hardly moves."""
 GREY, BLUE, ORANGE, INK = [150, 150, 150], [70, 130, 230], [240, 120, 20], [60, 60, 60]
 TOOL_MAXIMUM = [240, 180, 60]
-AXIS_RGB = ("0072B2", "56B4E9", "009E73", "CC79A7", "966EBE", "787878")
+AXIS_RGB = (
+    *("0072B2", "56B4E9", "009E73", "CC79A7", "966EBE", "787878"),
+    *("332288", "882255", "999933"),
+)
 AXIS_COLOURS = [[*bytes.fromhex(rgb)] for rgb in AXIS_RGB]
-"""Colours of axes 1 to 6: none is orange, which is the tool's."""
-OF_AXES = {"names": [f"axis {i}" for i in range(1, 7)], "colors": AXIS_COLOURS}
+"""Colours of axes 1 to 9: none is orange, which is the tool's."""
+OF_AXES = ("motor_error", "correction", "motor_torque")
+"""Series with a line for each axis."""
 OF_XYZ = {"names": ["x", "y", "z"], "colors": AXIS_COLOURS[:3]}
-SERIES: Mapping[str, Mapping[str, Any]] = {
-    **dict.fromkeys(("motor_error", "correction", "motor_torque"), OF_AXES),
+OTHERS: Mapping[str, Mapping[str, Any]] = {
     "arm_error": {"names": ["tool", "motors"], "colors": [ORANGE, BLUE]},
     **dict.fromkeys(("imu/acceleration", "imu/angular_velocity", "tracker"), OF_XYZ),
 }
@@ -68,7 +71,9 @@ def _sides(contour: Contour) -> tuple[tuple[str, Array, list[int]], ...]:
     return ("motors", contour.motor, BLUE), ("tool", contour.tool, ORANGE)
 
 
-def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) -> None:
+def send_static(
+    to: Entities, mj: mujoco.MjModel, contour: Contour, about: str, n_axes: int
+) -> None:
     """Send shapes, programmed path, names of the series and text, which do not change."""
     to.static("robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     for entity, shape in shapes(mj, prefix=to.layout.entity("robot")):
@@ -76,7 +81,10 @@ def send_static(to: Entities, mj: mujoco.MjModel, contour: Contour, about: str) 
     programmed = contour.magnified(0.0, 1.0)
     line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
     to.static("plane/programmed", line)
-    for path, lines in SERIES.items():
+    axes = [f"axis {i + 1}" for i in range(n_axes)]
+    for path in OF_AXES:
+        to.static(path, rr.SeriesLines(names=axes, colors=AXIS_COLOURS[:n_axes]))
+    for path, lines in OTHERS.items():
         to.static(path, rr.SeriesLines(**lines))
     if about:
         to.static("about", rr.TextDocument(about, media_type="text/markdown"))

@@ -110,7 +110,7 @@ def _layout(scene: Scene, factor: float, worst: float) -> Layout:
 def _send_scene(
     to: entities.Entities, scene: Scene, contours: Sequence[Contour], starts: Array
 ) -> None:
-    entities.send_static(to, scene.mj, contours[0], scene.about)
+    entities.send_static(to, scene.mj, contours[0], scene.about, scene.robot.n_joints)
     entities.send_paths(to, scene.runs, contours, starts)
     entities.send_learning(to, scene.runs, scene.learning, starts)
     for run, contour, start in zip(scene.runs, contours, starts.tolist(), strict=False):

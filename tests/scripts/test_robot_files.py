@@ -53,6 +53,22 @@ def test_a_picture_of_the_robot_goes_with_its_data(tmp_path):
     assert 0.02 < (shades < 200).mean() < 0.5  # of the robot
 
 
+@pytest.mark.parametrize(("name", "axes"), [("panda_like", 7), ("two_link", 2)])
+def test_a_cut_leaves_a_replay_with_a_line_for_each_axis(name, axes, tmp_path):
+    from rerun.chunk import RrdReader
+
+    file, out = str(SCARA.with_name(f"{name}.toml")), tmp_path / "cut"
+    words = ["laser", "--robot", file, "--iterations", "0", "--quiet", "--out", str(out)]
+    assert main(words) == 0
+    chunks = list(RrdReader(out / "replay.rrd").stream().to_chunks())
+    (lines,) = [c for c in chunks if c.entity_path == "/motor_error" and c.is_static]
+    batch = lines.to_record_batch()
+    (names,) = [n for n in batch.schema.names if n.endswith("names")]
+    assert batch.column(names).to_pylist() == [[f"axis {i + 1}" for i in range(axes)]]
+    learned = {c.entity_path for c in chunks if c.entity_path.startswith("/learning/motor")}
+    assert len(learned) == axes
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
