@@ -44,11 +44,13 @@ def score(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> tuple[int,
 
 
 def _scores(title: str, mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
-    lines = [f"## {title}\n", "| package | noticed | of | |", "| --- | --- | --- | --- |"]
+    lines = [f"## {title}\n", "| package | noticed | of | | not tried |", "|---|---|---|---|---|"]
     for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
-        killed, tried = score([m for m in mutants if m.package in packages], results)
-        if tried:
-            lines.append(f"| {name} | {killed} | {tried} | {100 * killed / tried:.0f} % |")
+        own = [m for m in counted(mutants) if m.package in packages]
+        killed, tried = score(own, results)
+        if own:
+            rate = f"{100 * killed / tried:.0f} %" if tried else "-"
+            lines.append(f"| {name} | {killed} | {tried} | {rate} | {len(own) - tried} |")
     return "\n".join(lines) + "\n"
 
 

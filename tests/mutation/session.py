@@ -18,8 +18,8 @@ from .workspace import commit, copied, mutated
 FOLDER = Path("build/mutation")
 DATABASE = "session.sqlite"
 NEAREST_LIMIT, WIDER_LIMIT = 300.0, 1800.0
-"""[s] for the nearest tests of a mutant, and for those of its package. A mutant that runs into a
-limit counts as killed: the suite would have a limit of its own."""
+"""[s] of processor time for the nearest tests of a mutant, and for those of its package. A mutant
+that runs into a limit counts as killed: the suite would have a limit of its own."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 
 

@@ -9,7 +9,7 @@ from . import session
 from .mutant import ROOT, Mutant, curated
 from .page import page, score
 from .session import Session, Trial, trial
-from .warm import TIMED_OUT
+from .warm import TIMED_OUT, run_pytest
 from .workspace import commit, copied, mutated
 
 MUTANT = Mutant(name="sum", file="ilc/a.py", old="a + b", new="a - b", tests=("tests/ilc",))
@@ -90,6 +90,13 @@ def test_nearest_tests_come_first_and_the_first_failure_ends_a_trial(
     assert not left
 
 
+def test_a_run_without_end_is_ended_by_its_processor_time_and_one_that_waits_is_not(tmp_path):
+    (tmp_path / "test_endless.py").write_text("def test_it():\n    while True: pass\n")
+    (tmp_path / "test_slow.py").write_text("import time\ndef test_it(): time.sleep(2.2)\n")
+    assert run_pytest([str(tmp_path / "test_endless.py")], 1.0)[0] == TIMED_OUT
+    assert run_pytest([str(tmp_path / "test_slow.py")], 2.0)[0] == 0
+
+
 def test_results_are_kept_between_sessions(tmp_path):
     Session(tmp_path)._keep(MUTANT, Trial(True, "t"))
     Session(tmp_path)._keep(MUTANT, Trial(False, "u", "1234abcd"))
@@ -108,7 +115,7 @@ def test_a_page_counts_what_was_tried_and_says_what_survives():
     mutants = [MUTANT, survivor, same, untried]
     assert score(mutants, results) == (1, 2)
     text = page(mutants, [], results)
-    assert "| ilc | 1 | 2 | 50 % |" in text
+    assert "| ilc | 1 | 2 | 50 % | 1 |" in text
     assert "of 1234abcd (1 faults), 5678efab (1 faults)." in text
     assert "| a.py | sum | ilc/t.py::a |" in text
     assert "**survives**: too small to see" in text

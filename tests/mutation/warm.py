@@ -4,7 +4,9 @@ Nothing of ours is imported before the fork, so each run reads the mutated code.
 """
 
 import contextlib
+import math
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -16,6 +18,9 @@ from typing import IO
 
 TIMED_OUT = -1
 """Exit status of a run that was ended at its limit."""
+PATIENCE = 10.0
+"""Seconds of the clock for each of processor time: a busy machine ends no run, a run that waits for
+ever ends."""
 _LIBRARIES = (
     *("numpy", "scipy.signal", "scipy.optimize", "scipy.interpolate", "scipy.sparse.linalg"),
     *("scipy.spatial.transform", "scipy.special", "mujoco.rollout", "numba", "sympy"),
@@ -37,12 +42,16 @@ def warm_up() -> None:
 
 
 def run_pytest(tests: Sequence[str], limit: float) -> tuple[int, str]:
-    """Exit status of pytest, stopped at the first failure, and its output; limit in [s]."""
+    """Exit status of pytest, stopped at the first failure, and its output.
+
+    limit: of processor time [s], and in `PATIENCE` times as long.
+    """
     with tempfile.TemporaryFile() as output:
         child = os.fork()
         if child == 0:
+            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 1))
             _in_child(tests, output)
-        status = _awaited(child, time.monotonic() + limit)
+        status = _awaited(child, time.monotonic() + PATIENCE * limit)
         output.seek(0)
         return status, output.read().decode(errors="replace")
 
@@ -69,7 +78,8 @@ def _awaited(child: int, deadline: float) -> int:
     while time.monotonic() < deadline:
         pid, status = os.waitpid(child, os.WNOHANG)
         if pid:
-            return os.waitstatus_to_exitcode(status)
+            ended = os.waitstatus_to_exitcode(status)
+            return TIMED_OUT if ended == -signal.SIGXCPU else ended
         time.sleep(0.02)
     os.killpg(child, signal.SIGKILL)
     os.waitpid(child, 0)
