@@ -121,7 +121,7 @@ def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
         right.set_ylim(-furthest, furthest)
         right.plot(time, 1e3 * (tool - predicted)[:, i], color=INK, lw=0.8)
         right.set_ylabel("difference [mm]", fontsize=8)
-    grid[0, 0].legend(frameon=False, fontsize=8)
+    _legend_beside_title(grid[0, 0])
     for axes in grid[-1]:
         axes.set_xlabel("Time [s]")
     save(figure, file)
@@ -139,6 +139,14 @@ def acceleration(file: Path, time: Array, measured: Array, predicted: Array) -> 
     _both_sides(file, title, time, measured, predicted, "a", "m/s²")
 
 
+def _legend_beside_title(axes: Axes) -> None:
+    """Legend of the curves of a panel in the figure's upper right corner, over no curve."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    names = axes.get_legend_handles_labels()
+    figure.legend(*names, frameon=False, fontsize=8, ncols=2, loc="upper right")
+
+
 def _both_sides(
     file: Path, title: str, time: Array, measured: Array, predicted: Array, symbol: str, unit: str
 ) -> None:
@@ -147,7 +155,7 @@ def _both_sides(
             axes.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="predicted")
             axes.plot(time, measured[:, i], color=COLORS[1], lw=0.9, label="measured")
             axes.set_ylabel(f"{symbol}$_{AXES[i]}$ [{unit}]")
-        panels[0].legend(frameon=False, fontsize=8, ncols=2)
+        _legend_beside_title(panels[0])
 
 
 def acceleration_error(

@@ -189,3 +189,17 @@ def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, monkeypatch):
         *("angle [rad]", "position [m]", "angle [rad]"),
     ]
     assert np.ptp(slide.get_ylim()) < 0.1  # not 0.15 of the radians beside it
+
+
+@pytest.mark.parametrize("draw", [imu_figures.position, imu_figures.acceleration])
+def test_the_legend_of_predicted_and_measured_lies_over_no_panel(tmp_path, monkeypatch, draw):
+    drawn = []
+    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+    time = np.linspace(0.0, 1.0, 50)
+    values = np.column_stack([np.sin(40.0 * time)] * 3)
+    draw(tmp_path / "p.png", time, values, values)
+    drawn[0].canvas.draw()
+    (legend,) = drawn[0].legends
+    box = legend.get_window_extent()
+    assert len(legend.get_texts()) == 2
+    assert not any(box.overlaps(axes.get_window_extent()) for axes in drawn[0].axes)
