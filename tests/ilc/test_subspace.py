@@ -83,6 +83,17 @@ def test_a_start_that_is_not_rest_is_fitted():
     np.testing.assert_allclose(left, 0.0, atol=1e-9)
 
 
+def test_a_model_that_is_not_stable_is_found_and_said():
+    one = np.ones((1, 1))
+    growing = InnovationsForm(
+        A=1.02 * one, B=one, C=one, D=0.0 * one, K=0.0 * one, S=one, sample_time=STEP
+    )
+    u = np.random.default_rng(7).standard_normal((200, 1))
+    fit = fit_subspace(u, growing.simulate(u), STEP, 1)
+    assert fit.model.poles == pytest.approx([1.02])
+    assert [text for text in fit.warnings if "the model is not stable" in text]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -49,7 +49,7 @@ def _scores(title: str, mutants: Sequence[Mutant], results: Mapping[str, Trial])
         own = [m for m in counted(mutants) if m.package in packages]
         killed, tried = score(own, results)
         if own:
-            rate = f"{100 * killed / tried:.0f} %" if tried else "-"
+            rate = f"{100 * killed // tried} %" if tried else "-"
             lines.append(f"| {name} | {killed} | {tried} | {rate} | {len(own) - tried} |")
     return "\n".join(lines) + "\n"
 
