@@ -10,7 +10,9 @@ from armside.arrays import Array
 
 Apply = Callable[[Array], Array]
 _TIGHT = 1e-10  # relative residual of a singular or eigenvalue
-_SMALL = 3  # sizes up to which the matrix is built, too small for Lanczos
+_TINY = 3  # sizes up to which the matrix is built, too small for Lanczos
+_SMALL = 300  # sizes up to which it is built where Lanczos iterations do not converge
+_RESTARTS = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +60,30 @@ def largest_singular_value(products: Products, tight: float = _TIGHT) -> float:
     """2-norm of the map, by Lanczos iterations on the map and its adjoint.
 
     From below: the residual of the vector found is below `tight` of the value, so a singular value
-    lies that close; the random start makes it the largest one.
+    lies that close; the random start makes it the largest one. Where many lie as close together
+    the residual of the squared map is taken, and then a RuntimeError raised.
     """
-    from scipy.sparse.linalg import svds
-
-    if min(np.prod(products.inputs), np.prod(products.outputs)) <= _SMALL:
+    size = min(np.prod(products.inputs), np.prod(products.outputs))
+    if size > _TINY and (found := _by_lanczos(products, tight)) is not None:
+        return found
+    if size <= _SMALL:
         return float(np.linalg.norm(products.dense(), ord=2))
+    if (found := _by_lanczos(products, np.sqrt(tight))) is not None:  # scipy squares it
+        return found
+    raise RuntimeError(
+        f"the largest singular value is not known to {tight:g} after {_RESTARTS} restarts: too "
+        "many lie close to it"
+    )
+
+
+def _by_lanczos(products: Products, tolerance: float) -> float | None:
+    from scipy.sparse.linalg import ArpackNoConvergence, svds
+
     solve: Any = svds  # its stubs know no tolerance that is a float
     shape = min(products.inputs, products.outputs, key=np.prod)
     start = np.random.default_rng(0).standard_normal(int(np.prod(shape)))
-    found = solve(products.operator(), k=1, tol=tight, v0=start, return_singular_vectors=False)
-    return float(found[0])
+    options = {"v0": start, "maxiter": _RESTARTS, "return_singular_vectors": False}
+    try:
+        return float(solve(products.operator(), k=1, tol=tolerance, **options)[0])
+    except ArpackNoConvergence:
+        return None

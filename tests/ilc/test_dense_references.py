@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are
 from scipy.signal import butter, lfilter, sosfilt, sosfiltfilt
 
+from armside.ilc.estimation.extended import extended
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.process import Process, steady_state_covariance
+from armside.ilc.estimation.square_root import smooth_square_root
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
 from armside.ilc.identification.arx import fit_arx
 from armside.ilc.identification.first_order import fit_first_order
@@ -60,9 +62,14 @@ class Gaussian(NamedTuple):
     """A process with its record, some states known exactly, some without noise, some growing."""
 
     process: Process
-    start: np.ndarray
+    root: np.ndarray
+    """S of the covariance S S^T at the start."""
     seen: np.ndarray
     y: np.ndarray
+
+    @property
+    def start(self):
+        return self.root @ self.root.T
 
 
 def random_process(rng, n, p, n_samples):
@@ -75,12 +82,13 @@ def random_process(rng, n, p, n_samples):
     )
     seen = rng.random((n_samples, p)) < 0.8
     y = np.where(seen, rng.standard_normal((n_samples, p)), np.nan)
-    return Gaussian(process, first @ first.T, seen, y)
+    return Gaussian(process, first, seen, y)
 
 
 @cases(25)
 @given(n=st.integers(1, 5), p=st.integers(1, 3), n_samples=st.integers(2, 25), seed=SEED)
-def test_a_smoother_is_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_samples, seed):
+def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_samples, seed):
+    """By covariances, by square roots, and by the extended filter on a linear process."""
     given = random_process(np.random.default_rng(seed), n, p, n_samples)
     A, Q, C, R = (getattr(given.process, name) for name in "AQCR")
     T = np.zeros((n_samples, n, n_samples, n))
@@ -100,10 +108,15 @@ def test_a_smoother_is_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_sam
     mean, scale = K @ given.y[given.seen], max(np.abs(P).max(), 1.0)
     np.testing.assert_allclose(found, mean, rtol=0, atol=AGREED * max(np.abs(mean).max(), 1.0))
     covariance = (P - K @ H @ P).reshape(n_samples, n, n_samples, n)
+    of_roots = smooth_square_root(given.process, given.y, np.zeros(n), given.root)
     for i in range(n_samples):
-        np.testing.assert_allclose(
-            smoother.smoothed_covariance[i], covariance[i, :, i], rtol=0, atol=1e-9 * scale
-        )
+        for P_i in (smoother.smoothed_covariance[i], of_roots.smoothed_covariance[i]):
+            np.testing.assert_allclose(P_i, covariance[i, :, i], rtol=0, atol=1e-9 * scale)
+    steps = (lambda i, x: (A @ x, A)), (lambda i, x: (C @ x, C))
+    linear = extended(*steps, given.y, Q, R, np.zeros(n), given.start)
+    for states in (of_roots.smoothed, linear.smoothed):
+        off = np.abs(states.ravel() - mean).max()
+        assert off <= AGREED * max(np.abs(mean).max(), 1.0)
 
 
 @cases(40)
