@@ -1,4 +1,4 @@
-"""A tick or a test on the pages of peers and of identification leads to a test that exists."""
+"""A tick or a test on the pages of peers, identification and ilc leads to a test that exists."""
 
 import re
 from pathlib import Path
@@ -16,7 +16,8 @@ def pairs(page: str, pattern: re.Pattern[str]) -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(
-    ("page", "pattern", "least"), [("peers.md", TICK, 30), ("identification.md", NAMED, 10)]
+    ("page", "pattern", "least"),
+    [("peers.md", TICK, 30), ("identification.md", NAMED, 10), ("ilc.md", NAMED, 20)],
 )
 def test_each_test_that_a_page_leads_to_exists(page, pattern, least):
     found = pairs(page, pattern)

@@ -14,6 +14,8 @@ from scipy.signal import butter, freqz, sosfilt, sosfiltfilt
 from .random_cases import T_S, entries_of
 
 LENGTH = st.sampled_from([50, 51, 160, 400] + ([2000] if os.environ.get("ARMSIDE_CI") else []))
+LONGEST = 2000
+"""Samples of all motors together: the size of a dense matrix."""
 MOTORS_AND_ORDER = st.sampled_from([(1, 1), (1, 6), (1, 14), (2, 4), (3, 3), (6, 1)])
 
 

@@ -22,6 +22,7 @@ from armside.ilc.laws.time_varying import Blend
 
 from .dense_filters import (
     LENGTH,
+    LONGEST,
     MOTORS_AND_ORDER,
     by_column,
     largest_gain,
@@ -77,6 +78,7 @@ FILTERS = p_type, d_type, matrix_gain, gradient, varying, ahead
 @given(shape=MOTORS_AND_ORDER, n_samples=LENGTH, slowest=SLOWEST, damping=DAMPING, seed=SEED)
 def test_an_update_is_that_of_its_matrices(build, shape, n_samples, slowest, damping, seed):
     rng, (n, order) = np.random.default_rng(seed), shape
+    n_samples = min(n_samples, LONGEST // n)
     T = random_matrix(rng, n, order, slowest, damping)
     if not T.is_stable:
         return
@@ -93,7 +95,7 @@ def test_an_update_is_that_of_its_matrices(build, shape, n_samples, slowest, dam
 @given(n=st.integers(1, 6), n_samples=LENGTH, hold=st.booleans(), seed=SEED)
 def test_a_heuristic_update_is_that_of_its_matrices(n, n_samples, hold, seed):
     """One gain, shift and cutoff a motor; on errors of the tool, through an inverse Jacobian."""
-    rng = np.random.default_rng(seed)
+    rng, n_samples = np.random.default_rng(seed), min(n_samples, LONGEST // n)
     gamma, delta = rng.uniform(0.1, 1.5, n), rng.integers(-5, 20, n)
     cutoffs, J = rng.uniform(1.0, 100.0, n), rng.standard_normal((n, 3))
     law = Heuristic(
@@ -125,6 +127,7 @@ def test_a_model_inverse_is_the_least_squares_solution_at_each_frequency(
 ):
     """min |T u - e|^2 + rho |u|^2 by scipy's response and ridge rows, then times 1 - H_B."""
     rng, (n, order) = np.random.default_rng(seed), shape
+    n_samples = min(n_samples, LONGEST // n)
     T = random_matrix(rng, n, order, slowest, damping)
     if not T.is_stable:
         return
