@@ -8,6 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from armside.arrays import Array
 from armside.sim.evaluation.kerf import Kerf
@@ -18,6 +19,8 @@ SHEET, PIECE, GAP = "#E3E3E3", "#F6F6F6", "#333333"
 MARGIN = 1.12
 WIDTH, STRIP = 9.6, 2.2
 """Width of the figure and height of the plot of the edge [inch]."""
+TICK = 0.22
+"""Least distance of numbers at the y-axis of a panel [inch]."""
 
 
 def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness") -> None:
@@ -47,6 +50,7 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
         axes.set_title(f"k = {k}    {measure} {cut.roundness * 1e6:.0f} µm", fontsize=9)
         axes.set(xlabel="x [mm]", ylabel="y [mm]" if column == 0 else "")
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=max(1, int(panel / TICK)), min_n_ticks=1))
     edge_axes = figure.add_subplot(grid[1, :])
     for (k, cut), color in zip(cuts, (COLORS[1], COLORS[0], *COLORS[2:]), strict=False):
         style = {"color": color, "lw": 1.3, "label": f"k = {k}"}

@@ -72,7 +72,8 @@ def circles(
         axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"{label}, {scale}")
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
         axes.xaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=max(2, round(7 * aspect)), steps=[1, 2, 5]))
+        n_rows = max(1, round(7 * reach[1] / reach[0]))
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=n_rows, steps=[1, 2, 5, 10], min_n_ticks=1))
         numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
         axes.set_title(f"{names[k]}{between}{numbers}", fontsize=9)
     handles, labels = panels[0].get_legend_handles_labels()
