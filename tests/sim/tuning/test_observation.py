@@ -28,8 +28,9 @@ def test_the_table_of_the_env_says_what_the_entries_are():
     assert (space.high == 1).all()
 
 
-def test_band_energies_add_up_to_the_whole():
-    signal = np.random.default_rng(0).standard_normal((401, 3))
+@pytest.mark.parametrize("n", [401, 500])  # the second has Nyquist, and bins at the bands' ends
+def test_band_energies_add_up_to_the_whole(n):
+    signal = np.random.default_rng(0).standard_normal((n, 3))
     bands = band_rms(signal, 0.004, BANDS)
     assert np.sqrt((bands**2).sum(axis=0)) == pytest.approx(np.sqrt((signal**2).mean(axis=0)))
 
