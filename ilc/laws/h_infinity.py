@@ -6,8 +6,9 @@ The two steps of de Roover, "Synthesis of a robust iterative learning controller
 approach" (1996): Q is chosen for where the model holds, then L for that Q. His synthesis returns a
 causal state-space L from Riccati equations. Here L is a filter of finite length that looks ahead,
 and the norm is taken on a grid of frequencies: weighted least squares whose weights follow the
-residual (Lawson, 1961). Each weighting also bounds from below what any filter of this length
-reaches on the grid, so `reached` and `least` state how far from the optimum L is at most.
+residual (Lawson, 1961). Each weighting also bounds from below what any filter of this length with
+taps no larger reaches on the grid, so `reached` and `least` state how far from the optimum L is at
+most. Larger taps, which the trace of ridge keeps away, may do better where Q T_u is almost 0.
 """
 
 from dataclasses import dataclass, replace
@@ -35,9 +36,13 @@ class Matched:
     lead: int
     """[samples]."""
     reached: float
-    """Largest value of the criterion on the grid; a contraction if below 1 and Delta 0."""
+    """Largest value of the criterion on the grid; a contraction if below 1 and Delta 0, where the
+    grid is finer than the resonances of T_u. Between its frequencies nothing is known."""
     least: float
-    """No filter of this length does better on the grid."""
+    """No filter of this length whose taps have at most the norm `bounded` does better on the
+    grid."""
+    bounded: float = 0.0
+    """Norm of the taps up to which `least` holds."""
 
     def check(self, n_samples: int, n_columns: int) -> None:
         """Accept every shape."""
@@ -87,18 +92,20 @@ def h_infinity(
     LT = (np.abs(gain) * T_u.response(omega))[:, None] * delays
     A = np.stack((LT, uncertainty * LT))  # (2, M, n)
     b = np.stack((np.abs(gain), np.zeros(n_grid)))
-    weight, best, least = np.full(n_grid, 1.0 / n_grid), None, 0.0
+    weight, best = np.full(n_grid, 1.0 / n_grid), None
+    least = bounded = 0.0
     for _ in range(_ROUNDS):
         taps = _weighted(A, b, weight)
         size = np.linalg.norm(A @ taps - b, axis=0)
-        least = max(least, float(np.sqrt(weight @ np.square(size))))
+        if (bound := float(np.sqrt(weight @ np.square(size)))) > least:
+            least, bounded = bound, float(np.linalg.norm(taps))
         if best is None or size.max() < best.reached:
             best = Matched(taps=taps, lead=lead, reached=float(size.max()), least=0.0)
         if best.reached <= _CLOSE * least:
             break
         weight = weight * size / (weight @ size)
     assert best is not None
-    return replace(best, least=min(least, best.reached))
+    return replace(best, least=min(least, best.reached), bounded=bounded)
 
 
 def _weighted(A: Complex, b: Array, weight: Array) -> Array:
