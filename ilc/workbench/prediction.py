@@ -39,7 +39,7 @@ class Prediction:
     """(K + 1,) predicted ||e_k||, from the measured e_0 and without further noise."""
 
 
-@records("first_error")
+@records("first_error", "first_correction")
 def predict(
     law: str,
     setting: Setting,
