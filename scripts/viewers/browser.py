@@ -42,11 +42,19 @@ class Page:
         return base64.b64decode(_ask(f"{self._address}/screenshot"))
 
     def screenshot_when(self, good: Callable[[bytes], bool], within: float) -> bytes:
-        """First screenshot that is good, or the last one taken within that time [s]."""
+        """First screenshot that is good, or the last one taken within that time [s].
+
+        A busy page that gives none is asked again. Raises TimeoutError where it gave none at all.
+        """
         until = time.monotonic() + within
+        seen = b""
         while True:
-            seen = self.screenshot()
-            if good(seen) or time.monotonic() > until:
+            try:
+                seen = self.screenshot()
+            except TimeoutError:
+                if not seen and time.monotonic() > until:
+                    raise
+            if seen and (good(seen) or time.monotonic() > until):
                 return seen
             time.sleep(0.5)
 
@@ -105,5 +113,6 @@ def _ask(address: str, body: dict[str, Any] | None = None, method: str | None = 
             return json.load(answer)["value"]
     except urllib.error.HTTPError as error:
         answer = json.load(error)["value"]
-        text = f"the browser failed: {answer.get('message', answer)}"
-        raise OSError(text.splitlines()[0]) from error
+        text = f"the browser failed: {answer.get('message', answer)}".splitlines()[0]
+        late = answer.get("error") == "timeout"
+        raise (TimeoutError(text) if late else OSError(text)) from error
