@@ -35,21 +35,25 @@ def test_failed_configurations_run_again_only_when_asked(tmp_path):
 
 
 def test_a_result_is_safe_once_it_was_added_and_a_torn_one_is_cut_off(tmp_path):
-    point = next(iter(parse(("delta=1",), 0)))
-    name = dataset(tmp_path).name(point.key)
+    first, second, *_ = parse(("delta=1,2",), 0)
+    name = dataset(tmp_path).name(first.key)
     block = dataset(tmp_path).claim(name)
-    block.add(quick(point))
+    block.add(quick(first))
+    journal = tmp_path / ".journal" / f"{name}.jsonl"
+    assert journal.read_bytes().endswith(b"\n")  # before its process ends
     assert block._open is not None
     block._open.close()  # its process died here:
     os.close(block._lock)  # the kernel closed its files
-    journal = tmp_path / ".journal" / f"{name}.jsonl"
     with open(journal, "ab") as file:
         file.write(b'{"key": "half a li')
-    assert dataset(tmp_path).keys() == {point.key}
+    assert dataset(tmp_path).keys() == {first.key}
     again = dataset(tmp_path).claim(name)
-    assert again.done == {point.key}
+    assert again.done == {first.key}
+    again.add(quick(second))
+    rows = journal.read_text(encoding="utf-8").splitlines()
+    assert [json.loads(row)["key"] for row in rows] == [first.key, second.key]
     again.close()
-    assert dataset(tmp_path).read()["key"].to_pylist() == [point.key]
+    assert dataset(tmp_path).read()["key"].to_pylist() == [first.key, second.key]
     assert not journal.exists()
 
 

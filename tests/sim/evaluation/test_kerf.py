@@ -42,6 +42,14 @@ def test_roundness_of_an_oval_hole_is_the_difference_of_its_half_axes():
     assert cut.roundness == pytest.approx(2e-4, rel=0.01)
 
 
+def test_the_hole_of_a_contour_that_is_cut_twice_has_the_edge_of_its_outer_turn():
+    angle = np.linspace(0.0, 4 * np.pi, 8000, endpoint=False)
+    second = angle >= 2 * np.pi  # oval and outside; the piece has the first, which is round
+    radius = 0.005 + 1e-4 * second * (1.0 + 0.5 * np.cos(2 * angle))
+    path = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    assert kerf(Circle(0.005), path, BEAM).roundness == pytest.approx(1e-4, rel=0.02)
+
+
 def test_every_point_of_the_edges_is_half_a_beam_from_the_path():
     """Whatever the path: nothing within reach of the beam stands, nothing beyond it falls."""
     shape = square(0.02, 0.003)

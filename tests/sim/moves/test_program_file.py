@@ -64,6 +64,13 @@ def test_units_are_converted_to_si():
     assert program.dynamics.jerk_time == pytest.approx(0.040)
 
 
+def test_a_target_of_motor_angles_is_in_degrees():
+    text = '[[program]]\ndo = "MoveJ"\nto = { motors = [10, 0, -20, 0, 30, 180] }\nspeed = "80 %"\n'
+    (joint,) = parse_program(text, source="joint.toml").instructions
+    assert isinstance(joint, MoveJ)
+    assert joint.to.motors == pytest.approx(np.radians((10, 0, -20, 0, 30, 180)))
+
+
 def test_each_instruction_knows_its_line():
     program = parse_program(GOOD, source="good.toml")
     starts = [i + 1 for i, text in enumerate(GOOD.splitlines()) if text == "[[program]]"]
