@@ -55,7 +55,8 @@ def read_system(file: Path) -> System:
 def write_model(file: Path, model: Model) -> None:
     """Write a model with every digit, as `read_model` reads it. JSON.
 
-    A matrix of systems becomes a state space. Raises ValueError for what `read_model` refuses.
+    A matrix of systems becomes a state space. One that is identified may have more inputs than
+    outputs, or fewer, which `read_model` refuses. Raises ValueError for too many states.
     """
     content: dict[str, Any]
     if isinstance(model, System):
@@ -68,7 +69,7 @@ def write_model(file: Path, model: Model) -> None:
 
 
 def _matrices_to_write(model: StateSpace) -> dict[str, Any]:
-    _check_size(len(model.A), model.n_inputs, model.n_outputs)
+    _check_size(len(model.A))
     matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
     return {name: M.tolist() for name, M in matrices.items()}
 
@@ -107,7 +108,9 @@ def _state_space(content: dict[str, Any]) -> Model:
     if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (len(C), B.shape[1]):
         shapes = ", ".join(str(matrix.shape) for matrix in (A, B, C, D))
         raise ValueError(f"A, B, C, D do not fit each other: {shapes}")
-    _check_size(n, B.shape[1], len(C))
+    if len(C) != B.shape[1]:
+        raise ValueError(f"as many outputs as inputs are needed, got {len(C)} and {B.shape[1]}")
+    _check_size(n)
     if not all(np.isfinite(matrix).all() for matrix in (A, B, C, D)):
         raise ValueError("A, B, C, D must be finite")
     if len(C) == 1:
@@ -115,9 +118,7 @@ def _state_space(content: dict[str, Any]) -> Model:
     return StateSpace(A, B, C, D, content["sample_time"])
 
 
-def _check_size(n_states: int, n_inputs: int, n_outputs: int) -> None:
-    if n_outputs != n_inputs:
-        raise ValueError(f"as many outputs as inputs are needed, got {n_outputs} and {n_inputs}")
+def _check_size(n_states: int) -> None:
     if n_states > MOST_STATES:
         raise ValueError(f"at most {MOST_STATES} states are taken, got {n_states}")
 

@@ -57,6 +57,10 @@ def results(
             "radius": measured.radius()[:, :, 0].T.tolist(),
         }
         given["warnings"] += measured.warnings
+    if (p := made.y.shape[1]) != (m := made.u.shape[1]):
+        given["warnings"].append(
+            f"learn and design take as many outputs as inputs, not {p} and {m}"
+        )
     return given
 
 

@@ -68,6 +68,19 @@ def test_several_inputs_of_a_mat_file_become_a_state_space(armside, tmp_path, ba
     np.testing.assert_allclose(found, plant.response(omega), atol=0.1)
 
 
+def test_two_inputs_of_one_output_are_identified_and_are_no_plant_to_learn(armside, tmp_path):
+    u = np.random.default_rng(3).standard_normal((400, 2))
+    y = TRUE.simulate(u[:, :1]) + 0.5 * TRUE.simulate(u[:, 1:])
+    write(tmp_path / "a.csv", u, y, time=False)
+    line = f"identify-plant a.csv --inputs 2 --sample-time {STEP} --largest-order 3 --band-fits 0"
+    status, out, err = armside(f"{line} --from-rest --json --out found")
+    assert (status, err) == (0, "")
+    assert "learn and design take as many outputs" in " ".join(json.loads(out)["warnings"])
+    status, _, err = armside("learn --plant found/plant.json")
+    assert status == 2
+    assert "as many outputs as inputs are needed, got 1 and 2" in err
+
+
 def test_an_experiment_measures_the_response_of_its_plant(armside, tmp_path):
     (tmp_path / "plant.json").write_text(
         json.dumps({"sample_time": STEP, "b": [0, 0, 0.2, 0.1], "a": [1, -1.5, 0.7]})
