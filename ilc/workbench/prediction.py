@@ -46,26 +46,24 @@ def predict(
     first_error: Array,
     iterations: int,
     *,
-    first_correction: Array | None = None,
+    first_correction: Array,
     memory: Any = None,
 ) -> Prediction:
     """Prediction of the law with the setting's model.
 
-    first_error: e_0, shape (N, n), measured with first_correction u_0 (zero if not given). memory:
-    of the law before its first update. The errors follow e_k = e_0 - T_u (u_k - u_0), the lifted
-    iteration.
+    first_error: e_0, shape (N, n), measured with first_correction u_0. memory: of the law before
+    its first update. The errors follow e_k = e_0 - T_u (u_k - u_0), the lifted iteration.
     """
     T_u = setting.T_u("a prediction")
-    start = np.zeros_like(first_error) if first_correction is None else first_correction
 
     def error_of(correction: Array) -> Array:
-        return first_error - T_u.simulate(correction - start)
+        return first_error - T_u.simulate(correction - first_correction)
 
     def simulated(correction: Array) -> Array:
-        return setting.reference - first_error + T_u.simulate(correction - start)
+        return setting.reference - first_error + T_u.simulate(correction - first_correction)
 
     built = build_law(law, replace(setting, experiment=simulated))
-    errors = _errors(built, error_of, start, memory, iterations)
+    errors = _errors(built, error_of, first_correction, memory, iterations)
     if Words.parse(law).name in MEASURING:  # L is measured, not stated
         return Prediction(None, None, errors)
     return Prediction(_contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)

@@ -35,8 +35,6 @@ AROUND = "p2"
 """Pose that the robot moves around while its gears are found."""
 GOAL = 0.08
 """Of the first error, in the worst run."""
-CAUSE = "one run of thirty, for a reason that is not known (docs/estimation.md)"
-"""Of what is left beyond the goal on seeds 0 to 9."""
 COLUMNS = (
     *("seed", "pose", "axes found of those above 10 µm", "amplitude off, worst"),
     *("phase off [rad], worst", "k = 0", "without: k = 5", "k = 10"),
@@ -148,6 +146,6 @@ def verdicts(rows: list[Row]) -> list[Check]:
         Check("", f"{left}: the median is less with it ({median})", "",
               float(np.median(knowing) / np.median(without)), high=1.0),
         Check("", f"{left}: at most {GOAL:g} with it (worst {knowing.max():.3f})", "",
-              knowing.max(), high=GOAL, reason=CAUSE),
+              knowing.max(), high=GOAL),
         all_hold("no case diverges", [not row.diverged for row in rows]),
     ]  # fmt: skip
