@@ -61,6 +61,16 @@ def test_friction_of_its_own_form_is_found_exactly_with_its_delay():
     np.testing.assert_allclose(found.size, sizes, atol=1e-6)  # the lead cuts three samples off
 
 
+def test_the_integral_action_of_a_servo_is_found_with_its_friction():
+    """An integrating servo forgets a constant friction, so less correction balances it later."""
+    sizes, kappa = np.array([[0.0, 0.05, 0.0], [0.01, 0.0, 0.02]]), np.array([0.05, 0.02])
+    widths = np.ptp(DIP, axis=0)[:, None] * np.array(FRACTIONS)
+    truth = Friction(widths, sizes, kappa, np.zeros(2), 3)
+    found = friction(DIP, [(truth.as_correction(DIP), 0.0 * DIP)])
+    np.testing.assert_allclose(found.kappa, kappa, rtol=0.05)  # sums against trapezoids: kappa / 2
+    np.testing.assert_allclose(found.size, sizes, rtol=0.05, atol=1e-3)
+
+
 def test_a_servo_without_friction_has_none():
     zero = np.zeros_like(DIP)
     found = friction(DIP, [(zero, DIP - Servo(level=0.0).run(zero))])

@@ -105,6 +105,15 @@ def test_truth_lies_in_the_confidence_intervals_at_their_rate(model, measured):
     assert 0.90 < np.mean(inside) < 0.99
 
 
+def test_deviations_are_those_of_the_data_where_priors_are_wide(model, measured):
+    data = measured("irb120", 60, np.random.default_rng(10), errors=TRUTH, noise=NOISE)
+    wide, wider = (
+        fit(model, data, Choice(tuple(TRUTH)), Priors(length=x, angle=x, frame=10.0, noise=NOISE))
+        for x in (0.5, 1.0)
+    )
+    np.testing.assert_allclose(wide.standard_deviations, wider.standard_deviations, rtol=1e-3)
+
+
 def test_a_wrong_measurement_keeps_a_bounded_pull(model, measured):
     data = measured("irb120", 80, np.random.default_rng(4), errors=TRUTH, noise=NOISE)
     points = data.points.copy()

@@ -56,6 +56,21 @@ def test_silence_stops_a_moving_robot_within_its_limits():
     assert np.abs(speed[-1]).max() < 1e-2
 
 
+def test_a_guided_motion_slows_down_evenly_to_rest_in_a_fifth_of_a_second():
+    """So it goes on for half of the way that its speed would have taken it in that time."""
+    controller, ended, rate = guided(seconds=4.0), [], np.array([1.5, -1.5])
+    controller.on_end = lambda run, missed: ended.append(run)
+    follow(controller, START + np.arange(60)[:, None] * 0.004 * rate)
+    controller.cycle(Answer(values=None, additive=False))
+    until_waiting(controller)
+    angle, late = ended[0].motor_angle, 4  # samples: delay and lag of the correction path
+    begin, middle, end = (60 + late + round(s / 0.004) for s in (0.0, 0.1, 0.2))
+    speed = np.diff(angle, axis=0) / 0.004
+    np.testing.assert_allclose(speed[middle], 0.5 * rate, atol=0.2)
+    np.testing.assert_allclose(speed[end], 0.0, atol=0.1)
+    np.testing.assert_allclose(angle[end] - angle[begin], 0.5 * 0.2 * rate, rtol=0.15)
+
+
 @pytest.mark.parametrize(
     ("target", "reason"),
     [

@@ -28,6 +28,9 @@ class Scene:
 
     seed: int
     imu_offset: float = 0.1
+    imu_rate: float = 0.0
+    accelerometer_late: float = 0.0
+    """[s] Delay of the accelerometer beyond that of the gyro."""
     tracker_offset: float = -3.0
     tracker_rate: float = 30e-6
     gear: float = 1.0
@@ -70,8 +73,12 @@ def recording(scene):
     gravity = GRAVITY + 9.81 * np.array([*scene.tilt, 0.0])
     force = np.einsum("nji,nj->ni", R, a[:, :3] + turning - gravity) @ (1.01 * MOUNTING).T
     gyro = np.einsum("nji,nj->ni", R, omega) @ (1.02 * MOUNTING).T
-    ideal = CubicSpline(t + scene.imu_offset, np.hstack([force, gyro]))
+    imu_time = t + scene.imu_offset + scene.imu_rate * (t - 0.5 * DURATION)
     t_imu = np.arange(1.0, DURATION - 1.0, 1 / 113.0)
+    late = scene.accelerometer_late
+    ideal = np.hstack(
+        [CubicSpline(imu_time + late, force)(t_imu), CubicSpline(imu_time, gyro)(t_imu)]
+    )
     noise = rng.normal(size=(len(t_imu), 6)) * np.repeat([0.03, 2e-3], 3)
     t_encoder = np.sort(t[::9] + rng.uniform(-2e-3, 2e-3, len(t[::9])))[2:-2]
     own = (t + scene.tracker_offset) * (1.0 + scene.tracker_rate)
@@ -81,7 +88,7 @@ def recording(scene):
     return MotionRecording(
         name=f"scene {scene.seed}",
         encoders=Stream(t_encoder, CubicSpline(t, phi)(t_encoder)),
-        imu=Stream(t_imu, ideal(t_imu) + noise),
+        imu=Stream(t_imu, ideal + noise),
         tracker=Stream(t_tracker, seen),
         form="synthetic",
     )

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from armside.sim.gears import GearsCfg, analyse
+from armside.sim.gears.imu_check import check_pair
 from armside.sim.measured import Stream
 
 FACTORS = {
@@ -22,6 +24,15 @@ def test_wrong_units_are_named(recordings, scenes, unit):
     wrong = replace(recordings[0], **{sensor: Stream(stream.time, factor * stream.values)})
     with pytest.raises(ValueError, match=f"scene 1: .*{unit}"):
         analyse(scenes.ARM, [wrong])
+
+
+@pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
+def test_sensors_of_one_housing_have_the_same_axes(degrees):
+    turned = Rotation.from_rotvec(np.radians([0.0, 0.0, degrees])).as_matrix()
+    slightly = Rotation.from_rotvec(np.radians([0.0, 0.0, 3.0])).as_matrix()
+    check_pair(np.eye(3), slightly, np.zeros(3))
+    with pytest.raises(ValueError, match=f"differ by {degrees:.0f} degrees"):
+        check_pair(np.eye(3), turned, np.zeros(3))
 
 
 def test_a_sensor_of_another_motion_is_refused(recordings, scenes):

@@ -31,10 +31,18 @@ def test_gaps_are_told_and_stamps_are_kept():
     assert notes == ("IMU: 1 gaps are bridged, the longest 1010 ms",)
 
 
+def exchanged(every):
+    """Stamps of which each so many-th pair is in the wrong order."""
+    time = TIME.copy()
+    time[::every], time[1::every] = TIME[1::every], TIME[::every]
+    return time
+
+
 @pytest.mark.parametrize(
     ("time", "values", "said"),
     [
         (TIME[::-1], PHI, "clock runs backwards"),
+        (exchanged(every=20), PHI, "clock runs backwards, first in sample 2"),
         (TIME[:50], PHI[:50], "50 samples"),
         (1e6 * TIME, PHI, "at most 1800 s"),
         (TIME, 1e300 * PHI, "values reach 1e+300"),

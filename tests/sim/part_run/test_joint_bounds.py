@@ -80,6 +80,25 @@ def test_a_slow_joint_lowers_the_speed_where_it_needs_to(job):
     assert use.max() >= 0.95
 
 
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_drives_that_can_only_just_hold_the_arm_limit_a_plan(job, share):
+    """With half of their torque, axes 2 and 3 spend more than 70 % of it on gravity."""
+    model = cell_model(job.setup.cell, None)
+    drives = replace(model.drives, torque_limit=share * model.drives.torque_limit)
+    bounds = joint_bounds.JointBounds(
+        job.setup, Statics(replace(model, drives=drives)), job.plane, job.part.middle, 0.1
+    )
+    (limit,) = bounds.along([joined([line((0.0, 0.0), (W, 0.0))])])
+    assert (limit is None) == (share == 1.0)
+    if limit is not None:
+        found, acceleration = limit(np.linspace(0.0, W, 20)), job.setup.limits.acceleration
+        used = acceleration * np.abs(found.along) + np.abs(found.offset)
+        by_drive = (used + 0.1**2 * np.abs(found.bend)).max(axis=0)[6:]
+        assert by_drive.argmax() == 1
+        assert by_drive.max() > 1.0
+        assert np.abs(found.offset[:, 7:9]).max(axis=0).min() > 0.7
+
+
 @pytest.mark.parametrize("speed", [0.1, 0.16])
 def test_a_part_near_a_singularity_of_the_wrist_has_a_plan(speed):
     file = Path(__file__).parents[3] / "docs/examples/bracket.dxf"

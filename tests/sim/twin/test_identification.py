@@ -76,6 +76,10 @@ def test_a_compliance_softens_its_own_hinge(twin):
         soft = embodied(design.model, _factors(twin, theta), (), phi=np.zeros(6))
         changed = np.flatnonzero(soft.mj.jnt_stiffness != stiff.mj.jnt_stiffness)
         assert [design.model.mj.joint(i).name for i in changed] == [name]
+        # half as much again of the deflection under the same load
+        np.testing.assert_allclose(
+            1.5 * soft.mj.jnt_stiffness[changed], stiff.mj.jnt_stiffness[changed]
+        )
 
 
 def _factors(twin, theta):

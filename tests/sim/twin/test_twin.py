@@ -151,6 +151,7 @@ def test_a_twin_corrects_its_own_robot_only(twin):
         (lambda c: {"tool": None}, "has no samples of a laser tracker"),
         (lambda c: {"tool": c.tool * np.nan}, "not finite"),
         (lambda c: {"tool": c.tool * 1e3}, "from where the motor angles put it"),
+        (lambda c: {"tool": c.tool[:, [1, 0, 2]]}, "from where the motor angles put it"),
         (lambda c: {"rest": c.rest + np.array([0.0, 0.0, 0.1])}, "another flange"),
     ],
 )
