@@ -10,17 +10,22 @@ itself is returned to rounding everywhere; at the singularity a defined member o
     roll-pitch-yaw   pitch +-pi/2: only roll +- yaw is determined, yaw (about x) = 0 is returned
     quaternion       none; q and -q are the same rotation, the one with w >= 0 is returned
 
-All functions take leading batch axes.
+All functions take leading batch axes. SciPy is imported where it is used: its import takes longer
+than a command line takes to be refused.
 """
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation, Slerp
 
 from armside.arrays import Array
 
 from .arguments import finite_array, real_array
 from .rigid import ORTHOGONAL
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 SINGULAR = 1e-7
 """Sine of the angle below which a representation counts as singular."""
@@ -30,7 +35,9 @@ HALF_TURN = 1e-12
 """[rad] An angle this near to pi is a half turn, whose axis has either sign."""
 
 
-def _rotation(R: ArrayLike) -> Rotation:
+def _rotation(R: ArrayLike) -> "Rotation":
+    from scipy.spatial.transform import Rotation
+
     R = real_array("R", R, 3, 3)
     orthogonal = np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=ORTHOGONAL)
     if not orthogonal or (np.linalg.det(R) < 0).any():
@@ -44,6 +51,8 @@ def _matrix(R: ArrayLike) -> Array:
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     """R_{k,theta}, from an axis of any length and an angle [rad]. Thesis (3.9)."""
+    from scipy.spatial.transform import Rotation
+
     scaled = _scaled("axis", axis, 3)
     unit = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
     angle = finite_array("angle", angle)
@@ -82,6 +91,8 @@ def axis_angle_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_euler_zyz(angles: ArrayLike) -> Array:
     """R_z(phi) R_y(theta) R_z(psi), angles (..., 3) = (phi, theta, psi). Thesis (3.10)."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_euler("ZYZ", finite_array("angles", angles, 3)).as_matrix()
 
 
@@ -114,6 +125,8 @@ def euler_zyz_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     """R_z(roll) R_y(pitch) R_x(yaw), angles (..., 3) = (roll, pitch, yaw). Thesis (3.11)."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_euler("ZYX", finite_array("angles", angles, 3)).as_matrix()
 
 
@@ -135,6 +148,8 @@ def roll_pitch_yaw_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_quaternion(q: ArrayLike) -> Array:
     """R of a quaternion of any length, shape (..., 4), w first. Thesis (3.14)."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_quat(_scaled("quaternion", q, 4), scalar_first=True).as_matrix()
 
 
@@ -157,6 +172,8 @@ def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:
     Args:
         s: shape (N,), each in [0, 1], from the start to the end.
     """
+    from scipy.spatial.transform import Rotation, Slerp
+
     quaternions = _scaled("quaternion", np.array([q_start, q_end], dtype=np.float64), 4)
     ends = Rotation.from_quat(quaternions, scalar_first=True)
     return Slerp([0.0, 1.0], ends)(np.atleast_1d(s)).as_quat(canonical=True, scalar_first=True)

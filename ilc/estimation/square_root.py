@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from armside.arrays import Array
 
@@ -77,6 +76,8 @@ def smooth_square_root(
 
 
 def _seen(process: Process, row: Array) -> _Seen:
+    from scipy.linalg import solve_triangular
+
     channels = np.flatnonzero(np.isfinite(row))
     noise = _factor(process.R[np.ix_(channels, channels)])
     C = solve_triangular(noise, process.C[channels], lower=True)
@@ -87,6 +88,8 @@ def _forwards(
     process: Process, rows: list[_Seen], shape: tuple[int, ...], x: Array, S: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Innovations, their covariances, states and factors."""
+    from scipy.linalg import solve_triangular
+
     n, (N, p), G = len(x), shape, _factor(process.Q)
     e, covariance = np.full((N, p), np.nan), np.tile(np.eye(p), (N, 1, 1))
     states, factors = np.empty((N, n)), np.empty((N, n, n))
@@ -107,6 +110,8 @@ def _forwards(
 
 def _backwards(process: Process, rows: list[_Seen], x: Array, S: Array) -> tuple[Array, Array]:
     """Smoothed states and factors; later readings are rows L^T x = about, in white noise."""
+    from scipy.linalg import solve_triangular
+
     A, G = process.A, _factor(process.Q)
     n = len(A)
     L, about = np.zeros((n, n)), np.zeros(n)

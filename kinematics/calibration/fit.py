@@ -8,11 +8,9 @@ blocks of configurations, so that memory does not grow with their number.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import OptimizeResult, minimize
-from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 
@@ -20,6 +18,9 @@ from .error_model import AXES, ErrorModel
 from .joint_errors import JointErrors
 from .measurements import Measurements
 from .registration import Registration, register
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 BLOCK = 256
 """Configurations of which the Jacobian is held at once."""
@@ -142,6 +143,8 @@ def residuals_and_jacobian(problem: Problem, x: Array, rows: slice) -> tuple[Arr
     Vectors are the T points and, if it was measured, the orientation in units of a point's noise;
     the Jacobian has shape (n, V, 3, P), in units of the priors.
     """
+    from scipy.spatial.transform import Rotation
+
     model, data, choice = problem.model, problem.data, problem.choice
     state, phi = unpack(problem, x), data.phi[rows]
     functions = problem.functions[rows]
@@ -279,10 +282,12 @@ def fit(
 
 
 def _minimum(problem: Problem, x: Array, noise: float) -> Array:
+    from scipy.optimize import minimize
+
     at = _Remembered(lambda x: normal_equations(problem, x, noise))
     last = np.inf
 
-    def ended(intermediate_result: OptimizeResult) -> None:
+    def ended(intermediate_result: "OptimizeResult") -> None:
         nonlocal last
         before, last = last, float(intermediate_result.fun)
         if 0.0 < before - last < CONVERGED:

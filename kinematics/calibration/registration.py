@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 
@@ -63,6 +62,8 @@ def _targets(R_tool: Array, p_tool: Array, in_base: Array, seen: NDArray[np.bool
 
 
 def _tool_rotation(R_tool: Array, R: Array, data: Measurements) -> Array:
+    from scipy.spatial.transform import Rotation
+
     if data.rotation is None:
         return np.eye(3)
     measured = np.swapaxes(R_tool, 1, 2) @ R.T @ data.rotation

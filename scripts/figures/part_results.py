@@ -15,7 +15,6 @@ from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 from ..shell.console import Report
-from .part_map import Mapped
 
 SHOWN = {
     "arm_rms": "RMS",
@@ -106,7 +105,7 @@ def write_results(
     from armside.sim.robot.mjcf import write_robot
 
     from . import laser as figures
-    from .part_map import part_map
+    from .part_map import Mapped, part_map
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     config, rows, motion = outcome["config"], outcome["iterations"], experiment.motion

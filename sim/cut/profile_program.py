@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from armside.arrays import Array
 
@@ -193,6 +192,8 @@ class _Iterate:
 
     def stepped(self, A: Programme, state: _State) -> "_Iterate":
         """After a predictor and a corrector; solved paths stay."""
+        from scipy.linalg import cholesky_banded
+
         x, slack, z = self.x, self.slack, self.z
         solved, mean, primal = state
         dual = np.where(A.held, 0.0, A.back(z) - A.weight)
@@ -223,6 +224,8 @@ def _direction(
     complementarity: Array,
 ) -> tuple[Array, Array, Array]:
     """Newton step of x, slack and z. factor: of the normal matrix, by Cholesky."""
+    from scipy.linalg import cho_solve_banded
+
     right = -dual + A.back(complementarity / slack - weight * primal)
     right[A.held] = 0.0
     dx = cho_solve_banded((factor, True), right, check_finite=False)

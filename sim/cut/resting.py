@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter1d
 
 from armside.arrays import Array
 
@@ -20,6 +19,8 @@ def resting(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:
     The lowest speed allowed within the length of a ramp to the highest can be held over all of it;
     the ramps at both ends are left out. x: (N,) [m^2/s^2].
     """
+    from scipy.ndimage import minimum_filter1d
+
     allowed = grid.caps
     if grid.joints is not None:
         allowed = np.minimum(allowed, grid.joints.steady)

@@ -5,7 +5,6 @@ does not affect a cut. So paths count from rest.
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 
@@ -19,6 +18,8 @@ def relative_to_start(position: Array, quaternion: Array | None = None) -> Array
     position: (N, 3) [m]. quaternion: (N, 4) base to tool, w first; None for positions alone, with
     rotations of zero.
     """
+    from scipy.spatial.transform import Rotation
+
     path = np.zeros((len(position), 6))
     path[:, :3] = position - position[:REST_SAMPLES].mean(axis=0)
     if quaternion is not None:

@@ -5,7 +5,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
@@ -105,6 +104,8 @@ def _stretch(seen: NDArray[np.bool_], part: tuple[float, float]) -> tuple[int, i
 
 def _thinned(x: Array, stride: int) -> Array:
     """Every `stride`-th sample after a sharp low-pass."""
+    from scipy.signal import butter, sosfiltfilt
+
     if stride == 1:
         return x
     return sosfiltfilt(butter(8, 0.88 / stride, output="sos"), x, axis=0)[::stride]

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import welch
 
 from armside.arrays import Array
 
@@ -81,6 +80,8 @@ def spectra(residual: Array, gears: Array, fused: Array | None, rows: NDArray[np
 
 
 def _density(x: Array) -> tuple[Array, Array]:
+    from scipy.signal import welch
+
     frequency, power = welch(x, RATE, nperseg=int(SEGMENT * RATE), detrend="linear", axis=0)
     return np.asarray(frequency), np.sqrt(power.sum(axis=1))
 

@@ -12,7 +12,6 @@ from operator import add
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from armside.arrays import Array
 
@@ -53,6 +52,8 @@ def softened(
 
 
 def _smallest(missed: Any, largest: float) -> float:
+    from scipy.optimize import minimize_scalar
+
     how: dict[str, Any] = {"bounds": (0.0, largest), "method": "bounded"}
     found: Any = minimize_scalar(missed, options={"xatol": 0.01 * largest}, **how)
     return float(found.x)

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares
 
 from armside.arrays import Array
 
@@ -103,6 +101,8 @@ def align_imu(
     Raises:
         ValueError: the IMU did not see this motion, or its units or axes are wrong.
     """
+    from scipy.optimize import least_squares
+
     check_readings(imu)
     R, omega = motion.R, motion.velocity[:, 3:]
     own_speed, speed = (np.linalg.norm(w, axis=1) for w in (imu.values[:, 3:], omega))
@@ -163,6 +163,8 @@ class _Slow:
     """Readings and predictions of one recording in the band of the fit, at fewer samples."""
 
     def __init__(self, motion: JointMotion, imu: Stream, last: int) -> None:
+        from scipy.interpolate import CubicSpline
+
         time = np.arange(imu.time[0], imu.time[-1], 1.0 / RATE)
         even = lowpass(_at(imu.time, imu.values, time), SLOW)
         self._spline, self._ends = CubicSpline(time, even), (time[0] + MARGIN, time[-1] - MARGIN)
@@ -189,6 +191,8 @@ class _Slow:
 
 
 def _at(time: Array, values: Array, wanted: Array) -> Array:
+    from scipy.interpolate import CubicSpline
+
     return CubicSpline(time, values)(np.clip(wanted, time[0], time[-1]))
 
 

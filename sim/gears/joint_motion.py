@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfiltfilt
 
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
@@ -59,6 +57,8 @@ def joint_motion(robot: CompiledRobot, encoders: Stream) -> JointMotion:
     Raises:
         ValueError: fewer motors than the robot has, or sampled too slowly.
     """
+    from scipy.interpolate import CubicSpline
+
     n, given = robot.robot.n_joints, encoders.values.shape[1]
     if given != n:
         raise ValueError(f"{robot.robot.name} has {n} motors, the recording has {given}")
@@ -81,6 +81,8 @@ def joint_motion(robot: CompiledRobot, encoders: Stream) -> JointMotion:
 
 def lowpass(x: Array, cutoff: float, rate: float = RATE) -> Array:
     """Zero-phase Butterworth low-pass of the columns of x; unchanged above the Nyquist rate."""
+    from scipy.signal import butter, sosfiltfilt
+
     if cutoff >= 0.45 * rate:
         return x
     return sosfiltfilt(butter(2, 2.0 * cutoff / rate, output="sos"), x, axis=0)
@@ -88,5 +90,7 @@ def lowpass(x: Array, cutoff: float, rate: float = RATE) -> Array:
 
 def bandpass(x: Array, low: float, high: float) -> Array:
     """Zero-phase Butterworth band-pass of 4th order of the columns of x, on the grid."""
+    from scipy.signal import butter, sosfiltfilt
+
     band = (2.0 * low / RATE, 2.0 * high / RATE)
     return sosfiltfilt(butter(4, band, "bandpass", output="sos"), x, axis=0)

@@ -1,8 +1,6 @@
 """Offset of two clocks over all lags, from one quantity that both instruments saw."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import correlate
 
 from armside.arrays import Array
 
@@ -39,6 +37,8 @@ def likeness_at_best_lag(own: tuple[Array, Array], robot: tuple[Array, Array]) -
 
 def _likeness(own: tuple[Array, Array], robot: tuple[Array, Array]) -> tuple[Array, int]:
     """Correlation at each lag, and samples of the robot's signal on the even grid."""
+    from scipy.signal import correlate
+
     a, b = (_even(*signal) for signal in (own, robot))
     product = correlate(a, b, "full", "fft")
     overlap = correlate(np.ones_like(a), np.ones_like(b), "full", "fft")
@@ -51,6 +51,8 @@ def _likeness(own: tuple[Array, Array], robot: tuple[Array, Array]) -> tuple[Arr
 
 
 def _even(time: Array, values: Array) -> Array:
+    from scipy.interpolate import CubicSpline
+
     grid = np.arange(time[0], time[-1], STEP)
     even = CubicSpline(time, values)(grid)
     return even - even.mean()

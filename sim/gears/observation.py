@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import fft, irfft, next_fast_len, rfft, rfftfreq
 
 from armside.arrays import Array
 
@@ -79,6 +78,8 @@ class Observation:
         return (f**2 * self._gain(joint))[:, None] * seen
 
     def _columns(self, joint: int, factor: Spectrum) -> Spectrum:
+        from scipy.fft import fft
+
         whole: Any = fft(factor * self._jacobians[joint], axis=1, overwrite_x=True)
         bins = self._bins
         positive, negative = whole[:, bins], np.conj(whole[:, -bins])
@@ -112,6 +113,8 @@ class Observation:
     @cached_property
     def _rows(self) -> slice:
         """Even samples whose number the transform likes."""
+        from scipy.fft import next_fast_len
+
         n = len(self.phi)
         while next_fast_len(n, real=True) != n:
             n -= 1
@@ -131,6 +134,8 @@ class Observation:
 
     @cached_property
     def _bins(self) -> NDArray[np.intp]:
+        from scipy.fft import rfftfreq
+
         f: Any = rfftfreq(len(self._window), 1.0 / self.sampling)
         return np.flatnonzero((f >= self.band[0]) & (f <= self.band[1]))
 
@@ -141,6 +146,8 @@ class Observation:
 
     @cached_property
     def _spectrum_of_residual(self) -> Spectrum:
+        from scipy.fft import rfft
+
         whole: Any = rfft(self._window[:, None] * self.residual[self._rows], axis=0)
         return whole[self._bins]
 
@@ -164,6 +171,8 @@ class Observation:
 
     def in_time(self, spectrum: Spectrum) -> Array:
         """(M', c, ...) real, the signal of a weighted spectrum in the band."""
+        from scipy.fft import irfft
+
         whole = np.zeros((len(self._window) // 2 + 1, *spectrum.shape[1:]), dtype=complex)
         whole[self._bins] = spectrum
         out: Any = irfft(whole, len(self._window), axis=0)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from armside.arrays import Array
 
@@ -97,6 +96,8 @@ def refined(
     observations: Sequence[Observation], targets: Sequence[Array], candidate: Candidate, half: float
 ) -> Candidate:
     """The order within `half` of a candidate that explains most of the targets, one each."""
+    from scipy.optimize import minimize_scalar
+
     joint, order = candidate
     pairs = [(one, as_real(y)) for one, y in zip(observations, targets, strict=True)]
 

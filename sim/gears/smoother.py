@@ -10,7 +10,6 @@ S is the smoothed power of a, S_noise its mean over 3 to 5.5 Hz, where the tool 
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, rfft, rfftfreq
 
 from armside.arrays import Array
 
@@ -44,6 +43,8 @@ def fused(aligned: Aligned, found: Transmission) -> Array:
 
 def vibration(aligned: Aligned, found: Transmission) -> Array:
     """(M, 3) [m], the part of it that is not transmission error."""
+    from scipy.fft import irfft, rfft, rfftfreq
+
     if aligned.imu is None or aligned.recording.imu is None:
         raise ValueError(f"{aligned.name}: a smoother needs an IMU")
     motion = aligned.motion
@@ -63,6 +64,8 @@ def vibration(aligned: Aligned, found: Transmission) -> Array:
 
 def _of_gears(aligned: Aligned, found: Transmission, window: Array, f: Array) -> Array:
     """Spectrum of what the transmission error adds to the accelerometer, base axes."""
+    from scipy.fft import rfft
+
     assert aligned.imu is not None
     motion = aligned.motion
     moved = found.tool_error(motion, aligned.imu.lever).sum(axis=2)

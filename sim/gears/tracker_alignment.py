@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares
 
 from armside.arrays import Array
 from armside.kinematics.calibration.registration import procrustes
@@ -53,6 +51,8 @@ class TrackerAlignment:
 
     def residual(self, motion: JointMotion, tracker: Stream) -> Array:
         """(M, 3) [m], measured less encoders' position of the target, base axes."""
+        from scipy.interpolate import CubicSpline
+
         own = 1.0 / float(np.median(np.diff(tracker.time)))
         even = np.arange(tracker.time[0], tracker.time[-1], 1.0 / own)
         points = lowpass(CubicSpline(tracker.time, tracker.values)(even), SHARP, own)
@@ -73,6 +73,9 @@ def align_tracker(motion: JointMotion, tracker: Stream, fraction: float = 1.0) -
     Raises:
         ValueError: the tracker did not see this motion, or its unit is wrong.
     """
+    from scipy.interpolate import CubicSpline
+    from scipy.optimize import least_squares
+
     time = np.arange(tracker.time[0], tracker.time[-1], 1.0 / RATE)
     even = lowpass(CubicSpline(tracker.time, tracker.values)(time), SLOW)
     _check_unit(motion, even)

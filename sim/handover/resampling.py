@@ -7,7 +7,6 @@ The last value is held to the first new sample at or beyond the old end.
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from armside.arrays import Array
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
@@ -24,6 +23,8 @@ def resampled(values: Array, sample_time: float, rate: float) -> Array:
 
     Raises ValueError for a rate out of range, or one that is too low for so short a record.
     """
+    from scipy.interpolate import CubicSpline
+
     low, high = RATES
     if not low <= rate <= high:
         raise ValueError(f"rate must be {low:g} to {high:g} Hz, got {rate:g}")

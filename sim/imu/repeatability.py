@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 
@@ -48,6 +47,8 @@ def scale(M: Array) -> Array:
 
 def mounting(one: ImuAlignment) -> Array:
     """(3,) [rad], rotation vector of the axes of the tool in those of the housing."""
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_matrix(one.R_imu_tool).as_rotvec()
 
 
@@ -56,6 +57,8 @@ def _spread(values: Sequence[Array]) -> float:
 
 
 def _apart(A: Array, B: Array) -> float:
+    from scipy.spatial.transform import Rotation
+
     return float(Rotation.from_matrix(A @ B.T).magnitude())
 
 

@@ -1,7 +1,6 @@
 """Cuts at random places of a robot's reach, for claims that are not about its named poses."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from armside import kinematics
 
@@ -23,6 +22,8 @@ def random_cut(robot: str, seed: int) -> Cut:
 
     Raises RuntimeError where none is found.
     """
+    from scipy.spatial.transform import Rotation
+
     cell, rng = find_cell(robot), np.random.default_rng([seed, _STREAM])
     arm = kinematics.compile(cell.robot)
     for _ in range(_MOST_DRAWS):

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BPoly, CubicSpline, PPoly
 
 from armside.arrays import Array
 from armside.kinematics import (
@@ -21,6 +21,9 @@ from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion, slerp, to_quaternion
 
 from .instructions import MoveC, MoveJ, MoveL, Target
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BPoly, PPoly
 
 NODE_DISTANCE = 0.002
 """Distance between solutions of the inverse kinematics on a path [m]; a spline joins them."""
@@ -38,7 +41,7 @@ SAMPLES = 201
 class Curve:
     """A part of a polynomial curve of motor angles."""
 
-    polynomial: PPoly | BPoly
+    polynomial: "PPoly | BPoly"
     """phi(u), u from 0 to 1."""
     first: float = 0.0
     last: float = 1.0
@@ -59,6 +62,8 @@ def move_curve(
 
     Raises ValueError where it cannot be followed, with the place.
     """
+    from scipy.interpolate import PPoly
+
     if isinstance(move, MoveJ):
         end = _motors(move.to, start, robot, limits)
         return Curve(PPoly(np.stack([end - start, start])[:, np.newaxis], [0.0, 1.0]))
@@ -140,6 +145,8 @@ def _arc(T: Array, move: MoveC) -> _Path:
 
 def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
     """Motor angles along a path, rotated at an even rate over its length."""
+    from scipy.interpolate import CubicSpline
+
     q_start, q_end = to_quaternion(T[:3, :3]), to_quaternion(_end_rotation(T, to))
     rotation = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
     if path.length < 1e-6 and rotation < 1e-6:
@@ -188,6 +195,8 @@ def blend(before: Curve, after: Curve) -> Curve:
     A quintic whose ends match angle, first and second derivative. The removed ends are scaled by
     two, as on a parabola: at constant w', speed and acceleration are continuous.
     """
+    from scipy.interpolate import BPoly
+
     leg_in = 2.0 * (1.0 - before.last) / (before.last - before.first)
     leg_out = 2.0 * after.first / (after.last - after.first)
     ends = [

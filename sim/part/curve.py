@@ -2,15 +2,18 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from armside.arrays import Array
 
 from ..cut.contour import Circle, ClosedCurve
 from .chain import Chain
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 SPACING = 1e-3
 """Largest distance of the points that the search for a nearest point starts from [m]."""
@@ -72,7 +75,9 @@ class ChainCurve:
         return np.mod(s, self.length) if self.chain.closed else np.clip(s, 0.0, self.length)
 
     @cached_property
-    def _table(self) -> tuple[KDTree, Array]:
+    def _table(self) -> "tuple[KDTree, Array]":
+        from scipy.spatial import KDTree
+
         n = int(np.ceil(self.length / SPACING)) + 8
         places = np.union1d(np.linspace(0.0, self.length, n), self.chain.ends[:-1])
         return KDTree(self.chain.point(places)), places

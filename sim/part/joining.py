@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from armside.arrays import Array
 
@@ -53,6 +52,8 @@ def join(entities: tuple[Drawn, ...], tolerance: float) -> list[Joined]:
 
 def _mates(ends: Array, loose: list[Drawn], tolerance: float) -> list[int]:
     """Index of the end that meets each end, or -1. Ends 2 i and 2 i + 1 are those of entity i."""
+    from scipy.spatial import KDTree
+
     tree = KDTree(ends)
     mate = [-1] * len(ends)
     for i, j in sorted(tree.query_pairs(tolerance)):

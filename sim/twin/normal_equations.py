@@ -10,7 +10,6 @@ from functools import reduce
 from operator import add
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from armside.arrays import Array
 
@@ -104,6 +103,8 @@ class Solving:
 
     def solve(self, groups: Sequence[Group]) -> Solved:
         """Parameters that no group depends on keep their value."""
+        from scipy.optimize import lsq_linear
+
         parameters, theta = self.parameters, self.theta
         least, correlation = self.least[: len(groups)], self.correlation[: len(groups)]
         seen = np.flatnonzero(sum(np.diag(group.information) for group in groups) > 0.0)

@@ -1,7 +1,6 @@
 """Offset of an IMU's clock from the robot's, by the motion that both have seen."""
 
 import numpy as np
-from scipy.optimize import OptimizeResult, minimize_scalar
 
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
@@ -19,6 +18,8 @@ def clock_offset(
     expected readings [s], which start at robot time 0. `largest`: of the offset [s]; twice that is
     searched.
     """
+    from scipy.optimize import OptimizeResult, minimize_scalar
+
     period = float(unit_time[1] - unit_time[0])
     smooth = ZeroPhaseButterworth(_SYNCHRONISED, period)(reading)
     expected = ZeroPhaseButterworth(_SYNCHRONISED, step)(expected)
