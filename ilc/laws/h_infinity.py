@@ -5,10 +5,11 @@
 The two steps of de Roover, "Synthesis of a robust iterative learning controller using an H-infinity
 approach" (1996): Q is chosen for where the model holds, then L for that Q. His synthesis returns a
 causal state-space L from Riccati equations. Here L is a filter of finite length that looks ahead,
-and the norm is taken on a grid of frequencies: weighted least squares whose weights follow the
-residual (Lawson, 1961). Each weighting also bounds from below what any filter of this length with
-taps no larger reaches on the grid, so `reached` and `least` state how far from the optimum L is at
-most. Larger taps, which the trace of ridge keeps away, may do better where Q T_u is almost 0.
+found on a grid of frequencies by weighted least squares whose weights follow the residual (Lawson,
+1961). Peaks between the frequencies, such as that of a resonance, are located with a bound
+(`models.peak`) and added to the grid. Each weighting also bounds from below what any filter of
+this length with taps no larger reaches, so `reached` and `least` state how far from the optimum L
+is at most. Larger taps, which the trace of ridge keeps away, may do better where Q T_u is almost 0.
 """
 
 from dataclasses import dataclass, replace
@@ -19,12 +20,16 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import RecordFilter
+from ..models.peak import Peak, peak
 from ..models.system import Complex, System, require_stable, unit_circle
 from ..records import records
 
 _ROUNDS = 200
 _CLOSE = 1.02
-"""Ratio of `reached` to `least` at which the rounds end."""
+"""Ratio of `reached` to `least` at which the rounds end, and of a peak between the frequencies of
+the grid to the largest value on them up to which it is left there."""
+_EXCHANGES = 8
+"""Grids at most."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,13 +41,14 @@ class Matched:
     lead: int
     """[samples]."""
     reached: float
-    """Largest value of the criterion on the grid; a contraction if below 1 and Delta 0, where the
-    grid is finer than the resonances of T_u. Between its frequencies nothing is known."""
+    """Largest value of the criterion over all frequencies; a contraction if below 1 and Delta 0."""
     least: float
-    """No filter of this length whose taps have at most the norm `bounded` does better on the
-    grid."""
+    """No filter of this length whose taps have at most the norm `bounded` does better."""
     bounded: float = 0.0
     """Norm of the taps up to which `least` holds."""
+    bound: float | None = None
+    """Guaranteed upper bound of the criterion at all frequencies; None where Q states no poles:
+    `reached` is then of the grid alone."""
 
     def check(self, n_samples: int, n_columns: int) -> None:
         """Accept every shape."""
@@ -84,28 +90,76 @@ def h_infinity(
         raise ValueError(f"lead must be in 0 to n_taps - 1, got {lead} of {n_taps} taps")
     if not (np.isfinite(uncertainty) and uncertainty >= 0.0):
         raise ValueError(f"uncertainty must be >= 0, got {uncertainty}")
-    omega = np.pi * (np.arange(n_grid) + 0.5) / n_grid
-    gain = np.asarray(Q.response(omega))
-    if gain.ndim != 1:
-        raise ValueError("Q must have one cutoff for all columns")
-    delays = unit_circle(omega)[:, None] ** (lead - np.arange(n_taps))
-    LT = (np.abs(gain) * T_u.response(omega))[:, None] * delays
-    A = np.stack((LT, uncertainty * LT))  # (2, M, n)
-    b = np.stack((np.abs(gain), np.zeros(n_grid)))
-    weight, best = np.full(n_grid, 1.0 / n_grid), None
-    least = bounded = 0.0
-    for _ in range(_ROUNDS):
-        taps = _weighted(A, b, weight)
-        size = np.linalg.norm(A @ taps - b, axis=0)
-        if (bound := float(np.sqrt(weight @ np.square(size)))) > least:
-            least, bounded = bound, float(np.linalg.norm(taps))
-        if best is None or size.max() < best.reached:
-            best = Matched(taps=taps, lead=lead, reached=float(size.max()), least=0.0)
-        if best.reached <= _CLOSE * least:
+    matching = _Matching(T_u, Q, uncertainty, lead, n_taps)
+    omega, found = np.pi * (np.arange(n_grid) + 0.5) / n_grid, list[Matched]()
+    for _ in range(_EXCHANGES):
+        best = matching.on(omega)
+        if (seen := matching.peak(best, omega)) is None:
+            return best
+        reached, bound = np.sqrt((seen.values.max(), seen.bound))
+        found.append(replace(best, reached=float(reached), bound=float(bound)))
+        if reached <= _CLOSE * best.reached:
             break
-        weight = weight * size / (weight @ size)
-    assert best is not None
-    return replace(best, least=min(least, best.reached), bounded=bounded)
+        omega = np.union1d(omega, _maxima(seen, best.reached))
+    proven = max(found, key=lambda each: each.least)
+    best = min(found, key=lambda each: each.reached)
+    return replace(best, least=proven.least, bounded=proven.bounded)
+
+
+@dataclass(frozen=True)
+class _Matching:
+    """Criterion that the taps minimise."""
+
+    T_u: System
+    Q: RecordFilter
+    uncertainty: float
+    lead: int
+    n_taps: int
+
+    def on(self, omega: Array) -> Matched:
+        """Taps by weighted least squares at some frequencies; `reached` and `least` are there."""
+        gain = np.abs(self.Q.response(omega))
+        if gain.ndim != 1:
+            raise ValueError("Q must have one cutoff for all columns")
+        delays = unit_circle(omega)[:, None] ** (self.lead - np.arange(self.n_taps))
+        LT = (gain * self.T_u.response(omega))[:, None] * delays
+        A = np.stack((LT, self.uncertainty * LT))  # (2, M, n)
+        b = np.stack((gain, np.zeros(len(omega))))
+        weight, best = np.full(len(omega), 1.0 / len(omega)), None
+        least = bounded = 0.0
+        for _ in range(_ROUNDS):
+            taps = _weighted(A, b, weight)
+            size = np.linalg.norm(A @ taps - b, axis=0)
+            if (bound := float(np.sqrt(weight @ np.square(size)))) > least:
+                least, bounded = bound, float(np.linalg.norm(taps))
+            if best is None or size.max() < best.reached:
+                best = Matched(taps=taps, lead=self.lead, reached=float(size.max()), least=0.0)
+            if best.reached <= _CLOSE * least:
+                break
+            weight = weight * size / (weight @ size)
+        assert best is not None
+        return replace(best, least=min(least, best.reached), bounded=bounded)
+
+    def peak(self, L: Matched, omega: Array) -> Peak | None:
+        """Squared criterion of L over all frequencies; None where Q states no poles."""
+        if (poles := getattr(self.Q, "poles", None)) is None:
+            return None
+
+        def power(omega: Array) -> Array:
+            LT = L.response(omega) * self.T_u.response(omega)
+            size = np.square(np.abs(1.0 - LT)) + np.square(self.uncertainty * np.abs(LT))
+            return np.square(np.abs(self.Q.response(omega))) * size
+
+        taps = np.zeros(self.n_taps - 1)
+        every = np.concatenate((self.T_u.all_poles, poles, taps)).astype(np.complex128)
+        return peak(power, every, omega)
+
+
+def _maxima(seen: Peak, above: float) -> Array:
+    """Frequencies of local maxima of the criterion above a value."""
+    ends = np.concatenate(([-np.inf], seen.values, [-np.inf]))
+    local = (seen.values >= ends[:-2]) & (seen.values > ends[2:])
+    return seen.omega[local & (seen.values > above**2)]
 
 
 def _weighted(A: Complex, b: Array, weight: Array) -> Array:

@@ -121,7 +121,7 @@ def test_a_record_without_two_laps_is_refused():
 
 
 @pytest.mark.parametrize("uncertainty", [0.0, 0.3])
-def test_the_minimax_filter_is_certified_on_the_grid_and_better_than_a_shift(uncertainty):
+def test_the_minimax_filter_is_certified_and_better_than_a_shift(uncertainty):
     T_u = TwoMassLoop().T_motor
     band = ZeroPhaseButterworth(10.0, T_u.sample_time)
     L = h_infinity(T_u, band, n_taps=40, uncertainty=uncertainty)
@@ -131,7 +131,8 @@ def test_the_minimax_filter_is_certified_on_the_grid_and_better_than_a_shift(unc
         LT = response * T_u.response(omega)
         return (band.response(omega) * np.hypot(abs(1 - LT), uncertainty * abs(LT))).max()
 
-    assert value(L.response(omega)) == pytest.approx(L.reached, rel=1e-9)
+    between = 1.02  # a peak between two frequencies of the grid at most over the largest on it
+    assert L.reached / between <= value(L.response(omega)) <= L.reached * (1.0 + 1e-9)
     assert L.least <= L.reached <= 1.05 * L.least
     shifts = [value(PType(gamma=0.9, delta=d).response(omega)) for d in range(12)]
     assert L.reached < 0.8 * min(shifts)
