@@ -24,6 +24,7 @@ from armside.sim.twin.recordings import notes_of_first_run, read_cut
 from armside.sim.twin.sensors import SENSORS, Measure
 from armside.sim.twin.tool_sensor import Scale
 from armside.sim.twin.twin import design_of
+from armside.sim.twin.uncertainty import is_identified, standard_deviation
 
 from ..cutting.individual import IndividualCfg, robot_state
 from ..cutting.options import LARGEST
@@ -176,9 +177,7 @@ def _cut(
 
 def _results(found: Commissioned) -> dict[str, Any]:
     parameters, identified = found.twin.parameters, found.identified
-    quality = identified.quality
-    std = np.sqrt(np.diag(identified.covariance))
-    prior = parameters.standard_deviation
+    quality, of = identified.quality, (found.twin.parameters, identified.covariance)
     return {
         "cuts": [
             {"name": name, "held_out": out, "within": within}
@@ -190,11 +189,17 @@ def _results(found: Commissioned) -> dict[str, Any]:
         "parameters": [
             {"name": name, "value": value, "standard_deviation": s, "prior": p}
             for name, value, s, p in zip(
-                parameters.names, identified.theta, std, prior, strict=True
+                parameters.names,
+                identified.theta,
+                standard_deviation(*of),
+                parameters.standard_deviation,
+                strict=True,
             )
         ],
         "not_identified": [
-            name for name, s, p in zip(parameters.names, std, prior, strict=True) if s > 0.7 * p
+            name
+            for name, known in zip(parameters.names, is_identified(*of), strict=True)
+            if not known
         ],
     }
 

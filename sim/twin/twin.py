@@ -28,6 +28,7 @@ from .correction import Corrected, correct, correct_motion
 from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
+from .prediction import FITTED_TO
 from .simulation import Design
 
 FORMAT = 2
@@ -140,6 +141,11 @@ class Twin:
         """Residual of a cut that the twin was not identified from [m]."""
         left = self.held_out[np.isfinite(self.held_out)]
         return float(np.median(left)) if len(left) else UNKNOWN
+
+    @property
+    def interval_holds(self) -> bool:
+        """The interval of predictions was fitted to twins by this sensor."""
+        return self.sensor == FITTED_TO
 
     def save(self, folder: Path) -> None:
         """Write the twin's files into a folder."""

@@ -23,6 +23,7 @@ from armside.kinematics.calibration.fit import (
     residuals_and_jacobian,
 )
 from armside.kinematics.calibration.registration import register
+from armside.kinematics.calibration.validity import region
 
 WEAK = Priors(length=1.0, angle=1.0, frame=10.0)
 NOISE = 20e-6
@@ -90,9 +91,10 @@ def test_the_exported_robot_moves_as_the_model_predicts(model, measured):
 
 
 def test_truth_lies_in_the_confidence_intervals_at_their_rate(model, measured):
-    """18 link parameters in each draw of noise: its intervals are dependent."""
+    """18 link parameters in each draw of noise: its intervals are dependent. The points that they
+    predict elsewhere are off by as much as their standard deviation says."""
     names = identifiable(model, measured("irb120", 60, np.random.default_rng(0))).geometry
-    inside = []
+    inside, ratios = [], []
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
         truth = dict(zip(names, rng.normal(0, 5e-4, len(names)), strict=True))
@@ -101,8 +103,13 @@ def test_truth_lies_in_the_confidence_intervals_at_their_rate(model, measured):
         off = np.array([found.state.errors[model.index(n)] - truth[n] for n in names])
         own = slice(6, 6 + len(names))
         inside += (np.abs(off) < 1.96 * found.standard_deviations[own]).tolist()
+        elsewhere = measured("irb120", 50, rng, errors=truth)
+        missed = np.linalg.norm(found.residuals(elsewhere)[:, 0], axis=1)
+        ratios.append(missed / region(found, found).standard_deviation(elsewhere.phi))
     # 95 %; three standard errors of a rate from draws of strongly dependent intervals
     assert 0.90 < np.mean(inside) < 0.99
+    # 18 directions in each draw: three standard errors of the root mean square are 0.2
+    assert 0.8 < np.sqrt(np.mean(np.square(ratios))) < 1.2
 
 
 def test_deviations_are_those_of_the_data_where_priors_are_wide(model, measured):

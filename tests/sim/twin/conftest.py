@@ -8,9 +8,10 @@ import pytest
 from armside.sim.laser import prepare
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
-from armside.sim.twin.identification import Identification
+from armside.sim.twin.identification import Identification, parameters_of
 from armside.sim.twin.measured import measured
 from armside.sim.twin.plan import plan
+from armside.sim.twin.sensitivities import Against
 
 INDIVIDUAL = Drawn(2001)
 
@@ -42,3 +43,13 @@ def commissioned(passes):
 @pytest.fixture(scope="session")
 def twin(commissioned):
     return commissioned.twin
+
+
+@pytest.fixture(scope="session")
+def around(twin, passes):
+    """A point away from the design, and what is linearised there."""
+    parameters, rng = parameters_of(twin.design), np.random.default_rng(0)
+    against = Against(twin.design, parameters, measured(passes[0]))
+    spread = 0.3 * parameters.standard_deviation * rng.standard_normal(parameters.size)
+    theta = parameters.mean + spread
+    return against, theta, *against.linearised(theta)

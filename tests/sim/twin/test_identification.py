@@ -3,10 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from armside.sim.robot.individual import embodied, structure_hinges
-from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.measured import measured
 from armside.sim.twin.sensitivities import Against
 
@@ -24,16 +22,6 @@ def test_identification_explains_torque_and_tool(twin, passes):
         for residual, share in (("tool", 0.5), ("torque", 0.4)):
             rms = [np.sqrt(np.mean(getattr(of, residual) ** 2)) for of in (after, before)]
             assert rms[0] < share * rms[1], residual
-
-
-@pytest.fixture(scope="module")
-def around(twin, passes):
-    """A point away from the design, and what is linearised there."""
-    parameters, rng = parameters_of(twin.design), np.random.default_rng(0)
-    against = Against(twin.design, parameters, measured(passes[0]))
-    spread = 0.3 * parameters.standard_deviation * rng.standard_normal(parameters.size)
-    theta = parameters.mean + spread
-    return against, theta, *against.linearised(theta)
 
 
 def test_sensitivities_predict_small_changes_of_every_block(around):
