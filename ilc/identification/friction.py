@@ -7,7 +7,8 @@ A servo of gain k_p, with integral and derivative action, that moves an inertia 
 in samples. e, u and y = r - e are measured, F is a sum of stop operators (Prandtl and Ishlinskii),
 so every unknown but the delay enters linearly: non-negative least squares for each motor, with the
 one delay of all motors that leaves the least. Nothing is chosen, and run 0 says already at which
-level a motor sticks. After Al-Bender, Lampaert and Swevers, "The generalized Maxwell-slip model"
+level a motor sticks. Stops that slip in no run are alike: how they share the friction is arbitrary.
+After Al-Bender, Lampaert and Swevers, "The generalized Maxwell-slip model"
 (IEEE Trans. Automatic Control 50, 2005), without its velocity weakening.
 """
 

@@ -19,6 +19,7 @@ from ..models.system import Complex, System
 from ..records import records
 
 POLYNOMIALS = "abcdf"
+_INSIDE = 0.999  # modulus of mirrored zeros of a start: beyond it a predictor forgets no start
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,9 +89,10 @@ class Polynomials:
         """C and F have their zeros inside the unit circle."""
         return all(np.abs(np.roots(self.parts[name])).max(initial=0.0) < 1.0 for name in "cf")
 
-    def with_stable_predictor(self) -> "Polynomials":
-        """Zeros of C and F outside the unit circle replaced by their mirror images in it."""
-        parts = {**self.parts, **{name: _reflected(self.parts[name]) for name in "cf"}}
+    def with_stable_predictor(self, inside: float = _INSIDE) -> "Polynomials":
+        """Zeros of C and F beyond the modulus `inside` replaced by their mirror images in the unit
+        circle, with that modulus at most."""
+        parts = {**self.parts, **{name: _reflected(self.parts[name], inside) for name in "cf"}}
         parts["b"] = np.append(0.0, parts["b"][self.orders.nk :])
         return replace(self, theta=np.concatenate([parts[name][1:] for name in POLYNOMIALS]))
 
@@ -142,14 +144,11 @@ def _delayed(signal: Array, samples: int) -> Array:
     return np.concatenate((np.zeros((samples, signal.shape[1])), signal))[: len(signal)]
 
 
-_INSIDE = 0.999  # modulus of mirrored zeros at most: beyond it a predictor forgets no start
-
-
-def _reflected(polynomial: Array) -> Array:
+def _reflected(polynomial: Array, inside: float) -> Array:
     zeros = np.roots(polynomial)
     size = np.abs(zeros)
-    outside = size > _INSIDE
+    outside = size > inside
     if not outside.any():
         return polynomial
-    zeros[outside] = zeros[outside] / size[outside] * np.minimum(1.0 / size[outside], _INSIDE)
+    zeros[outside] = zeros[outside] / size[outside] * np.minimum(1.0 / size[outside], inside)
     return np.poly(zeros).real.astype(np.float64)

@@ -23,6 +23,7 @@ from .residual_tests import independence
 
 _STEPS = 100
 _CONVERGED = 1e-10  # relative decrease of the sum of squares that ends the search
+_LARGEST = 1.0 - 1e-9  # modulus of a zero that a step mirrors into the unit circle
 _REJECTED = 0.01  # p-value
 
 
@@ -134,6 +135,8 @@ def _downhill(
     while damping < 1e8:
         step = np.linalg.solve(H + damping * np.eye(len(H)), slope) / size
         tried = Polynomials(model.orders, model.theta - step, model.sample_time)
+        if not tried.is_predictor_stable:
+            tried = tried.with_stable_predictor(_LARGEST)
         if tried.is_predictor_stable:
             left = tried.prediction_error(u, y)
             if np.square(left).sum() < before:

@@ -2,6 +2,7 @@
 
 Hannan and Rissanen (1982) regress on innovations of a long ARX model; Steiglitz and McBride (1965)
 repeat an ARX fit on data filtered by its own denominator, which tends to the output-error model.
+Where that ends in a local minimum, the reduction of a long ARX model seldom does.
 """
 
 import numpy as np
@@ -14,13 +15,20 @@ from .polynomial import Orders, Polynomials
 
 _LONG = 20  # orders of the ARX model that gives innovations, at most
 _REPEATED = 15
+_REALISED = 10, 20, 40
+"""Orders of the ARX models that are reduced: with little noise, to little bias. Without them six
+output-error and Box-Jenkins fits of 300 random systems ended in a local minimum."""
+_HANKEL = 80  # samples of an impulse response that a Hankel matrix covers, twice
 
 
 @records("u", "y")
 def starts(u: Array, y: Array, sample_time: float, orders: Orders) -> list[Polynomials]:
     """Models with stable predictors to start from."""
-    found = [_from_dynamics(*_dynamics(u, y, orders, repeats), u, y, orders)
-             for repeats in ((0, _REPEATED) if orders.nf else (0,))]  # fmt: skip
+    dynamics = [_dynamics(u, y, orders, 0)]
+    if orders.nf:
+        dynamics.append(_dynamics(u, y, orders, _REPEATED))
+        dynamics += [one for long in _REALISED for one in _realised(u, y, orders, long)]
+    found = [_from_dynamics(*each, u, y, orders) for each in dynamics]
     models = [Polynomials(orders, theta, sample_time) for theta in found]
     return [model.with_stable_predictor() for model in models]
 
@@ -38,6 +46,34 @@ def _dynamics(u: Array, y: Array, orders: Orders, repeats: int) -> tuple[Array, 
         found = _least_squares(columns, past_y)
         denominator, b = np.append(1.0, found[:n]), found[n:]
     return denominator, b
+
+
+def _realised(u: Array, y: Array, orders: Orders, long: int) -> list[tuple[Array, Array]]:
+    """As `_dynamics`, by Kung's realisation of the impulse response of a long ARX model.
+
+    None where the record is too short for that model.
+    """
+    n, nk = orders.na + orders.nf, orders.nk
+    if not (n < long and 3 * (long + nk) <= y.size):
+        return []
+    past = [_back(y, i) for i in range(1, long + nk + 1)]
+    found = _least_squares([*past, *(_back(u, i) for i in range(nk, nk + long + 1))], y)
+    a = _stable(np.concatenate(([1.0], -found[: long + nk])))
+    f = _stable(_reduced(recursion(found[long + nk :], a, np.eye(2 * _HANKEL, 1))[:, 0], n))
+    moved = recursion(np.ones(1), f, u)
+    return [(f, _least_squares([_back(moved, nk + i) for i in range(orders.nb)], y))]
+
+
+def _reduced(impulse: Array, order: int) -> Array:
+    """Denominator of the realisation of some order from the Hankel matrix of an impulse response.
+
+    Kung (1978).
+    """
+    rows = np.arange(_HANKEL)
+    U, size, _ = np.linalg.svd(impulse[rows[:, None] + rows])
+    observed = U[:, :order] * np.sqrt(size[:order])
+    A = np.linalg.lstsq(observed[:-1], observed[1:], rcond=None)[0]
+    return np.poly(A).real.astype(np.float64)
 
 
 def _from_dynamics(denominator: Array, b: Array, u: Array, y: Array, orders: Orders) -> Array:
