@@ -21,7 +21,7 @@ from ..figures.two_mass import FIGURES
 from .timing import Row, interleaved
 
 REPEATS = 5
-COUPLED = ((2, 2000), (4, 2000), (6, 1000), (6, 2000), (6, 4000))
+COUPLED = ((2, 2000), (4, 2000), (6, 1000), (6, 2000), (6, 4000), (12, 2000))
 """Motors and samples of norm-optimal learning with entries that all differ."""
 
 
@@ -29,8 +29,8 @@ def ilc() -> Sequence[Row]:
     """Rows of `armside bench ilc`."""
     coupled = [row for m, n in COUPLED for row in _coupled(m, n)]
     return [
-        _search(), _five_hundred(), *_norm_optimal(), *coupled, *_state_space(), *_record(),
-        *_updates(),
+        _search(), _five_hundred(), *_norm_optimal(), *coupled, *_state_space(6), *_state_space(12),
+        *_record(), *_updates(),
     ]  # fmt: skip
 
 
@@ -91,9 +91,9 @@ def _coupled(n: int, n_samples: int) -> list[Row]:
     return _timed_law(_coupled_motors(n), n_samples, what)
 
 
-def _state_space() -> list[Row]:
-    T_u = as_state_space(_coupled_motors(6))
-    return _timed_law(T_u, 2000, f"the same 6 motors as {len(T_u.A)} states, 2,000 samples")
+def _state_space(n: int) -> list[Row]:
+    T_u = as_state_space(_coupled_motors(n))
+    return _timed_law(T_u, 2000, f"the same {n} motors as {len(T_u.A)} states, 2,000 samples")
 
 
 def _timed_law(T_u: Model, n_samples: int, what: str) -> list[Row]:
