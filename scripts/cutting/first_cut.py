@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from armside.arrays import Array
 from armside.sim.laser.experiment import Experiment
 from armside.sim.laser.measures import Measure, MotorAngles
@@ -22,6 +24,10 @@ from .options import LaserCfg
 if TYPE_CHECKING:  # its package needs the extra of drawings
     from armside.sim.part_run.experiment import PartExperiment
 
+LONG = 0.05
+"""Change of a motor angle along a cut [rad], up to which an estimate of one place sees a run of the
+twin as it sees the robot's: springs that are effective at one place act differently at another."""
+
 
 @dataclass(frozen=True, eq=False)
 class ByTwin:
@@ -38,13 +44,16 @@ class ByTwin:
     def around(self, measure: Measure, experiment: "Experiment | PartExperiment") -> Measure:
         """The measure that learning goes on with: what its sensor sees of the twin is learned.
 
-        Along a long way the programmed path stays the target: estimate and law follow the pose
-        there, which those of one place that a model's run is compared by do not.
+        A model's run is compared by an estimate of one place. Along a long way that does not hold:
+        the programmed path stays the target, and estimate and law follow the pose.
         """
         if not self.found.trusted:
             return measure
-        if isinstance(measure, PathAlongWay) and measure.follows(
-            experiment, measure.assumed(experiment)
+        long = np.ptp(experiment.loaded.reference, axis=0).max() > LONG
+        if (
+            long
+            and isinstance(measure, PathAlongWay)
+            and measure.follows(experiment, measure.assumed(experiment))
         ):
             return measure
         if isinstance(measure, MotorAngles):

@@ -1,4 +1,4 @@
-"""The tool's path along a long way as measured output, trusted or not from place to place."""
+"""The tool's path along the way as measured output, trusted or not from place to place."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from ..estimation.commissioning import Commissioned, OnFault
 from ..estimation.imu_health import ImuError
 from ..estimation.nominal import NominalArm
 from ..estimation.tool_law import ToolLawKind
-from ..estimation.way.commissioning import WayCommissioned, commission_way, is_long
+from ..estimation.way.commissioning import WayCommissioned, commission_way
 from ..estimation.way.joints import with_structure
 from ..estimation.way.law import scheduled
 from ..estimation.way.trust import Trust, trust
@@ -30,11 +30,10 @@ SIX = 6
 
 @dataclass(frozen=True, kw_only=True)
 class PathAlongWay(ToolPath):
-    """Path of the tool that is estimated along the way where it is long.
+    """Path of the tool that is estimated along the way.
 
-    A short one, and whatever is asked for that is known for one place only (given springs, another
-    filter, a model's run as target, an arm with closed chains or without six axes), is estimated as
-    `ToolPath` does.
+    What is known for one place only (given springs, another filter or law, a model's run as target,
+    an arm with closed chains or without six axes) is estimated there, as `ToolPath` does.
     """
 
     def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> ToolOutput:
@@ -60,7 +59,7 @@ class PathAlongWay(ToolPath):
         usual = self.commissioning.identified and self.estimate is Estimate.SMOOTHER
         usual = usual and self.law.kind is ToolLawKind.INVERSE and arm.motion.is_open
         usual = usual and experiment.nominal.n_axes == SIX
-        return usual and not one_place and is_long(experiment.loaded.reference)
+        return usual and not one_place
 
     def _along(self, experiment: Prepared, first: Pass) -> WayCommissioned:
         known, nominal = experiment.setup.gear_error, with_structure(experiment.nominal)
@@ -78,7 +77,7 @@ class PathAlongWay(ToolPath):
 
 @dataclass(frozen=True)
 class WayOutput(ToolOutput):
-    """Paths (N, 6) from rest along a long way.
+    """Paths (N, 6) from rest along the way.
 
     Where an estimate is not trusted, it is taken to be what is asked for: nothing is learned there.
     """

@@ -21,9 +21,6 @@ from .identification import WayIdentified, identify
 from .law import plants
 from .rigid_motion import RigidMotion, rigid_motion
 
-LONG = 0.05
-"""Change of a motor angle along a cut from which on it is a long way [rad]: springs that are
-effective at one place then act differently at another."""
 EXCERPT = 10.0
 """Length of the record that springs are identified from [s]."""
 
@@ -51,11 +48,6 @@ class WayCommissioned:
         K, D, axes = known.springs.stiffness, known.springs.damping, known.springs.axes
         rest = known.clock_offset, known.process_noise, known.mounting
         return Springs(np.diag(K[axes]), D[axes], *rest)
-
-
-def is_long(reference: Array) -> bool:
-    """Whether a reference (N, a) [rad] is a long way."""
-    return bool(np.ptp(reference, axis=0).max() > LONG)
 
 
 def commission_way(
