@@ -12,6 +12,8 @@ from armside.scripts.cli import main
 from armside.scripts.verifications.laser import laser as claim
 from armside.sim.records.signals import read_signals
 
+from .replay_content import content
+
 FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd"}
 FILES |= {"state.npz", "circles.png", "errors.png", "kerf.png"}
 
@@ -80,6 +82,9 @@ def test_two_processes_write_the_same_bits(folder, tmp_path):
         assert np.array_equal(a.recording.correction, b.recording.correction)
         assert np.array_equal(a.recording.truth.qpos, b.recording.truth.qpos)
         assert np.array_equal(a.tracker.position, b.tracker.position)
+    # identifiers differ, and with them the bytes of the files
+    replays = [f / "replay.rrd" for f in (first, again)]
+    assert content(replays[0]) == content(replays[1])
 
 
 def test_another_seed_is_another_noise(folder, tmp_path, summary):
