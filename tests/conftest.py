@@ -1,6 +1,7 @@
 """Shared by all tests: programs and graphics that a bare machine may lack."""
 
 import fcntl
+import gc
 import importlib.util
 import os
 import shutil
@@ -37,6 +38,18 @@ SLOWEST = (
     "test_replay_shown.py",
 )
 """Parts of the names of the tests and set-ups that take longest, the longest first."""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Modules that all tests import are garbage at no time: their objects are not searched for it,
+    neither while they are made nor with each later collection."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
