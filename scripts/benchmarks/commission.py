@@ -1,7 +1,6 @@
 """Benchmark of commissioning: time on one core and on all, and peak memory."""
 
 import os
-import resource
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
@@ -10,6 +9,7 @@ from armside.sim.robot.spread import Drawn
 from armside.sim.twin import commission as commissioning
 from armside.sim.twin.plan import plan, recorded
 
+from .memory import peak_memory
 from .timing import Row, interleaved
 
 CUTS = 4
@@ -34,6 +34,5 @@ def commission() -> Sequence[Row]:
 
     alone = [min(every)]
     ours, theirs = interleaved([lambda: on(every), lambda: on(alone)], repeats=3)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024e-9
-    name = f"commissioning from {CUTS} cuts, {cores()} cores, peak {memory:.2f} GB"
+    name = f"commissioning from {CUTS} cuts, {cores()} cores, peak {peak_memory():.2f} GB"
     return [Row(name, ours, "one core", theirs)]

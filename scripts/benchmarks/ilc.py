@@ -18,6 +18,7 @@ from armside.ilc.models.system_matrix import Model, SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop
 
 from ..figures.two_mass import FIGURES
+from .memory import peak_memory
 from .timing import Row, interleaved
 
 REPEATS = 5
@@ -105,7 +106,8 @@ def _timed_law(T_u: Model, n_samples: int, what: str) -> list[Row]:
 
     law = design()
     designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
-    return [Row(f"{what}: design", designed), Row(f"{what}: iteration", iterated)]
+    peak = f"peak so far {peak_memory():.2f} GB"
+    return [Row(f"{what}: design, {peak}", designed), Row(f"{what}: iteration", iterated)]
 
 
 def _record() -> list[Row]:
