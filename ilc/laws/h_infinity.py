@@ -103,7 +103,7 @@ def h_infinity(
         omega = np.union1d(omega, _maxima(seen, best.reached))
     proven = max(found, key=lambda each: each.least)
     best = min(found, key=lambda each: each.reached)
-    return replace(best, least=proven.least, bounded=proven.bounded)
+    return replace(best, least=min(proven.least, best.reached), bounded=proven.bounded)
 
 
 @dataclass(frozen=True)
