@@ -77,8 +77,8 @@ def polynomial_records(seed, orders, noise, n=80):
         yield fit_polynomial(u, y, STEP, orders)
 
 
-def polynomial_fits(seed, orders, noise, truth):
-    for fit in polynomial_records(seed, orders, noise):
+def polynomial_fits(seed, orders, noise, truth, n=80):
+    for fit in polynomial_records(seed, orders, noise, n):
         low, high = fit.confidence().T
         yield (low < truth) & (high > truth)
 
@@ -91,8 +91,7 @@ def coefficients_of_armax():
 def coefficients_by_output_error():
     noise = System(np.ones(1), np.ones(1), STEP)
     truth = [0.2, 0.1, -1.5, 0.7]
-    yield from polynomial_fits(6, Orders.output_error(2, 2, 2), noise, truth)
-    yield from polynomial_fits(7, Orders.output_error(2, 2, 2), noise, truth)
+    return polynomial_fits(6, Orders.output_error(2, 2, 2), noise, truth, n=100)
 
 
 COLOURED = System(np.array([1.0, 0.5]), np.array([1.0, -0.7]), STEP)
