@@ -154,7 +154,7 @@ def test_chromium_shows_robot_and_plots_and_asks_nobody_else(viewer, require_pro
     from armside.scripts.viewers.browser import page
 
     with page(f"{viewer.address}?renderer=webgl", driver=driver) as shown:
-        png = shown.screenshot_when(looks_full, within=60)
+        png = shown.screenshot_when(looks_full, within=240)
         answered = {url for url in shown.answered() if not url.startswith(("data:", "blob:"))}
     assert looks_full(png), {box: colours(png, box) for box in (ROBOT, PATHS, MOTOR_ERROR)}
     assert all(url.startswith(viewer.address) for url in answered), answered

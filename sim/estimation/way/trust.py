@@ -10,13 +10,27 @@ from .estimator import WayEstimate
 
 WINDOW = 1.0
 """[s], of the record that is judged as one: a hundred readings."""
-LARGEST_INNOVATION = 30.0
-"""RMS of whitened innovations in a window, above which an IMU does not do what its data sheet says.
-Sound runs have up to 19: a gear without load moves within its lost motion as no model foresees, and
-the smoother follows. A knock of 5 m/s^2 for 40 ms has 52. Seeds from 100 on. ESTIMATE"""
-LARGEST_SHIFT = 2e-3
-"""Distance [m] by which an IMU may move the path that the motors and springs explain. Sound runs
-have up to 1.1 mm, a knock of 50 m/s^2 has 4. ESTIMATE"""
+SHORT = 4.0
+"""Length of a run [s] up to which it is short: a window is half of it, and what the model lacks has
+no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long ways from 5 s on."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Beyond which an estimate is not trusted."""
+
+    innovation: float
+    """RMS of whitened innovations in a window."""
+    shift: float
+    """Distance [m] by which an IMU moves the path that motors and springs explain."""
+
+
+OF_LONG = Limits(5.0, 0.5e-3)
+"""Sound runs have 1 to 3, the largest at corners. Where a gear without load moves within its lost
+motion as no model foresees, there are more, and learned from they grow. ESTIMATE"""
+OF_SHORT = Limits(30.0, 2e-3)
+"""Here the smoother mends that: sound runs have up to 19 and 1.1 mm. A knock of 5 m/s^2 for 40 ms
+has 52, one of 50 m/s^2 4 mm. Seeds from 100 on. ESTIMATE"""
 FADE = 0.1
 """[s], over which trust is lost before such a window and gained after it."""
 
@@ -33,15 +47,16 @@ class Trust:
 
 def trust(estimate: WayEstimate, time: Array) -> Trust:
     """Of an estimate at the instants (N,) of the motor log."""
+    limits = OF_SHORT if time[-1] < SHORT else OF_LONG
     window = (time / WINDOW).astype(int)
     good = np.ones(window[-1] + 1, dtype=bool)
     for at in range(len(good)):
         innovation = estimate.innovation[(estimate.instants / WINDOW).astype(int) == at]
         known = np.isfinite(innovation).all(axis=1)
         if known.any():
-            good[at] = np.sqrt(np.square(innovation[known]).mean(axis=0)).max() < LARGEST_INNOVATION
+            good[at] = np.sqrt(np.square(innovation[known]).mean(axis=0)).max() < limits.innovation
         shift = np.linalg.norm(estimate.shift[window == at], axis=1)
-        good[at] &= bool((shift < LARGEST_SHIFT).all())
+        good[at] &= bool((shift < limits.shift).all())
     weight = _faded(good[window].astype(float), round(FADE / float(time[1] - time[0])))
     if good.all():
         return Trust(weight, "")

@@ -64,7 +64,6 @@ def test_a_knock_of_the_imu_is_not_learned_from(monkeypatch: pytest.MonkeyPatch)
     reached = runs[1].tool_true.rms  # by the first run, which was sound
     assert runs[-1].tool_true.rms == pytest.approx(reached, rel=0.05)
     assert any("not trusted" in note.text for note in runs[-1].notes)
-    monkeypatch.setattr(trust, "LARGEST_INNOVATION", np.inf)
-    monkeypatch.setattr(trust, "LARGEST_SHIFT", np.inf)
+    monkeypatch.setattr(trust, "OF_SHORT", trust.Limits(np.inf, np.inf))
     believed = learned(experiment, 3, Knocked(experiment))
     assert believed[-1].tool_true.rms > 2.0 * reached

@@ -7,8 +7,9 @@ from armside.arrays import Array
 from armside.sim.estimation.way.estimator import WayEstimate
 from armside.sim.estimation.way.trust import (
     FADE,
-    LARGEST_INNOVATION,
-    LARGEST_SHIFT,
+    OF_LONG,
+    OF_SHORT,
+    Limits,
     trust,
 )
 
@@ -33,7 +34,7 @@ def test_white_innovations_are_trusted_everywhere():
 
 @pytest.mark.parametrize(
     "case",
-    [estimate(innovation=1.5 * LARGEST_INNOVATION), estimate(shift=1.1 * LARGEST_SHIFT)],
+    [estimate(innovation=1.5 * OF_LONG.innovation), estimate(shift=1.1 * OF_LONG.shift)],
     ids=["innovations", "shift"],
 )
 def test_what_cannot_be_explained_is_not_learned_from_there_alone(case: WayEstimate):
@@ -46,7 +47,7 @@ def test_what_cannot_be_explained_is_not_learned_from_there_alone(case: WayEstim
 
 
 def test_a_little_more_than_white_is_trusted():
-    near = estimate(innovation=0.8 * LARGEST_INNOVATION, shift=0.9 * LARGEST_SHIFT)
+    near = estimate(innovation=0.8 * OF_LONG.innovation, shift=0.9 * OF_LONG.shift)
     assert (trust(near, TIME).weight == 1.0).all()
 
 
@@ -58,3 +59,15 @@ def test_seconds_without_readings_rest_on_motors_and_springs():
     lost = estimate()
     lost.innovation[200:300] = np.nan
     assert (trust(lost, TIME).weight == 1.0).all()
+
+
+@pytest.mark.parametrize("limits", [OF_LONG, OF_SHORT])
+def test_a_run_of_a_few_seconds_is_trusted_longer_than_a_long_one(limits: Limits):
+    """Innovations of 20 and 1 mm, which sound short cuts have, and long ones that go wrong."""
+    seconds = 2.0 if limits is OF_SHORT else 6.0
+    time, instants = TIME[seconds > TIME], INSTANTS[seconds > INSTANTS]
+    e = 20.0 * np.random.default_rng(7).normal(size=(len(instants), 6))
+    moved = np.full((len(time), 3), 1e-3 / np.sqrt(3.0))
+    found = trust(WayEstimate(np.zeros((len(time), 6)), moved, e, instants), time)
+    assert (found.weight == 1.0).all() == (limits is OF_SHORT)
+    assert (found.weight < 1e-9).all() == (limits is OF_LONG)
