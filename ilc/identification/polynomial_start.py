@@ -51,7 +51,7 @@ def _dynamics(u: Array, y: Array, orders: Orders, repeats: int) -> tuple[Array, 
 def _realised(u: Array, y: Array, orders: Orders, long: int) -> list[tuple[Array, Array]]:
     """As `_dynamics`, by Kung's realisation of the impulse response of a long ARX model.
 
-    None where the record is too short for that model.
+    Empty where the record is too short for that model.
     """
     n, nk = orders.na + orders.nf, orders.nk
     if not (n < long and 3 * (long + nk) <= y.size):

@@ -2,7 +2,7 @@
 
 For each seed `armside gears` finds the gear error of that robot from the IMU at its tool, in runs
 around p2; cuts with all gear effects are learned from the estimate without it and with it, as
-`armside laser` learns: following the pose where the motors turn far.
+`armside laser` learns: following the pose.
 """
 
 from collections.abc import Iterable
