@@ -12,14 +12,15 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..laws.law import FirstOrderLaw
-from ..models.products import Products, largest_singular_value
+from ..laws.law import FirstOrderLaw, require_linear
+from ..models.products import SMALL, Products, largest_singular_value
 from ..models.system import System
 from ..models.system_matrix import AnyModel, check_inputs
 from .adjoint import law_adjoint
 
 _POWERS = (8, 32)  # iterations whose growth bounds the spectral radius
 _ROUGH = 1e-4  # of that growth, whose root is taken
+_FEWEST = 3  # numbers of a record for Arnoldi iterations
 _RESTARTS = 20  # of Arnoldi iterations, after which no eigenvalue is stated
 
 
@@ -50,6 +51,7 @@ class RecordIteration:
     n_columns: int = 1
 
     def __post_init__(self) -> None:
+        require_linear(self.law)
         check_inputs(self.T_u, self.n_columns)
         self.law.check(self.n_samples, self.n_columns)
 
@@ -113,20 +115,30 @@ class RecordIteration:
         return SpectralRadius(eigenvalue, residual, bound)
 
     def _largest_eigenvalue(self) -> tuple[complex | None, float | None]:
-        from scipy.sparse.linalg import ArpackNoConvergence, eigs
-
         products, size = self.products, self.n_samples * self.n_columns
-        solve: Any = eigs  # its stubs know no tolerance that is a float
-        start = np.random.default_rng(0).standard_normal(size)
-        try:
-            found, vectors = solve(
-                products.operator(), k=1, ncv=min(size, 40), tol=1e-9, v0=start, maxiter=_RESTARTS
-            )
-        except ArpackNoConvergence:
-            return None, None
-        v = vectors[:, 0]
+        found = self._by_arnoldi() if size >= _FEWEST else None
+        if found is None:
+            if size > SMALL:
+                return None, None
+            found = np.linalg.eig(products.dense())
+        values, vectors = found
+        largest = int(np.abs(values).argmax())
+        v: Any = vectors[:, largest]
         Av = sum(
             factor * self._forward(part.reshape(products.inputs)).ravel()
             for factor, part in ((1.0, v.real), (1j, v.imag))
         )
-        return complex(found[0]), float(np.linalg.norm(Av - found[0] * v))
+        return complex(values[largest]), float(np.linalg.norm(Av - values[largest] * v))
+
+    def _by_arnoldi(self) -> tuple[Any, Any] | None:
+        """Eigenvalue of the largest modulus and its vector; None: not converged, or nilpotent."""
+        from scipy.sparse.linalg import ArpackError, eigs
+
+        size = self.n_samples * self.n_columns
+        solve: Any = eigs  # its stubs know no tolerance that is a float
+        start = np.random.default_rng(0).standard_normal(size)
+        options = {"ncv": min(size, 40), "tol": 1e-9, "v0": start, "maxiter": _RESTARTS}
+        try:
+            return solve(self.products.operator(), k=1, **options)
+        except ArpackError:
+            return None

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
@@ -33,6 +35,15 @@ class FirstOrderLaw:
 
     def check(self, n_samples: int, n_columns: int) -> None:
         """Accept records of every shape, unless a law overrides this."""
+
+
+def require_linear(law: Any) -> None:
+    """Raise ValueError for a law whose iteration is no linear map: with memory, or with limits."""
+    name = type(law).__name__
+    if not callable(law):
+        raise ValueError(f"{name} has a memory: the analysis is that of laws without one")
+    if np.isfinite(getattr(law, "limit", np.inf)).any():
+        raise ValueError(f"{name} has limits, so it is not linear: analyse it with limit=inf")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from armside.arrays import Array
 Apply = Callable[[Array], Array]
 _TIGHT = 1e-10  # relative residual of a singular or eigenvalue
 _TINY = 3  # sizes up to which the matrix is built, too small for Lanczos
-_SMALL = 300  # sizes up to which it is built where Lanczos iterations do not converge
+SMALL = 300  # sizes up to which it is built where Lanczos iterations do not converge
 _RESTARTS = 100
 
 
@@ -64,9 +64,11 @@ def largest_singular_value(products: Products, tight: float = _TIGHT) -> float:
     the residual of the squared map is taken, and then a RuntimeError raised.
     """
     size = min(np.prod(products.inputs), np.prod(products.outputs))
+    if not products.forward(_start(products.inputs)).any():  # nor is any other vector mapped
+        return 0.0
     if size > _TINY and (found := _by_lanczos(products, tight)) is not None:
         return found
-    if size <= _SMALL:
+    if size <= SMALL:
         return float(np.linalg.norm(products.dense(), ord=2))
     if (found := _by_lanczos(products, np.sqrt(tight))) is not None:  # scipy squares it
         return found
@@ -77,13 +79,18 @@ def largest_singular_value(products: Products, tight: float = _TIGHT) -> float:
 
 
 def _by_lanczos(products: Products, tolerance: float) -> float | None:
-    from scipy.sparse.linalg import ArpackNoConvergence, svds
+    from scipy.sparse.linalg import ArpackError, svds
 
     solve: Any = svds  # its stubs know no tolerance that is a float
     shape = min(products.inputs, products.outputs, key=np.prod)
-    start = np.random.default_rng(0).standard_normal(int(np.prod(shape)))
+    start = _start(shape).ravel()
     options = {"v0": start, "maxiter": _RESTARTS, "return_singular_vectors": False}
     try:
         return float(solve(products.operator(), k=1, tol=tolerance, **options)[0])
-    except ArpackNoConvergence:
+    except ArpackError:
         return None
+
+
+def _start(shape: tuple[int, int]) -> Array:
+    """Random record, in which no singular vector is missing."""
+    return np.random.default_rng(0).standard_normal(shape)
