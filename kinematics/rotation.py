@@ -31,7 +31,7 @@ SINGULAR = 1e-7
 """Sine of the angle below which a representation counts as singular."""
 _ROUNDING = 2e-15
 """Sine of the angle that rounding of a matrix can make: below it the third angle is 0."""
-HALF_TURN = 1e-12
+HALF_TURN = 1e-15
 """[rad] An angle this near to pi is a half turn, whose axis has either sign."""
 
 

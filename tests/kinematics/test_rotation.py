@@ -59,6 +59,13 @@ def test_rotations_near_a_singularity_are_kept_to_rounding(name, small):
         np.testing.assert_allclose(back(to(R)), R, rtol=0, atol=1e-14)
 
 
+@pytest.mark.parametrize("short", [0.0, 1e-16, 2e-13, 9e-13, 1e-11, 1e-8])
+def test_turns_a_little_short_of_half_are_kept_to_rounding(short):
+    R = rotation.from_axis_angle([-0.6, 0.48, 0.64], np.pi - short)
+    axis, angle = rotation.to_axis_angle(R)
+    np.testing.assert_allclose(rotation.from_axis_angle(axis, angle), R, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize("length", [1e200, 1e-200, 5e-324, 1.7e308])
 def test_quaternions_and_axes_of_any_length_are_directions(length):
     half = np.array([1.0, 1.0, 0.0, 0.0])
