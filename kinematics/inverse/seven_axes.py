@@ -25,6 +25,7 @@ _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
 _NEAR = (
     1e-7  # [m] of the elbow from the line of shoulder and wrist, or [-] of that line from axis 1
 )
+_COINCIDENT = 1e-100  # [m] from shoulder to wrist of a folded arm, for which it may be 0
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,10 @@ def seven_axis_branches(robot: Robot, T: ArrayLike, elbow: ArrayLike) -> Branche
     """
     arm = _arm(robot)
     targets, single = batch(T)
-    psi = np.broadcast_to(finite_array("elbow", elbow), len(targets))
+    psi = finite_array("elbow", elbow)
+    if psi.shape not in ((), (len(targets),)):
+        raise ValueError(f"elbow must be one angle or ({len(targets)},), got shape {psi.shape}")
+    psi = np.broadcast_to(psi, len(targets))
     turn = targets[:, :3, :3] @ arm.axes.tool[:3, :3].T
     W = targets[:, :3, 3] - turn @ (arm.axes.tool[:3, 3] - arm.wrist)
     d, D = _line(arm, W)
@@ -108,9 +112,13 @@ def _arm(robot: Robot) -> _Arm:
 
 
 def _line(arm: _Arm, W: Array) -> tuple[Array, Array]:
-    """Unit vectors (N, 3) from the shoulder to wrist centres W (N, 3), and their distances [m]."""
+    """Unit vectors (N, 3) from the shoulder to wrist centres W (N, 3), and their distances [m].
+
+    A wrist centre in the shoulder itself has no direction, and that of axis 1 is returned.
+    """
     D = np.linalg.norm(W - arm.shoulder, axis=1)
-    return (W - arm.shoulder) / np.maximum(D, SQUARE)[:, None], D
+    d = (W - arm.shoulder) / np.maximum(D, SQUARE)[:, None]
+    return np.where(D[:, None] < SQUARE, arm.axes.direction[0], d), D
 
 
 def _side(axis: Array, d: Array, psi: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -130,14 +138,19 @@ def _bend(
     """q_4 (N,), rotation (N, 3, 3) of the upper arm, and True where the arm is straight."""
     L1, L2 = lengths
     s, w, u = arm.shoulder - arm.elbow, arm.wrist - arm.elbow, arm.axes.direction[3]
+    D = np.clip(D, max(abs(L1 - L2), _COINCIDENT), L1 + L2)
     area = np.maximum(D - abs(L1 - L2), 0) * (D + abs(L1 - L2))
     area = np.sqrt(area * np.maximum(L1 + L2 - D, 0) * (L1 + L2 + D)) / 2  # 2 L1 L2 sin, halved
     inner = np.arctan2(2 * area, L1 * L1 + L2 * L2 - D * D)
     q4 = sign * inner - np.arctan2(u @ np.cross(s, w), s @ w)
-    height = area / np.maximum(D, SQUARE)
-    along = (D * D + L1 * L1 - L2 * L2) / (2 * np.maximum(D, SQUARE))
+    height = area / D
+    along = (D * D + (L1 - L2) * (L1 + L2)) / (2 * D)
     upper = (along[:, None] * d + height[:, None] * side) / L1
     normal = sign * np.cross(d, side)
     now = np.stack([upper, normal, np.cross(upper, normal)], axis=-1)
     first = np.stack([-s / L1, u, np.cross(-s / L1, u)], axis=-1)
-    return q4, np.asarray(now @ first.T, dtype=np.float64), height < _NEAR
+    return (
+        q4,
+        np.asarray(now @ first.T, dtype=np.float64),
+        (height < _NEAR) | (area < _NEAR * L1 * L2),
+    )

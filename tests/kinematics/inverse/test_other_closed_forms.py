@@ -166,6 +166,21 @@ def test_a_straight_arm_and_one_out_of_reach_are_said():
         seven_axis_branches(LBR, T, 0.0)
 
 
+@pytest.mark.parametrize("bend", [np.pi, np.pi - 1e-9, np.pi - 1e-6])
+def test_a_folded_arm_of_equal_lengths_has_its_wrist_in_its_shoulder(bend):
+    equal = (replace(link, d=0.4) if link.d == 0.42 else link for link in LBR.links)
+    robot = Robot(list(equal), name="equal lengths")
+    phi = np.array([[0.2, 0.9, 0.1, bend, 0.3, 0.4, 0.5], [1.2, -0.4, 0.7, -bend, 0.2, 0.9, 0.1]])
+    T = pose(robot, phi)
+    found = seven_axis_branches(robot, T, [elbow_angle(robot, each) for each in phi])
+    for branch in range(8):
+        reached = pose(robot, found.phi[:, branch])
+        np.testing.assert_allclose(reached, T, rtol=0, atol=2 * EXACT)
+    assert bool((found.singular & Singularity.ELBOW).all()) == (bend > np.pi - 1e-7)
+    with pytest.raises(ValueError, match=r"elbow must be one angle or \(2,\)"):
+        seven_axis_branches(robot, T, [0.0, 0.1, 0.2])
+
+
 @pytest.mark.parametrize(
     ("solve", "robot", "complaint"),
     [
