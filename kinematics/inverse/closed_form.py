@@ -120,7 +120,8 @@ def inverse_nearest(
         ValueError: no branch is within the limits.
     """
     start = _configuration(previous)
-    found = inverse_branches(robot, T, start)
+    inside = start if limits is None else np.clip(start, limits.lower, limits.upper)
+    found = inverse_branches(robot, T, inside)
     if found.phi.ndim != 2:
         raise ValueError(f"T must have shape (4, 4), got {np.shape(T)}; see inverse_path")
     candidates = found.phi[found.exists]

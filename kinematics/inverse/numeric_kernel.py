@@ -275,7 +275,10 @@ def _work(n):
 
 @njit(cache=True, error_model="numpy")
 def _unwind(robot, turns, phi, start, lower, upper):
-    """Turn revolute joints by whole turns: nearest to the start, then into the limits."""
+    """Turn revolute joints by whole turns: nearest to the start, then into the limits.
+
+    A start beyond the limits counts as the limit itself, whence one turn leads to any solution.
+    """
     _, _, prismatic, M, _, _ = robot
     n = phi.shape[0]
     for j in range(n):
@@ -283,7 +286,7 @@ def _unwind(robot, turns, phi, start, lower, upper):
             continue
         away = 0.0
         for k in range(n):
-            away += M[j, k] * (phi[k] - start[k])
+            away += M[j, k] * (phi[k] - min(max(start[k], lower[k]), upper[k]))
         count = -floor(away / TURN + 0.5)
         if phi[j] + TURN * count * turns[j, j] < lower[j] - SLACK:
             count += 1.0

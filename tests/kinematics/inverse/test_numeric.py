@@ -132,6 +132,25 @@ def test_limits_choose_another_branch_or_refuse():
     assert caught.value.distance == 0
 
 
+@pytest.mark.parametrize("turns", [(3, -2, 4, 2, -5, 7), (-2, 3, -3, -7, 2, 2)])
+def test_a_start_whole_turns_beyond_the_limits_hides_no_solution(turns):
+    """Solutions within the limits are refused for no start, by neither solver."""
+    from armside.kinematics import UR10, inverse_nearest
+
+    phi = np.array([0.5, -1.0, 1.0, 0.3, 0.7, 0.2])
+    limits = Limits(lower=(-np.pi,) * 6, upper=(np.pi,) * 6, speed=(1.0,) * 6)
+    high = replace(limits, lower=(4 * np.pi,) * 6, upper=(6 * np.pi,) * 6)
+    T, far = compile(UR10).pose(phi), phi + 2 * np.pi * np.array(turns)
+    for start, ranges in ((far, limits), (far, high), (phi, high)):
+        for found in (
+            inverse_nearest(UR10, T, start, ranges),
+            inverse_numeric(UR10, T, start, limits=ranges),
+            inverse_numeric(UR10, T, start, limits=ranges, nearest=True),
+        ):
+            assert ranges.contain(found)
+            np.testing.assert_allclose(compile(UR10).pose(found), T, rtol=0, atol=TOLERANCE)
+
+
 def test_a_coupled_range_is_kept():
     phi = configurations(IRB1400, None, 300)
     T = compile(IRB1400).pose(phi)
