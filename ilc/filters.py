@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from .records import records
+from .records import as_whole, records
 
 PerColumn = float | tuple[float, ...]
 """One value for all columns (motors), or one value for each."""
@@ -185,7 +185,7 @@ def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> A
     check_columns("delta", delta, signal.shape[1])
     check_shift(delta, n_samples)
     # Row index of each (sample, column).
-    source = np.arange(n_samples)[:, None] + np.asarray(deltas)
+    source = np.arange(n_samples)[:, None] + as_whole(deltas, "delta")
     rows = np.broadcast_to(source.clip(0, n_samples - 1), signal.shape)
     shifted = np.take_along_axis(signal, rows, axis=0)
     if end is End.ZERO:
@@ -195,7 +195,7 @@ def shift(signal: Array, delta: int | tuple[int, ...], end: End = End.HOLD) -> A
 
 def check_shift(delta: int | tuple[int, ...], n_samples: int) -> None:
     """Raise ValueError if a shift is as long as the record."""
-    for value in as_tuple(delta):
+    for value in as_whole(as_tuple(delta), "delta").tolist():
         if abs(value) >= n_samples:
             record = f"the record of {n_samples} samples"
             raise ValueError(f"delta must stay within {record}, got {value:g}")

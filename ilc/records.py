@@ -10,7 +10,7 @@ from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
@@ -26,6 +26,16 @@ def as_real(values: ArrayLike, name: str) -> Array:
     if array.dtype.kind not in "biuf":
         raise ValueError(f"{name} must be real numbers, got {array.dtype}")
     return array.astype(np.float64, copy=False)
+
+
+def as_whole(values: ArrayLike, name: str) -> NDArray[np.int64]:
+    """Values as whole numbers, of any shape. ValueError for what is none, such as a mask."""
+    given = np.asarray(values)
+    whole = given.dtype.kind in "iu" or (given.dtype.kind == "f" and (given == given.round()).all())
+    whole = whole and bool(np.isfinite(given).all())
+    if not whole:
+        raise ValueError(f"{name} must be a whole number of samples, got {values}")
+    return given.astype(np.int64)
 
 
 def as_samples(signal: ArrayLike, name: str) -> Array:

@@ -21,6 +21,7 @@ from ..laws.gains import MatrixGain, PType
 from ..models.peak import peak
 from ..models.system import Complex, System, require_stable, unit_circle
 from ..models.system_matrix import Model
+from ..records import as_whole
 
 LOWEST = 1e-4
 """Lowest frequency of a grid, relative to the Nyquist frequency."""
@@ -147,7 +148,7 @@ def iteration_poles(T_u: Model, delta: int | tuple[int, ...], Q: RecordFilter) -
     poles = getattr(Q, "poles", None)
     if poles is None:
         return None
-    lead = np.zeros(int(np.abs(delta).max()))
+    lead = np.zeros(int(np.abs(as_whole(delta, "delta")).max()))
     return np.concatenate((T_u.all_poles, poles, lead)).astype(np.complex128)
 
 
@@ -158,7 +159,8 @@ def heuristic_gain(
     if isinstance(T_u, System):
         if np.ndim(gamma) or np.ndim(delta):
             raise ValueError("gamma and delta for each motor need a matrix of systems as T_u")
-        return PType(gamma=float(np.asarray(gamma)), delta=int(np.asarray(delta)))
+        shift = int(as_whole(delta, "delta"))
+        return PType(gamma=float(np.asarray(gamma)), delta=shift)
     gains = np.asarray(gamma, dtype=np.float64)
     n = T_u.n_inputs
     return MatrixGain(gamma=gains if gains.ndim == 2 else gains * np.eye(n), delta=delta)

@@ -18,7 +18,7 @@ from armside.arrays import Array
 
 from ..models.system import require_stable
 from ..models.system_matrix import Model, check_inputs
-from ..records import as_record, records
+from ..records import as_real, as_record, records
 from .law import FirstOrderLaw
 
 
@@ -85,7 +85,7 @@ class BasisFunctions(FirstOrderLaw):
 
     def __post_init__(self) -> None:
         require_stable(self.T_u, "T_u")
-        basis = np.asarray(self.basis, dtype=np.float64)
+        basis = as_real(self.basis, "basis")
         if basis.ndim != 3 or 0 in basis.shape or not np.isfinite(basis).all():
             raise ValueError(f"basis must be finite, of shape (N, n, p), got {basis.shape}")
         if not (np.isfinite(self.ridge) and self.ridge > 0.0):

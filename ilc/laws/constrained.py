@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records import records
+from ..records import as_real, records
 from .norm_optimal import NormOptimal
 from .quadratic import Weight, per_sample
 
@@ -30,7 +30,7 @@ class Constrained(NormOptimal):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (np.asarray(self.limit, dtype=np.float64) > 0.0).all():
+        if not (as_real(self.limit, "limit") > 0.0).all():
             raise ValueError("limit must be > 0")
         per_sample(self.limit, self.n_samples, self.n_columns, "limit")
 

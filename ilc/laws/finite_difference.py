@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records import records
+from ..records import as_real, records
 from .law import FirstOrderLaw
 from .model_free import PlantRun
 
@@ -29,7 +29,7 @@ class FiniteDifference(FirstOrderLaw):
     """Relative to the largest column of J, squared."""
 
     def __post_init__(self) -> None:
-        basis = np.asarray(self.basis, dtype=np.float64)
+        basis = as_real(self.basis, "basis")
         if basis.ndim != 2 or not basis.any(axis=0).all():
             needed = "shape (N, m) without empty columns"
             raise ValueError(f"basis must have {needed}, got {basis.shape}")

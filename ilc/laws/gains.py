@@ -9,7 +9,7 @@ from armside.arrays import Array
 
 from ..filters import End, check_shift, shift
 from ..models.system import Complex, unit_circle
-from ..records import records
+from ..records import as_real, as_whole, records
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,6 +23,7 @@ class PType:
     def __post_init__(self) -> None:
         if not np.isfinite(self.gamma):
             raise ValueError(f"gamma must be finite, got {self.gamma}")
+        as_whole(self.delta, "delta")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_shift(self.delta, n_samples)
@@ -53,6 +54,7 @@ class DType:
             raise ValueError(f"gamma_d must be finite, got {self.gamma_d}")
         if not self.sample_time > 0.0:
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
+        as_whole(self.delta, "delta")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         check_shift(self.delta, n_samples)
@@ -80,9 +82,10 @@ class MatrixGain:
     end: End = End.HOLD
 
     def __post_init__(self) -> None:
-        gamma = np.array(self.gamma, dtype=np.float64)
+        gamma = np.array(as_real(self.gamma, "gamma"))
         if gamma.ndim != 2 or gamma.shape[0] != gamma.shape[1] or not np.isfinite(gamma).all():
             raise ValueError(f"gamma must be a finite (n, n) matrix, got {gamma}")
+        as_whole(self.delta, "delta")
         object.__setattr__(self, "gamma", gamma)
 
     def check(self, n_samples: int, n_columns: int) -> None:

@@ -12,7 +12,7 @@ from ..models.system_matrix import (
     adjoint,
     check_inputs,
     check_model,
-    largest_gain,
+    require_effect,
     require_time_invariant,
 )
 from ..records import records
@@ -31,7 +31,7 @@ class Gradient:
 
     def __post_init__(self) -> None:
         check_model(self.T_u)
-        top = 2.0 / largest_gain(self.T_u) ** 2
+        top = 2.0 / require_effect(self.T_u) ** 2
         if self.step == 0.0:
             object.__setattr__(self, "step", 0.5 * top)
         elif not 0.0 < self.step < top:

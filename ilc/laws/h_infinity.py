@@ -85,6 +85,8 @@ def h_infinity(
     Raises ValueError for an unstable T_u or values out of range.
     """
     require_stable(T_u, "T_u")
+    if not T_u.b.any():
+        raise ValueError("T_u is 0: no correction has an effect")
     lead = n_taps // 2 if lead is None else lead
     if n_taps < 1 or not 0 <= lead < n_taps:
         raise ValueError(f"lead must be in 0 to n_taps - 1, got {lead} of {n_taps} taps")

@@ -4,14 +4,17 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex, require_stable
-from ..models.system_matrix import Model, check_inputs, largest_gain
+from ..models.system_matrix import Model, check_inputs, require_effect
 from ..records import records
+
+_SINGULAR = 1e-10  # singular values, relative to the largest, of which six digits are known
+_LEARNED = 1e-9  # 1 - H_B above which a frequency counts as learned
 
 
 class Beyond(Enum):
@@ -46,7 +49,7 @@ class ModelInverse:
         if not (np.isfinite(self.regularisation) and self.regularisation >= 0.0):
             raise ValueError(f"regularisation must be >= 0, got {self.regularisation}")
         require_stable(self.T_u, "T_u")
-        object.__setattr__(self, "_rho", self.regularisation * largest_gain(self.T_u) ** 2)
+        object.__setattr__(self, "_rho", self.regularisation * require_effect(self.T_u) ** 2)
 
     _rho: float = field(init=False, repr=False)
 
@@ -54,16 +57,31 @@ class ModelInverse:
         check_inputs(self.T_u, n_columns)
 
     def response(self, omega: ArrayLike) -> Complex:
-        """(M,), or (M, n, n) for a matrix of systems."""
+        """(M,), or (M, m, p) for several inputs and outputs.
+
+        Raises ValueError where the regularisation is 0 and T_u has no inverse, or one that is not
+        known to 1e-6.
+        """
         T = self.T_u.response(omega)
         learned = self.rate * self.learned.response(omega)
         if T.ndim == 1:
-            return learned * T.conj() / (np.square(np.abs(T)) + self._rho)
-        T_H = T.conj().swapaxes(1, 2)
-        normal: Complex = T @ T_H + self._rho * np.eye(T.shape[1])
-        inverse = T_H @ np.linalg.inv(normal).astype(np.complex128)
+            power = np.square(np.abs(T)) + self._rho
+            self._require_inverse(power == 0.0, learned)
+            return learned * T.conj() / np.where(power == 0.0, 1.0, power)
         learned = learned if learned.ndim == 2 else learned[:, None]
-        return inverse * learned[:, None, :]
+        U, s, V_H = np.linalg.svd(T, full_matrices=False)
+        if self._rho == 0.0:
+            self._require_inverse(s[:, -1] <= _SINGULAR * s[:, 0], learned.max(axis=1))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            gain = np.nan_to_num(s / (np.square(s) + self._rho), nan=0.0, posinf=0.0)
+        inverse = (V_H.conj().swapaxes(1, 2) * gain[:, None, :]) @ U.conj().swapaxes(1, 2)
+        return (inverse * learned[:, None, :]).astype(np.complex128)
+
+    def _require_inverse(self, singular: NDArray[np.bool_], learned: Array) -> None:
+        if (singular & (np.abs(learned) > _LEARNED)).any():
+            raise ValueError(
+                "T_u has no inverse at a frequency that is learned: regularisation > 0"
+            )
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..models.system_matrix import Model
-from ..records import records
+from ..records import as_whole, records
 from .law import FirstOrderLaw
 from .norm_optimal import NormOptimal
 from .quadratic import QuadraticCriterion
@@ -34,7 +34,7 @@ class PointToPoint(FirstOrderLaw):
     """Weights of u and of its change, relative to that of the error."""
 
     def __post_init__(self) -> None:
-        points = np.unique(np.asarray(self.points, dtype=np.int64))
+        points = np.unique(as_whole(self.points, "each of the points"))
         if not len(points) or points[0] < 0 or points[-1] >= self.n_samples:
             raise ValueError(f"points must be samples 0 to {self.n_samples - 1}, got {self.points}")
         weight = np.zeros(self.n_samples)

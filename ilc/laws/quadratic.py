@@ -21,6 +21,7 @@ from ..models.state_space import StateSpace
 from ..models.system import System
 from ..models.system_matrix import AnyModel, SystemMatrix, adjoint, check_inputs
 from ..models.time_varying import TimeVarying
+from ..records import as_real
 from .conjugate_gradients import ACCURACY, solve_factored, solve_matrix_free
 from .lifted_factor import LiftedFactor
 
@@ -51,12 +52,12 @@ class QuadraticCriterion:
 
     def __post_init__(self) -> None:
         for name in ("error", "correction", "change"):
-            weight = np.asarray(getattr(self, name), dtype=np.float64)
+            weight = as_real(getattr(self, name), f"the weight of the {name}")
             if not np.isfinite(weight).all() or (weight < 0.0).any():
                 raise ValueError(f"the weight of the {name} must be >= 0 and finite")
         if not (np.any(self.correction) or np.any(self.change)):
             raise ValueError("the weights of correction and change must not both be 0")
-        taps = np.atleast_1d(np.asarray(self.error_filter, dtype=np.float64))
+        taps = np.atleast_1d(as_real(self.error_filter, "error_filter"))
         if taps.ndim != 1 or not np.isfinite(taps).all() or not taps.any():
             raise ValueError(f"error_filter must be finite coefficients, not all 0, got {taps}")
         object.__setattr__(self, "error_filter", taps)
@@ -171,7 +172,7 @@ class QuadraticProblem:
 
 def per_sample(weight: Weight, n_samples: int, n_columns: int, name: str) -> Array:
     """Weight of each sample and column, (N, n); `name` is used in messages."""
-    values = np.asarray(weight, dtype=np.float64)
+    values = as_real(weight, name)
     values = values[:, None] if values.ndim == 1 else values
     try:
         return np.broadcast_to(values, (n_samples, n_columns))

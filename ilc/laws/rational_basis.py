@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable, unit_circle
-from ..records import records
+from ..records import as_record, records
 from .law import FirstOrderLaw
 
 _ROUNDS = 15
@@ -68,6 +68,7 @@ class RationalBasis(FirstOrderLaw):
 
     def __post_init__(self) -> None:
         require_stable(self.T_u, "T_u")
+        object.__setattr__(self, "reference", as_record(self.reference, "reference"))
         if self.n_numerator < 1 or self.n_denominator < 0:
             counts = f"{self.n_numerator} and {self.n_denominator}"
             raise ValueError(f"at least 1 numerator and 0 denominator terms, got {counts}")

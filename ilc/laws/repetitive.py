@@ -16,7 +16,7 @@ from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
 from ..models.system_matrix import Model
-from ..records import records
+from ..records import as_whole, records
 from .law import FirstOrderLaw
 
 
@@ -36,8 +36,11 @@ class Repetitive(FirstOrderLaw):
     """First sample of the first lap; before it the correction fades in."""
 
     def __post_init__(self) -> None:
+        for name in ("period", "begin"):
+            object.__setattr__(self, name, int(as_whole(getattr(self, name), name)))
         if self.period < 2 or self.begin < 0:
-            raise ValueError(f"period and begin need 2 and 0, got {self.period} and {self.begin}")
+            given = f"got {self.period} and {self.begin}"
+            raise ValueError(f"period and begin must be >= 2 and >= 0, {given}")
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if n_samples < self.begin + 2 * self.period:
@@ -79,6 +82,10 @@ class PlugIn:
     L: RecordFilter
     Q: RecordFilter = ALL_PASS
     period: int
+
+    def __post_init__(self) -> None:
+        if as_whole(self.period, "period") < 2:
+            raise ValueError(f"period must be >= 2, got {self.period}")
 
     @records("first_error")
     def run(self, first_error: Array) -> Array:

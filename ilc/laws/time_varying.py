@@ -9,7 +9,7 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.system import Complex
-from ..records import records
+from ..records import as_real, records
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,7 +25,7 @@ class Blend:
     """(N, m); for a Q they should be >= 0 with sum at most 1."""
 
     def __post_init__(self) -> None:
-        weights = np.asarray(self.weights, dtype=np.float64)
+        weights = as_real(self.weights, "weights")
         m = len(self.filters)
         if weights.ndim != 2 or weights.shape[1] != m:
             raise ValueError(f"weights must have shape (N, {m}), got {weights.shape}")

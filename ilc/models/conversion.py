@@ -6,6 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..records import as_real
 from .state_space import StateSpace
 from .system import System
 from .system_matrix import SystemMatrix
@@ -72,7 +73,7 @@ def _of_system(system: System) -> Matrices:
 
 def _of_ratio(num: Array, den: Array) -> Matrices:
     """Controller form of num / den, descending powers."""
-    num, den = (np.trim_zeros(np.asarray(p, dtype=np.float64), "f") for p in (num, den))
+    num, den = (np.trim_zeros(as_real(p, "a polynomial"), "f") for p in (num, den))
     if len(num) > len(den):
         degrees = f"numerator degree {len(num) - 1}, denominator degree {len(den) - 1}"
         raise ValueError(f"the model is not causal: {degrees}")

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..records import as_real
 from .system import System
 
 
@@ -33,14 +34,14 @@ def state_space_to_system(A: Array, B: Array, C: Array, sample_time: float) -> S
 
 def zoh(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     """Zero-order-hold equivalent of num(s)/den(s), descending powers of s, as MATLAB's c2d."""
-    A, B, C, D = _controller_form(np.asarray(num, float), np.asarray(den, float))
+    A, B, C, D = _controller_form(as_real(num, "num"), as_real(den, "den"))
     strictly_proper = state_space_to_system(*zero_order_hold(A, B, sample_time), C, sample_time)
     return System(strictly_proper.b + D * strictly_proper.a, strictly_proper.a, sample_time)
 
 
 def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     """Bilinear equivalent: s = 2/T (1 - q^-1) / (1 + q^-1)."""
-    num, den = np.asarray(num, float), np.asarray(den, float)
+    num, den = as_real(num, "num"), as_real(den, "den")
     degree = max(len(num), len(den)) - 1
 
     def substituted(polynomial: Array) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from armside.arrays import Array
 
 from ..filters import recursion
-from ..records import records
+from ..records import as_real, records
 from .stability import is_stable
 
 Complex = NDArray[np.complex128]
@@ -39,7 +39,7 @@ class System:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
-        b, a = (np.atleast_1d(np.array(p, dtype=np.float64)) for p in (self.b, self.a))
+        b, a = (np.atleast_1d(as_real(p, n)) for p, n in ((self.b, "b"), (self.a, "a")))
         for name, p in (("b", b), ("a", a)):
             if p.ndim != 1 or p.size == 0 or not np.isfinite(p).all():
                 raise ValueError(f"{name} must be finite coefficients of shape (m,), got {p}")
@@ -55,8 +55,8 @@ class System:
     @classmethod
     def from_z(cls, num: ArrayLike, den: ArrayLike, sample_time: float) -> "System":
         """From polynomials in descending powers of z (or q). ValueError if it is not causal."""
-        b = np.trim_zeros(np.atleast_1d(np.array(num, dtype=np.float64)), "f")
-        a = np.trim_zeros(np.atleast_1d(np.array(den, dtype=np.float64)), "f")
+        b = np.trim_zeros(np.atleast_1d(as_real(num, "num")), "f")
+        a = np.trim_zeros(np.atleast_1d(as_real(den, "den")), "f")
         if len(b) > len(a):
             raise ValueError(
                 f"the model is not causal: numerator degree {len(b) - 1} in q exceeds "

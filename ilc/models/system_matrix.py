@@ -165,6 +165,13 @@ def largest_gain(model: AnyModel) -> float:
     return float(np.sqrt(largest.bound))
 
 
+def require_effect(model: AnyModel) -> float:
+    """Its `largest_gain`. Raises ValueError for a model that is 0."""
+    if not (largest := largest_gain(model)) > 0.0:
+        raise ValueError("T_u is 0: no correction has an effect")
+    return largest
+
+
 def lifted_norm(model: RecordModel, n_samples: int) -> float:
     """2-norm of y = T u over records of n_samples, by Lanczos iterations to 1e-10."""
     if n_samples < 1:
