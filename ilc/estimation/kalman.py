@@ -88,7 +88,11 @@ class SteadyStateFilter:
 
 @dataclass(frozen=True, eq=False)
 class Smoother:
-    """Kalman smoother for records of N samples with the same measurements missing."""
+    """Kalman smoother for records of N samples with the same measurements missing.
+
+    The smoothed covariance is a difference: where variances of states and readings are more than
+    some 1e12 apart it may come out negative, and `square_root.smooth_square_root` is right.
+    """
 
     process: Process
     start_covariance: Array

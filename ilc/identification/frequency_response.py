@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ..records import as_real, as_record
+from ..records import as_record
+from .multisine import harmonics
 from .period_tests import excess, scatter
 
 Complex = NDArray[np.complex128]
@@ -69,9 +70,8 @@ class FrequencyResponse:
         """Excess of the variance between realisations over the noise, in standard deviations."""
         if self.total_variance is None:
             return 0.0
-        n, freedom = self.response.shape[2], (2 * (self.realisations - 1), 2 * self.noise_freedom)
-        ratio = self.total_variance / self.noise_variance
-        return excess(ratio, freedom, len(self.omega) * n)
+        freedom = 2 * (self.realisations - 1), 2 * self.noise_freedom
+        return excess(self.total_variance, self.noise_variance, np.abs(self.response), freedom)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -105,14 +105,14 @@ def frequency_response(
 
     Args:
         realisations: for each realisation its n experiments, as of `orthogonal_multisines`.
-        lines: (M,) harmonics of the period that are excited.
+        lines: (M,) harmonics of the period that are excited, each from 1 to below period / 2.
         omitted: periods at the start of each experiment that are not used.
 
     Raises:
-        ValueError: for records that are no whole periods, fewer than two periods that remain, or
-            experiments that do not excite all inputs.
+        ValueError: for lines that are no such harmonics, records that are no whole periods, fewer
+            than two periods that remain, or experiments that do not excite all inputs.
     """
-    k = as_real(lines, "lines").astype(np.int64)
+    k = harmonics(lines, period)
     each = [_spectra(experiments, period, k, omitted) for experiments in realisations]
     if not each:
         raise ValueError("realisations must not be empty")

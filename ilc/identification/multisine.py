@@ -50,7 +50,7 @@ def orthogonal_multisines(
     Raises:
         ValueError: for lines outside of that range, or an RMS that is not positive.
     """
-    k, size = _lines(lines, period), np.broadcast_to(as_real(rms, "rms"), (n_inputs,))
+    k, size = harmonics(lines, period), np.broadcast_to(as_real(rms, "rms"), (n_inputs,))
     if not (np.isfinite(size).all() and (size > 0.0).all()):
         raise ValueError(f"rms must be > 0, got {rms}")
     turns = np.outer(np.arange(n_inputs), np.arange(n_inputs)) / n_inputs  # input, experiment
@@ -60,7 +60,8 @@ def orthogonal_multisines(
     return np.fft.irfft(spectrum, period, axis=0).transpose(2, 0, 1)
 
 
-def _lines(lines: ArrayLike, period: int) -> np.ndarray:
+def harmonics(lines: ArrayLike, period: int) -> np.ndarray:
+    """Lines (M,) of a period as integers; ValueError unless each is from 1 to below period / 2."""
     k = as_real(lines, "lines")
     is_line = k.ndim == 1 and k.size > 0 and np.array_equal(k, np.round(k))
     if not is_line or len(np.unique(k)) < k.size or k.min() < 1 or 2 * k.max() >= period:

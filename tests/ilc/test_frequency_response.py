@@ -90,6 +90,33 @@ def test_a_start_that_has_not_died_out_is_said():
     assert not any(quiet)
 
 
+@pytest.mark.parametrize("exact", [0.0, 1.0, 1e6], ids=["dead", "without noise", "large"])
+def test_an_output_without_noise_hides_nothing_of_the_others(exact):
+    """Output 1 is `exact` times what the servo does; output 2 has noise, and a fault."""
+
+    def seen(fault, periods=6):
+        rng, each = np.random.default_rng(6), []
+        for _ in range(3):
+            records = experiments(rng, periods, output=lambda y: y + fault * y**3)
+            noise = [0.0, 0.01] * rng.standard_normal((PERIOD * periods, 2))
+            each.append([PeriodicRecord(u, y * [exact, 1.0] + noise) for u, y in records])
+        return each
+
+    late = frequency_response(seen(0.0), PERIOD, LINES, omitted=0)
+    assert any("omit more" in text for text in late.warnings)
+    bent = frequency_response(seen(0.3), PERIOD, LINES, omitted=2)
+    assert any("not linear" in text for text in bent.warnings)
+    assert frequency_response(seen(0.0), PERIOD, LINES, omitted=4).warnings == ()
+    assert frequency_response(seen(0.0, 9), PERIOD, LINES, omitted=5).warnings == ()
+
+
+def test_a_simulated_plant_is_linear_if_it_is():
+    rng = np.random.default_rng(7)
+    assert measured(rng, realisations=3, omitted=2, periods=9).warnings == ()
+    bent = measured(rng, realisations=3, omitted=2, output=lambda y: y + 1e-6 * y**3)
+    assert any("not linear" in text for text in bent.warnings)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -113,5 +140,9 @@ def test_experiments_that_say_too_little_are_refused(change, message):
 def test_lines_that_no_period_has_are_refused(lines):
     with pytest.raises(ValueError, match="from 1 to below 50"):
         orthogonal_multisines(PERIOD, lines, 1, np.random.default_rng(0))
+    records = [list(experiments(np.random.default_rng(0)))]
+    for each in (lines, [-3, 2], [200]):
+        with pytest.raises(ValueError, match="from 1 to below 50"):
+            frequency_response(records, PERIOD, each)
     with pytest.raises(ValueError, match="got 0 to 60 Hz"):
         lines_between(0.0, 60.0, PERIOD, STEP)
