@@ -1,4 +1,4 @@
-"""Tests of the residuals of a fit against its input."""
+"""Tests of the residuals of a fit against its inputs."""
 
 import numpy as np
 
@@ -31,6 +31,17 @@ def independence(residual: Array, u: Array, lags: int = 20) -> float | None:
     sums = past.T @ now
     statistic = sums @ np.linalg.lstsq(past.T @ past, sums, rcond=1e-10)[0] / now.var()
     return float(gammaincc(0.5 * lags, 0.5 * statistic))
+
+
+def pairwise_independence(residual: Array, u: Array) -> float | None:
+    """The least p-value of `independence` of residuals (N, p) and inputs (N, m), times p m.
+
+    So many tests count as one (Bonferroni).
+    """
+    pairs = [(e[:, None], x[:, None]) for e in residual.T for x in u.T]
+    values = [independence(*pair) for pair in pairs]
+    found = [value for value in values if value is not None]
+    return min(1.0, len(pairs) * min(found)) if found else None
 
 
 def _autoregression(e: Array) -> Array:

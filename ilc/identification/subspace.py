@@ -17,10 +17,12 @@ from ..estimation.consistency import Whiteness, residual_test
 from ..records import records
 from .arx import Information
 from .innovations_form import InnovationsForm, states
+from .residual_tests import pairwise_independence
 from .subspace_inputs import refined
 from .subspace_projection import dynamics
 
 _HORIZON = 10  # block rows: twice the order that is meant, or more
+_REJECTED = 0.01  # p-value
 _ROUNDING = 1e-9  # innovations relative to the output that count as none
 
 
@@ -37,6 +39,8 @@ class SubspaceFit:
     feedthrough: bool
     whiteness: Whiteness | None
     """Test of the innovations; None for records too short for it, or without noise."""
+    independence: float | None
+    """p-value that innovations are uncorrelated with the inputs; None as above."""
 
     @property
     def parameters(self) -> int:
@@ -60,6 +64,11 @@ class SubspaceFit:
             found.append(
                 f"the innovations are not white (p = {self.whiteness.p_value.min():.1g}): the "
                 "order is too low, or the system not linear"
+            )
+        if self.independence is not None and self.independence < _REJECTED:
+            found.append(
+                f"the inputs explain part of the innovations (p = {self.independence:.1g}): the "
+                "order is too low, the system not linear, or feedthrough left out"
             )
         return tuple(found)
 
@@ -100,8 +109,8 @@ def fit_subspace(
         K=K / scale_y, S=e.T @ e / len(e), sample_time=sample_time,
     )  # fmt: skip
     noisy = (e.std(axis=0) > _ROUNDING * scale_y).all()
-    tested = residual_test(e) if noisy else None
-    return SubspaceFit(model, start, singular, len(y), feedthrough, tested)
+    tests = (residual_test(e), pairwise_independence(e, u)) if noisy else (None, None)
+    return SubspaceFit(model, start, singular, len(y), feedthrough, *tests)
 
 
 @records("u", "y", alike=False)

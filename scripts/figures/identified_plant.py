@@ -72,7 +72,7 @@ def _row(one: Candidate, made: InputOutput, fresh: InputOutput | None) -> dict[s
         "bic": one.fit.score(Information.BIC),
         "fit": one.accuracy,
         "white_p": None if tested is None else float(tested.p_value.min()),
-        "input_p": one.fit.independence if isinstance(one.fit, PolynomialFit) else None,
+        "input_p": one.fit.independence,
         "validation": None if fresh is None else simulation_accuracy(one.system, fresh.u, fresh.y),
         "warnings": list(one.warnings),
     }

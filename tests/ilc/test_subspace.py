@@ -65,6 +65,19 @@ def test_order_by_information_is_that_of_the_truth_and_too_low_an_order_is_named
     assert "the innovations are not white" in low.warnings[0]
 
 
+def test_what_the_inputs_explain_of_the_innovations_is_said():
+    """A direct term that is not fitted: of white inputs the innovations are white all the same."""
+    rng = np.random.default_rng(8)
+    u, y = record(rng, 1000, 3.0)
+    fit = fit_subspace(u, y, STEP, 4)
+    assert fit.whiteness is not None
+    assert fit.whiteness.is_uncorrelated
+    assert [text for text in fit.warnings if "feedthrough left out" in text]
+    right = [fit_subspace(*record(rng, 1000), STEP, 4, feedthrough=True) for _ in range(20)]
+    assert sum(bool(each.warnings) for each in right) <= 2
+    assert 0.1 < np.median([each.independence or 0.0 for each in right]) <= 1.0
+
+
 def test_bootstrapped_deviations_are_the_scatter_of_repeated_fits():
     rng = np.random.default_rng(4)
     fits = [fit_subspace(*record(rng, 400), STEP, 4, feedthrough=True) for _ in range(30)]
