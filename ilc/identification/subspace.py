@@ -134,9 +134,10 @@ def rank_subspace_orders(
 def bootstrap_response_deviation(
     fit: SubspaceFit, u: Array, omega: ArrayLike, rng: np.random.Generator, repeats: int = 50
 ) -> Array:
-    """Standard deviation of the responses, sqrt(E |G - estimate|^2), (M, p, m).
+    """Standard deviation of |response| at omega (M,) [rad/sample], (M, p, m).
 
-    Of fits to `repeats` records that the model makes from u (N, m) and white innovations.
+    Of fits to `repeats` records that the model makes from u (N, m) and white innovations: intervals
+    follow by Student's t of repeats - 1 degrees of freedom.
     """
     model, found = fit.model, []
     L = np.linalg.cholesky(model.S)
@@ -147,5 +148,5 @@ def bootstrap_response_deviation(
             u, y, model.sample_time, model.order,
             horizon=max(_HORIZON, model.order + 1), feedthrough=fit.feedthrough,
         )  # fmt: skip
-        found.append(again.model.response(omega))
-    return np.sqrt(np.square(np.abs(found - np.mean(found, axis=0))).sum(axis=0) / (repeats - 1))
+        found.append(np.abs(again.model.response(omega)))
+    return np.std(found, axis=0, ddof=1)

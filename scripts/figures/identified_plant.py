@@ -156,5 +156,7 @@ def _response(
         return G, SIGMAS * best.fit.response_deviation(omega)[:, None]
     if fits == 0:
         return G, np.full(G.shape, np.nan)
+    from scipy.special import stdtrit
+
     spread = bootstrap_response_deviation(best.fit, made.u, omega, rng, repeats=fits)
-    return G, SIGMAS / np.sqrt(2.0) * spread.reshape(len(omega), -1)
+    return G, stdtrit(fits - 1, 0.975) * spread.reshape(len(omega), -1)

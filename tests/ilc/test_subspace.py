@@ -6,11 +6,14 @@ import pytest
 
 from armside.ilc.identification.arx import Information
 from armside.ilc.identification.innovations_form import InnovationsForm, states
+from armside.ilc.identification.structures import Candidate, Structure
 from armside.ilc.identification.subspace import (
     bootstrap_response_deviation,
     fit_subspace,
     rank_subspace_orders,
 )
+from armside.ilc.workbench.input_output import InputOutput
+from armside.scripts.figures.identified_plant import _response
 
 STEP, OMEGA = 0.004, np.linspace(0.1, 3.0, 8)
 RNG = np.random.default_rng(0)
@@ -81,11 +84,24 @@ def test_what_the_inputs_explain_of_the_innovations_is_said():
 def test_bootstrapped_deviations_are_the_scatter_of_repeated_fits():
     rng = np.random.default_rng(4)
     fits = [fit_subspace(*record(rng, 400), STEP, 4, feedthrough=True) for _ in range(30)]
-    error = [fit.model.response(OMEGA) - TRUE.response(OMEGA) for fit in fits]
-    scatter = np.sqrt(np.square(np.abs(error)).mean(axis=0))
+    scatter = np.std([np.abs(fit.model.response(OMEGA)) for fit in fits], axis=0, ddof=1)
     u, _ = record(rng, 400)
     said = bootstrap_response_deviation(fits[0], u, OMEGA, rng, repeats=30)
     assert np.median(said / scatter) == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_band_that_is_drawn_holds_the_true_response_at_its_rate():
+    """Magnitudes at 8 frequencies, 6 entries, 12 records; 95 % as `identify-plant` draws them."""
+    rng, inside = np.random.default_rng(9), []
+    for _ in range(12):
+        u, y = record(rng, 400)
+        fit = fit_subspace(u, y, STEP, 4, feedthrough=True)
+        made = InputOutput(u=u, y=y, sample_time=STEP)
+        best = Candidate.of(Structure.SUBSPACE, fit, u, y)
+        magnitude, band = _response(best, made, OMEGA, 10, rng)
+        true = np.abs(TRUE.response(OMEGA)).reshape(magnitude.shape)
+        inside.append(np.abs(magnitude - true) < band)
+    assert 0.90 <= np.mean(inside) <= 0.99
 
 
 def test_a_start_that_is_not_rest_is_fitted():
