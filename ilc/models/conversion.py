@@ -1,4 +1,7 @@
-"""State-space models from those of scipy.signal and of the package control, or from a `System`."""
+"""State-space models from those of scipy.signal and of the package control, or from a `System`.
+
+And back to a transfer function, where its coefficients hold enough digits.
+"""
 
 from typing import Any
 
@@ -7,11 +10,15 @@ import numpy as np
 from armside.arrays import Array
 
 from ..records import as_real
+from .discretise import state_space_to_system
+from .peak import AllPassPhase
 from .state_space import StateSpace
 from .system import System
 from .system_matrix import SystemMatrix
 
 Matrices = tuple[Array, Array, Array, Array]
+_KEPT = 1e-7
+"""Largest error of a response by its coefficients, relative to the largest response."""
 
 
 def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
@@ -38,13 +45,60 @@ def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
     return StateSpace(*known, dt)
 
 
-def _sampling(model: Any) -> float:
+def as_transfer_function(model: Any) -> System:
+    """System from a discrete model of scipy.signal or control, or a `StateSpace`.
+
+    Raises ValueError for something else, a model in continuous time, with several inputs or
+    outputs, not causal, or whose polynomials would not hold its response to 1e-7: coefficients lose
+    a digit or two for each slow pole.
+    """
+    if _sampling(model, "dt" if hasattr(model, "dt") else "sample_time") == 0.0:
+        raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
+    known = as_state_space(model)
+    if (known.n_inputs, known.n_outputs) != (1, 1):
+        given = f"{known.n_inputs} and {known.n_outputs}"
+        raise ValueError(f"model must have one input and one output, got {given}")
+    if hasattr(model, "A"):
+        return _coefficients(known)
+    ratio = model if hasattr(model, "num") else model.to_tf()
+    num, den = ((p[0][0] if _is_of_control(model) else p) for p in (ratio.num, ratio.den))
+    return System.from_z(num, den, known.sample_time)
+
+
+def simplest(model: StateSpace) -> System | StateSpace:
+    """One input and one output as a `System`, if its coefficients hold the response."""
+    if (model.n_inputs, model.n_outputs) != (1, 1):
+        return model
+    try:
+        return _coefficients(model)
+    except ValueError:
+        return model
+
+
+def _coefficients(model: StateSpace) -> System:
+    found = state_space_to_system(model.A, model.B, model.C, model.sample_time)
+    b = found.b + model.feedthrough[0, 0] * found.a
+    system = System(b, found.a, model.sample_time)
+    omega = AllPassPhase(model.all_poles).grid()
+    with np.errstate(divide="ignore", invalid="ignore"):  # poles on the unit circle
+        known, kept = model.response(omega)[:, 0, 0], system.response(omega)
+    finite = np.isfinite(known) & np.isfinite(kept)
+    lost = np.abs(kept - known)[finite].max(initial=0.0)
+    if not lost <= _KEPT * np.abs(known)[finite].max(initial=0.0):
+        raise ValueError(
+            f"polynomials of order {len(model.A)} miss the response of the model by {lost:.1g}: "
+            "keep it in state space (as_state_space)"
+        )
+    return system
+
+
+def _sampling(model: Any, name: str = "dt") -> float:
     """Sample time [s]; 0 for continuous time."""
-    if not hasattr(model, "dt"):
-        kinds = "StateSpace, System, or a model of scipy.signal or control"
+    if not hasattr(model, name):
+        kinds = "System, a StateSpace, or a model of scipy.signal or control"
         raise ValueError(f"model must be a {kinds}, got {type(model).__name__}")
-    continuous_in_scipy = model.dt is None and not _is_of_control(model)
-    dt = 0.0 if continuous_in_scipy else model.dt
+    dt = getattr(model, name)
+    dt = 0.0 if dt is None and not _is_of_control(model) else dt
     if dt is None or isinstance(dt, bool):
         raise ValueError(f"model must be continuous or have a sample time in s, got dt = {dt}")
     return float(dt)

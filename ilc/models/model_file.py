@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
-
-from .conversion import as_state_space
-from .discretise import state_space_to_system
+from ..records import as_real
+from .conversion import as_state_space, as_transfer_function, simplest
 from .state_space import StateSpace
 from .system import System
 from .system_matrix import Model
@@ -46,10 +44,12 @@ def read_model(file: Path) -> Model:
 def read_system(file: Path) -> System:
     """As `read_model`, for a model with one input and one output."""
     model = read_model(file)
-    if not isinstance(model, System):
-        n = model.n_inputs
-        raise ValueError(f"{file}: the model must have one input and one output, got {n}")
-    return model
+    if isinstance(model, System):
+        return model
+    try:
+        return as_transfer_function(model)
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from error
 
 
 def write_model(file: Path, model: Model) -> None:
@@ -101,10 +101,10 @@ def _mat(file: Path) -> dict[str, Any]:
 
 
 def _state_space(content: dict[str, Any]) -> Model:
-    A, B, C = (np.array(content[name], dtype=np.float64, ndmin=2) for name in STATE_SPACE)
+    A, B, C = (np.atleast_2d(as_real(content[name], name)) for name in STATE_SPACE)
     n = len(A)
     B = B.T if B.shape != (n, B.shape[1]) and B.shape[1] == n and len(B) == 1 else B
-    D = np.array(content.get("D", np.zeros((len(C), B.shape[1]))), dtype=np.float64, ndmin=2)
+    D = np.atleast_2d(as_real(content.get("D", np.zeros((len(C), B.shape[1]))), "D"))
     if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (len(C), B.shape[1]):
         shapes = ", ".join(str(matrix.shape) for matrix in (A, B, C, D))
         raise ValueError(f"A, B, C, D do not fit each other: {shapes}")
@@ -113,16 +113,9 @@ def _state_space(content: dict[str, Any]) -> Model:
     _check_size(n)
     if not all(np.isfinite(matrix).all() for matrix in (A, B, C, D)):
         raise ValueError("A, B, C, D must be finite")
-    if len(C) == 1:
-        return _entry(A, B, C, D[0, 0], content["sample_time"])
-    return StateSpace(A, B, C, D, content["sample_time"])
+    return simplest(StateSpace(A, B, C, D, content["sample_time"]))
 
 
 def _check_size(n_states: int) -> None:
     if n_states > MOST_STATES:
         raise ValueError(f"at most {MOST_STATES} states are taken, got {n_states}")
-
-
-def _entry(A: Array, B: Array, C: Array, D: float, sample_time: float) -> System:
-    strictly_proper = state_space_to_system(A, B, C, sample_time)
-    return System(strictly_proper.b + D * strictly_proper.a, strictly_proper.a, sample_time)

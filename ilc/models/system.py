@@ -1,7 +1,7 @@
 """Linear, time-invariant, discrete systems in the backward shift: y = b(q^-1) / a(q^-1) u.
 
 Leading zeros of b are the delay, and records are filtered directly. `as_system` converts systems
-of the `control` package.
+of scipy.signal and of the package control.
 """
 
 from dataclasses import dataclass
@@ -164,7 +164,7 @@ def require_stable(system: Stable, name: str) -> Stable:
 
 
 def as_system(model: Any, sample_time: float | None = None) -> System:
-    """System from a `System`, a SISO, discrete system of `control`, or a pair (num, den) in z.
+    """System from a `System`, a pair (num, den) in z, or what `as_transfer_function` takes.
 
     Raises ValueError for a model in continuous time, with several inputs, or not causal.
     """
@@ -174,15 +174,6 @@ def as_system(model: Any, sample_time: float | None = None) -> System:
         if sample_time is None or len(model) != 2:
             raise ValueError("a model as a tuple must be (num, den), with its sample_time")
         return System.from_z(model[0], model[1], sample_time)
-    if hasattr(model, "A"):
-        import control  # a state-space model has been built with it already
+    from .conversion import as_transfer_function  # it is built on this module
 
-        model = control.ss2tf(model)
-    if not hasattr(model, "num"):
-        raise ValueError(f"model must be a System, (num, den) or of control, got {type(model)}")
-    if (model.ninputs, model.noutputs) != (1, 1):
-        given = f"{model.ninputs} and {model.noutputs}"
-        raise ValueError(f"model must have one input and one output, got {given}")
-    if model.dt in (None, 0, True):
-        raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
-    return System.from_z(model.num[0][0], model.den[0][0], float(model.dt))
+    return as_transfer_function(model)

@@ -9,7 +9,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..measures.norms import two_norm
-from ..models.conversion import as_state_space
+from ..models.conversion import as_state_space, simplest
 from ..models.linear_plant import LinearPlant
 from ..models.model_file import read_model
 from ..models.state_space import StateSpace
@@ -162,11 +162,12 @@ def own_plant(words: Words, record: Record, seed: int) -> Task:
 
 
 def as_model(model: Any) -> Model:
-    """One of ours, or one of `control`: a System with one input and output, else a StateSpace."""
+    """One of ours, or of control or scipy: a System where that holds it, else a StateSpace."""
     if isinstance(model, System | SystemMatrix | StateSpace):
         return model
-    several = (getattr(model, "ninputs", 1), getattr(model, "noutputs", 1)) != (1, 1)
-    return as_state_space(model) if several else as_system(model)
+    known = as_state_space(model)
+    has_polynomials = not hasattr(model, "A") and (known.n_inputs, known.n_outputs) == (1, 1)
+    return as_system(model) if has_polynomials else simplest(known)
 
 
 def _own_generators(plant: OwnPlant) -> list[np.random.Generator]:

@@ -51,7 +51,7 @@ class Setting:
         """The model, if it is one system for all columns. Raises ValueError otherwise."""
         model = self.T_u(law)
         if not isinstance(model, System):
-            raise ValueError(f"{law} needs a model with one input and one output")
+            raise ValueError(f"{law} needs one transfer function as its model, for all columns")
         return model
 
     @cached_property

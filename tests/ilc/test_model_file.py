@@ -39,7 +39,7 @@ def test_coupled_motors_are_written_and_read_with_the_same_response(n, tmp_path)
     ("model", "message"),
     [
         (random_matrix(np.random.default_rng(0), 5, 14, 0.9, 0.5), f"at most {MOST_STATES} states"),
-        (varying(50), "model must be a StateSpace, System, .* got TimeVarying"),
+        (varying(50), "model must be a System, a StateSpace, .* got TimeVarying"),
     ],
     ids=["large", "varying"],
 )
