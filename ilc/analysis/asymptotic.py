@@ -5,7 +5,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import RecordFilter
-from ..models.system import Complex
+from ..models.system import Complex, require_stable
 from ..models.system_matrix import Model
 from ..records import records
 
@@ -22,19 +22,24 @@ def asymptotic_error(
     and ends at rest.
 
     Raises:
-        ValueError: if the denominator vanishes at a frequency, which then has no limit.
+        ValueError: for an unstable T_u, or if the denominator vanishes at a frequency, which then
+            has no limit, at which some correction is neither learned nor forgotten.
     """
     n_samples = len(first_error)
     length = n_samples + n_padding
+    require_stable(T_u, "T_u")
     omega = 2.0 * np.pi * np.fft.rfftfreq(length)
     E = np.fft.rfft(first_error, length, axis=0)
     T, L_response, q = T_u.response(omega), L.response(omega), Q.response(omega)
+    if T.ndim == 1 and L_response.ndim == 3:
+        T = T[:, None, None] * np.eye(L_response.shape[2])
     if T.ndim == 3:
         limit = _coupled(E, T, _as_matrices(L_response, T), _as_matrices(q, T))
     else:
+        T, L_response, q = (each.reshape(len(T), -1) for each in (T, L_response, q))
         denominator = 1.0 - q * (1.0 - T * L_response)
         _require_limit(float(np.abs(denominator).min()))
-        limit = ((1.0 - q) / denominator)[:, None] * E
+        limit = (1.0 - q) / denominator * E
     return np.fft.irfft(limit, length, axis=0)[:n_samples]
 
 

@@ -97,6 +97,7 @@ def criterion(
     singular value, and `q` is then 1. Nothing is known between the frequencies.
     """
     if T_u.ndim == 1:
+        require_one_cutoff(Q)
         return Criterion(omega, np.abs(1.0 - L * T_u), np.abs(Q))
     q = np.asarray(Q)
     q = np.broadcast_to(q[:, None] if q.ndim == 1 else q, T_u.shape[:2])
@@ -105,6 +106,12 @@ def criterion(
     moved = T_u @ L if of is Contracting.ERROR else L @ T_u
     iteration = q[:, :, None] * (np.eye(T_u.shape[1]) - moved)
     return Criterion(omega, np.linalg.norm(iteration, ord=2, axis=(1, 2)), np.ones(len(omega)))
+
+
+def require_one_cutoff(Q: ArrayLike) -> None:
+    """Raise ValueError for a response of several cutoffs."""
+    if np.ndim(Q) > 1:
+        raise ValueError("Q with several cutoffs needs a matrix of systems as T_u")
 
 
 def heuristic_criterion(
@@ -161,6 +168,9 @@ def heuristic_gain(
             raise ValueError("gamma and delta for each motor need a matrix of systems as T_u")
         shift = int(as_whole(delta, "delta"))
         return PType(gamma=float(np.asarray(gamma)), delta=shift)
+    if T_u.n_outputs != T_u.n_inputs:
+        given = f"{T_u.n_outputs} and {T_u.n_inputs}"
+        raise ValueError(f"L = gamma q^delta needs as many outputs as inputs of T_u, got {given}")
     gains = np.asarray(gamma, dtype=np.float64)
     n = T_u.n_inputs
     return MatrixGain(gamma=gains if gains.ndim == 2 else gains * np.eye(n), delta=delta)

@@ -19,7 +19,7 @@ from ..filters import PerColumn, RecordFilter
 from ..models.peak import peak
 from ..models.system import Complex, require_stable
 from ..models.system_matrix import Model
-from .criterion import frequency_grid, heuristic_gain, iteration_poles
+from .criterion import frequency_grid, heuristic_gain, iteration_poles, require_one_cutoff
 
 _POWER = 4  # of the iteration, whose largest singular value bounds the loci
 _MOST_POLES = 600  # of that power: fewer factors for plants with many poles
@@ -66,6 +66,7 @@ def eigenloci(
     def iteration(omega: Array) -> Complex:
         T, gain, q = T_u.response(omega), L.response(omega), np.asarray(Q.response(omega))
         if T.ndim == 1:
+            require_one_cutoff(q)
             return (q * (1.0 - gain * T)).astype(np.complex128)[:, None, None]
         rows = q[:, None] if q.ndim == 1 else q
         return rows[:, :, None] * (np.eye(T.shape[1]) - gain @ T)

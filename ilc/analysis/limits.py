@@ -14,7 +14,8 @@ from armside.arrays import Array
 
 from ..filters import PerColumn, RecordFilter, ZeroPhaseButterworth
 from ..models.peak import AllPassPhase
-from ..models.system import Complex, System, require_stable
+from ..models.state_space import StateSpace
+from ..models.system import Complex, System, as_system, require_stable
 from ..models.system_matrix import Model
 from .criterion import frequency_grid, heuristic_criterion, shift_response
 
@@ -29,7 +30,7 @@ def _grid(T_u: System, deltas: ArrayLike, n: int) -> Array:
 
 
 def largest_gamma(
-    T_u: System,
+    T_u: System | StateSpace,
     deltas: ArrayLike,
     cutoffs: ArrayLike | None,
     *,
@@ -45,7 +46,7 @@ def largest_gamma(
     inequality in gamma, solved by 0 < gamma < (Re z + sqrt(Re^2 z + |z|^2 r)) / |z|^2; the
     smallest of these over frequency counts. At omega = 0 it is 2 / |T_u(0)|.
     """
-    require_stable(T_u, "T_u")
+    T_u = require_stable(as_system(T_u), "T_u")
     deltas = np.atleast_1d(np.asarray(deltas, dtype=np.float64))
     omega = _grid(T_u, deltas, n_frequencies)
     size, phase = _polar(T_u.response(omega))
@@ -113,7 +114,12 @@ def _zoomed(
 
 
 def largest_cutoff(
-    T_u: System, gamma: float, delta: int, *, order: int = 2, n_frequencies: int = 20000
+    T_u: System | StateSpace,
+    gamma: float,
+    delta: int,
+    *,
+    order: int = 2,
+    n_frequencies: int = 20000,
 ) -> float:
     """Supremum of the cutoffs [Hz] of a zero-phase Butterworth Q that meet the criterion.
 
@@ -121,7 +127,7 @@ def largest_cutoff(
     |1 - L T_u| > 1, 1/|Q| = 1 + (t/t_c)^(2 order), t = tan(omega/2), must exceed it, which bounds
     t_c.
     """
-    require_stable(T_u, "T_u")
+    T_u = require_stable(as_system(T_u), "T_u")
     omega = _grid(T_u, delta, n_frequencies)[:-1]  # at the Nyquist frequency itself Q is 0
 
     def at(omega: Array) -> Array:

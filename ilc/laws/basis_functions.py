@@ -16,8 +16,8 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..models.system import require_stable
-from ..models.system_matrix import Model, check_inputs
+from ..models.system import System
+from ..models.system_matrix import AnyModel, check_inputs, check_model
 from ..records import as_real, as_record, records
 from .law import FirstOrderLaw
 
@@ -77,14 +77,14 @@ def _ridge(A: Array, b: Array, ridge: float) -> Array:
 class BasisFunctions(FirstOrderLaw):
     """Norm-optimal law within a basis; a correction outside it is projected onto it."""
 
-    T_u: Model
+    T_u: AnyModel
     basis: Array
     """(N, n, p): p functions of each column."""
     ridge: float = 1e-9
     """rho, relative to the mean square of each function's response."""
 
     def __post_init__(self) -> None:
-        require_stable(self.T_u, "T_u")
+        check_model(self.T_u)
         basis = as_real(self.basis, "basis")
         if basis.ndim != 3 or 0 in basis.shape or not np.isfinite(basis).all():
             raise ValueError(f"basis must be finite, of shape (N, n, p), got {basis.shape}")
@@ -97,15 +97,16 @@ class BasisFunctions(FirstOrderLaw):
     _response: Array = field(init=False, repr=False)
 
     def _responses(self) -> Array:
-        """(N n, n p): output for each parameter, one at a time."""
+        """(N q, n p): the q outputs for each parameter, one at a time."""
         n_samples, n, p = self.basis.shape
-        found = np.empty((n_samples * n, n, p))
+        n_outputs = n if isinstance(self.T_u, System) else self.T_u.n_outputs
+        found = np.empty((n_samples * n_outputs, n, p))
         for j in range(n):
             for i in range(p):
                 alone = np.zeros((n_samples, n))
                 alone[:, j] = self.basis[:, j, i]
                 found[:, j, i] = self.T_u.simulate(alone).ravel()
-        return found.reshape(n_samples * n, n * p)
+        return found.reshape(len(found), n * p)
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if (n_samples, n_columns) != self.basis.shape[:2]:
@@ -117,7 +118,10 @@ class BasisFunctions(FirstOrderLaw):
         """(n, p) of a correction (N, n), nearest to it."""
         return fitted([self.basis], [correction], 1e-12)
 
-    @records("correction", "error")
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
+        if error.size != len(self._response):
+            needed = (len(self.basis), len(self._response) // len(self.basis))
+            raise ValueError(f"error must have shape {needed}, got {error.shape}")
         change = _ridge(self._response, error.ravel(), self.ridge).reshape(self.basis.shape[1:])
         return correction_of(self.basis, self.parameters(correction) + change)

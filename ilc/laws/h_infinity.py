@@ -21,7 +21,8 @@ from armside.arrays import Array
 
 from ..filters import RecordFilter
 from ..models.peak import Peak, peak
-from ..models.system import Complex, System, require_stable, unit_circle
+from ..models.system import Complex, require_stable, unit_circle
+from ..models.system_matrix import Model, require_effect, single_response
 from ..records import records
 
 _ROUNDS = 200
@@ -67,7 +68,7 @@ class Matched:
 
 
 def h_infinity(
-    T_u: System,
+    T_u: Model,
     Q: RecordFilter,
     *,
     n_taps: int = 60,
@@ -75,18 +76,18 @@ def h_infinity(
     uncertainty: float = 0.0,
     n_grid: int = 600,
 ) -> Matched:
-    """L for one system and a Q of one cutoff.
+    """L for a model with one input and one output and a Q of one cutoff.
 
     Args:
         lead: samples that L looks ahead; half of the taps if None.
         uncertainty: Delta, relative error of T_u at every frequency. Where the criterion is below
             1 / sqrt(2) the iteration contracts for every T_u (1 + d), |d| <= Delta.
 
-    Raises ValueError for an unstable T_u or values out of range.
+    Raises ValueError for an unstable T_u, one with several inputs, or values out of range.
     """
     require_stable(T_u, "T_u")
-    if not T_u.b.any():
-        raise ValueError("T_u is 0: no correction has an effect")
+    single_response(T_u, np.zeros(1))
+    require_effect(T_u)
     lead = n_taps // 2 if lead is None else lead
     if n_taps < 1 or not 0 <= lead < n_taps:
         raise ValueError(f"lead must be in 0 to n_taps - 1, got {lead} of {n_taps} taps")
@@ -112,7 +113,7 @@ def h_infinity(
 class _Matching:
     """Criterion that the taps minimise."""
 
-    T_u: System
+    T_u: Model
     Q: RecordFilter
     uncertainty: float
     lead: int
@@ -124,7 +125,7 @@ class _Matching:
         if gain.ndim != 1:
             raise ValueError("Q must have one cutoff for all columns")
         delays = unit_circle(omega)[:, None] ** (self.lead - np.arange(self.n_taps))
-        LT = (gain * self.T_u.response(omega))[:, None] * delays
+        LT = (gain * single_response(self.T_u, omega))[:, None] * delays
         A = np.stack((LT, self.uncertainty * LT))  # (2, M, n)
         b = np.stack((gain, np.zeros(len(omega))))
         weight, best = np.full(len(omega), 1.0 / len(omega)), None
@@ -148,7 +149,7 @@ class _Matching:
             return None
 
         def power(omega: Array) -> Array:
-            LT = L.response(omega) * self.T_u.response(omega)
+            LT = L.response(omega) * single_response(self.T_u, omega)
             size = np.square(np.abs(1.0 - LT)) + np.square(self.uncertainty * np.abs(LT))
             return np.square(np.abs(self.Q.response(omega))) * size
 

@@ -63,6 +63,10 @@ class FilteredLaw:
 class FirstOrder(FilteredLaw, FirstOrderLaw):
     """u_{k+1} = Q(u_k + L e_k). Thesis (7.2)."""
 
-    @records("correction", "error")
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
-        return self.Q(correction + self.L(error))
+        learned = self.L(error)
+        if learned.shape != correction.shape:
+            shapes = f"{learned.shape} and {correction.shape}"
+            raise ValueError(f"L e and the correction must have one shape, got {shapes}")
+        return self.Q(correction + learned)

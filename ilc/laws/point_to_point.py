@@ -13,7 +13,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..models.system_matrix import Model
+from ..models.system_matrix import AnyModel
 from ..records import as_whole, records
 from .law import FirstOrderLaw
 from .norm_optimal import NormOptimal
@@ -24,7 +24,7 @@ from .quadratic import QuadraticCriterion
 class PointToPoint(FirstOrderLaw):
     """Norm-optimal law for the error at given samples."""
 
-    T_u: Model
+    T_u: AnyModel
     points: Sequence[int]
     """Samples at which the output has to be right, in 0 .. N - 1."""
     n_samples: int
@@ -50,6 +50,6 @@ class PointToPoint(FirstOrderLaw):
     def check(self, n_samples: int, n_columns: int) -> None:
         self._law.check(n_samples, n_columns)
 
-    @records("correction", "error")
+    @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
         return self._law(correction, error)

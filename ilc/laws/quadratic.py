@@ -17,6 +17,7 @@ from armside.arrays import Array
 
 from ..filters import recursion
 from ..models.lifted_model import LiftedModel
+from ..models.products import require_adjoint
 from ..models.state_space import StateSpace
 from ..models.system import System
 from ..models.system_matrix import AnyModel, SystemMatrix, adjoint, check_inputs
@@ -107,6 +108,9 @@ class QuadraticProblem:
         elif isinstance(T, LiftedModel):
             found = LiftedFactor.build(T, self.taps, self.We, R)
         elif (R > 0.0).all():
+            rng = np.random.default_rng(0)
+            u, e = rng.standard_normal(R.shape), rng.standard_normal(self.We.shape)
+            require_adjoint(u, e, T.simulate(u), T.adjoint(e))
             return []
         else:
             raise ValueError(

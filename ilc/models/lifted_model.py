@@ -17,8 +17,12 @@ class ImpulseResponse:
     """y(t) = sum_k h(k) u(t - k), h of shape (M, p, m); zero from sample M on."""
 
     h: Array
+    sample_time: float = 1.0
+    """[s]."""
 
     def __post_init__(self) -> None:
+        if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
+            raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
         h = np.array(as_real(self.h, "h"))
         h = h[:, None, None] if h.ndim == 1 else h
         if h.ndim != 3 or 0 in h.shape or not np.isfinite(h).all():
@@ -27,7 +31,7 @@ class ImpulseResponse:
         object.__setattr__(self, "h", h)
 
     @classmethod
-    def from_frequency_response(cls, G: ArrayLike) -> "ImpulseResponse":
+    def from_frequency_response(cls, G: ArrayLike, sample_time: float = 1.0) -> "ImpulseResponse":
         """From G at omega = 2 pi k / P, k = 0 .. P/2 of a period of P samples (even), shape
         (P/2 + 1,) or (P/2 + 1, p, m). The response must have died out within the period.
 
@@ -44,7 +48,7 @@ class ImpulseResponse:
                 f"the impulse response still has {fraction:.2g} of its largest value at the end of "
                 f"the period of {len(h)} samples, allowed is {DIED_OUT:g}: measure a longer period"
             )
-        return cls(h)
+        return cls(h, sample_time)
 
     @property
     def n_inputs(self) -> int:
@@ -53,6 +57,22 @@ class ImpulseResponse:
     @property
     def n_outputs(self) -> int:
         return self.h.shape[1]
+
+    @property
+    def is_stable(self) -> bool:
+        """True: it ends."""
+        return True
+
+    @property
+    def poles(self) -> Complex:
+        """None but at the origin."""
+        return np.zeros(0, dtype=np.complex128)
+
+    @property
+    def all_poles(self) -> Complex:
+        """At the origin, for each entry that is not 0."""
+        lags = [int(np.flatnonzero(c)[-1]) for c in self.h.reshape(len(self.h), -1).T if c.any()]
+        return np.zeros(sum(lags), dtype=np.complex128)
 
     @records("signal")
     def simulate(self, signal: Array) -> Array:

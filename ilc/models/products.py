@@ -13,6 +13,7 @@ _TIGHT = 1e-10  # relative residual of a singular or eigenvalue
 _TINY = 3  # sizes up to which the matrix is built, too small for Lanczos
 SMALL = 300  # sizes up to which it is built where Lanczos iterations do not converge
 _RESTARTS = 100
+_ADJOINT = 1e-6  # relative difference of inner products by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +62,11 @@ def largest_singular_value(products: Products, tight: float = _TIGHT) -> float:
 
     From below: the residual of the vector found is below `tight` of the value, so a singular value
     lies that close; the random start makes it the largest one. Where many lie as close together
-    the residual of the squared map is taken, and then a RuntimeError raised.
+    the residual of the squared map is taken, and then a RuntimeError raised. ValueError for a
+    backward map that is not the adjoint of the forward map.
     """
     size = min(np.prod(products.inputs), np.prod(products.outputs))
-    if not products.forward(_start(products.inputs)).any():  # nor is any other vector mapped
+    if not _checked(products).any():  # nor is any other vector mapped
         return 0.0
     if size > _TINY and (found := _by_lanczos(products, tight)) is not None:
         return found
@@ -89,6 +91,26 @@ def _by_lanczos(products: Products, tolerance: float) -> float | None:
         return float(solve(products.operator(), k=1, tol=tolerance, **options)[0])
     except ArpackError:
         return None
+
+
+def _checked(products: Products) -> Array:
+    """Of a random record, whose product with another is that of the adjoint."""
+    u, v = _start(products.inputs), _start(products.outputs)[::-1]
+    forward, backward = products.forward(u), products.backward(v)
+    require_adjoint(u, v, forward, backward)
+    return forward
+
+
+def require_adjoint(u: Array, v: Array, forward: Array, backward: Array) -> None:
+    """Raise ValueError unless <forward, v> = <u, backward>, for T u and T^T v of random records."""
+    norm = np.linalg.norm
+    apart = abs(float(np.vdot(forward, v) - np.vdot(u, backward)))
+    size = float(norm(forward) * norm(v) + norm(u) * norm(backward))
+    if not apart <= _ADJOINT * size:
+        raise ValueError(
+            "simulate and adjoint do not belong to one linear map: <T u, e> and <u, T^T e> differ "
+            f"by {apart / size:.2g} of their size"
+        )
 
 
 def _start(shape: tuple[int, int]) -> Array:

@@ -156,7 +156,11 @@ Stable = TypeVar("Stable", bound=HasPoles)
 
 
 def require_stable(system: Stable, name: str) -> Stable:
-    """Return a stable system; raise ValueError with its name and largest pole otherwise."""
+    """Return a stable system; raise ValueError with its name and largest pole otherwise, or for a
+    model without poles, which lives on a record alone."""
+    if not hasattr(system, "is_stable"):
+        kind = type(system).__name__
+        raise ValueError(f"{name} must be time-invariant, with a frequency response, got {kind}")
     if not system.is_stable:
         largest = np.abs(system.poles).max()
         raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")

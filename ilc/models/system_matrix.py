@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..records import records
+from .lifted_model import ImpulseResponse
 from .peak import peak
 from .products import Products, largest_singular_value
 from .record_model import RecordModel, is_record_model
@@ -116,8 +117,9 @@ class SystemMatrix:
         return SystemMatrix(tuple(zip(*self.entries, strict=True)))
 
 
-Model = System | SystemMatrix | StateSpace
-"""Time-invariant T_u: one system, used for each column, a matrix of systems, or a state space."""
+Model = System | SystemMatrix | StateSpace | ImpulseResponse
+"""Time-invariant T_u: one system, used for each column, a matrix of systems, a state space, or a
+measured response."""
 AnyModel = Model | RecordModel
 """T_u of a finite record."""
 
@@ -133,7 +135,7 @@ def check_model(T_u: AnyModel) -> None:
 
     A model that varies along the record is neither stable nor unstable.
     """
-    if isinstance(T_u, System | SystemMatrix | StateSpace):
+    if isinstance(T_u, Model):
         require_stable(T_u, "T_u")
     elif not is_record_model(T_u):
         needed = "n_inputs, n_outputs, simulate and adjoint"
@@ -142,8 +144,8 @@ def check_model(T_u: AnyModel) -> None:
 
 def require_time_invariant(T_u: AnyModel, what: str) -> Model:
     """The model, if it is time-invariant. Raises ValueError with `what` needs it otherwise."""
-    if not isinstance(T_u, System | SystemMatrix | StateSpace):
-        kinds = "a System, a SystemMatrix or a StateSpace"
+    if not isinstance(T_u, Model):
+        kinds = "a System, a SystemMatrix, a StateSpace or an ImpulseResponse"
         raise ValueError(f"{what} needs {kinds} as T_u, got {type(T_u).__name__}")
     return T_u
 
@@ -159,7 +161,7 @@ def largest_gain(model: AnyModel) -> float:
 
     Of a model that covers n_samples of a record: the 2-norm of that map.
     """
-    if not isinstance(model, System | SystemMatrix | StateSpace):
+    if not isinstance(model, System | SystemMatrix | StateSpace | ImpulseResponse):
         return lifted_norm(model, getattr(model, "n_samples", 0))
     largest = peak(lambda omega: gain_squared(model.response(omega)), model.all_poles)
     return float(np.sqrt(largest.bound))
@@ -170,6 +172,15 @@ def require_effect(model: AnyModel) -> float:
     if not (largest := largest_gain(model)) > 0.0:
         raise ValueError("T_u is 0: no correction has an effect")
     return largest
+
+
+def single_response(T_u: Model, omega: ArrayLike) -> Complex:
+    """(M,) at omega [rad/sample]. ValueError unless the model has one input and one output."""
+    if (T_u.n_inputs, T_u.n_outputs) != (1, 1):
+        given = f"{T_u.n_inputs} and {T_u.n_outputs}"
+        raise ValueError(f"T_u must have one input and one output, got {given}")
+    response = T_u.response(omega)
+    return response if response.ndim == 1 else response[:, 0, 0]
 
 
 def lifted_norm(model: RecordModel, n_samples: int) -> float:

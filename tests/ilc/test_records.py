@@ -43,7 +43,7 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""
 INTERNAL = {
     "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
-    "solve_factored", "solve_matrix_free",
+    "solve_factored", "solve_matrix_free", "require_adjoint",
 }  # fmt: skip
 """Behind a law or a model, whose records have passed its gate."""
 
