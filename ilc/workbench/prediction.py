@@ -14,7 +14,8 @@ from ..analysis.lifted import LiftedIteration
 from ..laws.heuristic import Heuristic
 from ..laws.law import FirstOrder, Law
 from ..laws.norm_optimal import NormOptimal
-from ..models.system import System
+from ..models.peak import peak
+from ..models.system import Complex, System
 from ..models.system_matrix import Model
 from ..records import records
 from .laws import MEASURING, build_law
@@ -93,17 +94,35 @@ def _errors(
 
 
 def _contraction(law: Law, T_u: Model) -> float | None:
-    """Criterion (7.5) for first-order laws with known responses."""
+    """Criterion (7.5) for first-order laws with known responses, refined at poles of T_u and Q."""
     if isinstance(law, Heuristic):
         return heuristic_criterion(T_u, law.gamma, law.delta, law.Q).contraction
-    omega = frequency_grid()
-    if isinstance(law, NormOptimal) and isinstance(T_u, System) and isinstance(law.T_u, System):
-        Q, L = law.responses(omega)
-        return criterion(T_u.response(omega), L, np.abs(Q), omega).contraction
-    if isinstance(law, FirstOrder) and isinstance(T_u, System):
-        L, Q = law.L.response(omega), law.Q.response(omega)
-        return criterion(T_u.response(omega), L, Q, omega).contraction
-    return None
+    if not isinstance(T_u, System):
+        return None
+    if isinstance(law, NormOptimal) and isinstance(law.T_u, System):
+        designed = law
+
+        def responses(omega: Array) -> tuple[Complex, Complex]:
+            return designed.responses(omega)
+
+        poles = (law.T_u.all_poles, law.T_u.all_poles)
+    elif isinstance(law, FirstOrder):
+        L, Q = law.L, law.Q
+
+        def responses(omega: Array) -> tuple[Complex, Complex]:
+            return Q.response(omega).astype(np.complex128), L.response(omega)
+
+        poles = (T_u.all_poles, getattr(Q, "poles", np.zeros(0)))
+    else:
+        return None
+
+    def power(omega: Array) -> Array:
+        q, learning = responses(omega)
+        found = criterion(T_u.response(omega), learning, np.abs(q), omega)
+        return np.square(found.q * found.learning)
+
+    every = np.concatenate((T_u.all_poles, *poles)).astype(np.complex128)
+    return float(np.sqrt(peak(power, every, frequency_grid()).values.max()))
 
 
 def _spectral_radius(law: Law, setting: Setting, T_u: Model) -> float | None:

@@ -3,10 +3,15 @@
 import numpy as np
 import pytest
 
-from armside.ilc.workbench.compare import run_law
-from armside.ilc.workbench.plants import Record, own_plant
+from armside.ilc.models.system import System
+from armside.ilc.workbench.compare import run_law, setting_of
+from armside.ilc.workbench.laws import build_law
+from armside.ilc.workbench.plants import Record, linear, own_plant
+from armside.ilc.workbench.prediction import predict
 from armside.ilc.workbench.words import Words
 
+OMEGA_NEAR = 1.0 + 1e-4 * np.tan(np.linspace(-1.57, 1.57, 20001))
+"""Around a resonance [rad/sample]."""
 MUTATING = """
 import numpy as np
 
@@ -49,3 +54,22 @@ def test_learning_from_a_correction_is_predicted_from_its_first_error(task, tmp_
         run = run_law(task, law, 3, start=start)
         np.testing.assert_allclose(run.prediction.errors, run.norms, rtol=1e-9)
         assert run.norms[0] != run_law(task, law, 0).norms[0]
+
+
+@pytest.mark.parametrize("law", ["d-type:delta=2,cutoff=30", "gradient", "norm-optimal"])
+def test_the_criterion_that_is_printed_sees_a_narrow_resonance(law, tmp_path):
+    """Damping of 1e-4 between the frequencies of a fixed grid."""
+    radius, omega_0 = np.exp(-1e-4), 1.0
+    a = np.array([1.0, -2.0 * radius * np.cos(omega_0), radius**2])
+    b = np.convolve([0.0, 0.5], a) + 1e-3 * np.array([0.0, 1.0, -0.5, 0.0])
+    plant = System(b, np.convolve([1.0, -0.5], a), 0.01)
+    setting = setting_of(linear("narrow", plant, Record(n_samples=100)))
+    built = build_law(law, setting)
+    omega = np.sort(np.concatenate((np.linspace(1e-3, np.pi, 4000), OMEGA_NEAR)))
+    if law == "norm-optimal":
+        Q, L = built.responses(omega)
+    else:
+        Q, L = built.Q.response(omega), built.L.response(omega)
+    wanted = np.abs(Q * (1.0 - L * plant.response(omega))).max()
+    found = predict(law, setting, np.ones((100, 1)), 0, first_correction=np.zeros((100, 1)))
+    assert found.contraction == pytest.approx(wanted, rel=1e-5)
