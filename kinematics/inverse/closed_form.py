@@ -120,6 +120,8 @@ def inverse_nearest(
         ValueError: no branch is within the limits.
     """
     start = _configuration(previous)
+    if limits is not None and len(limits.lower) != 6:
+        raise ValueError(f"limits must have 6 motors, got {len(limits.lower)}")
     inside = start if limits is None else np.clip(start, limits.lower, limits.upper)
     found = inverse_branches(robot, T, inside)
     if found.phi.ndim != 2:

@@ -43,7 +43,7 @@ def scara_branches(robot: Robot, T: ArrayLike) -> Branches:
     tool = axes.tool[:3, 3] @ plane
     third_axis = targets[:, :3, 3] @ plane - np.exp(1j * total) * (tool - third)
     A, B, outside, bent = _elbow(third_axis - first, second - first, third - second)
-    if outside.max() > _TOUCHING:
+    if outside.max(initial=0.0) > _TOUCHING:
         k = int(np.argmax(outside > _TOUCHING))
         raise UnreachableError(robot, k, float(outside[k]))
     q = np.empty((len(targets), 2, 4))
@@ -64,6 +64,9 @@ def _axes(robot: Robot) -> tuple[Screws, int]:
     axes = screws(robot, "".join("P" if i == slides[0] else "R" for i in range(4)))
     crossed = np.linalg.norm(np.cross(axes.direction, axes.direction[0]), axis=1)
     require(bool((crossed < SQUARE).all()), robot, "its axes are not parallel")
+    turning = np.delete(axes.point, slides[0], axis=0)
+    apart = np.linalg.norm(np.cross(np.diff(turning, axis=0), axes.direction[0]), axis=1)
+    require(bool((apart > SQUARE).all()), robot, "upper arm or forearm has no length")
     return axes, slides[0]
 
 
@@ -90,7 +93,7 @@ def _elbow(w: Any, l1: complex, l2: complex) -> tuple[Array, Array, Array, NDArr
 
 def _refuse_tilt(robot: Robot, turned: Array, z: Array) -> None:
     tilt = np.arctan2(np.linalg.norm(np.cross(turned, z), axis=1), turned @ z)
-    k = int(np.argmax(tilt))
-    if tilt[k] > _TILT:
+    if tilt.max(initial=0.0) > _TILT:
+        k = int(np.argmax(tilt))
         by = f"{np.degrees(tilt[k]):.3g} deg"
         raise ValueError(f"target {k} is tilted by {by} against the axes of {robot.name}")

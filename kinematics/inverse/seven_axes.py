@@ -60,7 +60,7 @@ def seven_axis_branches(robot: Robot, T: ArrayLike, elbow: ArrayLike) -> Branche
     d, D = _line(arm, W)
     L1, L2 = (float(np.linalg.norm(end - arm.elbow)) for end in (arm.shoulder, arm.wrist))
     outside = np.maximum(D - (L1 + L2), abs(L1 - L2) - D)
-    if outside.max() > _TOUCHING:
+    if outside.max(initial=0.0) > _TOUCHING:
         k = int(np.argmax(outside > _TOUCHING))
         raise UnreachableError(robot, k, float(outside[k]))
     u, q = arm.axes.direction, np.empty((len(targets), 8, 7))

@@ -38,7 +38,7 @@ def stanford_branches(robot: Robot, T: ArrayLike) -> Branches:
     C = targets[:, :3, 3] - turn @ (axes.tool[:3, 3] - centre)
     arm, short, near = _arm(axes, centre, C)
     outside = short.min(axis=1)
-    if outside.max() > _TOUCHING:
+    if outside.max(initial=0.0) > _TOUCHING:
         k = int(np.argmax(outside > _TOUCHING))
         raise UnreachableError(robot, k, float(outside[k]))
     u, q = axes.direction, np.empty((len(targets), 8, 6))

@@ -294,6 +294,10 @@ def test_choice_respects_limits_and_uses_whole_turns():
 def test_target_beyond_the_limits_is_refused_in_words():
     narrow = Limits(lower=(-0.1,) * 6, upper=(0.1,) * 6, speed=(1.0,) * 6)
     phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
+    with pytest.raises(ValueError, match="limits must have 6 motors, got 5"):
+        inverse_nearest(
+            IRB1400, np.eye(4), phi, Limits(lower=(0,) * 5, upper=(1,) * 5, speed=(1,) * 5)
+        )
     with pytest.raises(
         ValueError, match=r"all 8 branches are outside .*: in the best motor \d would"
     ):

@@ -199,6 +199,17 @@ def test_arms_of_another_kind_are_refused_with_the_reason(solve, robot, complain
         solve(robot, np.eye(4))
 
 
+def test_no_targets_have_no_solutions_and_a_scara_has_two_lengths():
+    none = np.empty((0, 4, 4))
+    assert scara_branches(SCARA, none).phi.shape == (0, 2, 4)
+    assert stanford_branches(STANFORD_ARM, none).phi.shape == (0, 8, 6)
+    assert seven_axis_branches(LBR, none, 0.0).phi.shape == (0, 8, 7)
+    for lengths in ((0.3, 0.0), (0.0, 0.3)):
+        links = [Link(a=a) for a in lengths]
+        with pytest.raises(UnsolvableGeometryError, match="has no length"):
+            scara_branches(Robot([*links, Link(joint=SLIDE), Link()]), np.eye(4))
+
+
 def test_axes_that_are_nearly_square_or_parallel_are_refused():
     tilted = Robot([Link(a=0.3, alpha=1e-3), *SLIDE_FIRST.links[2:], Link(joint=SLIDE)])
     with pytest.raises(UnsolvableGeometryError, match="axes are not parallel"):
