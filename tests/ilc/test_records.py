@@ -44,8 +44,9 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
 INTERNAL = {
     "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
     "solve_factored", "solve_matrix_free", "require_adjoint",
+    "excess", "pairwise_independence",
 }  # fmt: skip
-"""Behind a law or a model, whose records have passed its gate."""
+"""Behind a law, a model or a fit, whose records have passed its gate."""
 
 
 def public_functions() -> Iterator[tuple[str, Any]]:
