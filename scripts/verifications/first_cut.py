@@ -225,12 +225,16 @@ def verdicts(found: Sequence[Found]) -> list[Check]:
         all_hold("no first cut is worse than without correction", better),
         Check("", "friction +10 %: median left", "", float(np.median(drift)), high=0.10),
         Check("", "with feedback of two cuts", "", float(np.median(feedback)), high=0.06),
-        Check(
-            "", "errors inside the interval of 90 %", "", float(inside.mean()), low=0.85, high=0.95
-        ),
+        in_the_interval(inside),
         Check("", f"flagged of tasks that end above {BAD:g}", "", _part(flagged, bad), low=0.9),
         Check("", f"flagged of tasks that end below {GOOD:g}", "", _part(flagged, good), high=0.1),
     ]
+
+
+def in_the_interval(inside: np.ndarray) -> Check:
+    """Verdict on errors (n,) bool, inside the predicted interval."""
+    coverage = float(inside.mean())
+    return Check("", "errors inside the interval of 90 %", "", coverage, low=0.85, high=0.95)
 
 
 _DRIFTS = ("drift", "feedback")

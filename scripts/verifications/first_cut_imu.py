@@ -18,7 +18,14 @@ from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST
 
 from ..jobs.workers import Workers
-from .first_cut import N_TASKS, commissioning_cuts, first_runs, left_alone, together
+from .first_cut import (
+    N_TASKS,
+    commissioning_cuts,
+    first_runs,
+    in_the_interval,
+    left_alone,
+    together,
+)
 from .first_cut_tasks import JUDGED, JUDGED_SEED, tasks
 
 COLUMNS = (
@@ -82,10 +89,12 @@ def _row(found: Found) -> tuple[object, ...]:
 
 
 def verdicts(found: Sequence[Found]) -> list[Check]:
-    """Verdicts on all individuals together. Coverage is reported, not judged."""
+    """Verdicts on all individuals together."""
+    inside = np.concatenate([one.inside for one in found])
     left = np.concatenate([one.left for one in found])
     return [
         Check("", "median left", "", float(np.median(left)), high=0.10),
         Check("", "worst left", "", float(left.max()), high=0.25),
         all_hold("no first cut is worse than without correction", left <= 1.0),
+        in_the_interval(inside),
     ]

@@ -14,6 +14,7 @@ from ..robot.individual import Individual
 from .ensemble import errors
 from .learning import TwinLearning, learn_in_twin
 from .prediction import Prediction, predicted
+from .sensors import Measure
 from .simulation import Design, motor_path
 
 
@@ -44,6 +45,7 @@ def correct(
     around: Sequence[Individual],
     cut: Cut,
     uncertainty: float,
+    sensor: Measure,
     cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
     """Learn a cut inside a twin and predict what its correction leaves.
@@ -54,7 +56,8 @@ def correct(
     plain = replace(cut, individual=None, friction_spread=0.0)
     experiment = prepare(plain, nominal=nominal)
     motion, reference = experiment.motion, experiment.loaded.reference
-    return correct_motion(design, individual, around, motion, reference, uncertainty, cfg)
+    about = design, individual, around
+    return correct_motion(*about, motion, reference, uncertainty, sensor, cfg)
 
 
 def correct_motion(
@@ -64,6 +67,7 @@ def correct_motion(
     motion: Motion,
     reference: Array,
     uncertainty: float,
+    sensor: Measure,
     cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
     """Learn a planned motion inside a twin and predict what its correction leaves.
@@ -72,10 +76,12 @@ def correct_motion(
         around: individuals that commissioning cannot tell from the twin.
         reference: (N, 6) [rad], of the motion.
         uncertainty: residual of a cut that the twin was not identified from [m].
+        sensor: that it was identified from.
     """
     learned = learn_in_twin(design, individual, motion, reference, cfg)
     spread = errors(design, around, motion, reference, learned.correction)
-    prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, uncertainty)
+    rms = float(learned.rms[0]), float(learned.rms.min())
+    prediction = predicted(*rms, spread, uncertainty, sensor)
     reason = _distrust(prediction)
     used = learned.correction if reason is None else np.zeros_like(learned.correction)
     motors = motor_path(design.run([individual], reference, used)[0])

@@ -28,7 +28,7 @@ from .correction import Corrected, correct, correct_motion
 from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
-from .prediction import FITTED_TO
+from .sensors import SENSORS, Measure
 from .simulation import Design
 
 FORMAT = 2
@@ -59,8 +59,8 @@ class Twin:
     """Of the robot's file."""
     payload: float | None
     """Mass of the tool at commissioning [kg]; that of the robot's file if None."""
-    sensor: str
-    """What measured the tool: tracker or imu."""
+    sensor: Measure
+    """What measured the tool."""
     theta: Array
     """(m,), parameters."""
     covariance: Array = field(repr=False)
@@ -104,7 +104,8 @@ class Twin:
         """
         self.check(cut)
         design = self.design_with(cut.payload)
-        return correct(design, self.individual, self.around, cut, self.uncertainty)
+        about = design, self.individual, self.around
+        return correct(*about, cut, self.uncertainty, self.sensor)
 
     def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
         """Correction for the first run of a planned motion, such as that of a whole part.
@@ -113,7 +114,7 @@ class Twin:
         """
         self.check(setup)
         about = self.design_with(setup.payload), self.individual, self.around
-        return correct_motion(*about, motion, reference, self.uncertainty)
+        return correct_motion(*about, motion, reference, self.uncertainty, self.sensor)
 
     @property
     def around(self) -> list[Individual]:
@@ -141,11 +142,6 @@ class Twin:
         """Residual of a cut that the twin was not identified from [m]."""
         left = self.held_out[np.isfinite(self.held_out)]
         return float(np.median(left)) if len(left) else UNKNOWN
-
-    @property
-    def interval_holds(self) -> bool:
-        """The interval of predictions was fitted to twins by this sensor."""
-        return self.sensor == FITTED_TO
 
     def save(self, folder: Path) -> None:
         """Write the twin's files into a folder."""
@@ -204,6 +200,8 @@ class Twin:
 
     def _nonsense(self) -> str | None:
         """Why these values cannot be those of a twin; None if they can."""
+        if self.sensor not in tuple(SENSORS):
+            return f"its sensor is {self.sensor!r}, not one of {', '.join(SENSORS)}"
         drives = (self.friction, self.torque_residual)
         if not all(np.isfinite(values).all() for values in (self.theta, self.covariance, *drives)):
             return "it holds values that are not finite"

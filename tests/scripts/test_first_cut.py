@@ -3,8 +3,9 @@
 from armside.scripts.cutting.first_cut import line
 
 
-def test_an_interval_that_fewer_errors_hold_says_so():
+def test_the_line_has_the_interval_and_its_rate():
     found = {"arm_rms": 2e-6, "interval": [1e-6, 3e-6], "uncorrected": 1e-4}
-    said = [line(found | {"interval_holds": holds}, [{"arm_rms": None}]) for holds in (True, False)]
-    assert said[0].endswith("1.0 to 3.0 um (90 %)")
-    assert said[1].endswith("1.0 to 3.0 um (fewer than 90 % by a twin of an IMU)")
+    before, after = (line(found, [{"arm_rms": rms}]) for rms in (None, 2.5e-6))
+    assert "not measured, 100 um without correction" in before
+    assert "2.5 um, 100 um" in after
+    assert after.endswith("predicted 2.0 um, 1.0 to 3.0 um (90 %)")

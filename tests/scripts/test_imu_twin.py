@@ -43,7 +43,13 @@ def test_what_a_twin_predicts_is_taken_from_the_robot():
 )
 def test_first_cuts_by_an_imu_have_bounds_of_their_own(median, worst, failing):
     left = np.append(np.full(29, median), worst)
-    found = first_cut_imu.Found(1, 0, left, np.ones(30, dtype=bool), 1.0)
+    found = first_cut_imu.Found(1, 0, left, np.arange(30) < 27, 1.0)
     failed = [v.statement for v in first_cut_imu.verdicts([found]) if not v.holds]
     assert len(failed) == failing, failed
     assert len(first_cut_imu._row(found)) == len(first_cut_imu.COLUMNS)
+
+
+@pytest.mark.parametrize(("inside", "holds"), [(25, False), (26, True), (28, True), (29, False)])
+def test_an_interval_by_an_imu_that_holds_too_few_or_too_many_errors_fails(inside, holds):
+    found = first_cut_imu.Found(1, 0, np.full(30, 0.05), np.arange(30) < inside, 1.0)
+    assert first_cut_imu.verdicts([found])[-1].holds == holds

@@ -7,12 +7,13 @@ import pytest
 
 from armside.sim.twin.correction import _distrust
 from armside.sim.twin.prediction import Prediction, predicted
+from armside.sim.twin.sensors import SENSORS
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 
 
 def test_a_twin_that_is_the_robot_is_off_by_what_it_leaves_itself():
-    found = predicted(1e-4, INSIDE, np.full(8, INSIDE), 0.0)
+    found = predicted(1e-4, INSIDE, np.full(8, INSIDE), 0.0, "tracker")
     assert found.expected == pytest.approx(INSIDE)
     assert found.low < found.expected < found.high
     assert found.low > 0.0
@@ -24,16 +25,23 @@ def test_a_twin_that_is_the_robot_is_off_by_what_it_leaves_itself():
     ids=["inside", "around", "residual"],
 )
 def test_each_sign_of_a_wrong_twin_raises_the_expected_error(inside, around, residual):
-    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL)
-    after = predicted(1e-4, inside * INSIDE, around * AROUND, residual * RESIDUAL)
+    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL, "tracker")
+    after = predicted(1e-4, inside * INSIDE, around * AROUND, residual * RESIDUAL, "tracker")
     assert after.expected > 1.05 * before.expected
 
 
 def test_expected_errors_have_the_unit_of_what_they_are_made_of():
-    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL)
-    after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, 3.0 * RESIDUAL)
+    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL, "tracker")
+    after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, 3.0 * RESIDUAL, "tracker")
     assert after.expected == pytest.approx(3.0 * before.expected)
     assert after.high == pytest.approx(3.0 * before.high)
+
+
+def test_the_interval_is_that_of_the_sensor():
+    by_tracker, by_imu = (predicted(1e-4, INSIDE, AROUND, RESIDUAL, s) for s in SENSORS)
+    assert by_imu.expected == by_tracker.expected
+    assert by_imu.low < by_tracker.low
+    assert by_imu.high / by_imu.low > by_tracker.high / by_tracker.low
 
 
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
@@ -49,5 +57,5 @@ def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
 
 
 def test_one_unstable_individual_around_a_twin_is_enough():
-    found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), RESIDUAL)
+    found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), RESIDUAL, "tracker")
     assert "unstable" in str(_distrust(found))

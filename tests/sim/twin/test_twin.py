@@ -83,6 +83,8 @@ def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
         (lambda c: c | {"friction": [1.0, -2.0, 1, 1, 1, 1]}, "must be 6 positive values"),
         (lambda c: c | {"parameters": c["parameters"] | {"mass 3": 1e308}}, "mass 3 is that of no"),
         (lambda c: c | {"cuts": 3}, "damaged twin"),
+        (lambda c: c | {"sensor": "camera"}, "its sensor is 'camera', not one of tracker, imu"),
+        (lambda c: c | {"sensor": ["imu"]}, "its sensor is"),
         (lambda c: {"format": FORMAT}, "damaged twin"),
         (lambda c: [], "is a twin of format None"),
     ],
