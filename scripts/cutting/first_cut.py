@@ -127,10 +127,17 @@ def notes(found: Corrected, after: Refreshed) -> list[Note]:
 
 
 def line(predicted: dict[str, Any], rows: list[dict[str, Any]]) -> str:
-    """What was predicted of the first run and what was measured, in one line."""
+    """What was predicted of the first run and what was measured, in one line.
+
+    The interval is that of a run with the correction: of one that is not trusted it is not printed.
+    """
     low, high = (1e6 * value for value in predicted["interval"])
     first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
     seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
+    if not predicted["trusted"]:
+        return (
+            f"First cut without correction: {seen}, {uncorrected} by the twin, which is not trusted"
+        )
     return (
         f"First cut by the twin: {seen}, {uncorrected} without correction; "
         f"predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um (90 %)"
