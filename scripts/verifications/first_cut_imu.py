@@ -1,6 +1,6 @@
 """The claims of `armside verify first-cut-imu`: first cuts by a twin that no tracker has seen.
 
-Individuals and tasks are those of `first_cut`; ten cuts, IMU and motors alone.
+Tasks are drawn as those of `first_cut`; ten cuts, IMU and motors alone.
 """
 
 import time
@@ -26,7 +26,7 @@ from .first_cut import (
     left_alone,
     together,
 )
-from .first_cut_tasks import JUDGED, JUDGED_SEED, tasks
+from .first_cut_tasks import JUDGED_BY_IMU, JUDGED_SEED, tasks
 
 COLUMNS = (
     *("individual", "hidden hinges", "median left", "worst left", "worse than without"),
@@ -51,7 +51,7 @@ class Found:
 
 def first_cut_imu(seeds: Iterable[int]) -> Table:
     """Six individuals, three with hidden hinges; thirty unseen tasks each."""
-    numbers = [JUDGED[seed % len(JUDGED)] for seed in seeds]
+    numbers = [JUDGED_BY_IMU[seed % len(JUDGED_BY_IMU)] for seed in seeds]
     with Workers() as workers:
         found = workers.map(individual, numbers)
     title = "First cuts by a twin, commissioned by IMU and motors"

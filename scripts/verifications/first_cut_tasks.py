@@ -23,6 +23,9 @@ DEVELOPMENT = tuple(range(1001, 1013))
 JUDGED = (506, 31, 192, 804, 321, 478)
 """Individuals that judge: the first three without and the first three with hidden hinges among
 numbers below 1000, in the order of `numpy.random.default_rng(20261205).permutation(1000)`."""
+JUDGED_BY_IMU = (525, 844, 275, 240, 269, 367)
+"""Individuals that judge twins by an IMU: those after `JUDGED`, which did so before the interval of
+such twins was fitted."""
 JUDGED_SEED, GUARD_SEED, DEVELOPMENT_SEED = 20261205, 20261206, 77
 SEEN = (909, 940, 874, 841, 129, 177)
 """Individuals that judged before the prediction was fitted anew, and judge no longer."""

@@ -8,8 +8,8 @@ individuals among `DEVELOPMENT` of `armside verify first-cut`, which are not the
 Errors of one individual resemble each other. By the tracker, low and high are such that 90 % of the
 errors of each are inside those of the others: fourteen cuts each of 1001, 1003, 1004, 1006, 1007,
 1009, 1010 and 1012. By an IMU the geometry that it does not see makes individuals differ more:
-log(error / expected) of sixteen cuts each of all twelve has a standard deviation of 0.39 within an
-individual and 0.19 between them, and low and high are those of a normal prediction for another
+log(error / expected) of sixteen cuts each of all twelve has a standard deviation of 0.31 within an
+individual and 0.18 between them, and low and high are those of a normal prediction for another
 individual (Student's t, eleven degrees of freedom, for the part between).
 """
 
@@ -24,7 +24,7 @@ from .sensors import Measure
 
 _RESIDUAL, _SPREAD = 0.3, 0.4
 """a and b. Individuals differ from the twin by less than the draws: b < 1."""
-_FACTORS: Mapping[Measure, tuple[float, float]] = {"tracker": (0.53, 1.7), "imu": (0.37, 1.6)}
+_FACTORS: Mapping[Measure, tuple[float, float]] = {"tracker": (0.53, 1.7), "imu": (0.57, 1.92)}
 """low and high of 90 %, by the sensor that the twin was identified from."""
 
 

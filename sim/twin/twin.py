@@ -119,9 +119,8 @@ class Twin:
     @property
     def around(self) -> list[Individual]:
         """Individuals that commissioning cannot tell from the twin."""
-        found = members(
-            self.parameters, self.theta, self.covariance, self.gear_phase, self.uncertainty
-        )
+        posterior = self.parameters, self.theta, self.covariance, self.gear_phase
+        found = members(*posterior, self.uncertainty, self.sensor)
         return [replace(member, friction=self.friction) for member in found]
 
     def run(self, cut: Setup, reference: Array, correction: Array) -> Recording:

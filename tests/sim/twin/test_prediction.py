@@ -40,8 +40,19 @@ def test_expected_errors_have_the_unit_of_what_they_are_made_of():
 def test_the_interval_is_that_of_the_sensor():
     by_tracker, by_imu = (predicted(1e-4, INSIDE, AROUND, RESIDUAL, s) for s in SENSORS)
     assert by_imu.expected == by_tracker.expected
-    assert by_imu.low < by_tracker.low
+    assert by_imu.high > by_tracker.high
     assert by_imu.high / by_imu.low > by_tracker.high / by_tracker.low
+
+
+def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
+    def around(sensor, residual):
+        one = replace(twin, sensor=sensor, held_out=np.full(2, residual))
+        return np.array([member.gear_stiffness for member in one.around])
+
+    assert np.array_equal(around("imu", 1e-6), around("imu", 50e-6))
+    assert np.array_equal(around("imu", 1e-6), around("tracker", 0.0))
+    loose, tight = (np.std(np.log(around("tracker", r)), axis=0) for r in (50e-6, 1e-6))
+    assert (loose > 2.0 * tight).all()
 
 
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
