@@ -139,4 +139,4 @@ def largest_singular_value(matrix: Array, power: int) -> float:
         matrix, power = np.linalg.matrix_power(matrix, power), 1
     record = size, 1
     once = Products(record, record, lambda v: matrix @ v, lambda v: matrix.T @ v)
-    return of_products(once.power(power))
+    return of_products(once, power=power)

@@ -100,7 +100,7 @@ class RecordIteration:
     def transient_growth(self, iterations: ArrayLike) -> Array:
         """||A^k||_2 at the given k: the largest growth of ||u_k - u_inf|| over k iterations."""
         counts = np.atleast_1d(iterations).tolist()
-        return np.array([largest_singular_value(self.products.power(int(k))) for k in counts])
+        return np.array([largest_singular_value(self.products, power=int(k)) for k in counts])
 
     @property
     def spectral_radius(self) -> SpectralRadius:
@@ -108,7 +108,10 @@ class RecordIteration:
         eigenvalue, residual = self._largest_eigenvalue()
         bound = np.inf
         for k in _POWERS:
-            growth = largest_singular_value(self.products.power(k), _ROUGH)
+            try:
+                growth = largest_singular_value(self.products, _ROUGH, k)
+            except RuntimeError:  # lost in rounding: the bound of fewer iterations remains
+                break
             bound = min(bound, ((1.0 + 10.0 * _ROUGH) * growth) ** (1.0 / k))
             if bound < 1.0 or (eigenvalue is not None and abs(eigenvalue) >= 1.0):
                 break

@@ -57,16 +57,25 @@ class Products:
         )
 
 
-def largest_singular_value(products: Products, tight: float = _TIGHT) -> float:
-    """2-norm of the map, by Lanczos iterations on the map and its adjoint.
+def largest_singular_value(products: Products, tight: float = _TIGHT, power: int = 1) -> float:
+    """2-norm of the map, `power` times over, by Lanczos iterations on the map and its adjoint.
 
     From below: the residual of the vector found is below `tight` of the value, so a singular value
     lies that close; the random start makes it the largest one. Where many lie as close together
-    the residual of the squared map is taken, and then a RuntimeError raised. ValueError for a
-    backward map that is not the adjoint of the forward map.
+    the residual of the squared map is taken, and then a RuntimeError raised, as for a power that is
+    lost in rounding. ValueError for a backward map that is not the adjoint of the forward map.
     """
     size = min(np.prod(products.inputs), np.prod(products.outputs))
-    if not _checked(products).any():  # nor is any other vector mapped
+    forward = _checked(products)
+    if power != 1:
+        products = products.power(power)
+        try:
+            forward = _checked(products)
+        except ValueError as error:
+            raise RuntimeError(
+                f"power {power} of the map is lost in rounding: lower powers are far larger"
+            ) from error
+    if not forward.any():  # nor is any other vector mapped
         return 0.0
     if size > _TINY and (found := _by_lanczos(products, tight)) is not None:
         return found

@@ -130,3 +130,12 @@ def test_an_iteration_of_two_samples_has_a_radius():
     assert found.value == pytest.approx(wanted, rel=1e-9)
     assert found.residual is not None
     assert found.residual < 1e-12
+
+
+def test_a_power_lost_in_rounding_is_not_taken_for_a_wrong_adjoint():
+    """||A^40|| = 5e9, ||A^100|| = sqrt(2)."""
+    T = System([0.0, 0.5], [1.0, -0.95], 0.01)
+    found = RecordIteration(T, Heuristic(gamma=1.9, delta=1, Q=ALL_PASS), 60)
+    with pytest.raises(RuntimeError, match="power 100 of the map is lost in rounding"):
+        found.transient_growth(100)
+    assert found.spectral_radius.bound > 1.0
