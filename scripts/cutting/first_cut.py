@@ -70,7 +70,7 @@ class ByTwin:
         found, expected = self.found, self.found.prediction
         return {
             "arm_rms": expected.expected,
-            "interval": [expected.low, expected.high],
+            "interval": [expected.low, expected.high] if expected.calibrated else None,
             "uncorrected": expected.uncorrected,
             "trusted": found.trusted,
             "reason": found.reason,
@@ -129,16 +129,20 @@ def notes(found: Corrected, after: Refreshed) -> list[Note]:
 def line(predicted: dict[str, Any], rows: list[dict[str, Any]]) -> str:
     """What was predicted of the first run and what was measured, in one line.
 
-    The interval is that of a run with the correction: of one that is not trusted it is not printed.
+    The interval is that of a run with the correction: of one that is not trusted it is not printed,
+    nor is one that was not fitted to twins by that sensor and of so few cuts.
     """
-    low, high = (1e6 * value for value in predicted["interval"])
     first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
     seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
     if not predicted["trusted"]:
         return (
             f"First cut without correction: {seen}, {uncorrected} by the twin, which is not trusted"
         )
-    return (
+    said = (
         f"First cut by the twin: {seen}, {uncorrected} without correction; "
-        f"predicted {1e6 * predicted['arm_rms']:.1f} um, {low:.1f} to {high:.1f} um (90 %)"
+        f"predicted {1e6 * predicted['arm_rms']:.1f} um"
     )
+    if predicted["interval"] is None:
+        return f"{said}, of unknown accuracy for a twin of so few cuts"
+    low, high = (1e6 * value for value in predicted["interval"])
+    return f"{said}, {low:.1f} to {high:.1f} um (90 %)"

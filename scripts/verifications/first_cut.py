@@ -38,7 +38,9 @@ BAD, GOOD = 0.30, 0.15
 COLUMNS = (
     *("individual", "hidden hinges"),
     *(f"{n} cuts: {what}" for n in COUNTS for what in ("median left", "worst left")),
-    *("worse than without", "inside the interval", "drift: median left", "with feedback"),
+    "worse than without",
+    *(f"{n} cuts: inside the interval" for n in COUNTS),
+    *("drift: median left", "with feedback"),
     *("bad ones flagged", "good ones flagged", "commissioning [s]", "correction [s]"),
 )
 
@@ -51,8 +53,9 @@ class Found:
     hinges: int
     left: dict[int, Array]
     """(30,) by the count of cuts."""
-    inside: Array
-    """(30,) bool, ten cuts: the error was in the predicted interval."""
+    inside: dict[int, np.ndarray]
+    """(n,) bool by the count of cuts: the error was in the predicted interval, of the n tasks that
+    were corrected."""
     drift: Array
     feedback: Array
     """(10,), friction +10 %, without and with feedback."""
@@ -100,14 +103,11 @@ def individual(
     for count in counts:
         twins[count] = commission(cuts[:count]).twin
         seconds = seconds or time.perf_counter() - started
-    left, inside, took = dict[int, Array](), np.empty(0, dtype=bool), list[float]()
+    left, inside, took = dict[int, Array](), dict[int, np.ndarray](), list[float]()
     for count, twin in twins.items():
-        errors, predictions, each = first_runs(twin, robot, chosen, said)
+        errors, corrections, each = first_runs(twin, robot, chosen, said)
         took.extend(each)
-        left[count] = errors / plain
-        if count == max(counts):
-            low, high = np.array([(p.prediction.low, p.prediction.high) for p in predictions]).T
-            inside = (low <= errors) & (errors <= high)
+        left[count], inside[count] = errors / plain, in_its_interval(errors, corrections)
     best = twins[max(counts)]
     drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:n_drift]]
     without, feedback = _after_drift(best, robot, drifted, said)
@@ -134,6 +134,17 @@ def first_runs(
         seconds.append(time.perf_counter() - began)
         errors.append(_error(cut, robot, corrections[-1].correction, said))
     return np.array(errors), corrections, seconds
+
+
+def in_its_interval(errors: Array, corrections: Sequence[Corrected]) -> np.ndarray:
+    """(m,) bool: errors (n,) [m] of first runs were in the interval, of the m that were corrected.
+
+    Of the others no interval is printed.
+    """
+    ends = [(c.prediction.low, c.prediction.high) for c in corrections]
+    low, high = np.reshape(ends, (-1, 2)).T
+    inside = (low <= errors) & (errors <= high)
+    return inside[[c.trusted for c in corrections]]
 
 
 def commissioning_cuts(robot: Drawn, count: int, imu: ImuCfg | None = None) -> list[MeasuredCut]:
@@ -192,7 +203,7 @@ def _row(found: Found) -> tuple[object, ...]:
         found.hinges,
         *(float(value) for pair in pairs for value in pair),
         sum(int((left > 1.0).sum()) for left in found.left.values()),
-        float(found.inside.mean()),
+        *(float(inside.mean()) for inside in found.inside.values()),
         float(np.median(found.drift)),
         float(np.median(found.feedback)),
         f"{int(found.flagged[bad].sum())} of {int(bad.sum())}",
@@ -214,7 +225,7 @@ def verdicts(found: Sequence[Found]) -> list[Check]:
     """Verdicts on all individuals together."""
     every = {n: np.concatenate([one.left[n] for one in found]) for n in COUNTS}
     better = np.concatenate([*every.values()]) <= 1.0
-    inside = np.concatenate([one.inside for one in found])
+    inside = {n: np.concatenate([one.inside[n] for one in found]) for n in COUNTS}
     drift, feedback = (np.concatenate([getattr(one, x) for one in found]) for x in _DRIFTS)
     flagged = np.concatenate([one.flagged for one in found])
     bad, good = (np.concatenate([of(one) for one in found]) for of in (_bad, _good))
@@ -225,16 +236,16 @@ def verdicts(found: Sequence[Found]) -> list[Check]:
         all_hold("no first cut is worse than without correction", better),
         Check("", "friction +10 %: median left", "", float(np.median(drift)), high=0.10),
         Check("", "with feedback of two cuts", "", float(np.median(feedback)), high=0.06),
-        in_the_interval(inside),
+        *(in_the_interval(f"{n} cuts: ", each) for n, each in inside.items()),
         Check("", f"flagged of tasks that end above {BAD:g}", "", _part(flagged, bad), low=0.9),
         Check("", f"flagged of tasks that end below {GOOD:g}", "", _part(flagged, good), high=0.1),
     ]
 
 
-def in_the_interval(inside: np.ndarray) -> Check:
+def in_the_interval(which: str, inside: np.ndarray) -> Check:
     """Verdict on errors (n,) bool, inside the predicted interval."""
-    coverage = float(inside.mean())
-    return Check("", "errors inside the interval of 90 %", "", coverage, low=0.85, high=0.95)
+    what, coverage = f"{which}errors inside the interval of 90 %", float(inside.mean())
+    return Check("", what, "", coverage, low=0.85, high=0.95)
 
 
 _DRIFTS = ("drift", "feedback")

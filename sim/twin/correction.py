@@ -13,8 +13,7 @@ from ..part.carried import Motion
 from ..robot.individual import Individual
 from .ensemble import errors
 from .learning import TwinLearning, learn_in_twin
-from .prediction import Prediction, predicted
-from .sensors import Measure
+from .prediction import Evidence, Prediction, predicted
 from .simulation import Design, motor_path
 
 
@@ -44,8 +43,7 @@ def correct(
     individual: Individual,
     around: Sequence[Individual],
     cut: Cut,
-    uncertainty: float,
-    sensor: Measure,
+    evidence: Evidence,
     cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
     """Learn a cut inside a twin and predict what its correction leaves.
@@ -57,7 +55,7 @@ def correct(
     experiment = prepare(plain, nominal=nominal)
     motion, reference = experiment.motion, experiment.loaded.reference
     about = design, individual, around
-    return correct_motion(*about, motion, reference, uncertainty, sensor, cfg)
+    return correct_motion(*about, motion, reference, evidence, cfg)
 
 
 def correct_motion(
@@ -66,8 +64,7 @@ def correct_motion(
     around: Sequence[Individual],
     motion: Motion,
     reference: Array,
-    uncertainty: float,
-    sensor: Measure,
+    evidence: Evidence,
     cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
     """Learn a planned motion inside a twin and predict what its correction leaves.
@@ -75,13 +72,12 @@ def correct_motion(
     Args:
         around: individuals that commissioning cannot tell from the twin.
         reference: (N, 6) [rad], of the motion.
-        uncertainty: residual of a cut that the twin was not identified from [m].
-        sensor: that it was identified from.
+        evidence: what the twin was identified from.
     """
     learned = learn_in_twin(design, individual, motion, reference, cfg)
     spread = errors(design, around, motion, reference, learned.correction)
     rms = float(learned.rms[0]), float(learned.rms.min())
-    prediction = predicted(*rms, spread, uncertainty, sensor)
+    prediction = predicted(*rms, spread, evidence)
     reason = _distrust(prediction)
     used = learned.correction if reason is None else np.zeros_like(learned.correction)
     motors = motor_path(design.run([individual], reference, used)[0])

@@ -28,6 +28,7 @@ from .correction import Corrected, correct, correct_motion
 from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
+from .prediction import Evidence
 from .sensors import SENSORS, Measure
 from .simulation import Design
 
@@ -105,7 +106,7 @@ class Twin:
         self.check(cut)
         design = self.design_with(cut.payload)
         about = design, self.individual, self.around
-        return correct(*about, cut, self.uncertainty, self.sensor)
+        return correct(*about, cut, self.evidence)
 
     def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
         """Correction for the first run of a planned motion, such as that of a whole part.
@@ -114,7 +115,7 @@ class Twin:
         """
         self.check(setup)
         about = self.design_with(setup.payload), self.individual, self.around
-        return correct_motion(*about, motion, reference, self.uncertainty, self.sensor)
+        return correct_motion(*about, motion, reference, self.evidence)
 
     @property
     def around(self) -> list[Individual]:
@@ -135,6 +136,12 @@ class Twin:
         """Raise TwinError for a cut of another robot."""
         if cut.cell is not CELLS[self.robot] or cut.model is not None:
             raise TwinError(f"the twin is of the robot {self.robot}, the cut is for another")
+
+    @property
+    def evidence(self) -> Evidence:
+        """What it was identified from."""
+        n_cuts = len(self.names)
+        return Evidence(sensor=self.sensor, n_cuts=n_cuts, residual=self.uncertainty)
 
     @property
     def uncertainty(self) -> float:

@@ -43,8 +43,8 @@ def test_a_first_cut_by_a_twin_is_predicted_and_right(armside, twin, tmp_path):
     found = json.loads(out)
     predicted = found["predicted"]
     assert predicted["trusted"]
-    low, high = predicted["interval"]
-    assert low < predicted["arm_rms"] < high
+    assert predicted["interval"] is None  # of a twin of one cut
+    assert 0.0 < predicted["arm_rms"] < 0.3 * predicted["uncorrected"]
     assert found["iterations"][0]["arm_rms_true"] < 0.3 * predicted["uncorrected"]
     assert found["twin"]["friction"] == pytest.approx([1.0] * 6, abs=0.15)
 

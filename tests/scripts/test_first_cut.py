@@ -16,3 +16,8 @@ def test_the_interval_of_a_correction_that_is_not_used_is_not_printed():
     said = line(FOUND | {"trusted": False}, [{"arm_rms": 1.2e-4}])
     assert said.startswith("First cut without correction: 120.0 um, 100 um by the twin")
     assert "90 %" not in said
+
+
+def test_an_interval_that_is_not_known_is_not_printed():
+    said = line(FOUND | {"interval": None}, [{"arm_rms": 2.5e-6}])
+    assert said.endswith("predicted 2.0 um, of unknown accuracy for a twin of so few cuts")

@@ -1,9 +1,11 @@
 """Verifications of twins by IMU: what is measured, and what their verdicts let pass."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from armside.scripts.verifications import first_cut_imu
+from armside.scripts.verifications import first_cut, first_cut_imu
 from armside.scripts.verifications.imu_twin import BLOCKS, uncorrected, with_truth
 from armside.sim.laser import Cut
 from armside.sim.notes import Tally
@@ -53,3 +55,22 @@ def test_first_cuts_by_an_imu_have_bounds_of_their_own(median, worst, failing):
 def test_an_interval_by_an_imu_that_holds_too_few_or_too_many_errors_fails(inside, holds):
     found = first_cut_imu.Found(1, 0, np.full(30, 0.05), np.arange(30) < inside, 1.0)
     assert first_cut_imu.verdicts([found])[-1].holds == holds
+
+
+def test_the_interval_of_a_task_that_is_not_corrected_does_not_count():
+    ends = SimpleNamespace(low=1.0, high=3.0)
+    corrections = [SimpleNamespace(prediction=ends, trusted=t) for t in (True, True, True, False)]
+    inside = first_cut.in_its_interval(np.array([1.0, 3.1, 0.9, 2.0]), corrections)
+    assert inside.tolist() == [True, False, False]
+
+
+def test_each_count_of_cuts_has_a_verdict_on_its_interval():
+    each, held = np.full(10, 0.01), np.arange(10) < 9
+    found = first_cut.Found(
+        *(1, 0, dict.fromkeys(first_cut.COUNTS, each)),
+        {10: held, 4: np.ones(10, dtype=bool), 2: np.arange(10) < 8},
+        *(each, each, each, held, 1.0, 1.0),
+    )
+    failed = [v.statement for v in first_cut.verdicts([found]) if not v.holds]
+    assert [name.split(":")[0] for name in failed if "interval" in name] == ["4 cuts", "2 cuts"]
+    assert len(first_cut._row(found)) == len(first_cut.COLUMNS)

@@ -88,8 +88,9 @@ def by_first_cut(monkeypatch):
     n = first_cut.N_TASKS
     each, inside = np.full(n, 0.1), np.ones(n, dtype=bool)
     left: dict[int, Array] = dict.fromkeys(first_cut.COUNTS, each)
+    held = dict.fromkeys(first_cut.COUNTS, inside)
     found = first_cut.Found(
-        1, 0, left, inside, each, each, each, inside, 1.0, 1.0, tally(True, False)
+        1, 0, left, held, each, each, each, inside, 1.0, 1.0, tally(True, False)
     )
     monkeypatch.setattr(first_cut, "Workers", here(None, [found] * 2))
     return first_cut.first_cut([0, 1]), "2 of 4 runs"

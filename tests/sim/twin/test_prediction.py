@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 
 from armside.sim.twin.correction import _distrust
-from armside.sim.twin.prediction import Prediction, predicted
+from armside.sim.twin.prediction import Evidence, Prediction, predicted
 from armside.sim.twin.sensors import SENSORS
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 
 
+def of(residual=RESIDUAL, sensor="tracker", n_cuts=10):
+    return Evidence(sensor=sensor, n_cuts=n_cuts, residual=residual)
+
+
 def test_a_twin_that_is_the_robot_is_off_by_what_it_leaves_itself():
-    found = predicted(1e-4, INSIDE, np.full(8, INSIDE), 0.0, "tracker")
+    found = predicted(1e-4, INSIDE, np.full(8, INSIDE), of(0.0))
     assert found.expected == pytest.approx(INSIDE)
     assert found.low < found.expected < found.high
     assert found.low > 0.0
@@ -25,23 +29,44 @@ def test_a_twin_that_is_the_robot_is_off_by_what_it_leaves_itself():
     ids=["inside", "around", "residual"],
 )
 def test_each_sign_of_a_wrong_twin_raises_the_expected_error(inside, around, residual):
-    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL, "tracker")
-    after = predicted(1e-4, inside * INSIDE, around * AROUND, residual * RESIDUAL, "tracker")
+    before = predicted(1e-4, INSIDE, AROUND, of())
+    after = predicted(1e-4, inside * INSIDE, around * AROUND, of(residual * RESIDUAL))
     assert after.expected > 1.05 * before.expected
 
 
 def test_expected_errors_have_the_unit_of_what_they_are_made_of():
-    before = predicted(1e-4, INSIDE, AROUND, RESIDUAL, "tracker")
-    after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, 3.0 * RESIDUAL, "tracker")
+    before = predicted(1e-4, INSIDE, AROUND, of())
+    after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, of(3.0 * RESIDUAL))
     assert after.expected == pytest.approx(3.0 * before.expected)
     assert after.high == pytest.approx(3.0 * before.high)
 
 
 def test_the_interval_is_that_of_the_sensor():
-    by_tracker, by_imu = (predicted(1e-4, INSIDE, AROUND, RESIDUAL, s) for s in SENSORS)
+    by_tracker, by_imu = (predicted(1e-4, INSIDE, AROUND, of(sensor=s)) for s in SENSORS)
     assert by_imu.expected == by_tracker.expected
     assert by_imu.high > by_tracker.high
     assert by_imu.high / by_imu.low > by_tracker.high / by_tracker.low
+
+
+def test_the_interval_is_that_of_so_many_cuts_or_fewer():
+    def ends(n_cuts, sensor="tracker"):
+        found = predicted(1e-4, INSIDE, AROUND, of(sensor=sensor, n_cuts=n_cuts))
+        return found.low, found.high
+
+    each = [ends(n) for n in (2, 4, 10)]
+    assert len(set(each)) == 3
+    assert [ends(3), ends(9), ends(40)] == each
+    assert ends(1) == ends(10)  # a single cut cannot be left out: no residual says too much
+    assert ends(4, "imu") == ends(10, "imu")
+
+
+@pytest.mark.parametrize(("sensor", "fewest"), [("tracker", 2), ("imu", 10)])
+def test_of_fewer_cuts_than_it_was_fitted_to_an_interval_is_not_calibrated(sensor, fewest):
+    below, there = (
+        predicted(1e-4, INSIDE, AROUND, of(sensor=sensor, n_cuts=n)).calibrated
+        for n in (fewest - 1, fewest)
+    )
+    assert (below, there) == (False, True)
 
 
 def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
@@ -57,17 +82,19 @@ def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
 
 
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
-    good = Prediction(uncorrected=1e-4, inside=1e-6, expected=2e-5, low=1e-5, high=2.99e-5)
+    error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": 2e-5, "low": 1e-5}
+    good = Prediction(**error, high=2.99e-5, calibrated=True)
     assert _distrust(good) is None
     assert "up to 30 % of the error would be left" in str(_distrust(replace(good, high=3.01e-5)))
 
 
 @pytest.mark.parametrize("end", [np.nan, np.inf])
 def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
-    bad = Prediction(uncorrected=1e-4, inside=1e-6, expected=end, low=end, high=end)
+    error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": end, "low": end, "high": end}
+    bad = Prediction(**error, calibrated=True)
     assert "unstable" in str(_distrust(bad))
 
 
 def test_one_unstable_individual_around_a_twin_is_enough():
-    found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), RESIDUAL, "tracker")
+    found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), of())
     assert "unstable" in str(_distrust(found))
