@@ -6,6 +6,7 @@ move least from the start. The work is done by the compiled `numeric_kernel`.
 
 from functools import cache, lru_cache
 from math import cos, inf, pi, sin
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +75,7 @@ def inverse_numeric(
     Args:
         T: poses (4, 4) or (N, 4, 4), or positions (3,) or (N, 3) [m].
         start: shape (n,) [rad], where the search for each target starts.
-        tolerance: largest remaining error that is accepted [m] and [rad].
+        tolerance: largest remaining error that is accepted [m] and [rad], from 1e-12.
         limits: ranges that a solution is in.
         restarts: further starts, evenly spread over the limits (or a turn), for the targets that
             the first does not solve.
@@ -84,6 +85,9 @@ def inverse_numeric(
         NotConvergedError: says for which target, and what error remains where.
     """
     first = _start(robot, start)
+    _check_tolerance(tolerance)
+    if not isinstance(restarts, Integral) or restarts < 0:
+        raise ValueError(f"restarts must be a whole number from 0, got {restarts!r}")
     targets, rows, single = _targets(T)
     chain, turns, ranges = _chain(robot), _turns(robot), _ranges(robot, limits)
     starts = np.vstack([first, spread(robot, limits, restarts)])
@@ -118,7 +122,7 @@ def inverse_numeric_path(
     Args:
         T: poses (N, 4, 4) or positions (N, 3) [m].
         start: shape (n,) [rad]; the first configuration is searched from it.
-        tolerance: largest remaining error that is accepted [m] and [rad].
+        tolerance: largest remaining error that is accepted [m] and [rad], from 1e-12.
         limits: ranges that every configuration is in.
 
     Raises:
@@ -128,6 +132,7 @@ def inverse_numeric_path(
     targets, rows, single = _targets(T)
     if single:
         raise ValueError(f"T must be (N, 4, 4) or (N, 3), got {np.shape(T)}; see inverse_numeric")
+    _check_tolerance(tolerance)
     path = np.empty((len(targets), robot.n_joints))
     if not len(path):
         return path
@@ -175,6 +180,13 @@ def _start(robot: Robot, start: ArrayLike) -> Array:
     if phi.shape != (robot.n_joints,):
         raise ValueError(f"start must have shape ({robot.n_joints},), got {phi.shape}")
     return phi
+
+
+def _check_tolerance(tolerance: float) -> None:
+    exact = _kernel().EXACT
+    if not isinstance(tolerance, Real) or not exact <= tolerance < inf:
+        given = f"got {tolerance!r}"
+        raise ValueError(f"tolerance must be a number from {exact:g} [m and rad], {given}")
 
 
 def _targets(T: ArrayLike) -> tuple[Array, int, bool]:

@@ -296,6 +296,22 @@ def test_bad_targets_and_starts_are_refused(T, start, complaint):
         inverse_numeric(LARGE_ROBOT, T, start)
 
 
+@pytest.mark.parametrize("tolerance", [-1e-9, 0.0, np.nan, np.inf, 1e-14, "1e-9", None, [1e-9]])
+def test_a_tolerance_that_no_search_can_keep_is_refused(tolerance):
+    """Below 1e-12 an error is not reduced: 1e-14 left the branch of its start."""
+    phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
+    T = compile(LARGE_ROBOT).pose(phi)
+    for solve, target in ((inverse_numeric, T), (inverse_numeric_path, T[None])):
+        with pytest.raises(ValueError, match=r"tolerance must be a number from 1e-12 \[m and rad\]"):
+            solve(LARGE_ROBOT, target, phi + 0.1, tolerance)
+
+
+@pytest.mark.parametrize("restarts", [-1, 1.5, None])
+def test_restarts_are_counted(restarts):
+    with pytest.raises(ValueError, match="restarts must be a whole number from 0"):
+        inverse_numeric(LARGE_ROBOT, np.eye(4), np.zeros(6), restarts=restarts)
+
+
 def test_robots_of_symbols_and_limits_of_other_robots_are_refused():
     with pytest.raises(ValueError, match="needs a robot of numbers; robot has a"):
         inverse_numeric(Robot([Link(a="a")]), np.eye(4), [0.0])
