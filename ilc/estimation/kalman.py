@@ -8,6 +8,7 @@ state-space model" (1989), which inverts no covariance of a state: states may be
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
+from warnings import warn
 
 import numpy as np
 from numba import njit
@@ -17,6 +18,12 @@ from armside.arrays import Array, read_only
 
 from ..records import as_measured, records
 from .process import Process, steady_state_covariance
+
+_AMPLIFIED = 1e5  # of rounding of P in one update, from which smoothed variances may be lost
+_TOO_FAR_APART = (
+    "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
+    "even negative, and then its means; use square_root.smooth_square_root"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +97,9 @@ class SteadyStateFilter:
 class Smoother:
     """Kalman smoother for records of N samples with the same measurements missing.
 
-    The smoothed covariance is a difference: where variances of states and readings are more than
-    some 1e12 apart it may come out negative, and `square_root.smooth_square_root` is right.
+    The covariances are differences: where variances of states and readings are some 1e12 apart,
+    rounding may leave nothing of them. A RuntimeWarning says so, unless a reading has no noise;
+    `square_root.smooth_square_root` is right there.
     """
 
     process: Process
@@ -111,7 +119,9 @@ class Smoother:
             raise ValueError(f"start_covariance must have shape {(n, n)}, got {start.shape}")
         rows = seen[:, None] if seen.ndim == 1 else seen
         channels = read_only(np.broadcast_to(rows, (len(seen), p)))
-        found = _covariances(one.A, one.Q, one.C, one.R, start, channels)
+        *found, amplified = _covariances(one.A, one.Q, one.C, one.R, start, channels)
+        if amplified > _AMPLIFIED and np.diagonal(one.R).all():
+            warn(_TOO_FAR_APART, RuntimeWarning, stacklevel=3)
         object.__setattr__(self, "_gains", _Gains(channels, *found))
 
     @property
@@ -209,11 +219,12 @@ def _backwards(
 @njit(cache=True)
 def _covariances(
     A: Array, Q: Array, C: Array, R: Array, P: Array, seen: NDArray[np.bool_]
-) -> tuple[Array, Array, Array, Array, Array]:  # pragma: no cover - compiled
+) -> tuple[Array, Array, Array, Array, Array, float]:  # pragma: no cover - compiled
+    """The fields of `_Gains` after `seen`, and how much an update amplifies rounding of P."""
     n_samples, n, p = len(seen), len(A), len(C)
     gain, weight = np.zeros((n_samples, n, p)), np.zeros((n_samples, n, p))
     blind, S_all = np.empty((n_samples, n, n)), np.empty((n_samples, p, p))
-    filtered, identity = np.empty((n_samples, n, n)), np.eye(n)
+    filtered, identity, amplified = np.empty((n_samples, n, n)), np.eye(n), 1.0
     for i in range(n_samples):
         # A missing channel measures nothing, with noise of unit variance.
         Ci, Ri = C.copy(), R.copy()
@@ -225,12 +236,18 @@ def _covariances(
         K = np.ascontiguousarray(np.linalg.solve(S, np.ascontiguousarray(PC.T)).T)
         # Joseph form: symmetric and positive in spite of rounding.
         I_KC = identity - K @ Ci
+        deviation = np.sqrt(np.maximum(np.diag(P), 0.0))
+        size = deviation + np.abs(K) @ (np.abs(Ci) @ deviation)  # of the terms of I - K C
+        lost = size * (np.abs(I_KC) @ deviation)
         P = I_KC @ P @ I_KC.T + K @ Ri @ K.T
+        for j in range(n):
+            if lost[j] > amplified * P[j, j]:
+                amplified = lost[j] / P[j, j] if P[j, j] > 0.0 else np.inf
         gain[i], blind[i], S_all[i], filtered[i] = K, I_KC, S, P
         weight[i] = np.linalg.solve(S, Ci).T
         P = A @ P @ A.T + Q
         P = 0.5 * (P + P.T)
-    return gain, blind, weight, S_all, filtered
+    return gain, blind, weight, S_all, filtered, amplified
 
 
 @njit(cache=True)

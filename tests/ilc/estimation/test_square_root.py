@@ -1,5 +1,7 @@
 """The square-root smoother is the smoother, and holds where the covariance form does not."""
 
+import warnings
+
 import mpmath
 import numpy as np
 import pytest
@@ -74,9 +76,42 @@ def test_variances_hold_where_the_covariance_form_has_none():
     said = np.diagonal(found.smoothed_covariance, axis1=1, axis2=2)
     np.testing.assert_allclose(said, variance, rtol=1e-5)
     np.testing.assert_allclose(found.smoothed, mean, atol=1e-2 * np.sqrt(variance.min()))
-    plain = Smoother(one, S @ S.T, np.ones(len(y), dtype=bool)).smoothed_covariance
+    with pytest.warns(RuntimeWarning, match="use square_root.smooth_square_root"):
+        plain = Smoother(one, S @ S.T, np.ones(len(y), dtype=bool)).smoothed_covariance
     wrong = np.abs(np.diagonal(plain, axis1=1, axis2=2) / variance - 1.0)
     assert wrong.max() > 0.1
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_covariance_form_is_right_or_warns(seed):
+    """Variances up to 1e28 apart; the smallest variances lose most."""
+    rng = np.random.default_rng(seed)
+    n, decades = int(rng.integers(1, 4)), rng.uniform(0, 14)
+    A = rng.standard_normal((n, n))
+    one = Process(
+        A=0.95 * A / np.abs(np.linalg.eigvals(A)).max(),
+        Q=np.diag(10.0 ** rng.uniform(-1.5 * decades, -0.5 * decades, n)),
+        C=rng.standard_normal((1, n)),
+        R=np.array([[10.0**-decades]]),
+    )
+    P0 = np.diag(10.0 ** rng.uniform(0, decades, n))
+    y, seen = rng.standard_normal((6, 1)), np.ones(6, dtype=bool)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        plain = Smoother(one, P0, seen)
+    mean, variance = dense(one, y, P0)
+    found = np.diagonal(plain.smoothed_covariance, axis1=1, axis2=2)
+    off = np.abs(plain(y).smoothed - mean) / np.sqrt(variance)
+    assert said or (np.abs(found / variance - 1.0).max() < 1e-2 and off.max() < 1e-4)
+    assert not said or decades > 3.0
+
+
+def test_readings_without_noise_are_no_reason_to_warn():
+    one, y, S = stiff()
+    exact = Process(A=one.A, Q=one.Q, C=one.C, R=np.zeros((1, 1)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Smoother(exact, S @ S.T, np.ones(len(y), dtype=bool))
 
 
 def test_what_has_no_square_root_or_does_not_fit_is_refused():
