@@ -94,7 +94,11 @@ def _errors(
 
 
 def _contraction(law: Law, T_u: Model) -> float | None:
-    """Criterion (7.5) for first-order laws with known responses, refined at poles of T_u and Q."""
+    """Criterion (7.5) for first-order laws with known responses.
+
+    Refined at the poles of T_u and Q, and at the zeros of the model of the law: where they are near
+    the unit circle its inverse is steep.
+    """
     if isinstance(law, Heuristic):
         return heuristic_criterion(T_u, law.gamma, law.delta, law.Q).contraction
     if not isinstance(T_u, System):
@@ -105,14 +109,14 @@ def _contraction(law: Law, T_u: Model) -> float | None:
         def responses(omega: Array) -> tuple[Complex, Complex]:
             return designed.responses(omega)
 
-        poles = (law.T_u.all_poles, law.T_u.all_poles)
+        inverted, poles = law.T_u, np.zeros(0, dtype=np.complex128)
     elif isinstance(law, FirstOrder):
         L, Q = law.L, law.Q
 
         def responses(omega: Array) -> tuple[Complex, Complex]:
             return Q.response(omega).astype(np.complex128), L.response(omega)
 
-        poles = (T_u.all_poles, getattr(Q, "poles", np.zeros(0)))
+        inverted, poles = getattr(L, "T_u", T_u), getattr(Q, "poles", np.zeros(0))
     else:
         return None
 
@@ -121,8 +125,18 @@ def _contraction(law: Law, T_u: Model) -> float | None:
         found = criterion(T_u.response(omega), learning, np.abs(q), omega)
         return np.square(found.q * found.learning)
 
-    every = np.concatenate((T_u.all_poles, *poles)).astype(np.complex128)
+    turns = _poles_and_zeros(inverted) if isinstance(inverted, System) else T_u.all_poles
+    every = np.concatenate((T_u.all_poles, turns, poles)).astype(np.complex128)
     return float(np.sqrt(peak(power, every, frequency_grid()).values.max()))
+
+
+def _poles_and_zeros(T: System) -> Complex:
+    """Twice the poles and zeros of a model, of which L has the squared size; zeros outside the unit
+    circle reflected."""
+    zeros = np.roots(np.trim_zeros(T.b))
+    outside = np.abs(zeros) > 1.0
+    zeros = np.where(outside, 1.0 / np.where(outside, zeros, 1.0).conj(), zeros)
+    return np.tile(np.concatenate((T.all_poles, zeros)), 2).astype(np.complex128)
 
 
 def _spectral_radius(law: Law, setting: Setting, T_u: Model) -> float | None:

@@ -73,3 +73,24 @@ def test_the_criterion_that_is_printed_sees_a_narrow_resonance(law, tmp_path):
     wanted = np.abs(Q * (1.0 - L * plant.response(omega))).max()
     found = predict(law, setting, np.ones((100, 1)), 0, first_correction=np.zeros((100, 1)))
     assert found.contraction == pytest.approx(wanted, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "law",
+    ["inverse:regularisation=1e-7,cutoff=40", "norm-optimal:correction=1e-9,change=1e-6"],
+)
+def test_the_criterion_that_is_printed_sees_a_narrow_antiresonance(law):
+    """There a model's inverse is steep, though no pole of the model is near."""
+    radius, omega_0 = np.exp(-1e-4), 1.0
+    zeros = np.array([1.0, -2.0 * radius * np.cos(omega_0), radius**2])
+    plant = System(np.append(0.0, 0.5 * zeros / zeros.sum()), [1.0, -0.5], 0.01)
+    setting = setting_of(linear("narrow", plant, Record(n_samples=100)))
+    built = build_law(law, setting)
+    omega = np.sort(np.concatenate((np.linspace(1e-3, np.pi, 4000), OMEGA_NEAR)))
+    if law.startswith("norm-optimal"):
+        Q, L = built.responses(omega)
+    else:
+        Q, L = built.Q.response(omega), built.L.response(omega)
+    wanted = np.abs(Q * (1.0 - L * plant.response(omega))).max()
+    found = predict(law, setting, np.ones((100, 1)), 0, first_correction=np.zeros((100, 1)))
+    assert found.contraction == pytest.approx(wanted, rel=1e-5)

@@ -301,8 +301,9 @@ def test_a_tolerance_that_no_search_can_keep_is_refused(tolerance):
     """Below 1e-12 an error is not reduced: 1e-14 left the branch of its start."""
     phi = np.array([0.2, -0.3, 0.2, 0.3, 0.8, -0.4])
     T = compile(LARGE_ROBOT).pose(phi)
+    said = r"tolerance must be a number from 1e-12 \[m and rad\]"
     for solve, target in ((inverse_numeric, T), (inverse_numeric_path, T[None])):
-        with pytest.raises(ValueError, match=r"tolerance must be a number from 1e-12 \[m and rad\]"):
+        with pytest.raises(ValueError, match=said):
             solve(LARGE_ROBOT, target, phi + 0.1, tolerance)
 
 
