@@ -22,8 +22,9 @@ def asymptotic_error(
     and ends at rest.
 
     Raises:
-        ValueError: for an unstable T_u, or if the denominator vanishes at a frequency, which then
-            has no limit, at which some correction is neither learned nor forgotten.
+        ValueError: for an unstable T_u, a Q whose cutoffs are not as many as the columns, or if the
+            denominator vanishes at a frequency, which then has no limit, at which some correction
+            is neither learned nor forgotten.
     """
     n_samples = len(first_error)
     length = n_samples + n_padding
@@ -37,6 +38,9 @@ def asymptotic_error(
         limit = _coupled(E, T, _as_matrices(L_response, T), _as_matrices(q, T))
     else:
         T, L_response, q = (each.reshape(len(T), -1) for each in (T, L_response, q))
+        cutoffs = q.shape[1]
+        if cutoffs not in (1, E.shape[1]):
+            raise ValueError(f"Q has {cutoffs} cutoffs, the error {E.shape[1]} columns")
         denominator = 1.0 - q * (1.0 - T * L_response)
         _require_limit(float(np.abs(denominator).min()))
         limit = (1.0 - q) / denominator * E

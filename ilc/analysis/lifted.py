@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..laws.law import FirstOrderLaw, require_linear
-from ..models.products import Products
+from ..models.products import Products, require_moderate
 from ..models.products import largest_singular_value as of_products
 from ..models.state_space import StateSpace
 from ..models.system import System
@@ -136,7 +136,10 @@ def largest_singular_value(matrix: Array, power: int) -> float:
     if power == 0:
         return 1.0
     if 20 * power > size * np.log2(power + 1):  # cheaper by repeated squaring first
-        matrix, power = np.linalg.matrix_power(matrix, power), 1
+        with np.errstate(over="ignore", invalid="ignore"):
+            raised = np.linalg.matrix_power(matrix, power)
+        require_moderate(raised, power)
+        matrix, power = raised, 1
     record = size, 1
     once = Products(record, record, lambda v: matrix @ v, lambda v: matrix.T @ v)
     return of_products(once, power=power)

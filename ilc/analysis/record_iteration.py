@@ -110,7 +110,7 @@ class RecordIteration:
         for k in _POWERS:
             try:
                 growth = largest_singular_value(self.products, _ROUGH, k)
-            except RuntimeError:  # lost in rounding: the bound of fewer iterations remains
+            except (RuntimeError, OverflowError):  # lost: the bound of fewer iterations remains
                 break
             bound = min(bound, ((1.0 + 10.0 * _ROUGH) * growth) ** (1.0 / k))
             if bound < 1.0 or (eigenvalue is not None and abs(eigenvalue) >= 1.0):

@@ -84,7 +84,8 @@ class PlugIn:
     period: int
 
     def __post_init__(self) -> None:
-        if as_whole(self.period, "period") < 2:
+        object.__setattr__(self, "period", int(as_whole(self.period, "period")))
+        if self.period < 2:
             raise ValueError(f"period must be >= 2, got {self.period}")
 
     @records("first_error")

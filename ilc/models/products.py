@@ -13,6 +13,7 @@ _TIGHT = 1e-10  # relative residual of a singular or eigenvalue
 _TINY = 3  # sizes up to which the matrix is built, too small for Lanczos
 SMALL = 300  # sizes up to which it is built where Lanczos iterations do not converge
 _RESTARTS = 100
+_LARGEST = 1e150  # of a power, whose square is a number
 _ADJOINT = 1e-6  # relative difference of inner products by rounding
 
 
@@ -32,6 +33,7 @@ class Products:
             def times(signal: Array) -> Array:
                 for _ in range(k):
                     signal = once(signal)
+                    require_moderate(signal, k)
                 return signal
 
             return times
@@ -63,7 +65,8 @@ def largest_singular_value(products: Products, tight: float = _TIGHT, power: int
     From below: the residual of the vector found is below `tight` of the value, so a singular value
     lies that close; the random start makes it the largest one. Where many lie as close together
     the residual of the squared map is taken, and then a RuntimeError raised, as for a power that is
-    lost in rounding. ValueError for a backward map that is not the adjoint of the forward map.
+    lost in rounding. OverflowError for a power beyond 1e150, ValueError for a backward
+    map that is not the adjoint of the forward map.
     """
     size = min(np.prod(products.inputs), np.prod(products.outputs))
     forward = _checked(products)
@@ -108,6 +111,12 @@ def _checked(products: Products) -> Array:
     forward, backward = products.forward(u), products.backward(v)
     require_adjoint(u, v, forward, backward)
     return forward
+
+
+def require_moderate(values: Array, power: int) -> None:
+    """Raise OverflowError for values of a power of a map whose squares no number can hold."""
+    if not np.abs(values).max(initial=0.0) < _LARGEST:
+        raise OverflowError(f"power {power} of the map exceeds {_LARGEST:g}: it diverges")
 
 
 def require_adjoint(u: Array, v: Array, forward: Array, backward: Array) -> None:

@@ -2,8 +2,11 @@
 
 x(t + 1) = A(t) x(t) + B(t) u(t), y = C x, for deviations x of (q, q_dot, activations) from the
 run, q in the tangent space of the configuration, and u of the controls. Finite differences of one
-step (`mjd_transitionFD`, central), chained over the physics steps of a sample.
+step (`mjd_transitionFD`, central), chained over the physics steps of a sample. A control at the end
+of its range has the derivative on the side within it.
 """
+
+from warnings import warn
 
 import mujoco
 import numpy as np
@@ -25,8 +28,11 @@ def linearised(
         controls: (N, nu), held over the `steps` physics steps of each sample.
         outputs: (p, 2 nv + na), rows of C.
 
-    Raises ValueError for arrays of other shapes.
+    Raises ValueError for arrays of other shapes, or a model integrated by RK4, whose step has no
+    such derivative. Warns (RuntimeWarning) of contacts, which may slip, come or go beside the run.
     """
+    if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
+        raise ValueError("a model with integrator RK4 is not linearised: use Euler or implicit")
     size = 2 * model.nv + model.na
     n_samples, wanted = len(states), mujoco.mj_stateSize(model, _STATE)
     shapes = states.shape, controls.shape, outputs.shape[1:]
@@ -38,10 +44,15 @@ def linearised(
         raise ValueError(f"steps must be >= 1, got {steps}")
     data = mujoco.MjData(model)
     A, B = np.zeros((n_samples, size, size)), np.zeros((n_samples, size, model.nu))
+    touching = 0
     for t in range(n_samples):
         mujoco.mj_setState(model, data, states[t], _STATE)
         data.ctrl[:] = controls[t]
         A[t], B[t] = _sample(model, data, steps)
+        touching += data.ncon > 0
+    if touching:
+        text = f"contacts in {touching} of {n_samples} samples: the linear model holds while none"
+        warn(f"{text} slips, comes or goes", RuntimeWarning, stacklevel=2)
     return TimeVarying(A, B, np.repeat(outputs[None], n_samples, axis=0))
 
 

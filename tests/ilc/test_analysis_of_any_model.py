@@ -139,3 +139,12 @@ def test_a_power_lost_in_rounding_is_not_taken_for_a_wrong_adjoint():
     with pytest.raises(RuntimeError, match="power 100 of the map is lost in rounding"):
         found.transient_growth(100)
     assert found.spectral_radius.bound > 1.0
+
+
+@pytest.mark.parametrize("k", [100, 250, 400])
+def test_a_power_that_no_number_holds_is_named(k):
+    """A gain of 60: one analysis blamed the adjoint, the other a signal or rounding."""
+    diverging = Heuristic(gamma=60.0, delta=1, Q=ALL_PASS)
+    for found in (RecordIteration, LiftedIteration.build):
+        with pytest.raises(OverflowError, match=rf"power {k} of the map exceeds 1e\+150"):
+            found(SERVO, diverging, 100).transient_growth(k)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armside.ilc.analysis.asymptotic import asymptotic_error
 from armside.ilc.analysis.criterion import heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth, shift
 from armside.ilc.laws.basis_functions import BasisFunctions
@@ -81,6 +82,7 @@ def test_whole_numbers_of_any_type_are_samples():
     assert np.array_equal(points(0.0 * e, e), known(0.0 * e, e))
     assert np.array_equal(PType(delta=np.float64(2.0))(e.cumsum(0)), PType(delta=2)(e.cumsum(0)))
     assert Repetitive(L=PType(), period=10.0, begin=2.0).laps(np.ones((10, 1)), N).shape == (N, 1)
+    assert PlugIn(T_u=SERVO, L=PType(), period=10.0).run(np.ones((N, 1))).shape == (N, 1)
 
 
 @pytest.mark.parametrize(
@@ -125,3 +127,15 @@ def test_an_inverse_of_equal_columns_is_refused():
     T = StateSpace([[0.5]], [[1.0, 1.0]], [[1.0], [1.0]], sample_time=T_S)
     with pytest.raises(ValueError, match="no inverse"):
         ModelInverse(T_u=T, learned=LOW)(np.ones((N, 2)))
+
+
+def test_each_column_of_an_error_has_its_cutoff_or_all_have_one():
+    Q = ZeroPhaseButterworth((5.0, 8.0), 0.01)
+    e = np.ones((60, 2))
+    both = asymptotic_error(e, SERVO, PType(gamma=0.5), Q)
+    for column, cutoff in enumerate((5.0, 8.0)):
+        alone = ZeroPhaseButterworth(cutoff, 0.01)
+        wanted = asymptotic_error(e[:, :1], SERVO, PType(gamma=0.5), alone)
+        np.testing.assert_allclose(both[:, [column]], wanted, rtol=1e-12)
+    with pytest.raises(ValueError, match="Q has 2 cutoffs, the error 1 columns"):
+        asymptotic_error(e[:, :1], SERVO, PType(gamma=0.5), Q)

@@ -90,3 +90,34 @@ def test_arrays_of_other_shapes_are_refused(along_the_run):
         linearised(model, np.zeros((4, 3)), np.zeros((4, 2)), np.eye(2, 5))
     with pytest.raises(ValueError, match="steps must be >= 1"):
         linearised(model, np.zeros((4, 6)), np.zeros((4, 2)), np.eye(2, 5), 0)
+
+
+SPHERE = """
+<mujoco>
+  <option timestep="0.002"/>
+  <worldbody>
+    <geom type="plane" size="1 1 0.1"/>
+    <body pos="0 0 0.05">
+      <joint name="x" type="slide" axis="1 0 0"/>
+      <joint name="z" type="slide" axis="0 0 1"/>
+      <geom type="sphere" size="0.05" mass="1"/>
+    </body>
+  </worldbody>
+  <actuator><motor joint="x"/></actuator>
+</mujoco>
+"""
+
+
+def test_contacts_along_the_run_are_named():
+    """A sphere pushed over a plane slips: no linear model holds."""
+    model = mujoco.MjModel.from_xml_string(SPHERE)
+    controls = np.full((5, 1), 12.0)
+    states, _ = run(model, controls)
+    with pytest.warns(RuntimeWarning, match=r"contacts in \d of 5 samples: .* while none slips"):
+        linearised(model, states, controls, np.eye(1, 4), STEPS)
+
+
+def test_a_step_without_a_derivative_is_refused():
+    model = mujoco.MjModel.from_xml_string(ARM.replace("timestep", 'integrator="RK4" timestep'))
+    with pytest.raises(ValueError, match="a model with integrator RK4 is not linearised"):
+        linearised(model, np.zeros((4, 6)), np.zeros((4, 2)), np.eye(2, 5))
