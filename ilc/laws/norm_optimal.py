@@ -60,15 +60,22 @@ class NormOptimal(FirstOrderLaw):
                 raise ValueError(f"{name} must have shape {weight.shape}, got {signal.shape}")
 
     def responses(self, omega: ArrayLike) -> tuple[Complex, Complex]:
-        """(Q, L) on infinite records, for one system and constant weights, (M,) each."""
-        if not isinstance(self.T_u, System):
-            raise ValueError("responses need a T_u with one input and one output")
+        """(Q, L) on infinite records for constant weights: (M,) each for one system, (M, m, m) and
+        (M, m, p) for several inputs and outputs."""
+        response_of = getattr(self.T_u, "response", None)
+        if response_of is None:
+            raise ValueError("responses need a T_u with a frequency response")
         We, Wu, Wd = (self.criterion.error, self.criterion.correction, self.criterion.change)
         if any(np.ndim(weight) for weight in (We, Wu, Wd)):
             raise ValueError("responses need weights that do not vary over time")
-        T = self.T_u.response(omega)
+        T: Complex = response_of(omega)
         taps = np.asarray(self.criterion.error_filter)
-        F = System(taps, np.ones(1), self.T_u.sample_time).response(omega)
+        F = System(taps, np.ones(1), 1.0).response(omega)
         power = np.square(np.abs(F)) * We
-        known = np.square(np.abs(T)) * power + Wd
-        return (known / (known + Wu)).astype(complex), T.conj() * power / known
+        if T.ndim == 1:
+            known = np.square(np.abs(T)) * power + Wd
+            return (known / (known + Wu)).astype(complex), T.conj() * power / known
+        T_H, identity = T.conj().swapaxes(1, 2) * power[:, None, None], np.eye(T.shape[2])
+        known = T_H @ T + Wd * identity
+        Q, L = np.linalg.solve(known + Wu * identity, known), np.linalg.solve(known, T_H)
+        return Q.astype(np.complex128), L.astype(np.complex128)

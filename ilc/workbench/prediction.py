@@ -8,16 +8,14 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..analysis.criterion import criterion, frequency_grid, heuristic_criterion
 from ..analysis.eigenloci import Eigenloci, eigenloci
 from ..analysis.lifted import LiftedIteration
 from ..laws.heuristic import Heuristic
 from ..laws.law import FirstOrder, Law
-from ..laws.norm_optimal import NormOptimal
-from ..models.peak import peak
-from ..models.system import Complex, System
+from ..models.system import System
 from ..models.system_matrix import Model
 from ..records import records
+from .contraction import contraction
 from .laws import MEASURING, build_law
 from .setting import Setting
 from .words import Words
@@ -33,7 +31,8 @@ class Prediction:
     """Predicted convergence of one law; None where it is not known."""
 
     contraction: float | None
-    """sup |Q (1 - L T_u)| on infinite records: below 1 ||e_k - e_inf|| shrinks to it or less."""
+    """sup |Q (1 - L T_u)| on infinite records: below 1 ||u_k - u_inf|| shrinks to it or less; for
+    several motors sup ||Q (I - L T_u)||_2."""
     spectral_radius: float | None
     """Of the lifted iteration on the finite record: below 1 it converges in the end."""
     errors: Array
@@ -67,7 +66,7 @@ def predict(
     errors = _errors(built, error_of, first_correction, memory, iterations)
     if Words.parse(law).name in MEASURING:  # L is measured, not stated
         return Prediction(None, None, errors)
-    return Prediction(_contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
+    return Prediction(contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
 
 
 def predicted_loci(law: str, setting: Setting) -> Eigenloci | None:
@@ -91,52 +90,6 @@ def _errors(
     norms = np.full(iterations + 1, np.nan)
     norms[: len(errors)] = [np.linalg.norm(error) for error in errors]
     return norms
-
-
-def _contraction(law: Law, T_u: Model) -> float | None:
-    """Criterion (7.5) for first-order laws with known responses.
-
-    Refined at the poles of T_u and Q, and at the zeros of the model of the law: where they are near
-    the unit circle its inverse is steep.
-    """
-    if isinstance(law, Heuristic):
-        return heuristic_criterion(T_u, law.gamma, law.delta, law.Q).contraction
-    if not isinstance(T_u, System):
-        return None
-    if isinstance(law, NormOptimal) and isinstance(law.T_u, System):
-        designed = law
-
-        def responses(omega: Array) -> tuple[Complex, Complex]:
-            return designed.responses(omega)
-
-        inverted, poles = law.T_u, np.zeros(0, dtype=np.complex128)
-    elif isinstance(law, FirstOrder):
-        L, Q = law.L, law.Q
-
-        def responses(omega: Array) -> tuple[Complex, Complex]:
-            return Q.response(omega).astype(np.complex128), L.response(omega)
-
-        inverted, poles = getattr(L, "T_u", T_u), getattr(Q, "poles", np.zeros(0))
-    else:
-        return None
-
-    def power(omega: Array) -> Array:
-        q, learning = responses(omega)
-        found = criterion(T_u.response(omega), learning, np.abs(q), omega)
-        return np.square(found.q * found.learning)
-
-    turns = _poles_and_zeros(inverted) if isinstance(inverted, System) else T_u.all_poles
-    every = np.concatenate((T_u.all_poles, turns, poles)).astype(np.complex128)
-    return float(np.sqrt(peak(power, every, frequency_grid()).values.max()))
-
-
-def _poles_and_zeros(T: System) -> Complex:
-    """Twice the poles and zeros of a model, of which L has the squared size; zeros outside the unit
-    circle reflected."""
-    zeros = np.roots(np.trim_zeros(T.b))
-    outside = np.abs(zeros) > 1.0
-    zeros = np.where(outside, 1.0 / np.where(outside, zeros, 1.0).conj(), zeros)
-    return np.tile(np.concatenate((T.all_poles, zeros)), 2).astype(np.complex128)
 
 
 def _spectral_radius(law: Law, setting: Setting, T_u: Model) -> float | None:

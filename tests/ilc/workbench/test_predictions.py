@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
+from armside.ilc.analysis.lifted import LiftedIteration
+from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.system import System
+from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.workbench.compare import run_law, setting_of
+from armside.ilc.workbench.contraction import contraction
 from armside.ilc.workbench.laws import build_law
 from armside.ilc.workbench.plants import Record, linear, own_plant
 from armside.ilc.workbench.prediction import predict
@@ -94,3 +99,38 @@ def test_the_criterion_that_is_printed_sees_a_narrow_antiresonance(law):
     wanted = np.abs(Q * (1.0 - L * plant.response(omega))).max()
     found = predict(law, setting, np.ones((100, 1)), 0, first_correction=np.zeros((100, 1)))
     assert found.contraction == pytest.approx(wanted, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "law", ["inverse:regularisation=1e-4,cutoff=20", "norm-optimal:correction=1e-3,change=1e-2"]
+)
+def test_the_criterion_of_coupled_motors_is_printed(law):
+    """Beside the largest singular value of the lifted iteration, which the sup bounds."""
+    one, other = ([0.0, 0.5], [1.0, -0.5]), ([0.0, 0.06], [1.0, -0.7])
+    rows = ((one, other), (other, one))
+    plant = SystemMatrix(tuple(tuple(System(b, a, 0.01) for b, a in row) for row in rows))
+    setting = setting_of(linear("coupled", plant, Record(n_samples=300)))
+    zero = np.zeros((300, 2))
+    found = predict(law, setting, np.ones((300, 2)), 0, first_correction=zero).contraction
+    iteration = LiftedIteration.build(plant, build_law(law, setting), 300, 2).iteration
+    middle = slice(2 * 60, 2 * 240)  # away from the ends of the record, as on an infinite one
+    lifted = np.linalg.norm(iteration[middle, middle], ord=2)
+    assert found == pytest.approx(lifted, rel=0.02)
+
+
+def test_the_criterion_of_coupled_motors_sees_their_zeros():
+    """Two motors turned against two antiresonances: no entry of the model has a zero there."""
+    radius, omega_0 = np.exp(-1e-4), 1.0
+    zeros = np.array([1.0, -2.0 * radius * np.cos(omega_0), radius**2])
+    narrow, plain = np.append(0.0, 0.5 * zeros / zeros.sum()), np.array([0.0, 0.5, 0.0, 0.0])
+    c, s = np.cos(0.4), np.sin(0.4)
+    entries = ((c * c, s * s), (c * s, -c * s), (c * s, -c * s), (s * s, c * c))
+    systems = [System(p * narrow + q * plain, [1.0, -0.5], 0.01) for p, q in entries]
+    plant = SystemMatrix((tuple(systems[:2]), tuple(systems[2:])))
+    law = NormOptimal(
+        T_u=plant, n_samples=100, criterion=QuadraticCriterion(correction=1e-9, change=1e-6)
+    )
+    Q, L = law.responses(OMEGA_NEAR)
+    wanted = np.linalg.norm(Q @ (np.eye(2) - L @ plant.response(OMEGA_NEAR)), 2, axis=(1, 2)).max()
+    assert wanted > 0.9
+    assert contraction(law, plant) == pytest.approx(wanted, rel=1e-5)
