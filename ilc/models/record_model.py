@@ -1,7 +1,7 @@
 """Interface of linear models on finite records: y = T u and its adjoint, matrix-free.
 
-`System`, `SystemMatrix` and `StateSpace` are time-invariant and have a frequency response as well;
-`TimeVarying`, `ImpulseResponse` and `LiftedModel` live on the record. A model of one's own needs
+`System`, `SystemMatrix`, `StateSpace` and `ImpulseResponse` are time-invariant and have a frequency
+response as well; `TimeVarying` and `LiftedModel` live on the record. A model of one's own needs
 the four members below; laws and finite-record analysis ask for nothing else.
 """
 
