@@ -19,7 +19,7 @@ from armside.arrays import Array, read_only
 from ..records import as_measured, records
 from .process import Process, steady_state_covariance
 
-_AMPLIFIED = 1e5  # of rounding of P in one update, from which smoothed variances may be lost
+_AMPLIFIED = 5e5  # of rounding of P in one update, from which smoothed variances may be lost
 _TOO_FAR_APART = (
     "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
     "even negative, and then its means; use square_root.smooth_square_root"

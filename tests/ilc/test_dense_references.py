@@ -7,6 +7,7 @@ test_dense_analysis.
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are
@@ -85,6 +86,7 @@ def random_process(rng, n, p, n_samples):
     return Gaussian(process, first, seen, y)
 
 
+@pytest.mark.filterwarnings("ignore:variances of states and readings")  # it is right all the same
 @cases(25)
 @given(n=st.integers(1, 5), p=st.integers(1, 3), n_samples=st.integers(2, 25), seed=SEED)
 def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_samples, seed):
