@@ -43,7 +43,7 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""
 INTERNAL = {
     "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
-    "solve_factored", "solve_matrix_free", "require_adjoint",
+    "solve_factored", "solve_matrix_free", "require_adjoint", "require_moderate",
     "excess", "pairwise_independence",
 }  # fmt: skip
 """Behind a law, a model or a fit, whose records have passed its gate."""
