@@ -1,0 +1,250 @@
+"""Size and structure of the house, measured: the table of docs/house.md.
+
+    python -m tests.house                # of this tree, as a table
+    python -m tests.house --root DIR     # of another one, such as an older commit
+    python -m tests.house --seconds 540  # with processor seconds of the suite, measured apart
+
+Lines are all lines of Python files, blanks, comments and docstrings among them. A traced run enters
+a file with the first call of each of its functions: the stays are the runs of equal files in that
+order, the returns those to a file that was left before.
+"""
+
+import argparse
+import ast
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+PACKAGES = ("assets", "kinematics", "ilc", "sim", "scripts")
+EVIDENCE = ("claims", "benchmarks", "contract", "gallery", "calibration")
+SMALL = 60
+"""Lines below which a file counts as small."""
+
+TRACE = """
+import os, sys, threading
+root = os.environ["ROOT"]
+ours = tuple(os.path.join(root, name, "") for name in {packages})
+seen, order = set(), []
+def called(frame, event, _):
+    code = frame.f_code
+    file = os.path.realpath(code.co_filename)
+    key = (file, code.co_firstlineno)
+    if event == "call" and file.startswith(ours) and code.co_name != "<module>" and key not in seen:
+        seen.add(key)
+        order.append(file)
+def run():
+{run}
+run() if {twice} else None
+threading.setprofile(called)
+sys.setprofile(called)
+run()
+sys.setprofile(None)
+stays = sum(a != b for a, b in zip([None, *order], order))
+modules = sum(name.partition(".")[0] == "armside" for name in sys.modules)
+print(len(set(order)), stays, stays - len(set(order)), modules, file=sys.stderr)
+"""
+LASER = """
+    from armside.scripts.cli import main
+    main(["laser", "--quiet", "--out", os.path.join(os.environ["TMP"], str(len(order)))])
+"""
+LEARN = """
+    from {place} import Cut, learn
+    list(learn(Cut(), seed=0))
+"""
+
+
+def python_files(folder: Path) -> list[Path]:
+    """Python files below a folder, in order."""
+    return sorted(folder.rglob("*.py"))
+
+
+def lines(files: list[Path]) -> int:
+    """All lines of the files."""
+    return sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
+
+
+class House:
+    """A tree of the project."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.files = [file for name in PACKAGES for file in python_files(root / name)]
+        self.trees = {f: ast.parse(f.read_text(encoding="utf-8")) for f in self.files}
+        self.module = {self._name(file): file for file in self.files}
+        self.imports = {file: set(self._imported(file)) - {file} for file in self.files}
+
+    def _name(self, file: Path) -> str:
+        parts = ("armside", *file.relative_to(self.root).with_suffix("").parts)
+        return ".".join(parts).removesuffix(".__init__")
+
+    def _imported(self, file: Path) -> Iterator[Path]:
+        """Files that a file imports, anywhere in it."""
+        name = self._name(file).split(".")
+        inside = name if file.name == "__init__.py" else name[:-1]
+        for node in ast.walk(self.trees[file]):
+            if isinstance(node, ast.Import):
+                yield from (self.module[a.name] for a in node.names if a.name in self.module)
+            elif isinstance(node, ast.ImportFrom):
+                above = inside[: len(inside) + 1 - node.level] if node.level else []
+                source = ".".join([*above, *([node.module] if node.module else [])])
+                for alias in node.names:
+                    full = f"{source}.{alias.name}"
+                    if found := self.module.get(full, self.module.get(source)):
+                        yield found
+
+    @property
+    def small(self) -> list[Path]:
+        """Files with few lines."""
+        return [f for f in self.files if lines([f]) < SMALL]
+
+    @property
+    def imported_once(self) -> list[Path]:
+        """Files that exactly one other file imports."""
+        importers = Counter(target for targets in self.imports.values() for target in targets)
+        return [f for f in self.files if f.name != "__init__.py" and importers[f] == 1]
+
+    def rooms(self, package: str) -> tuple[int, int]:
+        """Rooms of a package, and the arrows between them."""
+        found: dict[str, set[str]] = defaultdict(set)
+        for file, targets in self.imports.items():
+            if file.is_relative_to(self.root / package):
+                room = self._room(file)
+                found[room] |= {
+                    self._room(t) for t in targets if t.is_relative_to(self.root / package)
+                } - {room}
+        return len(found), sum(map(len, found.values()))
+
+    def _room(self, file: Path) -> str:
+        return ".".join(self._name(file).split(".")[:3])
+
+    def circles(self) -> list[list[Path]]:
+        """Files that import each other, directly or through others: one list a circle."""
+        index = {file: i for i, file in enumerate(self.files)}
+        arrows = [(index[a], index[b]) for a, targets in self.imports.items() for b in targets]
+        graph = np.zeros((len(self.files), len(self.files)), dtype=bool)
+        graph[tuple(np.array(arrows).T)] = True
+        n, of = connected_components(graph, connection="strong")
+        members = [[f for f, c in zip(self.files, of, strict=True) if c == i] for i in range(n)]
+        return [each for each in members if len(each) > 1]
+
+    @property
+    def defined(self) -> list[tuple[str, str, Path]]:
+        """Kind, name and file of what modules define at their top level."""
+        found = []
+        for file, tree in self.trees.items():
+            for node in tree.body:
+                if isinstance(node, ast.ClassDef):
+                    found.append(("class", node.name, file))
+                elif isinstance(node, ast.FunctionDef):
+                    found.append(("function", node.name, file))
+                elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+                    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                    found += [("value", t.id, file) for t in targets if isinstance(t, ast.Name)]
+        return found
+
+    def public(self) -> int:
+        """Classes and functions at the top of a module whose names have no underscore."""
+        return sum(kind != "value" and not name.startswith("_") for kind, name, _ in self.defined)
+
+    def ambiguous(self) -> tuple[int, int]:
+        """Names of classes, and of files, that stand for several."""
+        classes = Counter(name for kind, name, _ in self.defined if kind == "class")
+        names = Counter(f.name for f in self.files if f.name != "__init__.py")
+        return sum(n > 1 for n in classes.values()), sum(n > 1 for n in names.values())
+
+    def traced(self, run: str, *, twice: bool) -> list[int]:
+        """Files entered, stays, returns, modules loaded by a run; after a first run if twice."""
+        with tempfile.TemporaryDirectory() as folder:
+            found = subprocess.run(
+                [sys.executable, "-c", TRACE.format(packages=PACKAGES, run=run, twice=twice)],
+                env=os.environ
+                | {"PYTHONPATH": str(self.root / "src"), "ROOT": str(self.root), "TMP": folder},
+                capture_output=True,
+                text=True,
+                check=True,
+                cwd=folder,
+            )
+        return [int(word) for word in found.stderr.split()[-4:]]
+
+    def words(self) -> int:
+        """Words of the README and of all pages of the docs."""
+        pages = [self.root / "README.md", *(self.root / "docs").rglob("*.md")]
+        return sum(len(page.read_text(encoding="utf-8").split()) for page in pages)
+
+    def declared(self) -> int:
+        """Names that the stubs of `armside` and of its packages hand on."""
+        stubs = [self.root / "src/armside/__init__.pyi"]
+        stubs += [self.root / name / "__init__.pyi" for name in PACKAGES]
+        found = set[str]()
+        for stub in stubs:
+            if stub.exists():
+                found |= set(re.findall(r"import \w+ as (\w+)", stub.read_text(encoding="utf-8")))
+        return len(found)
+
+
+def rows(root: Path, seconds: str, *, trace: bool) -> list[tuple[str, str]]:
+    """What was read, and its value."""
+    house = House(root)
+    evidence = [f for name in EVIDENCE for f in python_files(root / "tests" / name)]
+    tests = [f for f in python_files(root / "tests") if f not in evidence]
+    small, once = house.small, house.imported_once
+    sim, scripts = house.rooms("sim"), house.rooms("scripts")
+    classes, names = house.ambiguous()
+    found = [
+        ("lines in the packages; files", f"{lines(house.files)}; {len(house.files)}"),
+        (
+            f"files below {SMALL} lines; files that one other file imports",
+            f"{len(small)}; {len(once)} ({lines(once)} lines)",
+        ),
+        (
+            "rooms, arrows in sim; in scripts",
+            f"{sim[0]}, {sim[1]}; {scripts[0]}, {scripts[1]}",
+        ),
+        ("circles of files", str(len(house.circles()))),
+        ("names that are public; declared", f"{house.public()}; {house.declared()}"),
+        ("class names, file names that stand for several", f"{classes}; {names}"),
+        (
+            "lines of tests; of evidence; processor seconds of the suite",
+            f"{lines(tests)}; {lines(evidence)}; {seconds}",
+        ),
+        ("words of README and docs", str(house.words())),
+    ]
+    if trace:
+        place = "armside" if house.declared() else "armside.sim.laser"
+        laser = house.traced(LASER, twice=True)
+        learn = house.traced(LEARN.format(place=place), twice=True)
+        found[2:2] = [
+            (
+                "default `armside laser`: files entered, stays, returns",
+                ", ".join(map(str, laser[:3])),
+            ),
+            (
+                "`learn` by motors from Python: files, modules loaded",
+                f"{learn[0]}, {learn[3]}",
+            ),
+        ]
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--root", type=Path, default=Path(__file__).parents[1])
+    parser.add_argument("--seconds", default="not measured")
+    parser.add_argument("--no-trace", action="store_true")
+    given = parser.parse_args()
+    print("| read | value |\n|---|---|")
+    for name, value in rows(given.root.resolve(), given.seconds, trace=not given.no_trace):
+        print(f"| {name} | {value} |")
+
+
+if __name__ == "__main__":
+    main()
