@@ -7,7 +7,6 @@ only when a function needs them.
 """
 
 from .catalogue import CATALOGUE as CATALOGUE
-from .catalogue import find_arm as find_arm
 from .compiled import CompiledRobot as CompiledRobot
 from .compiled import compile as compile
 from .compiled import compile_dynamics as compile_dynamics

@@ -17,7 +17,6 @@ Numbers may be text with pi. A gear's output minus its motor angle is the sum of
 amplitude sin(order phi + phase), phi the motor angle on the arm side.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -47,16 +46,14 @@ def gear_toml(
     robot: Robot, terms: Sequence[GearTerm], deviations: Sequence[tuple[float, float, float]]
 ) -> str:
     """Text of a file. deviations: of order, amplitude and phase of each term."""
-    name = json.dumps(robot.name, ensure_ascii=False)
-    lines = [f"version = {VERSION}", f"robot = {name}", f"motors = {robot.n_joints}"]
-    if not terms:
-        lines.append("gear_error = []")
+    import tomlkit
+
+    rows = list[dict[str, float]]()
     for term, own in zip(terms, deviations, strict=True):
-        lines += ["", "[[gear_error]]"]
-        lines += [f"{name} = {value!r}" for name, value in term._asdict().items()]
         finite = zip(DEVIATIONS, own, strict=True)
-        lines += [f"{name} = {value!r}" for name, value in finite if value < LARGEST_ORDER]
-    return "\n".join([*lines, ""])
+        rows.append(term._asdict() | {name: dev for name, dev in finite if dev < LARGEST_ORDER})
+    head = {"version": VERSION, "robot": robot.name, "motors": robot.n_joints}
+    return tomlkit.dumps(head | {"gear_error": rows})
 
 
 def _terms(data: Mapping[str, Any], robot: Robot) -> tuple[GearTerm, ...]:

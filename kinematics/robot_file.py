@@ -32,12 +32,13 @@ Numbers may be text with pi, such as "-pi/2". A gear's output minus its motor an
 its terms amplitude sin(order phi + phase).
 """
 
-import json
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import pi
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
 
 from .dh import Convention, Joint, Link, Robot
 from .limits import CoupledRange, Limits
@@ -243,21 +244,44 @@ def refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str])
         raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
 
 
+def robot_tables(
+    robot: Robot, limits: Limits, shown: Callable[[float], float | str] = float
+) -> dict[str, Any]:
+    """Tables of the file of a robot of numbers, without defaults; `shown` is each number in it."""
+    found: dict[str, Any] = {"name": robot.name}
+    if robot.convention is not Convention.STANDARD:
+        found["convention"] = robot.convention.value
+    if robot.offset.any():
+        found["offset"] = [*map(shown, robot.offset.tolist())]
+    if (robot.coupling != np.eye(robot.n_joints)).any():
+        found["coupling"] = [[*map(shown, row)] for row in robot.coupling.tolist()]
+    ends = {name: [*map(shown, getattr(limits, name))] for name in _LIMITS}
+    sums = [
+        {"coefficients": [*map(shown, bound.coefficients)]}
+        | {name: shown(getattr(bound, name)) for name in _COUPLED[1:]}
+        for bound in limits.coupled
+    ]
+    found["link"] = link_tables(robot.links, shown)
+    found["limits"] = ends | ({"coupled": sums} if sums else {})
+    return found
+
+
+def link_tables(
+    links: Iterable[Link], shown: Callable[[float], float | str] = float
+) -> list[dict[str, Any]]:
+    """Tables [[link]], without the numbers that are 0."""
+    tables = list[dict[str, Any]]()
+    for link in links:
+        given = {name: float(getattr(link, name)) for name in _LINK[:4]}
+        own: dict[str, Any] = {name: shown(value) for name, value in given.items() if value}
+        moved = {} if link.joint is Joint.REVOLUTE else {"joint": link.joint.value}
+        tables.append(own | moved)
+    return tables
+
+
 def robot_toml(robot: Robot, limits: Limits, gear_error: Sequence[GearTerm] = ()) -> str:
     """Text of the file of a robot of numbers; `read_robot` reads the same robot back."""
-    name = json.dumps(robot.name, ensure_ascii=False)
-    lines = [f"name = {name}", f'convention = "{robot.convention.value}"']
-    lines += [f"offset = {robot.offset.tolist()}", f"coupling = {robot.coupling.tolist()}"]
-    for link in robot.links:
-        lines += ["", "[[link]]"]
-        lines += [f"{name} = {float(getattr(link, name))!r}" for name in _LINK[:4]]
-        lines.append(f'joint = "{link.joint.value}"')
-    lines += ["", "[limits]"]
-    lines += [f"{name} = {list(getattr(limits, name))}" for name in _LIMITS]
-    for bound in limits.coupled:
-        lines += ["", "[[limits.coupled]]", f"coefficients = {list(bound.coefficients)}"]
-        lines += [f"lower = {bound.lower!r}", f"upper = {bound.upper!r}"]
-    for term in gear_error:
-        lines += ["", "[[gear_error]]"]
-        lines += [f"{name} = {value!r}" for name, value in term._asdict().items()]
-    return "\n".join([*lines, ""])
+    import tomlkit  # takes a tenth of a second, and few write a file
+
+    terms = {"gear_error": [term._asdict() for term in gear_error]} if gear_error else {}
+    return tomlkit.dumps(robot_tables(robot, limits) | terms)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from armside.kinematics import Robot
-from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
+from armside.sim.robot_file.find import load_robot
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
@@ -32,7 +32,7 @@ def model(cfg: ModelCfg = ModelCfg(), *, common: Common = Common()) -> None:
 
     report = Report(common)
     with checking_input():
-        robot = describe(find_robot(cfg.robot).robot)
+        robot = describe(load_robot(cfg.robot).arm.robot)
     found = robot.singularities
     values: dict[str, Any] = {
         "table": [[as_text(value) for value in row] for row in robot.table],

@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from armside.sim.cell import Cell
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.records.summary import summary
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.model import RobotModel, load_model
+from armside.sim.robot_file.find import find_cell
 
 from ..robots.tables import axes_of, estimates_of, numbers, print_check, print_data, table_of
 from ..shell.console import Report, keep, run_folder
@@ -123,7 +123,7 @@ def _keep_picture(outcome: dict[str, Any], loaded: RobotModel, cell: Cell, commo
 
 
 def _build(named: str, report: Report, common: Common) -> None:
-    from armside.sim.robot_files import built_files
+    from armside.sim.robot_file.written import built_files
 
     with checking_input():
         cell = find_cell(named)
@@ -134,13 +134,13 @@ def _build(named: str, report: Report, common: Common) -> None:
 
 
 def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> None:
-    from armside.sim.robot_files import commented, read_source, template
+    from armside.sim.robot_file.new_file import commented, read_source, template
 
     with checking_input():
         source = template() if model is None else read_source(model, cfg.tip)
         files = {"robot.toml": commented(source)}
     found = {"files": sorted(files), "axes": source.arm.robot.n_joints}
-    _write(files, _summary("new", source.said, model, common, "done", found), report, common)
+    _write(files, _summary("new", source.origin, model, common, "done", found), report, common)
 
 
 def _write(files: dict[str, str], outcome: dict[str, Any], report: Report, common: Common) -> None:

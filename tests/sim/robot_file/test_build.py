@@ -7,12 +7,12 @@ import pytest
 from armside import assets
 from armside.kinematics import Convention, Joint, Limits, Link, Robot
 from armside.kinematics.rotation import from_axis_angle
-from armside.sim.cell_file import read_cell
-from armside.sim.hardware import Hardware, build
-from armside.sim.hardware.chain import frames, points
-from armside.sim.hardware.description import LinkBody, StructureHinge
-from armside.sim.robot.forward_kinematics import site_poses
+from armside.sim.robot.kinematics_check import site_poses
 from armside.sim.robot.model import load_model
+from armside.sim.robot_file.body_frames import frames, points
+from armside.sim.robot_file.build import build
+from armside.sim.robot_file.find import read_cell
+from armside.sim.robot_file.hardware import Hardware, LinkBody, StructureHinge
 
 FOLDER = assets.LARGE_ROBOT_XML.parent
 SHIPPED = ("ur5e_like", "panda_like", "scara", "kr16_like")

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from armside import assets
+from armside.kinematics import InertialModel, compile_dynamics
 from armside.kinematics.links import link_frames
-from armside.sim.named_robot import find_robot
-from armside.sim.robot.mjcf_arm import read_mjcf
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot.model import RobotModel, robot_model
+from armside.sim.robot_file.find import find_cell, load_robot
+from armside.sim.robot_file.mjcf_reader import read_mjcf, serial_bodies
 
 ROUNDING = 1e-10
 ARM = """<mujoco model="lab arm"><compiler angle="degree" autolimits="true"/><worldbody>
@@ -76,7 +79,7 @@ def test_bodies_have_mujocos_masses_and_centres(tmp_path):
 def test_a_chain_is_chosen_by_base_and_tip(tmp_path):
     file = written(tmp_path, ARM)
     assert read_mjcf(file, "base", "shoulder").joints == ("turn", "tilt")
-    named = find_robot(f"{file}#shoulder:eye")
+    named = load_robot(f"{file}#shoulder:eye").arm
     assert named.robot.n_joints == 1
     text = re.sub(r'<site name="tool0"[^>]*>', '<site name="flange"/>', ARM)
     with pytest.raises(ValueError, match=r"several branches; choose a tip .*: eye, flange"):
@@ -112,3 +115,45 @@ def test_what_no_serial_arm_has_is_refused_by_name(old, new, complaint, tmp_path
 def test_a_parallelogram_is_refused_by_its_rod():
     with pytest.raises(ValueError, match=r"'motor_2' is part of a closed chain \(rod_to_lever\)"):
         read_mjcf(assets.IRB1400_XML)
+
+
+TWO_LINK = str(Path(assets.LARGE_ROBOT_XML).with_name("two_link.toml"))
+
+
+def without_rotors(model: RobotModel, phi: np.ndarray) -> np.ndarray:
+    """Mass matrix of the motor angles with springs at rest, less the rotors'."""
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    data.qpos[:] = model.posture @ phi
+    mujoco.mj_forward(mj, data)
+    D = np.zeros((mj.nv, mj.nv))
+    mujoco.mj_fullM(mj, data, D)
+    return model.posture.T @ (D - np.diag(mj.dof_armature)) @ model.posture
+
+
+@pytest.mark.parametrize("name", ["large", TWO_LINK], ids=["large", "two-link"])
+def test_the_mass_matrix_is_that_of_the_hardware_at_rest(name):
+    cell = find_cell(name)
+    model = cell_model(cell)
+    found = serial_bodies(model, cell.robot)
+    assert found.left_out == ()
+    dynamics = compile_dynamics(InertialModel(cell.robot, found.bodies))
+    for phi in np.random.default_rng(0).uniform(-1, 1, (3, cell.robot.n_joints)):
+        expected = without_rotors(model, phi)
+        np.testing.assert_allclose(dynamics.mass_matrix(phi), expected, rtol=1e-10, atol=1e-10)
+
+
+def test_the_linkage_of_the_irb1400_is_left_out_by_name():
+    """Its crank and rod made light, the rest is the mass matrix of the hardware."""
+    cell = find_cell("irb1400")
+    model = cell_model(cell)
+    found = serial_bodies(model, cell.robot)
+    assert set(found.left_out) == {"crank", "rod"}
+    assert any("crank" in note for note in load_robot("irb1400", masses=True).notes)
+    spec = model.parsed()
+    for name in found.left_out:
+        body = spec.body(name)
+        body.mass, body.inertia = 1e-9, np.full(3, 1e-9)
+    phi = np.array([0.3, -0.2, 0.4, 0.5, -0.6, 0.7])
+    expected = without_rotors(robot_model(spec), phi)
+    dynamics = compile_dynamics(InertialModel(cell.robot, found.bodies))
+    np.testing.assert_allclose(dynamics.mass_matrix(phi), expected, rtol=0, atol=1e-7)

@@ -29,7 +29,7 @@ coupling, [[link]], [limits]), or of a URDF file. Beside them:
 
 Drives, springs and masses are those of the MJCF. Without `model` they are those of the tables
 [hardware], [base], [[body]], [drives], [gears], [[structure]], [effects] and [tool] of this file
-(`armside.sim.hardware`), or estimated, and the MJCF is built from them. Before anything runs, the
+(`armside.sim.robot_file`), or estimated, and the MJCF is built from them. Before anything runs, the
 kinematics of the MJCF are compared with those of this file.
 """
 
@@ -43,28 +43,26 @@ import numpy as np
 from armside import kinematics
 from armside.arrays import Array
 from armside.kinematics import Joint
-from armside.kinematics.catalogue import find_arm
 from armside.kinematics.robot_file import (
     KEYS,
     Arm,
     arm_of,
     links_of,
     numbers,
-    read_toml,
     refuse_unknown,
 )
 from armside.kinematics.rotation import to_quaternion
 from armside.kinematics.urdf import read_urdf
 
-from .cell import CELLS, Cell, Learning, ToolPose
-from .hardware.build import build, cached
-from .hardware.description import LinkBody
-from .hardware.estimate import Taken
-from .hardware.reading import TABLES, read_hardware
-from .hardware.urdf_bodies import bodies_of
-from .robot.virtual_robot import LOG_PERIOD
+from ..cell import Cell, Learning, ToolPose
+from ..robot.virtual_robot import LOG_PERIOD
+from .build import build, cached
+from .hardware import LinkBody, Taken
+from .masses import bodies_of
+from .reading import TABLES, read_hardware
 
-_OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
+OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
+"""Keys beside those of kinematics."""
 _LEARNING = ("gamma", "delta", "cutoff")
 _UNIT = 1e-3
 """Largest difference of a quaternion's length from 1."""
@@ -73,49 +71,18 @@ HELD_FROM = 6
 """Axes from which on the tool's orientation is held by default."""
 
 
-def find_cell(robot: str) -> Cell:
-    """Cell of a name, or of a robot file.
-
-    Raises:
-        ValueError: neither, or a wrong file; the message names file and field.
-        OSError: the file cannot be read.
-    """
-    check_named(robot)
-    return CELLS[robot] if robot in CELLS else read_cell(Path(robot))
-
-
-def check_named(robot: str) -> None:
-    """Raise ValueError for what is neither a robot's name nor a robot file's."""
-    if robot not in CELLS and not robot.endswith(".toml"):
-        known = ", ".join(CELLS)
-        raise ValueError(f"Unknown robot {robot!r}. Robots: {known}, or a robot file (.toml)")
-
-
-def is_cell_file(name: str) -> bool:
-    """True for a TOML file that has more than the kinematics of a robot."""
-    return name.endswith(".toml") and bool(read_toml(Path(name), lambda d: set(d) & set(_OWN)))
-
-
-def read_cell(file: Path) -> Cell:
-    """Cell of a robot file.
-
-    Raises:
-        ValueError: the file is not as described above; the message names file and field.
-        OSError: the file cannot be read.
-    """
-    return read_toml(file, lambda data: _cell(data, file.parent))
-
-
-def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
-    refuse_unknown("the file", data, (*KEYS, *_OWN))
-    robot, limits = arm = _arm(data, folder)
+def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
+    """Cell of the tables of a file in a folder. Raises ValueError with the name of the field."""
+    refuse_unknown("the file", data, (*KEYS, *OWN))
+    arm, bodies = _arm(data, folder)
+    robot, limits = arm
     home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
     if home is not None and not limits.contain(home):
         raise ValueError(f"home must be within the limits, got {list(home)}")
-    with_imu, poses = _with_imu(arm, data), _poses(data.get("pose"))
+    with_imu, poses = _with_imu(robot, data), _poses(data.get("pose"))
     programs = _programs(data.get("program", {}), folder)
     free, learning = _free(data, robot.n_joints), _learning(data.get("learning"))
-    xml, estimates = _hardware(arm, with_imu, home, data, folder)
+    xml, estimates = _hardware(arm, bodies, with_imu, home, data, folder)
     return Cell(
         xml=xml,
         estimates=estimates,
@@ -132,6 +99,7 @@ def _cell(data: Mapping[str, Any], folder: Path) -> Cell:
 
 def _hardware(
     arm: Arm,
+    bodies: tuple[LinkBody, ...],
     with_imu: kinematics.Robot,
     home: tuple[float, ...] | None,
     data: Mapping[str, Any],
@@ -143,43 +111,31 @@ def _hardware(
             raise ValueError(f"model has the hardware: leave out {', '.join(given)}")
         return _beside(folder, "model", data["model"]), ()
     hardware = read_hardware(data, arm.robot.n_joints)
-    if "urdf" in data and not hardware.bodies:
-        hardware = replace(hardware, bodies=_bodies_of_urdf(data, folder))
+    if not hardware.bodies:
+        hardware = replace(hardware, bodies=bodies)
     built = build(arm.robot, arm.limits, hardware, home=home, with_imu=with_imu)
     return cached(arm.robot.name, built.text), built.taken
 
 
-def _bodies_of_urdf(data: Mapping[str, Any], folder: Path) -> tuple[LinkBody, ...]:
-    """Bodies of the moving links of a URDF file; none where it has no masses."""
-    file, _, links = str(data["urdf"]).partition("#")
-    base, _, tip = links.rpartition(":")
-    return bodies_of(read_urdf(_beside(folder, "urdf", file), base or None, tip or None))
-
-
-def _arm(data: Mapping[str, Any], folder: Path) -> Arm:
+def _arm(data: Mapping[str, Any], folder: Path) -> tuple[Arm, tuple[LinkBody, ...]]:
+    """Robot of the D-H table, or of a URDF file with the bodies of its moving links, if any."""
     of_table = {name: data[name] for name in KEYS if name in data}
     if "urdf" not in data:
-        return arm_of(of_table)
+        return arm_of(of_table), ()
     if given := [name for name in of_table if name != "name"]:
         raise ValueError(f"urdf has the kinematics: leave out {', '.join(given)}")
-    file, mark, links = str(data["urdf"]).partition("#")
-    arm = find_arm(f"{_beside(folder, 'urdf', file)}{mark}{links}")
-    return arm._replace(robot=replace_name(arm.robot, data["name"])) if "name" in data else arm
+    file, _, links = str(data["urdf"]).partition("#")
+    base, _, tip = links.rpartition(":")
+    tree = read_urdf(_beside(folder, "urdf", file), base or None, tip or None)
+    robot = replace(tree.robot, name=data.get("name", tree.robot.name))
+    return Arm(robot, tree.limits), bodies_of(tree)
 
 
-def replace_name(robot: kinematics.Robot, name: str) -> kinematics.Robot:
-    """The robot under another name."""
-    parts = robot.links, robot.coupling, robot.offset, robot.convention
-    return kinematics.Robot(*parts, name)
-
-
-def _with_imu(arm: Arm, data: Mapping[str, Any]) -> kinematics.Robot:
+def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Robot:
     if "imu" not in data:
-        return arm.robot
+        return robot
     links = [replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"])]
-    robot = arm.robot
-    every, name = (*robot.links, *links), f"{robot.name} with IMU"
-    return kinematics.Robot(every, robot.coupling, robot.offset, robot.convention, name)
+    return replace(robot, links=(*robot.links, *links), name=f"{robot.name} with IMU")
 
 
 def _beside(folder: Path, name: str, given: Any) -> Path:

@@ -15,14 +15,11 @@ from armside import kinematics
 from armside.arrays import Array
 from armside.kinematics import Limits
 
-from .bodies_text import Spring, Tree
-from .chain import frames
-from .description import Hardware, StructureHinge
-from .drives import drives
-from .estimate import Report, Taken
+from .body_frames import frames
+from .drive_rules import RigidArm, drives
+from .hardware import Hardware, Report, StructureHinge, Taken
 from .masses import masses
-from .mjcf_text import full_text, rigid_text
-from .rigid_arm import RigidArm
+from .mjcf_writer import Spring, Tree, full_mjcf, rigid_mjcf
 
 
 @dataclass(frozen=True)
@@ -58,14 +55,14 @@ def build(
     imu = np.eye(4) if with_imu is None else _imu(robot, with_imu)
     at = np.clip(np.zeros(robot.n_joints), limits.lower, limits.upper) if home is None else home
     tree = Tree(chain, found, limits, (), (), (), imu)
-    arm = RigidArm(_compiled(rigid_text(tree, hardware)), np.array(at), limits)
+    arm = RigidArm(_compiled(rigid_mjcf(tree, hardware)), np.array(at), limits)
     completed = drives(hardware, chain, limits, arm, report)
     armature = completed["gear_ratio"] ** 2 * completed["rotor_inertia"]
     gears = [Spring(*pair) for pair in zip(completed.stiffness, completed.damping, strict=True)]
     structure = _structure(tree, hardware, arm, report)
     words = _words(report)
     tree = Tree(chain, found, limits, armature, gears, structure, imu, words)
-    text = full_text(robot.name, _comment(robot.name), tree, hardware, completed)
+    text = full_mjcf(robot.name, _comment(robot.name), tree, hardware, completed)
     _compiled(text)
     return Built(text, tuple(report.taken))
 
@@ -122,7 +119,7 @@ def _structure(
     if not free:
         return []
     own = Tree(tree.chain, tree.masses, tree.limits, (), (), free, tree.imu)
-    mj = _compiled(rigid_text(own, hardware))
+    mj = _compiled(rigid_mjcf(own, hardware))
     data, M = mujoco.MjData(mj), np.zeros((mj.nv, mj.nv))
     for i, angle in enumerate(arm.home, 1):
         data.qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from armside.kinematics import robot_file
-from armside.sim import cell_file
-from armside.sim.hardware import reading
-from armside.sim.hardware.build import Built
-from armside.sim.hardware.keys import DRIVES, EFFECTS, GEARS, NEEDED
+from armside.sim.robot_file import cell_tables, reading
+from armside.sim.robot_file.build import Built
+from armside.sim.robot_file.find import read_cell
+from armside.sim.robot_file.hardware import DRIVES, EFFECTS, GEARS, NEEDED
 
 FILE = Path(__file__).with_name("every_key.toml")
 DATA = tomllib.loads(FILE.read_text(encoding="utf-8"))
@@ -61,8 +61,8 @@ def refusal(tmp_path, monkeypatch):
     """Message that a file with one key changed is refused with; None where it is read."""
     (tmp_path / "moves.toml").touch()
     (tmp_path / "arm.xml").touch()
-    monkeypatch.setattr(cell_file, "build", lambda *_, **__: Built("", ()))
-    monkeypatch.setattr(cell_file, "cached", lambda *_: tmp_path / "arm.xml")
+    monkeypatch.setattr(cell_tables, "build", lambda *_, **__: Built("", ()))
+    monkeypatch.setattr(cell_tables, "cached", lambda *_: tmp_path / "arm.xml")
 
     def refused(path, *value):
         data = copy.deepcopy(DATA)
@@ -75,7 +75,7 @@ def refusal(tmp_path, monkeypatch):
         file = tmp_path / "robot.toml"
         file.write_text("\n".join(f"{key} = {toml(one)}" for key, one in data.items()))
         try:
-            cell_file.read_cell(file)
+            read_cell(file)
         except ValueError as error:
             return str(error)
         return None
@@ -125,7 +125,7 @@ def test_the_file_has_every_key_and_is_read(refusal):
     there = {path[-1] for path in KEYS.values()}
     two_forms = {"frequency", "damping_ratio", "rotation", "model", "urdf"}
     known = (robot_file.KEYS, reading.TABLES, DRIVES, GEARS, EFFECTS, robot_file._LINK)
-    for names in (*known, robot_file._LIMITS, robot_file._COUPLED, cell_file._OWN):
+    for names in (*known, robot_file._LIMITS, robot_file._COUPLED, cell_tables.OWN):
         assert set(names) - two_forms <= there
     assert set(reading._HINGE) | set(reading._BODY) | {"time_step", "rigid"} <= there | two_forms
     assert refusal(("name",), "as it is") is None

@@ -1,7 +1,68 @@
-"""Keys of the tables [drives], [gears] and [effects] of a robot file: size, range, default."""
+"""Hardware of a robot as far as its file states it: keys, ranges, and a report of estimates."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..cell import Taken
+
+Values = Mapping[str, tuple[float, ...]]
+"""Numbers by the key of the file: one for each axis, or as many as the key has."""
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkBody:
+    """Mass of one link, base or tool; None is estimated."""
+
+    mass: float | None = None
+    """[kg]."""
+    centre: Vector | None = None
+    """Centre of mass [m]."""
+    inertia: tuple[float, float, float, float, float, float] | None = None
+    """xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureHinge:
+    """Elastic hinge of the structure, in the axes of the link it lies on."""
+
+    name: str
+    link: int
+    """Moving link from 1, behind its gear; 0: the base, before the first motor."""
+    direction: Vector
+    point: Vector
+    """[m]."""
+    stiffness: float
+    """[N m/rad]."""
+    damping: float | None
+    """[N m s/rad]; None: from the damping ratio."""
+    damping_ratio: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hardware:
+    """Tables of a robot file that describe its hardware."""
+
+    mass: float | None = None
+    """Of the whole robot with its base, without the tool [kg]."""
+    timestep: float = 0.0005
+    """Physics step [s]."""
+    base: LinkBody = LinkBody()
+    bodies: tuple[LinkBody, ...] = ()
+    """One for each moving link, in the axes of its D-H frame; none: all estimated."""
+    tool: LinkBody = LinkBody()
+    """In the axes of the tool frame."""
+    drives: Values = field(default_factory=dict)
+    gears: Values = field(default_factory=dict)
+    rigid: bool = False
+    """Gears without springs."""
+    effects: Values = field(default_factory=dict)
+    structure: tuple[StructureHinge, ...] = ()
+
 
 EACH = 0
 """Size of a key with one number for each axis; one number alone is that of every axis."""
@@ -99,3 +160,37 @@ NEEDED: Mapping[str, str] = {
     "gear_temperature": "load_friction_scale",
 }
 """Keys of [effects] without meaning where another is not given."""
+
+
+PER_CUBE = 40.0
+"""[kg/m^3], mass of a robot over its stretched length cubed: industrial arms have 38 to 67, arms
+for work beside people 8 to 14. ESTIMATE."""
+BASE = 0.2
+"""Fraction of a robot's mass in its base. ESTIMATE."""
+LEAST = 0.05
+"""Length that each link weighs at least, over the stretched length. ESTIMATE."""
+TOOL = 0.02
+"""Mass of the tool over that of the robot. ESTIMATE."""
+DIGITS = 4
+"""Digits of an estimated number: the same model on every machine."""
+
+
+@dataclass
+class Report:
+    """Estimates in the order in which they are made."""
+
+    taken: list[Taken] = field(default_factory=list)
+
+    def take(
+        self, name: str, values: Sequence[float] | Array, rule: str, *, exact: bool = False
+    ) -> Array:
+        """Note estimated numbers, and return them, rounded unless they are exact."""
+        given = np.asarray(values, dtype=np.float64)
+        found = given if exact else rounded(given)
+        self.taken.append(Taken(name, tuple(np.atleast_1d(found).tolist()), rule))
+        return found
+
+
+def rounded(values: Array) -> Array:
+    """Numbers with `DIGITS` digits."""
+    return np.array([float(f"{v:.{DIGITS}g}") for v in values.ravel()]).reshape(values.shape)

@@ -1,4 +1,4 @@
-"""Virtual hardware of a robot file: masses, drives, gears and structure, written as an MJCF.
+"""Robots from files: TOML, URDF and MJCF, and the virtual hardware of a robot file as an MJCF.
 
 A robot file that names no MJCF has its hardware in tables of its own, or leaves it to estimates:
 each number that is not given follows from those that are, by a rule, and is reported. The model is
@@ -8,9 +8,7 @@ SI units. Forces, springs, dampers and friction are on the arm side of the gear:
 [N m s/rad], or [N], [N/m], [N s/m] for a prismatic axis, whose gear ratio is in [rad/m].
 """
 
-from .build import Built as Built
-from .build import build as build
-from .description import Hardware as Hardware
-from .estimate import Taken as Taken
-from .reading import TABLES as TABLES
-from .reading import read_hardware as read_hardware
+from .find import KnownRobot as KnownRobot
+from .find import find_cell as find_cell
+from .find import load_robot as load_robot
+from .find import read_cell as read_cell

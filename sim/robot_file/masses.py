@@ -1,6 +1,6 @@
 """Masses, centres and inertias of links, base and tool: those of the file, the others estimated.
 
-Without masses the whole robot has `estimate.PER_CUBE` times its stretched length cubed, its base a
+Without masses the whole robot has `hardware.PER_CUBE` times its stretched length cubed, its base a
 fifth, and each link a part in proportion to the length of the arm from its joint on. A centre of
 mass lies midway to the next joint; an inertia is that of a uniform cylinder on that line.
 """
@@ -10,11 +10,54 @@ from dataclasses import dataclass
 import numpy as np
 
 from armside.arrays import Array
+from armside.kinematics.equations.inertial_model import Body
+from armside.kinematics.urdf import UrdfArm
 
-from .chain import Frame, points
-from .description import Hardware, LinkBody
-from .estimate import BASE, LEAST, PER_CUBE, TOOL, Report
-from .inertia import DENSITY, Six, of_cylinder, rotated
+from .body_frames import Frame, points
+from .hardware import BASE, LEAST, PER_CUBE, TOOL, Hardware, LinkBody, Report
+
+DENSITY = 2000.0
+"""[kg/m^3] of a link: castings of aluminium with motors, gears and cavities. ESTIMATE."""
+SMALLEST = 1e-9
+"""[kg m^2], a principal moment below which a body counts as a point."""
+Six = tuple[float, float, float, float, float, float]
+
+
+def matrix(six: Six) -> Array:
+    """Inertia tensor (3, 3)."""
+    xx, yy, zz, xy, xz, yz = six
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def six_of(tensor: Array) -> Six:
+    """xx, yy, zz, xy, xz, yz of a tensor (3, 3)."""
+    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    return tuple(float(tensor[i]) for i in places)  # pyright: ignore[reportReturnType]
+
+
+def rotated(six: Six, R: Array) -> Six:
+    """The inertia in other axes: R (3, 3) from its own to those."""
+    return six_of(R @ matrix(six) @ R.T)
+
+
+def cylinder(mass: float, along: Array) -> tuple[float, float]:
+    """Length and radius [m] of a uniform cylinder of that mass [kg] along a vector (3,) [m].
+
+    One as short as wide where the vector is shorter than the cube of that volume.
+    """
+    volume = mass / DENSITY
+    length = max(float(np.linalg.norm(along)), volume ** (1.0 / 3.0))
+    return length, float(np.sqrt(volume / (np.pi * length)))
+
+
+def of_cylinder(mass: float, along: Array) -> Six:
+    """Inertia of that cylinder about its middle, in the axes of the vector."""
+    length, radius = cylinder(mass, along)
+    about, across = mass * radius**2 / 2.0, mass * (3.0 * radius**2 + length**2) / 12.0
+    size = float(np.linalg.norm(along))
+    u = along / size if size > 1e-9 else np.array([0.0, 0.0, 1.0])
+    return six_of(across * np.eye(3) + (about - across) * np.outer(u, u))
+
 
 _CYLINDER = f"ESTIMATE: uniform cylinder of {DENSITY:g} kg/m^3 to the next joint"
 
@@ -154,3 +197,22 @@ def _estimated(name: str, mass: float, along: Array, report: Report) -> Six:
 
 def _source(estimated: list[str]) -> str:
     return f"ESTIMATE: {', '.join(estimated)}" if estimated else "of the robot file"
+
+
+def bodies_of(arm: UrdfArm) -> tuple[LinkBody, ...]:
+    """Bodies of the moving links, in the axes of their D-H frames; none where it has no masses."""
+    if arm.bodies is None:
+        return ()
+    moving = [b for b, link in zip(arm.bodies, arm.robot.links, strict=True) if link.moves]
+    return tuple(link_body(body) for body in moving)
+
+
+def link_body(body: Body) -> LinkBody:
+    """A body, or one to be estimated where it has no mass; so is the inertia of a point."""
+    if not float(body.mass) > 0.0:
+        return LinkBody()
+    x, y, z = map(float, body.com)
+    xx, yy, zz, xy, xz, yz = map(float, body.inertia)
+    inertia = xx, yy, zz, xy, xz, yz
+    point = np.linalg.eigvalsh(matrix(inertia))[0] < SMALLEST
+    return LinkBody(mass=float(body.mass), centre=(x, y, z), inertia=None if point else inertia)

@@ -1,15 +1,83 @@
 """Tables of a robot file that describe hardware: read, and refused with field and what is allowed.
 
-`TABLES` names them; `armside.sim.hardware.keys` has the keys of drives, gears and effects.
+`TABLES` names them; `armside.sim.robot_file.hardware` has the keys of drives, gears and effects.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .description import Hardware, LinkBody, StructureHinge, Values
-from .inertia import checked_inertia
-from .keys import DRIVES, EACH, EFFECTS, GEARS, NEEDED, PHASES, Key
-from .numbers import scalar, table, tables, vector3
+import numpy as np
+
+from armside.kinematics.robot_file import numbers as parsed
+from armside.kinematics.robot_file import refuse_unknown
+
+from ..robot.drives import N_HARMONICS
+from .hardware import (
+    DRIVES,
+    EACH,
+    EFFECTS,
+    GEARS,
+    NEEDED,
+    PHASES,
+    Hardware,
+    Key,
+    LinkBody,
+    StructureHinge,
+    Values,
+    Vector,
+)
+from .masses import Six, matrix
+
+LARGEST = 1e12
+
+
+def table(where: str, value: Any, allowed: Sequence[str]) -> Mapping[str, Any]:
+    """A table with known keys alone. Raises ValueError with its name."""
+    if not isinstance(value, dict):
+        raise ValueError(f"{where} must be a table, got {value!r}")
+    refuse_unknown(where, value, allowed)
+    return value
+
+
+def tables(name: str, value: Any) -> list[Any]:
+    """Tables [[name]]. Raises ValueError for anything else."""
+    if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
+        raise ValueError(f"{name} must be tables [[{name}]], got {value!r}")
+    return value
+
+
+def scalar(
+    where: str, value: Any, unit: str, low: float = 0.0, *, strict: bool = True, high: float = 1e12
+) -> float:
+    """One number in a range. Raises ValueError with the name of the field."""
+    number = float(value) if _is_number(value) else parsed(where, [value])[0]
+    inside = (number > low if strict else number >= low) and number <= high
+    if not (math.isfinite(number) and inside):
+        above = f"{'>' if strict else '>='} {low:g}"
+        unsaid = high >= LARGEST and not (math.isfinite(number) and number > high)
+        most = "" if unsaid else f" and <= {high:g}"
+        unit = f" {unit}" if unit else ""
+        raise ValueError(f"{where} must be a finite number {above}{most}{unit}, got {number:g}")
+    return number
+
+
+def vector(where: str, value: Any, size: int, unit: str) -> tuple[float, ...]:
+    """Finite numbers of any sign. Raises ValueError with the name of the field."""
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"{where} must be a list of {size} numbers, got {value!r}")
+    return tuple(scalar(where, one, unit, -LARGEST, strict=False) for one in value)
+
+
+def vector3(where: str, value: Any, unit: str) -> Vector:
+    """Three finite numbers. Raises as `vector`."""
+    x, y, z = vector(where, value, 3, unit)
+    return x, y, z
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
 
 TABLES = ("hardware", "base", "body", "drives", "gears", "structure", "effects", "tool")
 _WHOLE = ("mass", "time_step")
@@ -17,7 +85,7 @@ _BODY = ("mass", "centre", "inertia")
 _HINGE = ("name", "link", "direction", "point", "stiffness", "damping", "damping_ratio")
 STRUCTURE_DAMPING = 0.01
 """Damping ratio of a structure hinge by default: 1-2 % on the large robot. ESTIMATE."""
-_N_HARMONICS = 4
+_SLACK = 1e-9  # relative rounding below the triangle inequality
 
 
 def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
@@ -70,8 +138,27 @@ def _body(where: str, row: Any) -> LinkBody:
     row = table(where, row, _BODY)
     mass = scalar(f"{where}: mass", row["mass"], "kg") if "mass" in row else None
     centre = vector3(f"{where}: centre", row["centre"], "m") if "centre" in row else None
-    inertia = checked_inertia(f"{where}: inertia", row["inertia"]) if "inertia" in row else None
+    inertia = _inertia(f"{where}: inertia", row["inertia"]) if "inertia" in row else None
     return LinkBody(mass=mass, centre=centre, inertia=inertia)
+
+
+def _inertia(where: str, value: Any) -> Six:
+    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file.
+
+    Raises ValueError for an inertia that no body has; the message names the field.
+    """
+    if isinstance(value, list) and len(value) == 3:
+        value = [*value, 0, 0, 0]
+    if not isinstance(value, list) or len(value) != 6:
+        raise ValueError(f"{where} must be 3 or 6 numbers: xx, yy, zz, xy, xz, yz, got {value!r}")
+    six = vector(where, value, 6, "kg m^2")
+    low, middle, high = np.linalg.eigvalsh(matrix(six)).tolist()  # pyright: ignore
+    if low <= 0.0 or high > (low + middle) * (1.0 + _SLACK):
+        raise ValueError(
+            f"{where} must have principal moments above 0 of which none exceeds the sum of the "
+            f"other two, got {low:.4g}, {middle:.4g}, {high:.4g}"
+        )
+    return six  # pyright: ignore[reportReturnType] - the size is checked
 
 
 def _values(where: str, given: Any, keys: Mapping[str, Key], n_axes: int) -> Values:
@@ -83,7 +170,7 @@ def _values(where: str, given: Any, keys: Mapping[str, Key], n_axes: int) -> Val
 
 
 def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]:
-    size = {EACH: n_axes, PHASES: n_axes * _N_HARMONICS}.get(key.size, key.size)
+    size = {EACH: n_axes, PHASES: n_axes * N_HARMONICS}.get(key.size, key.size)
     listed = value if isinstance(value, list) else [value] * (n_axes if key.size == EACH else 1)
     if len(listed) != size:
         one = " or one number" if key.size == EACH and n_axes > 1 else ""
