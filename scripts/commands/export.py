@@ -67,8 +67,7 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
 def _robot(cfg: ExportCfg) -> dict[str, str]:
     """The robot itself, with the masses that its source has."""
-    from armside.kinematics.codegen.mjcf import mjcf
-    from armside.kinematics.codegen.urdf import urdf
+    from armside.kinematics.codegen.robot_xml import mjcf, urdf
 
     arm, bodies, notes = load_robot(cfg.robot, masses=True)
     write, ending = (urdf, "urdf") if cfg.to == "urdf" else (mjcf, "xml")

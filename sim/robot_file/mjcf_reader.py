@@ -15,18 +15,18 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.kinematics import Body, Robot, rotation
-from armside.kinematics.links import link_frames
-from armside.kinematics.rigid import transform
+from armside.kinematics.rigid import link_frames, transform
 from armside.kinematics.urdf import UrdfArm
-from armside.kinematics.urdf.bodies import summed
-from armside.kinematics.urdf.chain import chain, children
-from armside.kinematics.urdf.elements import (
+from armside.kinematics.urdf.chain import (
     WHOLE_TURN,
     Document,
     Fault,
     Inertial,
     Kind,
     UrdfJoint,
+    chain,
+    children,
+    summed,
 )
 from armside.kinematics.urdf.reader import arm_of
 

@@ -17,8 +17,8 @@ from armside.kinematics import (
     inverse_branches,
     read_urdf,
 )
-from armside.kinematics.codegen.urdf import urdf
-from armside.kinematics.links import link_transform
+from armside.kinematics.codegen.robot_xml import urdf
+from armside.kinematics.rigid import link_transform
 
 ROUNDING = 1e-12
 

@@ -7,7 +7,7 @@ import pytest
 
 from armside import assets
 from armside.kinematics import Limits
-from armside.kinematics.limits import CoupledRange
+from armside.kinematics.dh import CoupledRange
 from armside.sim.imu import ImuExperiment, run
 from armside.sim.imu.specification import RestExperiment
 from armside.sim.moves.about_home import (

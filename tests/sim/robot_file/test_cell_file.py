@@ -9,7 +9,7 @@ import pytest
 
 from armside import assets
 from armside.kinematics import CATALOGUE, robot_toml
-from armside.kinematics.codegen.urdf import urdf
+from armside.kinematics.codegen.robot_xml import urdf
 from armside.sim.cell import CELLS
 from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import find_cell, load_robot, read_cell

@@ -9,7 +9,7 @@ import pytest
 
 from armside import assets
 from armside.kinematics import InertialModel, compile_dynamics
-from armside.kinematics.links import link_frames
+from armside.kinematics.rigid import link_frames
 from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.model import RobotModel, robot_model
 from armside.sim.robot_file.find import find_cell, load_robot

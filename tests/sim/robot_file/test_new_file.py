@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.kinematics.codegen.urdf import urdf
+from armside.kinematics.codegen.robot_xml import urdf
 from armside.sim.robot.kinematics_check import site_poses
 from armside.sim.robot.model import load_model
 from armside.sim.robot_file.find import read_cell

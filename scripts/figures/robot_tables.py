@@ -1,4 +1,4 @@
-"""Numbers of a robot model as tables of the terminal and entries of a summary."""
+"""Numbers of a robot and of its model as tables of the terminal and entries of a summary."""
 
 from typing import Any
 
@@ -154,6 +154,20 @@ def print_data(report: Report, name: str, found: dict[str, Any]) -> None:
         ],
     )
     _print_axes(report, found["axes"])
+
+
+def print_description(report: Report, robot: Robot, found: dict[str, Any]) -> None:
+    """Table, zero pose, reach and singularities of a robot's kinematics."""
+    title = f"{robot.name}, {robot.convention.value} Denavit-Hartenberg, phi: motor angles"
+    columns = ("link", "theta [rad]", "d [m]", "a [m]", "alpha [rad]", "joint")
+    pairs = enumerate(zip(found["table"], robot.links, strict=True), 1)
+    report.table(title, columns, [(str(i), *row, link.joint.value) for i, (row, link) in pairs])
+    report.table("Tool at phi = 0", ("x", "y", "z", "p [m]"), found["zero_pose"])
+    if found["reach"] is not None:
+        low, high = found["reach"]
+        report.line(f"Wrist centre {low:.3f} to {high:.3f} m from axis 2, in the plane of the arm")
+    for name, expression in found["singular"].items():
+        report.line(f"Singular, {name}: {expression} = 0")
 
 
 def _degrees(phi: Array) -> str:
