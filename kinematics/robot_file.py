@@ -30,17 +30,32 @@
 
 Numbers may be text with pi, such as "-pi/2". A gear's output minus its motor angle is the sum of
 its terms amplitude sin(order phi + phase).
+
+A gear-error file has the transmission error found in the gears of one arm:
+
+    version = 1
+    robot = "LARGE_ROBOT"                # name of the robot, as its robot file has it
+    motors = 6                           # number of motors
+
+    [[gear_error]]                       # any number of terms, as above, amplitude at most 0.01 rad
+    joint = 1
+    order = 220.0
+    amplitude = 1.1e-5
+    phase = 5.3
+    order_deviation = 0.1                # standard deviations, for information [optional]
+    amplitude_deviation = 5e-7
+    phase_deviation = 0.05
 """
 
-import json
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import pi
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from .dh import Convention, Joint, Link, Robot
-from .limits import CoupledRange, Limits
+import numpy as np
+
+from .dh import Convention, CoupledRange, Joint, Limits, Link, Robot
 
 LARGEST = 1_000_000
 """Bytes of a robot file; a table of joints needs a few thousand."""
@@ -243,21 +258,101 @@ def refuse_unknown(where: str, given: Mapping[str, Any], allowed: Sequence[str])
         raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")
 
 
+def robot_tables(
+    robot: Robot, limits: Limits, shown: Callable[[float], float | str] = float
+) -> dict[str, Any]:
+    """Tables of the file of a robot of numbers, without defaults; `shown` is each number in it."""
+    found: dict[str, Any] = {"name": robot.name}
+    if robot.convention is not Convention.STANDARD:
+        found["convention"] = robot.convention.value
+    if robot.offset.any():
+        found["offset"] = [*map(shown, robot.offset.tolist())]
+    if (robot.coupling != np.eye(robot.n_joints)).any():
+        found["coupling"] = [[*map(shown, row)] for row in robot.coupling.tolist()]
+    ends = {name: [*map(shown, getattr(limits, name))] for name in _LIMITS}
+    sums = [
+        {"coefficients": [*map(shown, bound.coefficients)]}
+        | {name: shown(getattr(bound, name)) for name in _COUPLED[1:]}
+        for bound in limits.coupled
+    ]
+    found["link"] = link_tables(robot.links, shown)
+    found["limits"] = ends | ({"coupled": sums} if sums else {})
+    return found
+
+
+def link_tables(
+    links: Iterable[Link], shown: Callable[[float], float | str] = float
+) -> list[dict[str, Any]]:
+    """Tables [[link]], without the numbers that are 0."""
+    tables = list[dict[str, Any]]()
+    for link in links:
+        given = {name: float(getattr(link, name)) for name in _LINK[:4]}
+        own: dict[str, Any] = {name: shown(value) for name, value in given.items() if value}
+        moved = {} if link.joint is Joint.REVOLUTE else {"joint": link.joint.value}
+        tables.append(own | moved)
+    return tables
+
+
 def robot_toml(robot: Robot, limits: Limits, gear_error: Sequence[GearTerm] = ()) -> str:
     """Text of the file of a robot of numbers; `read_robot` reads the same robot back."""
-    name = json.dumps(robot.name, ensure_ascii=False)
-    lines = [f"name = {name}", f'convention = "{robot.convention.value}"']
-    lines += [f"offset = {robot.offset.tolist()}", f"coupling = {robot.coupling.tolist()}"]
-    for link in robot.links:
-        lines += ["", "[[link]]"]
-        lines += [f"{name} = {float(getattr(link, name))!r}" for name in _LINK[:4]]
-        lines.append(f'joint = "{link.joint.value}"')
-    lines += ["", "[limits]"]
-    lines += [f"{name} = {list(getattr(limits, name))}" for name in _LIMITS]
-    for bound in limits.coupled:
-        lines += ["", "[[limits.coupled]]", f"coefficients = {list(bound.coefficients)}"]
-        lines += [f"lower = {bound.lower!r}", f"upper = {bound.upper!r}"]
-    for term in gear_error:
-        lines += ["", "[[gear_error]]"]
-        lines += [f"{name} = {value!r}" for name, value in term._asdict().items()]
-    return "\n".join([*lines, ""])
+    import tomlkit  # takes a tenth of a second, and few write a file
+
+    terms = {"gear_error": [term._asdict() for term in gear_error]} if gear_error else {}
+    return tomlkit.dumps(robot_tables(robot, limits) | terms)
+
+
+VERSION = 1
+LARGEST_ORDER, LARGEST_AMPLITUDE = 1e4, 0.01
+"""Periods per turn, and [rad]: beyond them it is no gear's error."""
+DEVIATIONS = ("order_deviation", "amplitude_deviation", "phase_deviation")
+_KEYS = ("version", "robot", "motors", "gear_error")
+
+
+def read_gear_file(file: Path, robot: Robot) -> tuple[GearTerm, ...]:
+    """Terms of a gear-error file of this robot.
+
+    Raises:
+        ValueError: the file is not as described above, or is of another robot; the message begins
+            with the name of the file.
+        OSError: the file cannot be read.
+    """
+    return read_toml(file, lambda data: _terms(data, robot))
+
+
+def gear_toml(
+    robot: Robot, terms: Sequence[GearTerm], deviations: Sequence[tuple[float, float, float]]
+) -> str:
+    """Text of a file. deviations: of order, amplitude and phase of each term."""
+    import tomlkit
+
+    rows = list[dict[str, float]]()
+    for term, own in zip(terms, deviations, strict=True):
+        finite = zip(DEVIATIONS, own, strict=True)
+        rows.append(term._asdict() | {name: dev for name, dev in finite if dev < LARGEST_ORDER})
+    head = {"version": VERSION, "robot": robot.name, "motors": robot.n_joints}
+    return tomlkit.dumps(head | {"gear_error": rows})
+
+
+def _terms(data: Mapping[str, Any], robot: Robot) -> tuple[GearTerm, ...]:
+    if "version" not in data or "gear_error" not in data:
+        raise ValueError("is no gear-error file: it needs version and [[gear_error]]")
+    if data["version"] != VERSION:
+        raise ValueError(f"version must be {VERSION}, got {data['version']!r}")
+    refuse_unknown("the file", data, _KEYS)
+    if (name := data.get("robot")) != robot.name:
+        raise ValueError(f"is of robot {name!r}, not of {robot.name!r}")
+    if (motors := data.get("motors")) != robot.n_joints:
+        raise ValueError(f"motors must be {robot.n_joints}, got {motors!r}")
+    rows = data["gear_error"]
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise ValueError("gear_error must be tables [[gear_error]]")
+    return tuple(_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
+
+
+def _term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
+    refuse_unknown(where, row, (*GearTerm._fields, *DEVIATIONS))
+    term = gear_term(where, robot, {name: row[name] for name in GearTerm._fields if name in row})
+    for name, most in (("order", LARGEST_ORDER), ("amplitude", LARGEST_AMPLITUDE)):
+        if abs(value := getattr(term, name)) > most:
+            raise ValueError(f"{where}: {name} must be at most {most:g}, got {value:g}")
+    return term

@@ -19,9 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, finite_array, real_array
 
-from .arguments import finite_array, real_array
 from .rigid import ORTHOGONAL
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, finite_array
 
-from .arguments import finite_array
 from .compiled import CompiledRobot, compile
 from .dh import Robot
 from .inverse.numeric import spread

@@ -16,7 +16,6 @@ COMMANDS = {
     "commission": "Make a robot's digital twin from a few cuts.",
     "compare": "Learn from motors, estimate, tracker and ground truth.",
     "replay": "Watch runs: viewer, browser, picture or film.",
-    "view": "Move a robot by sliders in MuJoCo's own viewer.",
     "convert": "Write runs, recordings and logs as other files.",
     "export-correction": "Write the learned correction for a controller.",
     "measure": "Measure recorded data, a run's or your own.",
@@ -29,8 +28,7 @@ COMMANDS = {
     "tune": "Search the design of the learning law with Optuna.",
     "train": "Learn a policy that chooses designs (extra [learn]).",
     "sweep": "Run the laser experiment over a grid of its options.",
-    "model": "Describe a robot: D-H table, reach, singularities.",
-    "robot": "Check, show or build a robot, or start its robot file.",
+    "robot": "Describe, check, show, move or build a robot, or start one.",
     "export": "Write a robot's equations as code, or it as URDF or MJCF.",
     "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
@@ -63,8 +61,6 @@ def load(name: str) -> Callable[..., None]:
             from .commands.compare import compare as command
         case "replay":
             from .commands.replay import replay as command
-        case "view":
-            from .commands.view import view as command
         case "convert":
             from .commands.convert import convert as command
         case "export-correction":
@@ -89,8 +85,6 @@ def load(name: str) -> Callable[..., None]:
             from .commands.train import train as command
         case "sweep":
             from .commands.sweep import sweep as command
-        case "model":
-            from .commands.model import model as command
         case "robot":
             from .commands.robot import robot as command
         case "export":

@@ -12,8 +12,6 @@ import numpy as np
 from armside import assets, kinematics
 from armside.arrays import Array
 
-from .hardware.estimate import Taken
-
 
 @dataclass(frozen=True)
 class ToolPose:
@@ -75,6 +73,19 @@ class Learning:
     """[samples]."""
     cutoff: float
     """[Hz]."""
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A number that a robot file does not give."""
+
+    field: str
+    values: tuple[float, ...]
+    rule: str
+
+    def __str__(self) -> str:
+        shown = ", ".join(f"{value:.4g}" for value in self.values)
+        return f"{self.field} = {shown}: {self.rule}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,7 +29,7 @@ WHOLE = bool(os.environ.get("ARMSIDE_CI"))
 """Run lines as they stand; else those of half a minute are left to their commands' tests."""
 TWIN_OF = "2001"
 """Individual of the twin that `commissioned` makes."""
-SHOWS = {"view": {"view"}, "serve": {"serve"}, "replay": {"--web", "--png", "--video"}}
+SHOWS = {"robot": {"view"}, "serve": {"serve"}, "replay": {"--web", "--png", "--video"}}
 """Commands that open a window, serve until they are stopped, or need a GL library: their own tests
 run them."""
 SEVERAL_PAGES = "armside commission --individual 7 --cuts 4 --out twin"

@@ -16,5 +16,5 @@ from .fit import Priors as Priors
 from .fit import fit as fit
 from .joint_errors import JointErrors as JointErrors
 from .measurements import Measurements as Measurements
-from .next_poses import next_poses as next_poses
 from .selection import identifiable as identifiable
+from .selection import next_poses as next_poses

@@ -1,6 +1,7 @@
 """Calibration of an arm from measured poses: choice of parameters, fits, held-out error."""
 
 from dataclasses import dataclass, field, replace
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -8,16 +9,31 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..dh import Robot
+from ..dh import Joint, Link, Robot
+from ..rigid import standard_links
 from ..robot_file import Arm
-from .corrected import corrected
-from .error_model import ErrorModel
+from .error_model import DH, ErrorModel
 from .fit import Choice, Fit, Priors, fit
 from .joint_errors import JointErrors
 from .measurements import Measurements, split_by_pose
-from .plausibility import check
+from .plausibility import Region, check, region
 from .selection import Identifiable, identifiable
-from .validity import Region, region
+
+
+def corrected(model: ErrorModel, errors: Array) -> Robot:
+    """The robot with its link errors (E,) put into its table; beta_i becomes two constant links."""
+    value = dict(zip(model.names, errors.tolist(), strict=True))
+    links: list[Link] = []
+    for i, link in enumerate(standard_links(model.robot), 1):
+        numbers = {name: float(getattr(link, name)) + value[f"{name}_{i}"] for name in DH}
+        links.append(Link(**numbers, joint=link.joint))
+        if beta := value[f"beta_{i}"]:
+            # Rot_y(beta) = Rot_z(pi/2) Rot_x(beta) Rot_z(-pi/2)
+            links.append(Link(theta=pi / 2, alpha=beta, joint=Joint.FIXED))
+            links.append(Link(theta=-pi / 2, joint=Joint.FIXED))
+    robot = model.robot
+    return Robot(links, robot.coupling, robot.offset, name=f"{robot.name} calibrated")
+
 
 FITTED = 0.5
 """Default fraction of the poses that is fitted; the others are held out."""

@@ -16,8 +16,7 @@ from armside.arrays import Array
 
 from .error_model import AXES, ErrorModel
 from .joint_errors import JointErrors
-from .measurements import Measurements
-from .registration import Registration, register
+from .measurements import Measurements, Registration, register
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult

@@ -14,7 +14,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..dh import Joint, Link, Robot
-from ..links import standard_links
+from ..rigid import standard_links
 
 G = 9.82
 """Gravity [m/s^2], along -z of the base."""

@@ -1,4 +1,7 @@
-"""Choice of error parameters that are told apart by the configurations of a measurement."""
+"""Error parameters that a set of configurations tells apart, and the poses to measure next.
+
+Next poses are D-optimal: they have the largest growth of the determinant of the information.
+"""
 
 from typing import NamedTuple
 
@@ -6,11 +9,91 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..dh import Limits
 from .error_model import DH, ErrorModel
-from .fit import Choice, Priors, in_base, make_problem, residuals_and_jacobian
-from .identifiability import Dependence, Spectrum, independent, spectrum
-from .measurements import Measurements
-from .registration import register
+from .fit import (
+    Choice,
+    Fit,
+    Priors,
+    in_base,
+    jacobian_of_points,
+    make_problem,
+    residuals_and_jacobian,
+)
+from .measurements import Measurements, register
+
+DEPENDENT = 1e-7
+"""Part of a column that is left after projection, below which it depends on the earlier ones."""
+WEAK = 1e-2
+"""Singular value, relative to the largest, below which a combination is poorly seen."""
+NAMED = 0.3
+"""Component of a unit vector from which a parameter is named as part of a combination."""
+
+
+class Dependence(NamedTuple):
+    """A redundant parameter, and those that have the same effect together."""
+
+    name: str
+    same_as: tuple[str, ...]
+
+
+class Independent(NamedTuple):
+    """Columns in order that are linearly independent, and the others."""
+
+    columns: list[int]
+    dependent: list[Dependence]
+
+
+class Spectrum(NamedTuple):
+    """Singular values of an identification Jacobian with columns of equal norm."""
+
+    rank: int
+    values: Array
+    """In falling order, relative to the largest."""
+    weakest: tuple[str, ...]
+    """Parameters of the combination that is seen worst."""
+
+    @property
+    def smallest(self) -> float:
+        """Smallest singular value of those that are not zero."""
+        return float(self.values[self.rank - 1])
+
+
+def independent(J: Array, names: list[str]) -> Independent:
+    """Greedy choice of columns of J (rows, P): each is taken unless the earlier ones explain it."""
+    length = np.linalg.norm(J, axis=0)
+    # The triangular factor has the same inner products in at most P rows.
+    R: Array = np.asarray(np.linalg.qr(J / np.where(length > 0.0, length, 1.0), mode="r"))
+    basis = np.empty((len(R), 0))
+    chosen: list[int] = []
+    dependent: list[Dependence] = []
+    for i, column in enumerate(R.T):
+        rest = column - basis @ (basis.T @ column)
+        rest -= basis @ (basis.T @ rest)  # a second pass keeps the basis orthogonal
+        if (left := np.linalg.norm(rest)) > DEPENDENT:
+            chosen.append(i)
+            basis = np.column_stack([basis, rest / left])
+        else:
+            weight = np.linalg.lstsq(R[:, chosen], column, rcond=None)[0]
+            same = np.abs(weight) > 1e-3 * max(np.abs(weight).max(initial=0.0), 1e-6)
+            with_effect = tuple(
+                names[k] for k, is_part in zip(chosen, same, strict=True) if is_part
+            )
+            dependent.append(Dependence(names[i], with_effect))
+    return Independent(chosen, dependent)
+
+
+def spectrum(J: Array, names: list[str]) -> Spectrum:
+    """Rank and singular values of J (rows, P), each column divided by its norm."""
+    length = np.linalg.norm(J, axis=0)
+    R = np.asarray(np.linalg.qr(J / np.where(length > 0.0, length, 1.0), mode="r"))
+    _, values, vt = np.linalg.svd(R)
+    values = values / values[0]
+    rank = int((values > DEPENDENT).sum())
+    direction = np.abs(vt[rank - 1])
+    weakest = tuple(names[i] for i in np.argsort(-direction) if direction[i] > NAMED)
+    return Spectrum(rank, values, weakest or (names[int(direction.argmax())],))
+
 
 MOST = 500
 """Configurations that a rank is computed from; more change no digit that is printed."""
@@ -81,3 +164,27 @@ def identification_jacobian(
     names = problem.names
     order = sorted(range(len(names)), key=lambda i: names[i] in links)
     return J[:, order], [names[i] for i in order]
+
+
+CANDIDATES = 1000
+
+
+def next_poses(fit: Fit, limits: Limits, number: int, rng: np.random.Generator) -> Array:
+    """Motor angles (number, n) of poses that tell most about the parameters of a fit.
+
+    Greedy choice among random configurations within the limits; each pose is chosen in view of
+    what was measured and of those chosen before it.
+    """
+    drawn = rng.uniform(limits.lower, limits.upper, (CANDIDATES, len(limits.lower)))
+    candidates = drawn[limits.contain(drawn)]
+    J, covariance = jacobian_of_points(fit, candidates) / fit.noise, fit.covariance.copy()
+    chosen: list[int] = []
+    for _ in range(number):
+        seen = J @ covariance
+        gain = np.linalg.slogdet(np.eye(3) + seen @ np.swapaxes(J, 1, 2))[1]
+        gain[chosen] = -np.inf
+        best = int(gain.argmax())
+        chosen.append(best)
+        K = np.linalg.solve(np.eye(3) + J[best] @ seen[best].T, seen[best])
+        covariance -= seen[best].T @ K
+    return candidates[chosen]

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from enum import Enum
 
 from ..equations.program import StraightLineProgram
-from . import c, fortran, latex, matlab, python
-from .naming import distinct
-from .python import numba_module as numba_module
+from .languages import c_files, fortran_files, latex_files, matlab_files, python_files
+from .languages import numba_module as numba_module
+from .printing import distinct
 
 
 class Language(Enum):
@@ -23,9 +23,13 @@ class Language(Enum):
     LATEX = "latex"
 
 
-_WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] = dict(
-    zip(Language, (c.write, matlab.write, fortran.write, python.write, latex.write), strict=True)
-)
+_WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] = {
+    Language.C: c_files,
+    Language.MATLAB: matlab_files,
+    Language.FORTRAN: fortran_files,
+    Language.PYTHON: python_files,
+    Language.LATEX: latex_files,
+}
 
 
 def write(

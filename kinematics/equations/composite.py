@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from ..expressions.exact import Expression
+from ..expressions.symbols import Expression
+from .chain import UPPER, Matrix, Vector, added, crossed, symmetric, upper
 from .program import Tape
 from .recursion import Inertia, JointTransform
-from .vectors import UPPER, Matrix, Vector, added, crossed, symmetric, upper
 
 
 def _rotated(

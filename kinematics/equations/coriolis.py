@@ -16,15 +16,9 @@ from typing import Any
 
 import sympy as sp
 
-from ..expressions.exact import Expression
 from ..expressions.rotation_symbolic import skew
-from .coupling import congruent, joint_rates
-from .dynamics import inputs_of, joint_chain, notes
-from .inertial_model import InertialModel
-from .program import Argument, StraightLineProgram, Tape
-from .recursion import JointTransform
-from .separate import separated
-from .vectors import (
+from ..expressions.symbols import Expression
+from .chain import (
     UPPER,
     ZERO,
     Matrix,
@@ -36,6 +30,11 @@ from .vectors import (
     symmetric,
     tensor_times,
 )
+from .coupling import congruent, joint_rates
+from .dynamics import inputs_of, joint_chain, notes
+from .inertial_model import InertialModel
+from .program import Argument, StraightLineProgram, Tape, separated
+from .recursion import JointTransform
 
 Six = tuple[Vector, Vector]
 Rows = tuple[Vector, Vector, Vector]

@@ -12,9 +12,9 @@ import sympy as sp
 from armside.arrays import Array
 
 from ..dh import Joint, Robot
-from ..expressions.exact import Expression, exact, exact_angle
+from ..expressions.symbols import Expression, exact, exact_angle
+from .chain import Matrix
 from .program import Argument, Tape
-from .vectors import Matrix
 
 _PREFIX = {"phi": "phi", "phi_dot": "phid", "phi_ddot": "phidd", "tau": "tau"}
 

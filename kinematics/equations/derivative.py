@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from ..expressions.exact import Expression
+from ..expressions.symbols import Expression
 from .program import Argument, StraightLineProgram, Tape
 
 

@@ -12,11 +12,12 @@ from typing import Any
 
 import sympy as sp
 
-from ..expressions.exact import Expression, exact
+from ..expressions.symbols import Expression, exact
 from . import coupling
+from .chain import ZERO, Matrix, Vector, added, crossed, tensor_times
 from .composite import joint_mass_matrix, solved
 from .inertial_model import InertialModel
-from .program import Argument, StraightLineProgram, Tape
+from .program import Argument, StraightLineProgram, Tape, separated
 from .recursion import (
     FrameMotion,
     Inertia,
@@ -26,8 +27,6 @@ from .recursion import (
     joint_transforms,
     symbolic_inertias,
 )
-from .separate import separated
-from .vectors import ZERO, Matrix, Vector, added, crossed, tensor_times
 
 
 def notes(model: InertialModel) -> tuple[str, ...]:

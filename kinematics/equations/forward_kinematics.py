@@ -1,17 +1,19 @@
-"""Pose, Jacobian and acceleration of the tool as straight-line programs of the motor angles."""
+"""Pose, Jacobian and acceleration of the tool as straight-line programs of the motor angles.
+
+So are pose and Jacobian of the frame of any link, in the axes of any frame. Frames are counted as
+links are: 0 is the base, 1 to the number of links the frames after them.
+"""
 
 from dataclasses import replace
 
 import sympy as sp
 
 from ..dh import Joint, Robot
-from ..expressions.exact import exact
-from .chain import Chain, joint_axes
+from ..expressions.symbols import exact
+from .chain import ZERO, Chain, Vector, added, crossed, joint_axes, lever_acceleration, scaled
 from .coupling import joint_rates, joint_variables, motor_inputs, motor_symbols, notes
 from .derivative import tangent
-from .program import Argument, StraightLineProgram, Tape
-from .separate import separated
-from .vectors import ZERO, Vector, added, crossed, lever_acceleration, scaled
+from .program import Argument, StraightLineProgram, Tape, separated
 
 
 def _chain(robot: Robot, tape: Tape) -> Chain:
@@ -113,3 +115,50 @@ def acceleration(robot: Robot) -> StraightLineProgram:
     a = added(tape, a, lever_acceleration(tape, omega, alpha, chain.tool_lever))
     inputs = motor_inputs(robot, "phi", "phi_dot", "phi_ddot")
     return tape.program("acceleration", inputs, [Argument("a", (6,), (*a, *alpha))], notes(robot))
+
+
+@separated
+def frame_pose(robot: Robot, frame: int) -> StraightLineProgram:
+    """T_base_frame, 4 x 4. Thesis (3.22)."""
+    tape = Tape()
+    chain, _ = _frame_chain(robot, frame, tape)
+    out = transform(chain, tape)
+    return tape.program("frame_pose", motor_inputs(robot, "phi"), [out], notes(robot))
+
+
+@separated
+def frame_jacobian(robot: Robot, frame: int, axes: int = 0) -> StraightLineProgram:
+    """J, 6 x n: (v, omega) of the origin of a frame from motor rates, in the axes of another."""
+    tape = Tape()
+    chain, moving = _frame_chain(robot, frame, tape)
+    rotation = _frame_chain(robot, axes, tape)[0].rotation
+    turned = [
+        (*_seen(tape, rotation, v), *_seen(tape, rotation, w)) for v, w in columns(chain, tape)
+    ]
+    weights = [[exact(k) for k in column[:moving]] for column in robot.coupling.T]
+    elements = tuple(
+        tape(sp.Add(*(column[i] * k for column, k in zip(turned, weight, strict=True))))
+        for i in range(6)
+        for weight in weights
+    )
+    out = Argument("J", (6, robot.n_joints), elements)
+    lines = (*notes(robot), f"J: of the origin of frame {frame}, in the axes of frame {axes}")
+    return tape.program("frame_jacobian", motor_inputs(robot, "phi"), [out], lines)
+
+
+def _frame_chain(robot: Robot, frame: int, tape: Tape) -> tuple[Chain, int]:
+    """The chain from the base to a frame, and the number of its joints."""
+    if isinstance(frame, bool) or not isinstance(frame, int) or not 0 <= frame <= len(robot.links):
+        raise ValueError(f"frame must be 0 to {len(robot.links)} for {robot.name}, got {frame!r}")
+    if frame == 0:
+        x, y, z = (tuple(row) for row in sp.eye(3).tolist())
+        return Chain((), ZERO, (x, y, z)), 0
+    part = Robot(robot.links[:frame], convention=robot.convention)
+    variables = joint_variables(robot, motor_symbols(robot))
+    return joint_axes(part, variables[: part.n_joints], tape), part.n_joints
+
+
+def _seen(tape: Tape, rotation: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
+    """Coordinates of v along the axes of a frame."""
+    x, y, z = (tape(sp.Add(*(tape(a * b) for a, b in zip(e, v, strict=True)))) for e in rotation)
+    return x, y, z

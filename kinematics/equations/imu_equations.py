@@ -9,13 +9,12 @@ from dataclasses import replace
 from typing import Any
 
 from ..dh import Robot
-from ..expressions.exact import exact
+from ..expressions.symbols import exact
+from .chain import ZERO, Vector, added, lever_acceleration, times
 from .coupling import joint_rates, joint_variables, motor_inputs, notes
 from .derivative import jacobian_of
-from .program import Argument, StraightLineProgram, Tape
+from .program import Argument, StraightLineProgram, Tape, separated
 from .recursion import FrameMotion, body_chain, forward, joint_transforms
-from .separate import separated
-from .vectors import ZERO, Vector, added, lever_acceleration, times
 
 
 @separated

@@ -2,16 +2,20 @@
 
 A `Tape` names each intermediate as it is built, so a recursion over the links never expands; the
 same expression, or its negative, gets one name. `StraightLineProgram.from_expressions` shares the
-common parts of finished expressions.
+common parts of finished expressions, and `program_of` makes a program of any. Thesis 4.2.2, 4.4.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar
 
 import sympy as sp
 
-from ..expressions.exact import Expression
+from ..dh import Robot
+from ..expressions.symbols import Expression, SymbolicMatrix, code_names, internal
+from .inertial_model import InertialModel
 
 
 class Argument(NamedTuple):
@@ -107,3 +111,84 @@ class Tape:
                 needed |= expression.free_symbols
                 kept.append((symbol, expression))
         return StraightLineProgram(name, tuple(inputs), tuple(reversed(kept)), outputs, notes)
+
+
+_GENERATED = re.compile(r"(x|(phi|psi)d{0,2}|tau)\d+(_rate)?")
+Subject = TypeVar("Subject", Robot, InertialModel)
+Arguments = ParamSpec("Arguments")
+Builder = Callable[Concatenate[Subject, Arguments], StraightLineProgram]
+
+
+def separated(build: Builder[Subject, Arguments]) -> Builder[Subject, Arguments]:
+    """A builder of programs whose robot or model keeps its parameters apart from generated names.
+
+    Each parameter that is equal to a variable of generated code becomes another symbol with its
+    name; `codegen` then gives the two different names.
+    """
+
+    @wraps(build)
+    def with_own_names(
+        subject: Subject, *arguments: Arguments.args, **named: Arguments.kwargs
+    ) -> StraightLineProgram:
+        return build(_separated(subject), *arguments, **named)
+
+    return with_own_names
+
+
+def _separated(subject: Subject) -> Subject:
+    own = {
+        s: internal(s.name)
+        for s in subject.free_symbols
+        if s == sp.Symbol(s.name, real=True) and _GENERATED.fullmatch(s.name)
+    }
+    if not own:
+        return subject
+    return _robot(subject, own) if isinstance(subject, Robot) else _model(subject, own)
+
+
+def _robot(robot: Robot, own: dict[Any, Any]) -> Robot:
+    links = [replace(link, **_renamed(link, own)) for link in robot.links]
+    return Robot(links, robot.coupling, robot.offset, robot.convention, robot.name)
+
+
+def _model(model: InertialModel, own: dict[Any, Any]) -> InertialModel:
+    bodies = tuple(replace(body, **_renamed(body, own)) for body in model.bodies)
+    motors = tuple(replace(motor, **_renamed(motor, own)) for motor in model.motors)
+    return InertialModel(_robot(model.robot, own), bodies, motors, _value(model.gravity, own))
+
+
+def _renamed(data: Any, own: dict[Any, Any]) -> dict[str, Any]:
+    return {name: _value(value, own) for name, value in vars(data).items()}
+
+
+def _value(value: Any, own: dict[Any, Any]) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_value(each, own) for each in value)
+    return value.xreplace(own) if isinstance(value, sp.Basic) else value
+
+
+def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> StraightLineProgram:
+    """A program that computes an expression or matrix from its own variables.
+
+    Functions of time and their derivatives get code names (phi_1(t) -> phi_1, then phi_1d and
+    phi_1dd). The one input `q` holds all variables in the order that its header comment states.
+    """
+    whole = expression if isinstance(expression, sp.MatrixBase) else [expression]
+    matrix: SymbolicMatrix = sp.Matrix(whole)
+    plain = matrix.xreplace(code_names(list(matrix)))
+    variables = tuple(sorted(plain.free_symbols, key=_order))
+    shape = plain.shape if plain.shape[1] > 1 else (plain.shape[0],)
+    inputs = [Argument("q", (len(variables),), variables)]
+    order = f"q: {', '.join(map(str, variables))}"
+    return StraightLineProgram.from_expressions(
+        name, inputs, [Argument("result", shape, tuple(plain))], (*notes, order)
+    )
+
+
+def _order(symbol: sp.Symbol) -> tuple[str, int, int]:
+    """phi_1, phi_2, ..., then first and second derivatives."""
+    name = str(symbol)
+    stem = name.rstrip("d") if "_" in name else name
+    head, _, tail = stem.rpartition("_")
+    orders = len(name) - len(stem)
+    return (head, orders, int(tail)) if tail.isdigit() else (name, 0, 0)

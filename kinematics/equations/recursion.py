@@ -11,13 +11,21 @@ from typing import Any
 import sympy as sp
 
 from ..dh import Convention, Joint, Robot
-from ..expressions.exact import Expression, SymbolicMatrix, exact
 from ..expressions.rotation_symbolic import about_x, about_z
-from ..expressions.symbols import internal
-from .chain import exact_parameters
+from ..expressions.symbols import Expression, SymbolicMatrix, exact, internal
+from .chain import (
+    ZERO,
+    Vector,
+    added,
+    exact_parameters,
+    lever_acceleration,
+    scaled,
+    symmetric,
+    times,
+    upper,
+)
 from .inertial_model import Body
 from .program import Tape
-from .vectors import ZERO, Vector, added, lever_acceleration, scaled, symmetric, times, upper
 
 
 def simplified_constant(expression: Any) -> Expression:

@@ -16,7 +16,7 @@ from typing import Any
 
 import sympy as sp
 
-from ..expressions.exact import Expression, exact
+from ..expressions.symbols import Expression, exact
 from .composite import solved
 from .derivative import tangent
 from .dynamics import (
@@ -28,8 +28,7 @@ from .dynamics import (
     notes,
 )
 from .inertial_model import InertialModel, Motor
-from .program import Argument, StraightLineProgram, Tape
-from .separate import separated
+from .program import Argument, StraightLineProgram, Tape, separated
 
 
 def rigid_rate(model: InertialModel) -> StraightLineProgram:

@@ -12,8 +12,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from .exact import Expression
-from .symbols import moving, symbol
+from .symbols import Expression, moving, symbol
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)"

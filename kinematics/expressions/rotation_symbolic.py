@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from .exact import Expression, SymbolicMatrix
+from .symbols import Expression, SymbolicMatrix
 
 Triple = tuple[Expression, Expression, Expression]
 

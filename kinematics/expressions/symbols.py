@@ -1,4 +1,4 @@
-"""Symbols with an index, functions of time, and their derivatives.
+"""Symbols with an index, functions of time, their derivatives, and exact numbers of floats.
 
 `symbol("phi", 1)` is phi_1 and `moving("phi", 1)` is phi_1(t). The two are different variables, as
 are phi(t) and phi_1(t): nothing here works by the text of a name.
@@ -7,12 +7,35 @@ are phi(t) and phi_1(t): nothing here works by the text of a name.
 from collections.abc import Iterable
 from functools import cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from .exact import Expression
+Expression: TypeAlias = Any
+"""A SymPy expression."""
+SymbolicMatrix: TypeAlias = Any
+"""A SymPy matrix."""
+
+_PARTS_OF_PI = 12
+
+
+def exact(value: Any) -> Expression:
+    """The decimal fraction that a float (a length or factor) was written as; expressions stay."""
+    if isinstance(value, sp.Expr):
+        return value
+    return sp.Integer(value) if isinstance(value, int) else sp.Rational(repr(float(value)))
+
+
+def exact_angle(value: Any) -> Expression:
+    """Like `exact`, but a float that is a multiple of pi/12 to its last bits becomes that."""
+    if isinstance(value, sp.Expr):
+        return value
+    parts = float(value) / float(sp.pi) * _PARTS_OF_PI
+    if value and abs(parts - round(parts)) <= 4e-16 * max(1.0, abs(parts)):
+        return sp.Rational(round(parts), _PARTS_OF_PI) * sp.pi
+    return exact(value)
+
 
 t = sp.Symbol("t", real=True)
 """Time [s]."""

@@ -20,13 +20,16 @@ from numpy.typing import ArrayLike, NDArray
 from armside.arrays import Array
 
 from ..cache import cached_module
-from ..dh import Robot
-from ..limits import Limits
-from .parallel_arm import ParallelArm, has_parallel_axes, parallel_arm
-from .path_failure import least_passed, limit_passed
-from .six_axes import ClosedArm, UnsolvableGeometryError
-from .targets import check_rigid
-from .wrist_arm import wrist_arm
+from ..dh import Limits, Robot
+from .six_axes import (
+    ClosedArm,
+    ParallelArm,
+    UnsolvableGeometryError,
+    has_parallel_axes,
+    parallel_arm,
+    wrist_arm,
+)
+from .targets import check_rigid, least_passed, limit_passed
 
 
 class Singularity(IntFlag):

@@ -13,15 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, finite_array, real_array
 
-from ..arguments import finite_array, real_array
 from ..cache import cached_module
-from ..dh import Joint, Robot
-from ..limits import Limits
-from ..links import standard_links
-from .path_failure import Cause, joint_jump, limit_passed
-from .targets import refuse_motion
+from ..dh import Joint, Limits, Robot
+from ..rigid import standard_links
+from .targets import Cause, joint_jump, limit_passed, refuse_motion
 
 _RESTARTS = 100
 _TYPES = {Joint.REVOLUTE: 0, Joint.PRISMATIC: 1, Joint.FIXED: 2}

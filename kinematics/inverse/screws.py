@@ -1,7 +1,7 @@
 """Joint axes of a robot at joint variables 0 as lines in base axes, for geometric closed forms.
 
 T(q) = e^(S_1 q_1) ... e^(S_n q_n) T(0), where S_i is a rotation about line i, or a translation
-along it.
+along it. Three revolute axes that meet have their angles from a rotation.
 """
 
 from dataclasses import dataclass
@@ -10,14 +10,46 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, real_array
 
-from ..arguments import real_array
 from ..dh import Joint, Robot
-from ..links import link_transform, standard_links
+from ..rigid import link_transform, standard_links
+from ..rotation import from_axis_angle
 from .closed_form import Branches
 from .six_axes import require
 from .targets import check_rigid
+
+ALIGNED = 1e-10
+"""Sine between the first and the third axis below which the first angle is free."""
+
+
+def three_axes(M: Array, u: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Both solutions of R(u_1, q_1) R(u_2, q_2) R(u_3, q_3) = M.
+
+    Args:
+        M: rotations (N, 3, 3).
+        u: directions (3, 3) of the axes at zero, in rows; u_2 is at right angles to the others.
+
+    Returns q (N, 2, 3) [rad], and aligned (N,): only q_1 +- q_3 is determined, and q_1 is 0.
+    """
+    u1, u2, u3 = u
+    e = np.cross(u2, u1)
+    f = np.cross(u1, e)
+    gamma = np.arctan2(u3 @ e, u3 @ u1)
+    w = M @ u3
+    along, across, beside = w @ u1, w @ e, w @ f
+    sine = np.hypot(across, beside)
+    aligned = sine < ALIGNED
+    q = np.empty((len(M), 2, 3))
+    for branch, sign in enumerate((1.0, -1.0)):
+        first = np.where(aligned, 0.0, np.arctan2(sign * beside, sign * across))
+        second = sign * np.arctan2(sine, along) - gamma
+        back = from_axis_angle(u2, -second) @ from_axis_angle(u1, -first) @ M
+        turned = back @ u2
+        third = np.arctan2(np.cross(u2, turned) @ u3, turned @ u2)
+        q[:, branch] = np.stack([first, second, third], axis=-1)
+    return q, aligned
+
 
 SQUARE = 1e-10
 """Cosine, or distance [m], below which axes count as at right angles, or as meeting."""

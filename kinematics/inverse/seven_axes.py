@@ -11,15 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, finite_array, real_array
 
-from ..arguments import finite_array, real_array
 from ..dh import Robot
 from ..rotation import from_axis_angle
 from .closed_form import Branches, Singularity, UnreachableError
-from .screws import SQUARE, Screws, batch, branches_of, meeting_point, require_square, screws
+from .screws import (
+    SQUARE,
+    Screws,
+    batch,
+    branches_of,
+    meeting_point,
+    require_square,
+    screws,
+    three_axes,
+)
 from .six_axes import require
-from .three_axes import three_axes
 
 _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
 _NEAR = (

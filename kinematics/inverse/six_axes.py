@@ -1,6 +1,12 @@
-"""Six revolute axes in a row: the part that every closed form of inverse kinematics shares."""
+"""Geometry of six revolute axes in a row that a closed form of inverse kinematics exists for.
+
+An elbow arm has a spherical wrist; of an arm as Universal Robots builds them axes 2, 3 and 4 are
+parallel. The tests work on a standard Denavit-Hartenberg table; a modified one is converted first.
+"""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import atan2, cos, hypot, pi, sin
 from typing import TypeVar
 
 import numpy as np
@@ -9,7 +15,7 @@ from armside.arrays import Array
 
 from .. import rigid
 from ..dh import Joint, Link, Robot
-from ..links import chain_transform, link_transform, standard_links
+from ..rigid import chain_transform, link_transform, standard_links
 
 TINY = 1e-12  # [m] or [-]: a table's zero, or the cosine of a table's pi/2
 _FALLBACK = "use armside.kinematics.inverse_numeric, which needs a start configuration"
@@ -75,3 +81,122 @@ def closed_arm(kind: type[Arm], robot: Robot, geometry: Array, shift: Array) -> 
     M = robot.coupling.copy()
     M_inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
     return kind(rigid.inverse(head), rigid.inverse(tail), geometry, M, M_inverse, constant)
+
+
+class WristArm(ClosedArm):
+    """Constants of the closed form of an elbow arm with a spherical wrist."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Least and greatest distance of the wrist centre from axis 2 [m], in the arm's plane."""
+        a2, L = self.geometry[4], self.geometry[5]
+        return abs(a2 - L), a2 + L
+
+
+@lru_cache(maxsize=64)
+def wrist_arm(robot: Robot) -> WristArm:
+    """The geometry of an elbow arm with a spherical wrist.
+
+    Raises:
+        UnsolvableGeometryError: says which parameter stands in the way, and the numeric fallback.
+    """
+    six, shift = six_links(robot), np.zeros(6)
+    _check_wrist(robot, six)
+    _check_arm(robot, six)
+    if float(six[1].a) < 0:  # the same arm with a2 > 0, theta2 half a turn on and theta3 back
+        shift[1:3] = pi, -pi * np.sign(cos(float(six[1].alpha)))
+    return closed_arm(WristArm, robot, _geometry(six), shift)
+
+
+def _check_wrist(robot: Robot, six: tuple[Link, ...]) -> None:
+    """Axes 4, 5, 6 meet in one point, at right angles."""
+    for name, value in (("a4", six[3].a), ("a5", six[4].a), ("d5", six[4].d)):
+        complaint = f"the wrist is not spherical: {name} = {value} m"
+        require(abs(float(value)) < TINY, robot, complaint)
+    for name, link in (("alpha4", six[3]), ("alpha5", six[4])):
+        complaint = f"the wrist axes are not at right angles: {name} = {link.alpha} rad"
+        require(abs(cos(float(link.alpha))) < TINY, robot, complaint)
+
+
+def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
+    """Axis 2 is parallel to axis 3 and not to axis 1; both arm lengths are there."""
+    alpha1, alpha2 = float(six[0].alpha), float(six[1].alpha)
+    require(abs(sin(alpha2)) < TINY, robot, f"axes 2 and 3 are not parallel: alpha2 = {alpha2}")
+    require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
+    g = _geometry(six)
+    require(g[4] > TINY and g[5] > TINY, robot, "upper arm or forearm has no length")
+
+
+def _geometry(six: tuple[Link, ...]) -> Array:
+    d1, d2, d3, d4 = (float(link.d) for link in six[:4])
+    a1, a2, a3 = (float(link.a) for link in six[:3])
+    alpha1, alpha2, alpha3 = (float(link.alpha) for link in six[:3])
+    sigma = 1.0 if cos(alpha2) > 0 else -1.0
+    forearm = (a3, -sigma * sin(alpha3) * d4)
+    offset = d2 + sigma * (d3 + cos(alpha3) * d4)
+    return np.array(
+        [
+            d1, a1, sin(alpha1), cos(alpha1), abs(a2), hypot(*forearm),
+            atan2(forearm[1], forearm[0]), offset, sigma, sin(float(six[3].alpha)),
+            sin(float(six[4].alpha)), sin(alpha3), cos(alpha3),
+        ]
+    )  # fmt: skip
+
+
+class ParallelArm(ClosedArm):
+    """Constants of the closed form of an arm with three parallel axes."""
+
+
+def has_parallel_axes(robot: Robot) -> bool:
+    """True if axes 2, 3 and 4 of six revolute axes are parallel.
+
+    Raises:
+        UnsolvableGeometryError: the robot has no six revolute joints in a row.
+    """
+    return all(abs(sin(float(link.alpha))) < TINY for link in six_links(robot)[1:3])
+
+
+def parallel_arm(robot: Robot) -> ParallelArm:
+    """The geometry of a robot with `has_parallel_axes`; all lengths but a5 may be there.
+
+    Raises:
+        UnsolvableGeometryError: says which parameter stands in the way, and the numeric fallback.
+    """
+    six = six_links(robot)
+    for number in (4, 5):
+        alpha = six[number - 1].alpha
+        complaint = f"the wrist axes are not at right angles: alpha{number} = {alpha} rad"
+        require(abs(cos(float(alpha))) < TINY, robot, complaint)
+    a2, a3, a5 = (float(six[i].a) for i in (1, 2, 4))
+    require(abs(a5) < TINY, robot, f"axes 5 and 6 do not meet: a5 = {a5} m")
+    alpha1 = float(six[0].alpha)
+    require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
+    require(abs(a2) > TINY and abs(a3) > TINY, robot, "upper arm or forearm has no length")
+    return closed_arm(ParallelArm, robot, _parallel_geometry(six), _shift(six))
+
+
+def _turns(six: tuple[Link, ...]) -> tuple[float, float]:
+    """sigma = cos alpha2 and tau = cos alpha2 cos alpha3: axes 3 and 4 along axis 2 or against."""
+    sigma, following = (1.0 if cos(float(link.alpha)) > 0 else -1.0 for link in six[1:3])
+    return sigma, sigma * following
+
+
+def _shift(six: tuple[Link, ...]) -> Array:
+    """Half turns of theta2, theta3 and theta4 that make a2 and a3 positive."""
+    sigma, tau = _turns(six)
+    upper, fore = (pi if float(link.a) < 0 else 0.0 for link in six[1:3])
+    return np.array([0.0, upper, sigma * (fore - upper), -tau * fore, 0.0, 0.0])
+
+
+def _parallel_geometry(six: tuple[Link, ...]) -> Array:
+    d1, d2, d3, d4, d5 = (float(link.d) for link in six[:5])
+    a1, a2, a3, a4 = (float(link.a) for link in six[:4])
+    alpha1, t, s = float(six[0].alpha), sin(float(six[3].alpha)), sin(float(six[4].alpha))
+    sigma, tau = _turns(six)
+    side, offset = t * tau, d2 + sigma * d3 + tau * d4
+    return np.array(
+        [
+            d1, a1, sin(alpha1), cos(alpha1), abs(a2), abs(a3), hypot(a4, d5),
+            atan2(-side * d5, a4), offset, sigma, tau, side, s,
+        ]
+    )  # fmt: skip

@@ -15,8 +15,7 @@ from armside.arrays import Array
 from ..dh import Robot
 from ..rotation import from_axis_angle
 from .closed_form import Branches, Singularity, UnreachableError
-from .screws import Screws, batch, branches_of, meeting_point, require_square, screws
-from .three_axes import three_axes
+from .screws import Screws, batch, branches_of, meeting_point, require_square, screws, three_axes
 
 _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
 _NEAR = 1e-7  # [m] from a singularity of the arm

@@ -9,11 +9,11 @@ from typing import Any
 
 import sympy as sp
 
+from ..equations.chain import symmetric
 from ..equations.coupling import motor_symbols
 from ..equations.inertial_model import InertialModel
 from ..equations.recursion import simplified_constant
-from ..equations.vectors import symmetric
-from ..expressions.exact import Expression, SymbolicMatrix, exact
+from ..expressions.symbols import Expression, SymbolicMatrix, exact
 from .procedures import angular_jacobian, at, exact_coupling, matrix_t
 
 

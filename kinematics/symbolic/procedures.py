@@ -17,8 +17,7 @@ import sympy as sp
 from ..dh import Convention, Joint, Link, Robot
 from ..equations.chain import exact_parameters
 from ..equations.coupling import joint_variables
-from ..expressions.exact import SymbolicMatrix, exact
-from ..expressions.symbols import differentiate, functions_of_time, moving, t
+from ..expressions.symbols import SymbolicMatrix, differentiate, exact, functions_of_time, moving, t
 
 Links = Sequence[Link] | Robot
 

@@ -1,8 +1,75 @@
-"""Chain of joints from a base link to a tip link of a document."""
+"""Links and joints of a file of an arm, whatever its format, and the chain from base to tip."""
 
 from collections import defaultdict
+from dataclasses import dataclass
+from enum import Enum
+from math import pi
 
-from .elements import Document, Kind, UrdfJoint
+import numpy as np
+
+from armside.arrays import Array
+
+from .. import rigid
+from ..equations.inertial_model import Body
+
+WHOLE_TURN = 2 * pi
+"""[rad], range of a continuous joint to either side."""
+
+
+class Kind(Enum):
+    """Types of joint; the last three have more than one degree of freedom. Only MJCF has balls."""
+
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    FIXED = "fixed"
+    FLOATING = "floating"
+    PLANAR = "planar"
+    BALL = "ball"
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint; its frame is at `origin` (4, 4) in the parent's, its axis (3,) is in its own."""
+
+    name: str
+    kind: Kind
+    parent: str
+    child: str
+    origin: Array
+    axis: Array
+    range: tuple[float, float]
+    """[rad or m]; a whole turn to either side for a continuous joint."""
+    speed: float
+    """[rad/s or m/s]; pi where the file has none, as in a robot file."""
+    mimics: str | None
+    fault: str | None = None
+    """What is wrong with it; a chain without the joint may be used all the same."""
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """Mass properties of a link: a body in axes at `origin` (4, 4) of the link's frame."""
+
+    origin: Array
+    body: Body
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Sentence on what is wrong with the inertial of a link; an arm that it moves is refused."""
+
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Document:
+    """Name of the robot; inertial of each link, None where it has none; joints in file order."""
+
+    name: str
+    links: dict[str, Inertial | Fault | None]
+    joints: tuple[UrdfJoint, ...]
+
 
 _MOST_NAMES = 12  # tips that a message lists
 
@@ -96,3 +163,29 @@ def _listed(names) -> str:
     names = list(names)
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return ", ".join(names[:_MOST_NAMES]) + more
+
+
+def summed(parts: list[tuple[Array, Inertial]], frame: Array) -> Body:
+    """One body in a frame (4, 4) from parts, each with its link's transform (4, 4)."""
+    mass, moment, tensor = 0.0, np.zeros(3), np.zeros((3, 3))
+    for T, inertial in parts:
+        G = rigid.inverse(frame) @ T @ inertial.origin
+        R, com, m = G[:3, :3], G[:3, 3], float(inertial.body.mass)
+        mass, moment = mass + m, moment + m * com
+        tensor += R @ _tensor(inertial.body) @ R.T + m * _offset(com)
+    if not parts:
+        return Body(mass=0)
+    com = moment / mass
+    tensor -= mass * _offset(com)
+    i = [float(tensor[j]) for j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return Body(mass=mass, com=(*map(float, com),), inertia=(*i,))  # pyright: ignore
+
+
+def _tensor(body: Body) -> Array:
+    xx, yy, zz, xy, xz, yz = map(float, body.inertia)
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _offset(r: Array) -> Array:
+    """Inertia of a unit mass at r (3,) about the origin."""
+    return (r @ r) * np.eye(3) - np.outer(r, r)

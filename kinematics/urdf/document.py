@@ -1,16 +1,153 @@
-"""Elements of a URDF file.
+"""Elements of a URDF file, each checked on its own.
 
 A document is read as UTF-8 text of bounded size, without a document type and so without entities.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from math import inf, pi
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-from .elements import Document, Fault, Inertial
-from .inertial_element import inertial_of
-from .joint_element import joint_of
+import numpy as np
+
+from armside.arrays import Array
+
+from ..equations.inertial_model import Body
+from ..rotation import from_roll_pitch_yaw
+from .chain import WHOLE_TURN, Document, Fault, Inertial, Kind, UrdfJoint
+
+_HUGE = 1e6  # greatest number that is accepted, in any unit
+
+
+def transform(where: str, element: Element) -> Array:
+    """T (4, 4) of <origin>: rpy are rotations about the fixed axes x, y, z."""
+    T = np.eye(4)
+    roll, pitch, yaw = vector(where, element, "origin", "rpy", (0.0, 0.0, 0.0))
+    T[:3, :3] = from_roll_pitch_yaw([yaw, pitch, roll])
+    T[:3, 3] = vector(where, element, "origin", "xyz", (0.0, 0.0, 0.0))
+    return T
+
+
+def vector(
+    where: str, element: Element, tag: str, name: str, default: tuple[float, float, float]
+) -> Array:
+    """Three numbers (3,) of an attribute of a child, or the default where it is not there."""
+    text = attribute(element, tag, name)
+    if text is None:
+        return np.array(default)
+    values = [number(f"{where}: {tag} {name}", word) for word in text.split()]
+    if len(values) != 3:
+        raise ValueError(f"{where}: {tag} {name} must be three numbers, got {text[:60]!r}")
+    return np.array(values)
+
+
+def attribute(element: Element, tag: str, name: str) -> str | None:
+    """Text of an attribute of a child, None where it is not there."""
+    child = element.find(tag)
+    return None if child is None else child.get(name)
+
+
+def number(what: str, text: str | float | None) -> float:
+    """A number of bounded size. Raises ValueError with what it is."""
+    try:
+        value = float("" if text is None else text)
+    except ValueError:
+        value = inf
+    if not abs(value) <= _HUGE:
+        raise ValueError(f"{what} must be a number up to {_HUGE:g}, got {str(text)[:40]!r}")
+    return value
+
+
+def inertial_of(where: str, element: Element | None) -> Inertial | None:
+    """Mass properties of a link, None where it has none, or zeros. ValueError names the link."""
+    if element is None:
+        return None
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    values = [attribute(element, "inertia", name) or 0.0 for name in names]
+    inertia = [number(f"{where}: {n}", v) for n, v in zip(names, values, strict=True)]
+    mass = number(f"{where}: mass", attribute(element, "mass", "value"))
+    if mass == 0 and not any(inertia):
+        return None
+    if mass <= 0:
+        raise ValueError(f"{where}: mass must be > 0 kg, got {mass:g}")
+    try:
+        body = Body(mass=mass, inertia=(*inertia,))  # pyright: ignore[reportArgumentType]
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+    return Inertial(transform(where, element), body)
+
+
+def joint_of(element: Element, name: str, links: Collection[str]) -> UrdfJoint:
+    """A joint between two of the links; wrong numbers are its fault.
+
+    Raises:
+        ValueError: its type or its ends are wrong; names the joint and what is allowed.
+    """
+    where, given = f"joint {name!r}", element.get("type", "")
+    if given not in (allowed := [kind.value for kind in Kind if kind is not Kind.BALL]):
+        raise ValueError(f"{where}: type must be one of {', '.join(allowed)}, got {given!r}")
+    kind, mimic = Kind(given), element.find("mimic")
+    parent, child = (_end(where, element, tag, links) for tag in ("parent", "child"))
+    mimics = None if mimic is None else mimic.get("joint", "")
+    try:
+        numbers = _numbers(where, kind, element)
+    except ValueError as error:
+        nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), pi
+        return UrdfJoint(name, kind, parent, child, *nowhere, mimics, str(error))
+    return UrdfJoint(name, kind, parent, child, *numbers, mimics)
+
+
+def _numbers(
+    where: str, kind: Kind, element: Element
+) -> tuple[Array, Array, tuple[float, float], float]:
+    """Origin, axis, range and greatest speed."""
+    origin, axis = transform(where, element), _axis(where, kind, element)
+    return origin, axis, _range(where, kind, element), _speed(where, kind, element)
+
+
+def _end(where: str, element: Element, tag: str, links: Collection[str]) -> str:
+    link = attribute(element, tag, "link")
+    if link not in links:
+        raise ValueError(f"{where}: {tag} link {link!r} is not in the file")
+    return str(link)
+
+
+def _axis(where: str, kind: Kind, element: Element) -> Array:
+    """Unit vector (3,); that of a joint without an axis is not read."""
+    if kind in (Kind.FIXED, Kind.FLOATING):
+        return np.array([1.0, 0.0, 0.0])
+    axis = vector(where, element, "axis", "xyz", (1.0, 0.0, 0.0))
+    length = float(np.linalg.norm(axis))
+    if length < 1e-6:
+        raise ValueError(f"{where}: axis must not be zero, got {axis.tolist()}")
+    return axis / length
+
+
+def _speed(where: str, kind: Kind, element: Element) -> float:
+    if kind is Kind.FIXED:
+        return pi
+    speed = number(f"{where}: limit velocity", attribute(element, "limit", "velocity") or pi)
+    if speed <= 0:
+        raise ValueError(f"{where}: limit velocity must be > 0, got {speed:g}")
+    return speed
+
+
+def _range(where: str, kind: Kind, element: Element) -> tuple[float, float]:
+    if kind is Kind.CONTINUOUS:
+        return -WHOLE_TURN, WHOLE_TURN
+    if kind not in (Kind.REVOLUTE, Kind.PRISMATIC):
+        return -inf, inf
+    if element.find("limit") is None:
+        raise ValueError(f"{where}: a {kind.value} joint needs <limit lower upper velocity>")
+    lower, upper = (
+        number(f"{where}: limit {end}", attribute(element, "limit", end) or 0.0)
+        for end in ("lower", "upper")
+    )
+    if not lower < upper:
+        raise ValueError(f"{where}: limit lower must be below upper, got {lower:g} and {upper:g}")
+    return lower, upper
+
 
 LARGEST = 10_000_000
 """Bytes of a URDF file; those of large robots have some hundred thousand."""

@@ -15,7 +15,7 @@ from armside.kinematics import (
     Robot,
     compile,
 )
-from armside.kinematics.limits import degrees
+from armside.kinematics.dh import degrees
 
 _HALF = pi / 2
 

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from armside.kinematics import find_arm
+from armside.kinematics import CATALOGUE
 from armside.kinematics.calibration import JointErrors, Measurements, Priors
 from armside.kinematics.calibration.error_model import ErrorModel
 from armside.kinematics.calibration.fit import Choice, Fit, fit
@@ -57,4 +57,4 @@ def harmonics(data: Measurements, start: Fit) -> Fit:
 
 
 def _model() -> ErrorModel:
-    return ErrorModel(find_arm("ur10").robot)
+    return ErrorModel(CATALOGUE["ur10"].robot)

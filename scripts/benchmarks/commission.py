@@ -4,7 +4,7 @@ import os
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from armside.sim.cores import cores
+from armside.sim.robot.run import cores
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin import commission as commissioning
 from armside.sim.twin.plan import plan, recorded

@@ -8,8 +8,8 @@ from mujoco.rollout import Rollout
 
 from armside.arrays import Array
 from armside.assets import LARGE_ROBOT_XML
-from armside.sim.cores import cores
 from armside.sim.laser.design import THESIS
+from armside.sim.robot.run import cores
 from armside.sim.tuning.action import Motors, action_of
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics import Convention, InertialModel, Joint, Limits, Robot
-from armside.kinematics.links import link_transform, standard_links
+from armside.kinematics.rigid import link_transform, standard_links
 
 
 def pinocchio_model(robot: Robot) -> tuple[Any, int]:

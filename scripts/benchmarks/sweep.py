@@ -8,7 +8,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from armside.sim.cores import cores
+from armside.sim.robot.run import cores
 
 from ..jobs.dataset import dataset
 from ..jobs.grid import Grid, parse

@@ -10,7 +10,7 @@ from armside.sim.cell import LARGE_CELL
 from armside.sim.records.atomic import write_whole
 from armside.sim.records.files import check_file
 from armside.sim.records.summary import summary
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 
 from ..jobs.workers import Workers
 from ..shell.console import Report, keep

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
-from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
+from armside.sim.robot_file.find import load_robot
 
 from ..shell.bag_options import BagCfg
 from ..shell.console import Report, run_folder
@@ -95,7 +95,7 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
 
     report = Report(common)
     with checking_input():
-        arm, source = find_robot(cfg.robot), read_poses(data, cfg.topics())
+        arm, source = load_robot(cfg.robot).arm, read_poses(data, cfg.topics())
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
     with report.progress("calibrating", total=1) as step:
         try:

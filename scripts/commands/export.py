@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from armside.sim.arm_with_masses import arm_with_masses
-from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
+from armside.sim.robot_file.find import load_robot
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
@@ -59,7 +58,7 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     from armside.kinematics.codegen import Language, write
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    robot = find_robot(cfg.robot).robot
+    robot = load_robot(cfg.robot).arm.robot
     home = imu_equations if cfg.what.startswith("measurement") else forward_kinematics
     program = getattr(home, cfg.what.replace("-", "_"))(robot)
     name = re.sub(r"\W|^(?=\d)", "_", f"{_word(cfg)}_{program.name}", flags=re.ASCII)
@@ -68,10 +67,9 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
 def _robot(cfg: ExportCfg) -> dict[str, str]:
     """The robot itself, with the masses that its source has."""
-    from armside.kinematics.codegen.mjcf import mjcf
-    from armside.kinematics.codegen.urdf import urdf
+    from armside.kinematics.codegen.robot_xml import mjcf, urdf
 
-    arm, bodies, notes = arm_with_masses(cfg.robot)
+    arm, bodies, notes = load_robot(cfg.robot, masses=True)
     write, ending = (urdf, "urdf") if cfg.to == "urdf" else (mjcf, "xml")
     return {f"{_word(cfg)}.{ending}": write(*arm, bodies, notes)}
 

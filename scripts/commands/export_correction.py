@@ -98,7 +98,7 @@ def export_correction(
 
 def _cell(cfg: ExportCorrectionCfg, kept: KeptCorrection) -> "Cell | None":
     """Robot of the correction; one that is missing matters to the path of its tool alone."""
-    from armside.sim.cell_file import find_cell
+    from armside.sim.robot_file.find import find_cell
 
     robot = cfg.robot or kept.robot
     if robot is None:

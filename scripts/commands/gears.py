@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
-from armside.sim.cell_file import find_cell
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.setup import Setup
-from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
+from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..cutting.individual import IndividualCfg, robot_state
 from ..shell.bag_options import BAG_FIELDS, BagCfg
@@ -122,7 +121,7 @@ def _recordings(
     if data:
         cfg.refuse_virtual()
         topics = cfg.topics()
-        return find_robot(cfg.robot), [read_motion(one, topics) for one in data]
+        return load_robot(cfg.robot).arm, [read_motion(one, topics) for one in data]
     if given := [name for name in sorted(BAG_FIELDS) if getattr(cfg, name)]:
         raise ValueError(f"{given[0].replace('_', '-')} is of recordings in bags: none are given")
     from armside.sim.gears.virtual_run import RUNS, recorded

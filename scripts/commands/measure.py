@@ -10,7 +10,6 @@ import numpy as np
 import pyarrow as pa
 from cyclopts import Parameter
 
-from armside.sim.cell_file import check_named, find_cell
 from armside.sim.cut.contour_file import read_contour
 from armside.sim.evaluation.recorded import (
     CircleTurn,
@@ -24,7 +23,8 @@ from armside.sim.records.signals import signals_of
 from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import read_table
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot_file.find import check_named, find_cell
 
 from ..cutting.options import LARGEST
 from ..shell.console import Report, keep

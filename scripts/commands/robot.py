@@ -1,4 +1,4 @@
-"""`armside robot`: a robot model examined, shown or built, and a new robot file."""
+"""`armside robot`: a robot described, examined, shown, moved or built, and a new robot file."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -7,23 +7,37 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from armside.sim.cell import Cell
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.records.summary import summary
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.model import RobotModel, load_model
+from armside.sim.robot_file.find import find_cell, load_robot
 
-from ..robots.tables import axes_of, estimates_of, numbers, print_check, print_data, table_of
+from ..figures.robot_tables import (
+    axes_of,
+    estimates_of,
+    numbers,
+    print_check,
+    print_data,
+    print_description,
+    table_of,
+)
 from ..shell.console import Report, keep, run_folder
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, check_read, options
 
-_ACTION = "Examine a model, show its data, build an MJCF from a robot file, or write a new one."
-Action = Annotated[Literal["check", "show", "build", "new"], Parameter(help=_ACTION)]
+_ACTION = (
+    "Describe the kinematics, examine a model, show its data, move it by sliders, build an MJCF "
+    "from a robot file, or write a new one."
+)
+Action = Annotated[
+    Literal["model", "check", "show", "view", "build", "new"], Parameter(help=_ACTION)
+]
 _MODEL = (
-    "check, show: MJCF in place of that robot's own, or a robot file (.toml). build: a robot file. "
-    "new: URDF, MJCF or D-H table (.toml) to start from [default: a template]."
+    "check, show, view: MJCF in place of that robot's own, or a robot file (.toml). build: a robot "
+    "file. model: a robot file, URDF or MJCF. new: URDF, MJCF or D-H table (.toml) to start from "
+    "[default: a template]."
 )
 Model = Annotated[Path | None, Parameter(help=_MODEL, validator=check_read)]
 
@@ -33,15 +47,26 @@ Model = Annotated[Path | None, Parameter(help=_MODEL, validator=check_read)]
 class RobotCfg:
     """The robot."""
 
-    robot: str = "large"
+    robot: str | None = None
     """Robot whose D-H table, limits and poses the controller has: large, irb1400, or a robot file
-    (.toml)."""
+    (.toml). model: also irb1400-imu with the links to its IMU, ur10, irb120, aubo_i5, FILE.urdf,
+    FILE.urdf#TIP_LINK, FILE.xml (MJCF), FILE.xml#TIP [default: large; model: irb1400]."""
     tip: str | None = None
     """new: last link of a URDF, or last body or site of an MJCF, that is a tree."""
+    latex: bool = False
+    """model: print the table and the zero pose as LaTeX."""
+    plot: bool = False
+    """model: draw the link frames in the zero pose (frames.png), as thesis Fig 5.3."""
 
     def __post_init__(self) -> None:
         if self.tip == "":
             raise ValueError("tip must name a link, a body or a site, got ''")
+
+    def check(self, action: str) -> None:
+        """Raise ValueError for an option of another action."""
+        for name, home in (("tip", "new"), ("latex", "model"), ("plot", "model")):
+            if getattr(self, name) not in (None, False) and action != home:
+                raise ValueError(f"--{name} is for {home}, got robot {action}")
 
 
 def robot(
@@ -52,21 +77,29 @@ def robot(
     cfg: RobotCfg = RobotCfg(),
     common: Common = Common(),
 ) -> None:
-    """Check a robot model against its D-H table, drives and time step, show, build or start one.
+    """Describe, check, show, move, build or start a robot.
 
-    check: status 1 if a verdict fails. show: D-H table, limits and drives; a picture with --out.
-    build: MJCF and a robot file that names it. new: a robot file with every default as a comment.
+    model: D-H table, T in the zero pose, reach, singular configurations. check: D-H table against
+    MJCF, drives and time step; status 1 if a verdict fails. show: D-H table, limits and drives; a
+    picture with --out. view: sliders in MuJoCo's own viewer move the motors under gravity; needs a
+    display. build: MJCF and a robot file that names it. new: a robot file with every default as a
+    comment.
     """
     report = Report(common)
     with checking_input():
-        if cfg.tip is not None and action != "new":
-            raise ValueError(f"--tip is for new, got robot {action}")
+        cfg.check(action)
     if action == "new":
         _new(model, cfg, report, common)
+    elif action == "model":
+        _describe(str(model or cfg.robot or "irb1400"), cfg, report, common)
     elif action == "build":
-        _build(cfg.robot if model is None else str(model), report, common)
+        _build(str(model or cfg.robot or "large"), report, common)
     elif action == "show":
         _show(*_named(model, cfg), report, common)
+    elif action == "view":
+        from ..viewers.robot import view_robot
+
+        view_robot(*_named(model, cfg))
     else:
         _check(*_named(model, cfg), report, common)
 
@@ -75,7 +108,35 @@ def _named(model: Path | None, cfg: RobotCfg) -> tuple[str, Path | None]:
     """Robot, and MJCF in place of its own."""
     if model is not None and model.suffix == ".toml":
         return str(model), None
-    return cfg.robot, model
+    return cfg.robot or "large", model
+
+
+def _describe(named: str, cfg: RobotCfg, report: Report, common: Common) -> None:
+    from armside.kinematics.symbolic.description import as_latex, as_text, describe
+
+    with checking_input():
+        found = describe(load_robot(named).arm.robot)
+    singular = found.singularities
+    values: dict[str, Any] = {
+        "table": [[as_text(value) for value in row] for row in found.table],
+        "zero_pose": [[float(x) for x in found.zero_pose.row(i)] for i in range(4)],
+        "reach": found.reach,
+        "singular": {k: str(value) for k, value in vars(singular).items()} if singular else {},
+    }
+    if cfg.latex:
+        for line in as_latex(found).splitlines():
+            report.line(line)
+    else:
+        print_description(report, found.robot, values)
+    outcome = _summary("model", named, None, common, "done", values)
+    if cfg.plot or common.out is not None:
+        with run_folder(outcome, common) as folder:
+            if cfg.plot:
+                from ..figures.frames import draw
+
+                draw(folder / "frames.png", found.robot)
+        report.line(str(folder.path))
+    report.summary(outcome)
 
 
 def _check(named: str, model: Path | None, report: Report, common: Common) -> None:
@@ -95,9 +156,9 @@ def _check(named: str, model: Path | None, report: Report, common: Common) -> No
 
 
 def _complaint(failed: list[Check], n: int, axis: int | None) -> str:
-    said = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
+    found = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
     where = "" if axis is None else f"; axis {axis} is the first that moves the tool otherwise"
-    return f"{len(failed)} of {n} verdicts fail: {said}{where}"
+    return f"{len(failed)} of {n} verdicts fail: {found}{where}"
 
 
 def _show(named: str, model: Path | None, report: Report, common: Common) -> None:
@@ -116,14 +177,14 @@ def _show(named: str, model: Path | None, report: Report, common: Common) -> Non
 def _keep_picture(outcome: dict[str, Any], loaded: RobotModel, cell: Cell, common: Common) -> None:
     if common.out is None:
         return
-    from ..robots.picture import draw_robot
+    from ..viewers.robot import draw_robot
 
     with run_folder(outcome, common) as folder:
         draw_robot(folder / "robot.png", loaded, cell)
 
 
 def _build(named: str, report: Report, common: Common) -> None:
-    from armside.sim.robot_files import built_files
+    from armside.sim.robot_file.written import built_files
 
     with checking_input():
         cell = find_cell(named)
@@ -134,13 +195,13 @@ def _build(named: str, report: Report, common: Common) -> None:
 
 
 def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> None:
-    from armside.sim.robot_files import commented, read_source, template
+    from armside.sim.robot_file.new_file import commented, read_source, template
 
     with checking_input():
         source = template() if model is None else read_source(model, cfg.tip)
         files = {"robot.toml": commented(source)}
     found = {"files": sorted(files), "axes": source.arm.robot.n_joints}
-    _write(files, _summary("new", source.said, model, common, "done", found), report, common)
+    _write(files, _summary("new", source.origin, model, common, "done", found), report, common)
 
 
 def _write(files: dict[str, str], outcome: dict[str, Any], report: Report, common: Common) -> None:

@@ -10,8 +10,8 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
-from armside.sim.cores import cores
 from armside.sim.evaluation.check import Table, all_hold
+from armside.sim.robot.run import cores
 
 from . import files
 from .isolated import Outcome, run, server

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.robot.six_axes import N_AXES
+from armside.sim.robot.mjcf import N_AXES
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.twin import Twin, design_of, robot_digest
 

@@ -10,11 +10,11 @@ from cyclopts import Parameter
 from armside.arrays import Array
 from armside.ilc.learning import LoopState
 from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.sim.cell_file import find_cell
 from armside.sim.laser.resume import state_after
 from armside.sim.part.carried import Motion, carried
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.stored_run import StoredRun, read_run
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.console import Report
 from ..shell.errors import InputError

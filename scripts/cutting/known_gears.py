@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import Group, Parameter
 
 from armside.kinematics import Robot
-from armside.kinematics.gear_file import read_gear_file
+from armside.kinematics.robot_file import read_gear_file
 
 from ..shell.options import check_read, options
 from .individual import IndividualCfg, robot_state

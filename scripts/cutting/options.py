@@ -9,8 +9,8 @@ import numpy as np
 from cyclopts import Parameter
 
 from armside.sim.cell import Cell
-from armside.sim.cell_file import find_cell
 from armside.sim.laser.design import THESIS, Design, default_design
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.options import FileToRead, options
 from .known_gears import KnownGearsCfg

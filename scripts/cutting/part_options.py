@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 import numpy as np
 from cyclopts import Group, Parameter
 
-from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.setup import Setup
 from armside.sim.part.chain import MM
 from armside.sim.part.drawn import Reading, Unit
 from armside.sim.part.plan import Cutting
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.options import FileToRead, options
 from .known_gears import KnownGearsCfg, known_state

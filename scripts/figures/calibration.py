@@ -8,10 +8,11 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.kinematics import robot_toml
-from armside.kinematics.calibration import Calibration, next_poses
+from armside.kinematics.calibration import Calibration
+from armside.kinematics.calibration import selection as next_poses
 from armside.kinematics.codegen import Language
 from armside.kinematics.codegen import write as code
-from armside.kinematics.codegen.urdf import urdf
+from armside.kinematics.codegen.robot_xml import urdf
 from armside.kinematics.equations import forward_kinematics
 from armside.kinematics.robot_file import Arm
 from armside.sim.records.run_folder import RunFolder

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.robot.six_axes import AXES
+from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import Commissioned
 from armside.sim.twin.friction_step import friction_constants, lugre

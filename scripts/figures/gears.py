@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.kinematics.gear_file import gear_toml
-from armside.kinematics.robot_file import Arm, GearTerm, robot_toml
+from armside.kinematics.robot_file import Arm, GearTerm, gear_toml, robot_toml
 from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining, coverage
 from armside.sim.gears.joint_motion import bandpass
 from armside.sim.gears.judgement import judged_rows

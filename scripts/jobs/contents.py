@@ -6,8 +6,8 @@ from pathlib import Path
 import mujoco
 
 from armside.kinematics.robot_file import read_toml
-from armside.sim.cell_file import read_cell
 from armside.sim.records.files import check_file
+from armside.sim.robot_file.find import read_cell
 
 from ..shell.errors import InputError
 

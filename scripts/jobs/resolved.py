@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import mujoco
 
 from armside.sim.cell import CELLS, ToolPose
-from armside.sim.cell_file import find_cell
 from armside.sim.records.summary import plain
-from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.effects import Effect, available
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.mjcf import ModelError, scalar
 from armside.sim.robot.model import load_model
+from armside.sim.robot_file.find import find_cell
 
 from ..cutting.options import LaserCfg
 from ..cutting.specification import MM, cut, dimensions, tool_pose

@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, NamedTuple, TypeVar
 
-from armside.sim.cores import cores
+from armside.sim.robot.run import cores
 
 from ..shell.errors import RunFailed
 from ..shell.interrupts import noticing

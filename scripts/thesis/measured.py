@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.kinematics import Arm, find_arm
+from armside.kinematics import CATALOGUE, Arm
 from armside.kinematics.calibration import (
     Calibration,
     CalibrationCfg,
@@ -40,7 +40,7 @@ RUNS = 3
 
 def ur10(seed: int, data: Path, folder: Path) -> Section:
     """UR10 with a T-Mac: the second half of series C by the first, and by 50 poses."""
-    arm, poses = find_arm("ur10"), read_poses(data / SERIES_C).measurements
+    arm, poses = CATALOGUE["ur10"], read_poses(data / SERIES_C).measurements
     half = calibrate(arm, poses, CalibrationCfg(in_order=True), seed=seed)
     few = CalibrationCfg(poses=50, joint_errors=JointErrors(40, True))
     fifty = [_mean(arm, poses, few, seed + k) for k in range(5)]
@@ -65,7 +65,7 @@ def _mean(arm: Arm, poses: Measurements, cfg: CalibrationCfg, seed: int) -> floa
 def irb120(seed: int, data: Path, folder: Path) -> Section:
     """IRB120 with three reflectors: half of the poses by the other."""
     source = read_poses(data)
-    done = calibrate(find_arm("irb120"), source.measurements, seed=seed)
+    done = calibrate(CATALOGUE["irb120"], source.measurements, seed=seed)
     of_calibration.draw_residuals(folder / "real-irb120.png", done)
     mean = MM * done.errors("full").mean
     checks = [
@@ -80,7 +80,7 @@ def irb120(seed: int, data: Path, folder: Path) -> Section:
 
 def imu(seed: int, data: Path, folder: Path) -> Section:
     """AUBO i5: chapter 5 on each day, and the constants over the days."""
-    arm = find_arm("aubo_i5")
+    arm = CATALOGUE["aubo_i5"]
     done = [process(arm, day) for day in _days(data)]
     found, one = repeatability([day.alignment for day in done]), done[0]
     comparison = one.comparison
@@ -105,7 +105,7 @@ def imu(seed: int, data: Path, folder: Path) -> Section:
 
 def gears(seed: int, data: Path, folder: Path) -> Section:
     """AUBO i5: gear error by the IMU of other days, and the fused position, against cameras."""
-    done = analyse(find_arm("aubo_i5"), _days(data))
+    done = analyse(CATALOGUE["aubo_i5"], _days(data))
     of_gears.draw_scan(folder / "real-gears-scan.png", done)
     of_gears.draw_fused(folder / "real-gears-fused.png", done)
     judged = [one for one in done.judgements if one.tool and one.sham_tool and one.smoothed]
@@ -140,7 +140,7 @@ def gears(seed: int, data: Path, folder: Path) -> Section:
 
 def paths(seed: int, data: Path, folder: Path) -> Section:
     """IRB6640: motor logs of a path beside the virtual large robot."""
-    done = compare_logs(find_arm("large"), read_path_logs(data), RUNS, seed)
+    done = compare_logs(CATALOGUE["large"], read_path_logs(data), RUNS, seed)
     of_paths.draw(folder / "real-paths.png", done)
     worst = max(abs(one.real.scatter / one.perfect.mean() - 1.0) for one in done.speeds)
     rows = [

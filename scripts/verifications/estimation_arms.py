@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from armside.assets import IRB1400_XML
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
@@ -21,6 +20,7 @@ from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
 from armside.sim.notes import Tally
+from armside.sim.robot_file.find import find_cell
 
 FIVE = 5
 LEFT = 0.20

@@ -22,7 +22,7 @@ from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.individual import Individual
-from armside.sim.robot.limits import saturation
+from armside.sim.robot.recording import saturation
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST

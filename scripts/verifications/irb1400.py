@@ -19,7 +19,7 @@ from armside.sim.imu import (
 )
 from armside.sim.imu.vibration import lines, run_rest
 from armside.sim.notes import Note, Tally
-from armside.sim.robot.limits import saturation
+from armside.sim.robot.recording import saturation
 
 BASE = ImuExperiment()
 SEQUENTIAL = replace(BASE, motion="sequential")

@@ -13,7 +13,6 @@ import numpy as np
 from armside import assets
 from armside.ilc.measures import norms as measures
 from armside.sim.cell import ToolPose
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.laser import learn
@@ -21,6 +20,7 @@ from armside.sim.laser.design_from_data import design_from_data
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.model import load_model
+from armside.sim.robot_file.find import find_cell
 
 from .learned import learned
 

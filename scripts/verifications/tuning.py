@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.evaluation.interval import mean_interval
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.notes import Note, counted
+from armside.sim.robot.run import cores
 from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.evaluation import Episode, Policy, always, evaluate
 from armside.sim.tuning.policy import Network

@@ -14,12 +14,11 @@ import numpy as np
 from armside import assets
 from armside.arrays import Array
 from armside.kinematics import CATALOGUE, UrdfArm, read_urdf
-from armside.kinematics.codegen.interpreted import interpreted
-from armside.kinematics.codegen.urdf import urdf as urdf_text
+from armside.kinematics.codegen.languages import interpreted
+from armside.kinematics.codegen.robot_xml import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
-from armside.sim.arm_with_masses import arm_with_masses
-from armside.sim.cell_file import is_cell_file
 from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.sim.robot_file.find import is_cell_file, load_robot
 
 from ..shell.extras import needs
 from .urdf_arms import LEAST_JOINTS, ForeignFile, foreign_files, longest_chain
@@ -69,7 +68,7 @@ def shipped_robots() -> list[str]:
 
 def shipped(name: str, seeds: Sequence[int]) -> Row:
     """Row of a robot of this project, whose exported file Pinocchio reads."""
-    heavy = arm_with_masses(name)
+    heavy = load_robot(name, masses=True)
     robot, limits = heavy.arm
     joints = tuple(f"joint_{i}" for i in range(1, robot.n_joints + 1))
     with tempfile.TemporaryDirectory() as folder:

@@ -4,9 +4,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-from armside.kinematics.urdf.chain import children
+from armside.kinematics.urdf.chain import Document, Kind, children
 from armside.kinematics.urdf.document import read_document
-from armside.kinematics.urdf.elements import Document, Kind
 
 PACKAGES = ("rtb-data", "example-robot-data", "pybullet", "robosuite")
 """Distributions with URDF files; those that are not installed are left out."""

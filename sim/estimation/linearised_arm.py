@@ -14,7 +14,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..robot.free_motion import FreeMotion
+from ..robot.linkage import FreeMotion
 from .nominal import NominalArm
 from .observer import at_rest
 

@@ -25,7 +25,7 @@ from armside.arrays import Array
 
 from ..robot.drives import EXACT, GearError
 from ..robot.flexibility import Flexibility, without
-from ..robot.free_motion import FreeMotion, free_joints
+from ..robot.linkage import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
 from ..robot.model import RobotModel, posture
 from .coupled_axes import coupled_axes

@@ -9,7 +9,7 @@ from armside.arrays import Array
 
 from ..cell import Cell, ToolPose
 from ..cut.tool_motion import joint_reference
-from ..robot.forward_kinematics import configurations
+from ..robot.kinematics_check import configurations
 from .check import Check
 
 LEAST_DEXTERITY = 0.005

@@ -10,7 +10,7 @@ from ..instruments.notes import beam
 from ..notes import Cause, Note, together
 from ..records.signals import Signals
 from ..records.tables import TRUTH_VALUE
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 
 
 def notes_of_signals(signals: Signals) -> list[Note]:

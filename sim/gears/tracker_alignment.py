@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from armside.arrays import Array
-from armside.kinematics.calibration.registration import procrustes
+from armside.kinematics.calibration.measurements import procrustes
 
 from ..measured.motion import Stream
 from .joint_motion import RATE, JointMotion, lowpass

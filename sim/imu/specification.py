@@ -10,14 +10,14 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS, Cell
-from ..cell_file import find_cell
 from ..instruments.imu import ImuCfg
 from ..moves.about_home import dynamics_of, programs_about
 from ..moves.instructions import Program
 from ..moves.program_file import read_program
-from ..robot.cell_model import cell_model
 from ..robot.flexibility import Flexibility, variant, without
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
+from ..robot_file.find import find_cell
 from .processing import ProcessingCfg
 
 Motion = Literal["simultaneous", "sequential"]

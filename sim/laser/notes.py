@@ -8,7 +8,7 @@ from ..cut.notes import motion_notes
 from ..estimation.imu_health import ImuError, repaired
 from ..instruments.notes import beam
 from ..notes import Cause, Note, together
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 from .experiment import Experiment, Iteration
 from .plant import Pass
 

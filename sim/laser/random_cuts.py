@@ -5,7 +5,7 @@ import numpy as np
 from armside import kinematics
 
 from ..cell import ToolPose
-from ..cell_file import find_cell
+from ..robot_file.find import find_cell
 from .experiment import prepare
 from .specification import Cut
 

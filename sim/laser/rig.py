@@ -10,14 +10,13 @@ from armside.arrays import Array
 
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..robot.applicable import check_applies
-from ..robot.cell_model import cell_model
+from ..robot.drives import gear_error_of
 from ..robot.effects import available
-from ..robot.gear_terms import gear_error_of
 from ..robot.individual import Individual, embodied, with_payload
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.run import LoadedReference
-from ..robot.spread import Drawn, Spread
+from ..robot.spread import Drawn, Spread, check_applies
 from ..robot.statics import Statics
 from ..robot.virtual_robot import VirtualRobot
 from .plant import CuttingPlant, MountedImu

@@ -6,12 +6,12 @@ from pathlib import Path
 from armside.kinematics.robot_file import GearTerm
 
 from ..cell import Cell, ToolPose, pose
-from ..cell_file import find_cell
 from ..cut.timing import PathLimits
 from ..instruments.imu import ImuCfg
 from ..robot.effects import Effect
 from ..robot.individual import Individual
 from ..robot.spread import Drawn
+from ..robot_file.find import find_cell
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,8 +19,7 @@ from ..estimation.relative_path import relative_to_start
 from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg, ImuSamples, exact
 from ..notes import Cause, Note
-from ..robot.drives import EXACT
-from ..robot.gear_terms import gear_error_of
+from ..robot.drives import EXACT, gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
 from .measures import Prepared, SetUp

@@ -17,8 +17,7 @@ from ..estimation.way.law import scheduled
 from ..estimation.way.trust import Trust, trust
 from ..instruments.imu import ImuSamples
 from ..notes import Cause, Note
-from ..robot.drives import EXACT
-from ..robot.gear_terms import gear_error_of
+from ..robot.drives import EXACT, gear_error_of
 from ..robot.recording import Recording
 from .measures import Prepared
 from .plant import Pass

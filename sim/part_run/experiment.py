@@ -16,7 +16,7 @@ from ..part.chain import place
 from ..part.motion import PartMotion
 from ..part.part import Part
 from ..part.plan import Cutting, Plan, plan
-from ..robot.cell_model import cell_model
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD

@@ -6,7 +6,7 @@ from ..instruments.notes import beam
 from ..laser.notes import GROWTH
 from ..notes import Cause, Note, together
 from ..part.plan import Plan
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 from .learning import PartIteration
 from .results import Rows
 

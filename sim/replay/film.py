@@ -12,11 +12,11 @@ from PIL import Image, ImageDraw, ImageFont
 
 from armside.arrays import Array
 
-from ..cell_file import find_cell
 from ..records.atomic import atomic
 from ..records.errors import InputError
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
+from ..robot_file.find import find_cell
 from .entities import BLUE, GREY, INK, ORANGE
 from .offscreen import Offscreen, drawn_model, named_camera
 from .paths import Contour, fitting_magnification

@@ -7,13 +7,13 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ..cell_file import find_cell
 from ..cut.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
 from ..records.errors import InputError, reading
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
+from ..robot_file.find import find_cell
 from .scene import Scene, write_scenes
 
 Row = Mapping[str, Any]

@@ -3,6 +3,7 @@
 `Drives` is read from the custom numerics and actuators of the MJCF.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -10,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from armside.arrays import Array, read_only
+from armside.kinematics.robot_file import GearTerm
 
 from .mjcf import axis_actuators, numeric, scalar
 
@@ -148,3 +150,21 @@ def _error(phi: Array, amplitude: Array, order: Array, phase: Array) -> Array:  
                     s, c = np.sin(order[j, h] * phi[i, j]), np.cos(order[j, h] * phi[i, j])
                 error[i, j] += of_sine[j, h] * s + of_cosine[j, h] * c
     return error
+
+
+def gear_error_of(terms: Sequence[GearTerm], n_axes: int) -> GearError:
+    """Transmission error with these terms; joints of fewer terms than others have zeros.
+
+    Raises ValueError for a term of a joint that the robot does not have.
+    """
+    own: list[list[GearTerm]] = [[] for _ in range(n_axes)]
+    for term in terms:
+        if not 1 <= term.joint <= n_axes:
+            raise ValueError(f"gear error of joint {term.joint}: the robot has {n_axes} joints")
+        own[term.joint - 1].append(term)
+    shape = n_axes, max(1, *map(len, own))
+    amplitude, order, phase = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    for i, of_joint in enumerate(own):
+        for h, term in enumerate(of_joint):
+            amplitude[i, h], order[i, h], phase[i, h] = term[2], term[1], term[3]
+    return GearError(amplitude=amplitude, order=order, phase=phase)

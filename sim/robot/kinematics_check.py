@@ -1,19 +1,67 @@
-"""Refusal of a robot model whose geometry is not that of its Denavit-Hartenberg table.
+"""Geometry of an MJCF beside the Denavit-Hartenberg table of its controller; refused if another.
 
 The controller plans with the D-H table. A model of another geometry runs all the same, and cuts
 beside the place.
 """
 
+from pathlib import Path
+
+import mujoco
 import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
 from armside.kinematics import Limits, Robot
 
-from .forward_kinematics import between, configurations, site_poses
-from .linkage import LARGEST_GAP
+from ..cell import Cell
+from .linkage import LARGEST_GAP, Linkage
 from .mjcf import ModelError
-from .model import RobotModel
+from .model import RobotModel, load_model
+
+CONFIGURATIONS = 100
+"""Random motor angles that are drawn; those within the limits are compared."""
+TOOL = "tool0"
+
+
+def configurations(limits: Limits) -> Array:
+    """(K, n) [rad], the zero pose and random motor angles, the same for every model."""
+    rng = np.random.default_rng(0)
+    drawn = rng.uniform(limits.lower, limits.upper, (CONFIGURATIONS, len(limits.lower)))
+    return np.vstack((np.zeros(len(limits.lower)), drawn[limits.contain(drawn)]))
+
+
+def site_poses(model: RobotModel, phi: Array, site: str = TOOL) -> tuple[Array, Array]:
+    """(K, 4, 4) base to site at motor angles (K, n) with every spring at zero, and (K,) [m], how
+    far the cuts of closed chains are open there."""
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    index, linkage = mj.site(site).id, Linkage(model.mj)
+    T, opening = np.tile(np.eye(4), (len(phi), 1, 1)), np.zeros(len(phi))
+    for i, q in enumerate(phi @ model.posture.T):
+        data.qpos[:] = q
+        mujoco.mj_kinematics(mj, data)
+        T[i, :3, 3] = data.site_xpos[index]
+        T[i, :3, :3] = data.site_xmat[index].reshape(3, 3)
+        if not linkage.is_open:
+            opening[i] = np.abs(linkage.gap(data)).max()
+    return T, opening
+
+
+def between(T: Array, other: Array) -> tuple[Array, Array]:
+    """Distance [m] and rotation angle [rad], (K,) each, between poses (K, 4, 4)."""
+    position = np.linalg.norm(T[:, :3, 3] - other[:, :3, 3], axis=1)
+    # |R - R'| = sqrt(8) sin(angle / 2), exact for small angles too.
+    apart = np.linalg.norm(T[:, :3, :3] - other[:, :3, :3], axis=(1, 2)) / np.sqrt(8.0)
+    return position, 2.0 * np.arcsin(np.minimum(apart, 1.0))
+
+
+def differences(
+    model: RobotModel, robot: Robot, phi: Array, site: str = TOOL
+) -> tuple[Array, Array]:
+    """Distance [m] and rotation angle [rad], (K,) each, between a site and the last frame of the
+    D-H model at motor angles (K, n)."""
+    T_base_tool = kinematics.compile(robot).pose(np.ascontiguousarray(phi))
+    return between(site_poses(model, phi, site)[0], T_base_tool)
+
 
 POSITION = 1e-6
 """Largest difference of a site's position [m]. Learning leaves 10 um of error at the tool, which a
@@ -101,3 +149,20 @@ def _degrees(phi: Array) -> str:
 def _shown(value: float) -> str:
     """Four digits, without the noise of rounding."""
     return f"{round(value, 9):.4g}"
+
+
+def cell_model(cell: Cell, source: Path | mujoco.MjModel | None = None) -> RobotModel:
+    """Load a robot model and compare it with the cell's D-H model.
+
+    source: MJCF file in place of the cell's own, or a compiled variant of that.
+
+    Raises ModelError for a file that is no robot model, or one of another geometry.
+    """
+    source = cell.xml if source is None else source
+    model = load_model(source)
+    try:
+        check_kinematics(model, cell.robot, cell.limits, cell.with_imu)
+    except ModelError as error:
+        file = source if isinstance(source, Path) else cell.xml
+        raise ModelError(f"{file}: {error}") from error
+    return model

@@ -11,8 +11,16 @@ from armside.arrays import Array
 
 from .drives import Drives, GearError, read_drives
 from .linkage import passive_joints
-from .mjcf import ModelError, axes_of, axis_actuators, has, numeric, require_names
-from .plausible import refuse_implausible, refuse_negative_mass
+from .mjcf import (
+    ModelError,
+    axes_of,
+    axis_actuators,
+    has,
+    numeric,
+    refuse_implausible,
+    refuse_negative_mass,
+    require_names,
+)
 
 
 @dataclass(frozen=True, kw_only=True)

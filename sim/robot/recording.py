@@ -4,6 +4,7 @@ Angles are arm-side radians unless a name says otherwise. `Truth` is for evaluat
 given to a law or an estimator.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..notes import Cause, Note
 from .drives import EXACT, GearError
 
 
@@ -104,3 +106,18 @@ class Recording:
     def error(self) -> Array:
         """e = r - y, shape (N, n) [rad], arm-side motor angles. Thesis (9.2)."""
         return self.reference - self.motor_angle
+
+
+_MEANING = {
+    "torque": "drives saturate: torque limit of axis {axes}",
+    "speed": "speed limit of axis {axes} is reached",
+    "joint": "hard stop of axis {axes} is reached",
+}
+
+
+def saturation(recording: Recording) -> Iterable[Note]:
+    """A note for each kind of limit, with its axes."""
+    for limit, meaning in _MEANING.items():
+        axes = [str(axis) for name, axis, _ in recording.limits_hit if name == limit]
+        if axes:
+            yield Note(cause=Cause.SATURATION, text=meaning.format(axes=", ".join(axes)))

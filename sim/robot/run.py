@@ -5,6 +5,7 @@ record follows from states and sensors; the torque of the servo is computed agai
 """
 
 import logging
+import os
 import threading
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -111,6 +112,11 @@ class Noise:
     encoder: Array | None
     perturbation: Array | None
     """[motor rad], and what it makes of the measured speed [motor rad/s]."""
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def run_batch(

@@ -1,4 +1,4 @@
-"""Rigid inverse dynamics, elastic deflection and static equilibrium of a robot model.
+"""Rigid inverse dynamics, elastic deflection, static equilibrium and modes of a robot model.
 
 The forces are without friction, damping and those of closed-chain constraints. A controller uses
 `Statics` with the nominal model, for torque feedforward and for `anticipated_shift`.
@@ -12,7 +12,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .linkage import Linkage
+from .linkage import Linkage, free_joints
 from .model import RobotModel
 from .servo import interpolate
 
@@ -162,3 +162,35 @@ def smoothed(shift: Array) -> Array:
     kernel = np.convolve(np.ones(BOX), np.ones(BOX)) / BOX**2
     padded = np.pad(shift, ((BOX - 1, BOX - 1), (0, 0)), mode="edge")
     return np.column_stack([np.convolve(column, kernel, mode="valid") for column in padded.T])
+
+
+def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array:
+    """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad].
+
+    M q'' + K q = 0 about every spring at zero, in the joints that a closed chain leaves free. K has
+    the springs of gears and structure, those of a gear with lost motion as they are under load.
+
+    locked: the motors are held; otherwise they turn freely, without servo, and each has a motion of
+    0 Hz.
+    """
+    from scipy.linalg import eigh
+
+    M, free = _reduced_inertia(model, phi)
+    K = np.zeros(model.mj.nv)
+    K[model.springs] = spring_stiffness(model)
+    moving = np.setdiff1d(free, model.motor) if locked else free
+    if not len(moving):
+        return np.zeros(0)
+    omega_squared = eigh(np.diag(K[moving]), M[np.ix_(moving, moving)], eigvals_only=True)
+    return np.sqrt(np.maximum(omega_squared, 0.0)) / (2.0 * np.pi)
+
+
+def _reduced_inertia(model: RobotModel, phi: Array) -> tuple[Array, np.ndarray]:
+    """Inertia (nv, nv) of motions that keep closed chains closed, and the joints free in them."""
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    linkage, M = Linkage(mj), np.zeros((mj.nv, mj.nv))
+    data.qpos[:] = model.posture @ phi
+    mujoco.mj_forward(mj, data)
+    mujoco.mj_fullM(mj, data, M)
+    Z = linkage.tangent(data)
+    return Z.T @ M @ Z, free_joints(mj)

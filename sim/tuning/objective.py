@@ -6,11 +6,11 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..cores import cores
 from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..notes import Note, counted
+from ..robot.run import cores
 from .rules import Rules
 from .situation import Situation, restarted
 from .task import Task

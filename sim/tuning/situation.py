@@ -16,7 +16,7 @@ from ..laser.experiment import Experiment, true_tool_error
 from ..laser.learning import FROM_A_MODEL
 from ..laser.plant import Pass
 from ..notes import Note
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 from ..twin.correction import Corrected
 from .correction_basis import REACH, Coefficients
 from .sensor import Reading, Sensor

@@ -16,10 +16,10 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ..cores import cores
 from ..cut.notes import motion_notes
 from ..notes import Note, Tally
 from ..robot.individual import Individual
+from ..robot.run import cores
 from ..robot.spread import Drawn
 from .checks import whole
 from .rules import Decision, Rules, Step

@@ -22,9 +22,9 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..estimation.imu_health import ImuError, repaired
 from ..estimation.observer import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples
+from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.six_axes import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .imu_kinematics import ImuKinematics, imu_kinematics
 from .kinematic_columns import gear_waves

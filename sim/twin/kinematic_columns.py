@@ -11,8 +11,8 @@ from armside.arrays import Array
 
 from ..estimation.relative_path import REST_SAMPLES
 from ..robot.effects import gear_orders
+from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
-from ..robot.six_axes import AXES, N_AXES
 
 
 def jacobians(model: RobotModel, phi: Array) -> tuple[Array, Array]:

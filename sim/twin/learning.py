@@ -15,10 +15,10 @@ from ..estimation.relative_path import relative_to_start
 from ..part.carried import Motion
 from ..part.motion import PartMotion
 from ..robot.individual import Individual, joints
+from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
-from ..robot.six_axes import AXES, N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .error import twin_error
 from .friction_step import FrictionStep

@@ -13,7 +13,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..robot.six_axes import N_AXES
+from ..robot.mjcf import N_AXES
 from .parameters import Parameters
 from .sensitivities import Against, Columns, Residuals
 

@@ -18,7 +18,7 @@ from armside.arrays import Array
 
 from ..robot.drives import N_HARMONICS
 from ..robot.individual import Individual
-from ..robot.six_axes import N_AXES
+from ..robot.mjcf import N_AXES
 from .bending import DIRECTIONS, LINKS, MEAN, hinges
 
 _STIFFEST = 0.25

@@ -23,7 +23,7 @@ from ..notes import Note
 from ..records.errors import InputError
 from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
-from ..robot.six_axes import AXES
+from ..robot.mjcf import AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .measured import MeasuredCut, tracked
 from .sensors import Measure

@@ -5,13 +5,12 @@ from dataclasses import dataclass, field, replace
 
 from armside.arrays import Array
 
-from ..cores import cores
 from ..estimation.relative_path import relative_to_start
 from ..robot.effects import available
 from ..robot.individual import Individual, embodied
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.run import LoadedReference, run_batch
+from ..robot.run import LoadedReference, cores, run_batch
 from ..robot.statics import Statics
 from ..robot.virtual_robot import VirtualRobot
 from .bending import bent

@@ -18,11 +18,11 @@ from ..laser.specification import Cut
 from ..part.carried import Motion
 from ..records.errors import InputError
 from ..records.files import check_file
-from ..robot.cell_model import cell_model
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload
+from ..robot.kinematics_check import cell_model
+from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from ..robot.six_axes import N_AXES
 from .bending import with_bending
 from .correction import Corrected, correct, correct_motion
 from .ensemble import members

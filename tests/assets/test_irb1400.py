@@ -11,8 +11,8 @@ import pytest
 from armside import assets, kinematics
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.linkage import Linkage, checked_loop_error, loop_error
+from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
-from armside.sim.robot.six_axes import AXES
 from armside.sim.robot.virtual_robot import VirtualRobot
 
 from .irb1400_motion import at_rest_pose, brisk_motion, through

@@ -7,8 +7,8 @@ from scipy.linalg import eigh
 
 from armside import assets, kinematics
 from armside.sim.cell import LARGE_ROBOT_POSES
+from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
-from armside.sim.robot.six_axes import AXES
 
 # Both sides are products of a dozen rotations in double precision on lengths of a few metres.
 SAME = 1e-12

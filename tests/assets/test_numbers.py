@@ -14,8 +14,8 @@ import pytest
 
 from armside import assets, kinematics
 from armside.sim.calibration.parameters import Trim, differing
+from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
-from armside.sim.robot.six_axes import AXES
 
 FILE_DIGITS = 1e-6  # relative; numbers in the files have six to eight digits
 LIMIT_DIGITS = 1e-5  # [rad], [rad/s]

@@ -21,7 +21,7 @@ import test_controller_clients as clients
 from armside.sim.cell import LARGE_CELL
 from armside.sim.controller import Hold, VirtualController
 from armside.sim.controller.server import Server
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 
 PRIORITY = """
 import os

@@ -15,7 +15,7 @@ from armside.sim.controller import Hold, VirtualController
 from armside.sim.controller.egm import EgmWire
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 
 SAMPLES = 1200
 START = np.array([0.0, 0.2, 0.1, 0.0, 0.5, 0.0])

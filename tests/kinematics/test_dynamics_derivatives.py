@@ -13,8 +13,8 @@ from armside.kinematics import (
     Robot,
     compile_inverse_dynamics_jacobian,
 )
-from armside.kinematics.dynamics_derivatives import torque_tangent
 from armside.kinematics.equations import dynamics
+from armside.kinematics.regressor import torque_tangent
 
 DIFFERENCES = 1e-7
 

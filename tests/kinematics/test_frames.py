@@ -11,8 +11,8 @@ from armside.kinematics import (
     compile_frame_jacobian,
     compile_frame_pose,
 )
-from armside.kinematics.equations.frame_kinematics import frame_jacobian, frame_pose
-from armside.kinematics.links import link_frames
+from armside.kinematics.equations.forward_kinematics import frame_jacobian, frame_pose
+from armside.kinematics.rigid import link_frames
 
 ROUNDING, DIFFERENCES = 1e-12, 1e-8
 

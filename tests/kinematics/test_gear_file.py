@@ -3,8 +3,7 @@
 import pytest
 
 from armside.kinematics import LARGE_ROBOT
-from armside.kinematics.gear_file import gear_toml, read_gear_file
-from armside.kinematics.robot_file import GearTerm
+from armside.kinematics.robot_file import GearTerm, gear_toml, read_gear_file
 
 TERMS = (GearTerm(1, 220.03, 1.1e-5, 5.3), GearTerm(3, 242.7, 9e-6, 0.1))
 DEVIATIONS = ((0.1, 5e-7, 0.05), (0.2, 6e-7, float("inf")))

@@ -5,9 +5,8 @@ import pytest
 
 from armside import kinematics
 from armside.kinematics import Body, InertialModel, Limits, Link, Robot
-from armside.kinematics.limits import CoupledRange
-from armside.kinematics.links import link_transform
-from armside.kinematics.rigid import inverse, transform, transform_points
+from armside.kinematics.dh import CoupledRange
+from armside.kinematics.rigid import inverse, link_transform, transform, transform_points
 from armside.kinematics.rotation import from_axis_angle
 
 LIMITS = Limits(

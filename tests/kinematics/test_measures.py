@@ -7,7 +7,7 @@ from armside import kinematics
 from armside.kinematics import Body, Convention, InertialModel, Link, Motor, Robot
 from armside.kinematics.equations import state_equations
 from armside.kinematics.equations.dynamics import gravity_torque, mass_matrix
-from armside.kinematics.symbolic.singularity import distance_to_singularity, manipulability
+from armside.kinematics.symbolic.description import distance_to_singularity, manipulability
 
 
 def test_manipulability_is_the_volume_of_the_velocity_ellipsoid():

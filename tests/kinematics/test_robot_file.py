@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from armside.kinematics import CATALOGUE, Convention, Joint, compile, find_arm, robot_toml
+from armside.kinematics import CATALOGUE, Convention, Joint, compile, robot_toml
 from armside.kinematics.robot_file import LARGEST, GearTerm, read_gear_error, read_robot
 
 SCARA = """
@@ -36,7 +36,7 @@ speed = [6, 6, 20, 1]
 def test_a_written_robot_is_read_back_equal(name, tmp_path):
     robot, limits = CATALOGUE[name]
     (file := tmp_path / "arm.toml").write_text(robot_toml(robot, limits))
-    again = find_arm(str(file))
+    again = read_robot(file)
     assert again.limits == limits
     np.testing.assert_array_equal(again.robot.coupling, robot.coupling)
     np.testing.assert_array_equal(again.robot.offset, robot.offset)
@@ -90,11 +90,6 @@ def test_a_pipe_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "arm.toml")
     with pytest.raises(ValueError, match="is no regular file"):
         read_robot(tmp_path / "arm.toml")
-
-
-def test_an_unknown_name_says_which_exist():
-    with pytest.raises(ValueError, match=r"Unknown robot 'ur11'.*ur10.*robot file"):
-        find_arm("ur11")
 
 
 # Zero poses by hand from the data sheets: the UR10 lies stretched along -x, the IRB120 stands with

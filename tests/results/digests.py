@@ -202,7 +202,7 @@ RUNS: dict[str, Run] = {
         for robot in ("irb1400", "large")
         for what, to in (("jacobian", "c"), ("pose", "python"))
     },
-    "model": Run("model --robot large --json", summary),
+    "model": Run("robot model --robot large --json", summary),
 }
 
 

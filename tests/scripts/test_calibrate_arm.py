@@ -73,7 +73,7 @@ def test_a_fit_that_fails_is_no_bad_input(armside, monkeypatch, tmp_path):
 def test_a_urdf_file_stands_for_its_robot(armside, tmp_path):
     """The export of the UR10: as many parameters as its table has can be identified."""
     from armside.kinematics import CATALOGUE
-    from armside.kinematics.codegen.urdf import urdf
+    from armside.kinematics.codegen.robot_xml import urdf
 
     (tmp_path / "arm.urdf").write_text(urdf(*CATALOGUE["ur10"]))
     line = f"calibrate-arm {UR10} --robot {tmp_path / 'arm.urdf'} {FAST} --json"

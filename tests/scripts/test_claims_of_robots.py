@@ -3,7 +3,7 @@
 import pytest
 
 from armside.scripts.verifications import robots
-from armside.sim.cell_file import find_cell
+from armside.sim.robot_file.find import find_cell
 
 from .verdicts import failing
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from armside.kinematics import compile, find_arm
+from armside.kinematics import CATALOGUE, compile
 from armside.sim.measured import MotionRecording, Stream, read_motion
 from armside.sim.measured.bags.write import write_bag
 from armside.sim.records.tables import read_table
@@ -100,7 +100,7 @@ def test_calibrate_arm_reads_a_bag(armside, tmp_path):
     knots = np.ravel([[k, k + 0.7] for k in range(60)])
     phi = np.column_stack([np.interp(time, knots, np.repeat(q, 2)) for q in poses.T])
     at = np.arange(60, dtype=np.float64) + 0.35
-    points = compile(find_arm("ur10").robot).pose(poses)[:, :3, 3] + rng.normal(0.0, 1e-4, (60, 3))
+    points = compile(CATALOGUE["ur10"].robot).pose(poses)[:, :3, 3] + rng.normal(0.0, 1e-4, (60, 3))
     one = MotionRecording(name="x", encoders=Stream(time, phi), tracker=Stream(at, points), form="")
     write_bag(tmp_path / "ur10", one)
     line = f"calibrate-arm {tmp_path / 'ur10'} --robot ur10 --harmonics 0 --next 0 --json"

@@ -1,4 +1,4 @@
-"""`armside export` and `armside model`: files, tables and refusals."""
+"""`armside export` and `armside robot model`: files, tables and refusals."""
 
 import json
 import subprocess
@@ -57,7 +57,7 @@ def test_summary_counts_the_operations(armside):
 
 
 def test_unknown_choices_are_bad_input_and_write_nothing(armside, tmp_path):
-    for line in ("export --to cobol", "export --what dance", "model --robot r2d2"):
+    for line in ("export --to cobol", "export --what dance", "robot model --robot r2d2"):
         status, _, err = armside(line)
         assert status == 2
         assert "Choose from" in err or "It can be: irb1400" in err
@@ -65,21 +65,21 @@ def test_unknown_choices_are_bad_input_and_write_nothing(armside, tmp_path):
 
 
 def test_model_prints_table_zero_pose_reach_and_singularities(armside):
-    status, out, _ = armside("model")
+    status, out, _ = armside("robot model")
     assert status == 0
     for text in ("-phi_2 + phi_3", "phi_2 - pi/2", "0.955", "0.130 to 1.330 m", "sin(theta_5)"):
         assert text in out
 
 
 def test_model_as_latex_is_a_table_and_a_matrix(armside):
-    _, out, _ = armside("model --robot large --latex")
+    _, out, _ = armside("robot model --robot large --latex")
     assert r"$\phi_{2} - \frac{\pi}{2}$" in out
     assert "1.662" in out
     assert out.count(r"\begin") == out.count(r"\end") == 2
 
 
 def test_model_draws_its_frames(armside, tmp_path):
-    status, _, _ = armside("model --robot irb1400-imu --plot --out here --quiet")
+    status, _, _ = armside("robot model --robot irb1400-imu --plot --out here --quiet")
     assert status == 0
     picture: Path = tmp_path / "here" / "frames.png"
     assert picture.read_bytes().startswith(b"\x89PNG")

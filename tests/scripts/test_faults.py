@@ -150,7 +150,7 @@ def test_a_results_folder_that_is_removed_meanwhile_is_one_line(armside_process,
 def test_without_a_home_and_a_cache_it_works_in_silence(tmp_path):
     env = {"PATH": os.environ["PATH"], "HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"}
     env |= {"XDG_CONFIG_HOME": "/proc/none", "MPLCONFIGDIR": "/proc/none"}
-    command = [sys.executable, "-m", "armside", "model", "--plot", "--out", "a", "--quiet"]
+    command = [sys.executable, "-m", "armside", "robot", "model", "--plot", "--out", "a", "--quiet"]
     done = subprocess.run(
         command, cwd=tmp_path, env=env, capture_output=True, timeout=120, check=False
     )

@@ -26,7 +26,7 @@ COMMANDS = {
     "two-mass": "two-mass --figure 8.3 --out a",
     "tune": "tune --trials 1 --episodes 1 --iterations 1 --pose p1 --out a",
     "sweep": "sweep iterations=0 --workers 1 --into a",
-    "model": "model --plot --out a",
+    "robot-model": "robot model --plot --out a",
     "robot": "robot check --out a",
     "export": "export --out a",
     "calibrate-arm": f"calibrate-arm ../files/{files.POSES} --robot ur10 --harmonics 0 --out a",
@@ -94,7 +94,7 @@ def test_a_signal_or_a_removed_folder_at_the_last_moment_is_one_line(isolated, n
     assert not finished(folder, name)
 
 
-@pytest.mark.parametrize("name", ["laser", "tune", "model"])
+@pytest.mark.parametrize("name", ["laser", "tune", "robot-model"])
 def test_without_stdout_home_and_cache_the_results_are_there(isolated, name):
     for fault in (faults.no_stdout, faults.no_home):
         folder, done = isolated(name, f"{fault.__name__}-{name}", fault)

@@ -9,7 +9,6 @@ from armside.scripts.benchmarks.robot import shipped_files
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg
-from armside.scripts.commands.view import ViewCfg, posable
 from armside.scripts.cutting.comparison import CompareCfg, cases
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.part_options import CutCfg
@@ -17,6 +16,7 @@ from armside.scripts.jobs.grid import parse
 from armside.scripts.jobs.resolved import key_of, resolved
 from armside.scripts.shell.errors import InputError
 from armside.scripts.studies.options import TuneCfg
+from armside.scripts.viewers.robot import posable
 from armside.sim.robot.mjcf import ModelError
 
 HERE = assets.LARGE_ROBOT_XML.parent
@@ -80,7 +80,7 @@ def test_an_agent_is_trained_for_the_axes_of_a_robot_file(robot):
 
 
 def test_the_viewer_and_the_gears_of_measured_data_are_those_of_a_robot_file(robot):
-    assert posable(ViewCfg(robot=str(robot))).nu == 2
+    assert posable(str(robot)).nu == 2
     import pyarrow as pa
 
     table = pa.table({"reference_1": [0.0], "reference_2": [0.0]})
@@ -92,7 +92,7 @@ def test_each_refuses_a_file_whose_table_is_not_its_model(longer):
 
     table = pa.table({"reference_1": [0.0], "reference_2": [0.0]})
     for use in (
-        lambda: posable(ViewCfg(robot=str(longer))),
+        lambda: posable(str(longer)),
         lambda: gears(MeasureCfg(robot=str(longer)), table),
         lambda: TuneCfg(robot=str(longer)),
         lambda: TrainCfg(robot=str(longer)),

@@ -11,8 +11,8 @@ from PIL import Image
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.sim.hardware import TABLES
-from armside.sim.hardware.keys import DRIVES, EFFECTS, GEARS
+from armside.sim.robot_file.hardware import DRIVES, EFFECTS, GEARS
+from armside.sim.robot_file.reading import TABLES
 
 SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
 

@@ -1,11 +1,11 @@
-"""`armside view`: a robot that stays where its sliders are, or a word about the missing display."""
+"""`armside robot view`: a robot that stays where its sliders are, or a word of the display."""
 
 import mujoco
 import numpy as np
 import pytest
 
 from armside.scripts import cli
-from armside.scripts.commands.view import ViewCfg, hold, posable
+from armside.scripts.viewers.robot import hold, posable
 
 SECOND = 2000
 """Steps."""
@@ -13,7 +13,7 @@ SECOND = 2000
 
 @pytest.mark.parametrize("robot", ["large", "irb1400"])
 def test_sliders_hold_the_robot_and_move_it(robot):
-    mj = posable(ViewCfg(robot=robot))
+    mj = posable(robot)
     data = mujoco.MjData(mj)
     hold(mj, data)
     mujoco.mj_step(mj, data, SECOND)
@@ -25,7 +25,7 @@ def test_sliders_hold_the_robot_and_move_it(robot):
 
 
 def test_there_is_a_slider_for_each_motor_within_its_limits():
-    mj = posable(ViewCfg())
+    mj = posable("large")
     assert [mj.actuator(i).name for i in range(mj.nu)] == [f"axis_{i}" for i in range(1, 7)]
     np.testing.assert_array_equal(mj.actuator_ctrlrange, mj.jnt_range[mj.actuator_trnid[:, 0]])
 
@@ -33,7 +33,7 @@ def test_there_is_a_slider_for_each_motor_within_its_limits():
 def test_without_a_display_it_says_so_in_one_line(monkeypatch, capsys):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    assert cli.main(["view"]) == 2
+    assert cli.main(["robot", "view"]) == 2
     _, err = capsys.readouterr()
     assert "no display" in err
     assert err.count("\n") == 1
@@ -42,7 +42,7 @@ def test_without_a_display_it_says_so_in_one_line(monkeypatch, capsys):
 def test_a_model_without_motors_is_refused(tmp_path, capsys):
     file = tmp_path / "box.xml"
     file.write_text("<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>")
-    assert cli.main(["view", "--model", str(file)]) == 2
+    assert cli.main(["robot", "view", str(file)]) == 2
     assert "no joints motor_1" in capsys.readouterr().err
-    assert cli.main(["view", "--model", "missing.xml"]) == 2
+    assert cli.main(["robot", "view", "missing.xml"]) == 2
     assert "missing.xml does not exist" in capsys.readouterr().err

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from armside.kinematics import CATALOGUE, compile
 from armside.kinematics.calibration import ErrorModel, Measurements
-from armside.kinematics.calibration.corrected import corrected
+from armside.kinematics.calibration.calibrate import corrected
 
 TARGETS = np.array([[0.05, 0.02, 0.10], [-0.06, 0.03, 0.08], [0.01, -0.08, 0.12]])
 R_TRACKER, P_TRACKER = Rotation.from_euler("ZYX", [2.0, 0.3, -0.4]).as_matrix(), [1.5, -2.0, 0.7]

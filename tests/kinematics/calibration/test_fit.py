@@ -15,15 +15,15 @@ from armside.kinematics.calibration import (
     fit,
     identifiable,
 )
-from armside.kinematics.calibration.corrected import corrected
+from armside.kinematics.calibration.calibrate import corrected
 from armside.kinematics.calibration.fit import (
     in_base,
     make_problem,
     normal_equations,
     residuals_and_jacobian,
 )
-from armside.kinematics.calibration.registration import register
-from armside.kinematics.calibration.validity import region
+from armside.kinematics.calibration.measurements import register
+from armside.kinematics.calibration.plausibility import region
 
 WEAK = Priors(length=1.0, angle=1.0, frame=10.0)
 NOISE = 20e-6

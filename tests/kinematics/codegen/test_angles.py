@@ -7,7 +7,7 @@ import pytest
 
 from armside.kinematics import Link, Robot
 from armside.kinematics.codegen import Language, write
-from armside.kinematics.codegen.interpreted import interpreted
+from armside.kinematics.codegen.languages import interpreted
 from armside.kinematics.equations import forward_kinematics
 
 AT_45_DEG = Robot([Link(theta=np.pi / 4, a=1), Link(theta=np.pi / 3, a=1, alpha=np.pi / 4)])

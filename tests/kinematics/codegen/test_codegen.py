@@ -13,8 +13,7 @@ import sympy as sp
 from armside.kinematics import IRB1400, IRB1400_IMU, LARGE_ROBOT, Convention, Joint, Link, Robot
 from armside.kinematics.codegen import Language, write
 from armside.kinematics.equations import dynamics, forward_kinematics, imu_equations
-from armside.kinematics.equations.program import StraightLineProgram
-from armside.kinematics.equations.translate import program_of
+from armside.kinematics.equations.program import StraightLineProgram, program_of
 from armside.kinematics.expressions.symbols import moving
 from armside.kinematics.symbolic import procedures as symbolic
 

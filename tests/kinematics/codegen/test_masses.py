@@ -17,8 +17,7 @@ from armside.kinematics import (
     Motor,
     Robot,
 )
-from armside.kinematics.codegen.mjcf import mjcf
-from armside.kinematics.codegen.urdf import urdf
+from armside.kinematics.codegen.robot_xml import mjcf, urdf
 from armside.kinematics.equations import dynamics, forward_kinematics
 
 ROUNDING = 1e-10

@@ -8,7 +8,7 @@ from armside.kinematics import Joint, Link, Robot
 from armside.kinematics.codegen import Language, numba_module, write
 from armside.kinematics.equations import dynamics, forward_kinematics
 from armside.kinematics.equations.inertial_model import Body, InertialModel
-from armside.kinematics.equations.translate import program_of
+from armside.kinematics.equations.program import program_of
 from armside.kinematics.expressions.symbols import moving, symbol
 from armside.kinematics.symbolic.lagrange import symbolic_dynamics
 

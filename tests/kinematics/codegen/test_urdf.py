@@ -15,7 +15,7 @@ from armside.kinematics import (
     Robot,
     compile,
 )
-from armside.kinematics.codegen.urdf import urdf
+from armside.kinematics.codegen.robot_xml import urdf
 
 READER = (
     '<mujoco><compiler boundmass="1" boundinertia="1" fusestatic="false" '

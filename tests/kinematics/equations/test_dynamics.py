@@ -20,7 +20,7 @@ from armside.kinematics import (
 )
 from armside.kinematics.equations import coriolis, dynamics
 from armside.kinematics.equations.inertial_model import Body, InertialModel, Motor
-from armside.kinematics.links import link_transform
+from armside.kinematics.rigid import link_transform
 from armside.kinematics.symbolic.lagrange import symbolic_dynamics
 
 ROUNDING = 1e-10  # relative

@@ -7,7 +7,7 @@ import sympy as sp
 
 from armside.kinematics import IRB1400, IRB1400_IMU, Joint, Link, Robot, compile
 from armside.kinematics.equations.imu_equations import measurement, measurement_jacobian
-from armside.kinematics.links import link_transform
+from armside.kinematics.rigid import link_transform
 
 G = 9.82
 GRAVITY = np.array([0, 0, -G])

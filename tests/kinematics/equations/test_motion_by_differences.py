@@ -8,7 +8,7 @@ import pytest
 
 from armside.kinematics import Convention, Joint, Link, Robot
 from armside.kinematics.equations import forward_kinematics as programs
-from armside.kinematics.links import link_transform, standard_links
+from armside.kinematics.rigid import link_transform, standard_links
 
 H = 1e-4  # step of central differences; they err by h^2 times third derivatives
 COUPLING = np.array([[1.0, 0.0, 0.0], [0.4, 1.0, 0.0], [-0.7, 0.3, 1.0]])

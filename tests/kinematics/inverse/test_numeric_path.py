@@ -16,7 +16,7 @@ from armside.kinematics import (
     inverse_numeric_path,
     inverse_path,
 )
-from armside.kinematics.inverse.path_failure import limit_passed
+from armside.kinematics.inverse.targets import limit_passed
 from armside.scripts.benchmarks.arms import CIRCLES, PANDA, PANDA_LIMITS, circle
 
 RESIDUAL = 1e-9

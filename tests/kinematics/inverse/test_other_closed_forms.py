@@ -20,7 +20,7 @@ from armside.kinematics import (
     seven_axis_branches,
     stanford_branches,
 )
-from armside.kinematics.links import link_frames
+from armside.kinematics.rigid import link_frames
 from armside.scripts.benchmarks.arms import PANDA, PUMA_560, STANFORD_ARM
 
 EXACT = 1e-10

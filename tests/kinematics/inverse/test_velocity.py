@@ -10,7 +10,7 @@ from armside.kinematics.inverse.velocity import (
     inverse_velocity,
     joint_torques,
 )
-from armside.kinematics.symbolic.singularity import lost_directions
+from armside.kinematics.symbolic.description import lost_directions
 
 RNG = np.random.default_rng(0)
 REGULAR = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])

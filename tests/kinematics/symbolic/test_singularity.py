@@ -12,7 +12,7 @@ from armside.kinematics import (
     UnsolvableGeometryError,
     compile,
 )
-from armside.kinematics.symbolic.singularity import (
+from armside.kinematics.symbolic.description import (
     conditions,
     decoupled_determinant,
     distance_to_singularity,

@@ -6,7 +6,7 @@ import pytest
 
 from armside.kinematics import read_urdf
 from armside.kinematics.equations.inertial_model import InertialModel
-from armside.kinematics.links import link_transform
+from armside.kinematics.rigid import link_transform
 
 
 def text(rng: np.random.Generator, n: int) -> str:

@@ -3,9 +3,9 @@
 import numpy as np
 
 from armside import assets
-from armside.sim.cell_file import read_cell
 from armside.sim.controller import Hold, VirtualController
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot_file.find import read_cell
 
 CELL = read_cell(assets.IRB1400_XML.parent / "two_link.toml")
 MODEL = cell_model(CELL, None)

@@ -16,7 +16,7 @@ from armside.sim.estimation.nonlinear_residual import nonlinear_residual
 from armside.sim.estimation.observer import at_rest, dragged
 from armside.sim.estimation.plausibility import rigid_position
 from armside.sim.estimation.relative_path import relative_to_start
-from armside.sim.robot.free_motion import FreeMotion
+from armside.sim.robot.linkage import FreeMotion
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model, robot_model
 

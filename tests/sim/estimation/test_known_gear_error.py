@@ -13,8 +13,8 @@ from armside.sim.laser.identification import arm_of
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import ToolPath
+from armside.sim.robot.drives import gear_error_of
 from armside.sim.robot.effects import Effect
-from armside.sim.robot.gear_terms import gear_error_of
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 CUT = Cut(pose="p3", without=tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR))

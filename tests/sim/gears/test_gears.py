@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.kinematics import find_arm
+from armside.kinematics import CATALOGUE
 from armside.sim.gears import GearsCfg, analyse
 from armside.sim.gears.joint_motion import lowpass
 from armside.sim.gears.judgement import JUDGED_FROM
@@ -132,7 +132,7 @@ def test_smoothed_imu_follows_a_vibration_that_is_no_gear_error(scenes):
 
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
 def test_aubo_shows_two_periods_per_motor_turn_on_each_day():
-    recordings, arm = [read_motion(AUBO / day) for day in DAYS], find_arm("aubo_i5")
+    recordings, arm = [read_motion(AUBO / day) for day in DAYS], CATALOGUE["aubo_i5"]
     done = analyse(arm, recordings)
     ratios = [one.tool.pooled for one in done.judgements if one.tool]
     shams = [one.sham_tool.pooled for one in done.judgements if one.sham_tool]

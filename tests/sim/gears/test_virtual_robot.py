@@ -7,7 +7,6 @@ import pytest
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import CATALOGUE
-from armside.sim.cell_file import find_cell
 from armside.sim.gears import VIRTUAL, Excitation, analyse
 from armside.sim.gears.found import discrepancies
 from armside.sim.gears.virtual_run import posture, recorded
@@ -15,6 +14,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.rig import rig
 from armside.sim.laser.setup import Setup
 from armside.sim.robot.effects import Effect
+from armside.sim.robot_file.find import find_cell
 
 OTHERS = tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR)
 SETUP = Setup(pose="p2", imu=ImuCfg(), without=OTHERS)

@@ -21,7 +21,7 @@ from armside.sim.part.rounding import smooth
 from armside.sim.part_run import joint_bounds
 from armside.sim.part_run.experiment import Job, planned, prepare
 from armside.sim.part_run.sequence import sequence
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.statics import Statics
 
 W, H, R = 0.3, 0.08, 5e-3

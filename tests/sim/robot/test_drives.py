@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.robot.drives import friction_torque
+from armside.kinematics.robot_file import GearTerm
+from armside.sim.robot.drives import friction_torque, gear_error_of
 from armside.sim.robot.model import load_model
 
 
@@ -38,3 +39,24 @@ def test_friction_feedforward_is_odd_in_velocity_and_zero_at_rest(drives):
     v = np.array([[0.01, 0.03, 0.1, 0.3, 1.0, 3.0]])
     assert friction_torque(drives, -v) == pytest.approx(-friction_torque(drives, v))
     assert not friction_torque(drives, np.zeros((1, 6))).any()
+
+
+TERMS = (
+    GearTerm(1, 100.0, 2e-5, 0.3),
+    GearTerm(3, 120.0, 1e-5, 2.0),
+    GearTerm(1, 200.0, 5e-6, 1.0),
+)
+
+
+def test_error_of_a_joint_is_the_sum_of_its_terms():
+    phi = np.random.default_rng(0).uniform(-1.0, 1.0, (50, 3))
+    expected = np.zeros_like(phi)
+    for term in TERMS:
+        angle = term.order * phi[:, term.joint - 1] + term.phase
+        expected[:, term.joint - 1] += term.amplitude * np.sin(angle)
+    np.testing.assert_allclose(gear_error_of(TERMS, 3)(phi), expected, atol=1e-16)
+
+
+def test_a_robot_without_that_joint_is_refused():
+    with pytest.raises(ValueError, match="gear error of joint 3: the robot has 2 joints"):
+        gear_error_of(TERMS, 2)

@@ -9,14 +9,16 @@ import pytest
 
 from armside import kinematics
 from armside.sim.cell import CELLS
-from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.flexibility import Flexibility, variant
-from armside.sim.robot.forward_kinematics import configurations, differences, site_poses
 from armside.sim.robot.individual import with_payload
 from armside.sim.robot.kinematics_check import (
     ROTATION,
+    cell_model,
     check_kinematics,
+    configurations,
+    differences,
     first_axis,
+    site_poses,
 )
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model, robot_model

@@ -11,7 +11,6 @@ from scipy.linalg import eigh
 from armside import assets
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.learning import first_run
-from armside.sim.robot.applicable import check_applies, inapplicable
 from armside.sim.robot.effects import available
 from armside.sim.robot.individual import (
     HiddenHinge,
@@ -24,7 +23,7 @@ from armside.sim.robot.individual import (
 from armside.sim.robot.linkage import Linkage, loop_error
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model
-from armside.sim.robot.spread import Drawn
+from armside.sim.robot.spread import Drawn, check_applies, inapplicable
 from armside.sim.robot.statics import Statics
 from armside.sim.robot.virtual_robot import VirtualRobot
 

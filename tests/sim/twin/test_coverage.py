@@ -14,7 +14,7 @@ import pytest
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.robot.six_axes import N_AXES
+from armside.sim.robot.mjcf import N_AXES
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.identification import Identification

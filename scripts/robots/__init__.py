@@ -1,1 +1,0 @@
-"""`armside robot`: tables, pictures and files of a robot."""

@@ -1,4 +1,0 @@
-"""Number of axes of the robots that have twins and tuning environments."""
-
-N_AXES = 6
-AXES = range(1, N_AXES + 1)

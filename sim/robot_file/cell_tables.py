@@ -1,0 +1,230 @@
+"""Cells on disk: a robot with its hardware or model, poses and programs in TOML.
+
+The kinematics are those of a robot file (`armside.kinematics.robot_file`: name, convention, offset,
+coupling, [[link]], [limits]), or of a URDF file. Beside them:
+
+    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file [default:
+                                         # built from this file]
+    urdf = "my_robot.urdf"               # in place of [[link]] and [limits]; a tree: FILE.urdf#TIP
+    orientation = "held"                 # or "free": contours set positions alone [default: held
+                                         # for six axes and more, free for fewer]
+    home = [0, 1.2]                      # motor angles near which poses are reached [rad; default:
+                                         # the zero pose]
+
+    [[imu]]                              # constant links from the tool to the IMU, as [[link]]
+    theta = "pi"                         # [default: the IMU is at the tool]
+
+    [pose.p1]                            # named poses of the tool, at least one
+    position = [0.7, 0.3, 1.0]           # [m], base axes
+    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]; or
+                                         # rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+    [program]                            # motions of the IMU experiment: program files, beside this
+    simultaneous = ["programs/my_robot.toml"]
+
+    [learning]                           # default design [default: that of the thesis]
+    gamma = 0.9
+    delta = 3                            # [samples of 4 ms]
+    cutoff = 10                          # [Hz]
+
+Drives, springs and masses are those of the MJCF. Without `model` they are those of the tables
+[hardware], [base], [[body]], [drives], [gears], [[structure]], [effects] and [tool] of this file
+(`armside.sim.robot_file`), or estimated, and the MJCF is built from them. Before anything runs, the
+kinematics of the MJCF are compared with those of this file.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+from armside.kinematics import Joint
+from armside.kinematics.robot_file import (
+    KEYS,
+    Arm,
+    arm_of,
+    links_of,
+    numbers,
+    refuse_unknown,
+)
+from armside.kinematics.rotation import to_quaternion
+from armside.kinematics.urdf import read_urdf
+
+from ..cell import Cell, Learning, ToolPose
+from ..robot.virtual_robot import LOG_PERIOD
+from .build import build, cached
+from .hardware import LinkBody, Taken
+from .masses import bodies_of
+from .reading import TABLES, read_hardware
+
+OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
+"""Keys beside those of kinematics."""
+_LEARNING = ("gamma", "delta", "cutoff")
+_UNIT = 1e-3
+"""Largest difference of a quaternion's length from 1."""
+_NYQUIST = 0.5 / LOG_PERIOD
+HELD_FROM = 6
+"""Axes from which on the tool's orientation is held by default."""
+
+
+def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
+    """Cell of the tables of a file in a folder. Raises ValueError with the name of the field."""
+    refuse_unknown("the file", data, (*KEYS, *OWN))
+    arm, bodies = _arm(data, folder)
+    robot, limits = arm
+    home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
+    if home is not None and not limits.contain(home):
+        raise ValueError(f"home must be within the limits, got {list(home)}")
+    with_imu, poses = _with_imu(robot, data), _poses(data.get("pose"))
+    programs = _programs(data.get("program", {}), folder)
+    free, learning = _free(data, robot.n_joints), _learning(data.get("learning"))
+    xml, estimates = _hardware(arm, bodies, with_imu, home, data, folder)
+    return Cell(
+        xml=xml,
+        estimates=estimates,
+        robot=robot,
+        with_imu=with_imu,
+        limits=limits,
+        poses=poses,
+        programs=programs,
+        home=home,
+        free_rotation=free,
+        learning=learning,
+    )
+
+
+def _hardware(
+    arm: Arm,
+    bodies: tuple[LinkBody, ...],
+    with_imu: kinematics.Robot,
+    home: tuple[float, ...] | None,
+    data: Mapping[str, Any],
+    folder: Path,
+) -> tuple[Path, tuple[Taken, ...]]:
+    """MJCF that the file names, or that is built from it, with the estimates in that."""
+    if "model" in data:
+        if given := [name for name in TABLES if name in data]:
+            raise ValueError(f"model has the hardware: leave out {', '.join(given)}")
+        return _beside(folder, "model", data["model"]), ()
+    hardware = read_hardware(data, arm.robot.n_joints)
+    if not hardware.bodies:
+        hardware = replace(hardware, bodies=bodies)
+    built = build(arm.robot, arm.limits, hardware, home=home, with_imu=with_imu)
+    return cached(arm.robot.name, built.text), built.taken
+
+
+def _arm(data: Mapping[str, Any], folder: Path) -> tuple[Arm, tuple[LinkBody, ...]]:
+    """Robot of the D-H table, or of a URDF file with the bodies of its moving links, if any."""
+    of_table = {name: data[name] for name in KEYS if name in data}
+    if "urdf" not in data:
+        return arm_of(of_table), ()
+    if given := [name for name in of_table if name != "name"]:
+        raise ValueError(f"urdf has the kinematics: leave out {', '.join(given)}")
+    file, _, links = str(data["urdf"]).partition("#")
+    base, _, tip = links.rpartition(":")
+    tree = read_urdf(_beside(folder, "urdf", file), base or None, tip or None)
+    robot = replace(tree.robot, name=data.get("name", tree.robot.name))
+    return Arm(robot, tree.limits), bodies_of(tree)
+
+
+def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Robot:
+    if "imu" not in data:
+        return robot
+    links = [replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"])]
+    return replace(robot, links=(*robot.links, *links), name=f"{robot.name} with IMU")
+
+
+def _beside(folder: Path, name: str, given: Any) -> Path:
+    """A file that is named relative to a folder."""
+    if not isinstance(given, str) or not given:
+        raise ValueError(f"{name} must be the name of a file, got {given!r}")
+    file = folder / given
+    if not file.is_file():
+        raise ValueError(f"{name} must be a file, there is no {file}")
+    return file
+
+
+def _free(data: Mapping[str, Any], n_axes: int) -> bool:
+    chosen = data.get("orientation", "held" if n_axes >= HELD_FROM else "free")
+    if chosen not in ("held", "free"):
+        raise ValueError(f"orientation must be one of held, free, got {chosen!r}")
+    return bool(chosen == "free")
+
+
+def _poses(tables: Any) -> dict[str, ToolPose]:
+    if not isinstance(tables, dict) or not tables:
+        raise ValueError("needs at least one table [pose.NAME]")
+    return {name: _pose(f"pose {name}", table) for name, table in tables.items()}
+
+
+def _pose(where: str, table: Any) -> ToolPose:
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table with a position")
+    refuse_unknown(where, table, ("position", "quaternion", "rotation"))
+    x, y, z = _vector(f"{where}: position", table.get("position"), 3)
+    if "rotation" in table:
+        if "quaternion" in table:
+            raise ValueError(f"{where}: give quaternion or rotation, not both")
+        a, b, c, d = to_quaternion(_rotation(f"{where}: rotation", table["rotation"])).tolist()
+        return ToolPose((x, y, z), (a, b, c, d))
+    q = _vector(f"{where}: quaternion", table.get("quaternion", [1, 0, 0, 0]), 4)
+    length = float(np.linalg.norm(q))
+    if abs(length - 1.0) > _UNIT:
+        raise ValueError(f"{where}: quaternion must have length 1, got {length:.4g}")
+    a, b, c, d = q if abs(length - 1.0) < 1e-12 else (value / length for value in q)
+    return ToolPose((x, y, z), (a, b, c, d))
+
+
+def _rotation(where: str, rows: Any) -> Array:
+    """Rotation matrix (3, 3), whose columns are the tool's axes in base axes."""
+    if not (isinstance(rows, list) and len(rows) == 3 and all(isinstance(r, list) for r in rows)):
+        raise ValueError(f"{where} must be 3 rows of 3 numbers, got {rows!r}")
+    R = np.array([_vector(where, row, 3) for row in rows])
+    if np.abs(R.T @ R - np.eye(3)).max() > _UNIT:
+        raise ValueError(f"{where} must have columns of length 1 at right angles, got {rows}")
+    if np.linalg.det(R) < 0.0:
+        raise ValueError(f"{where} must be right-handed, got a reflection: {rows}")
+    return R
+
+
+def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
+    if not isinstance(table, dict):
+        raise ValueError(f"program must be a table of lists of files, got {table!r}")
+    for name, files in table.items():
+        if not isinstance(files, list):
+            raise ValueError(f"program: {name} must be a list of files, got {files!r}")
+    return {
+        name: tuple(_beside(folder, f"program: {name}", file) for file in files)
+        for name, files in table.items()
+    }
+
+
+def _learning(table: Any) -> Learning | None:
+    """Design of a table; None without one."""
+    if table is None:
+        return None
+    if not isinstance(table, dict):
+        raise ValueError(f"learning must be a table, got {table!r}")
+    if missing := [name for name in _LEARNING if name not in table]:
+        raise ValueError(f"learning lacks {', '.join(missing)}")
+    refuse_unknown("learning", table, _LEARNING)
+    gamma, delta, cutoff = (_vector(f"learning: {n}", [table[n]], 1)[0] for n in _LEARNING)
+    if not gamma > 0.0:
+        raise ValueError(f"learning: gamma must be > 0, got {gamma:g}")
+    if not 0.0 < cutoff < _NYQUIST:
+        most = f"below {_NYQUIST:g} Hz, half of the log rate"
+        raise ValueError(f"learning: cutoff must be > 0 and {most}, got {cutoff:g}")
+    if delta != int(delta) or delta < 0.0:
+        raise ValueError(f"learning: delta must be a whole number of samples >= 0, got {delta:g}")
+    return Learning(gamma=gamma, delta=int(delta), cutoff=cutoff)
+
+
+def _vector(name: str, values: Any, size: int) -> tuple[float, ...]:
+    found = numbers(name, values)
+    if len(found) != size:
+        raise ValueError(f"{name} must have {size} numbers, got {len(found)}")
+    return tuple(found)

@@ -1,0 +1,232 @@
+"""Tables of a robot file that describe hardware: read, and refused with field and what is allowed.
+
+`TABLES` names them; `armside.sim.robot_file.hardware` has the keys of drives, gears and effects.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from armside.kinematics.robot_file import numbers as parsed
+from armside.kinematics.robot_file import refuse_unknown
+
+from ..robot.drives import N_HARMONICS
+from .hardware import (
+    DRIVES,
+    EACH,
+    EFFECTS,
+    GEARS,
+    NEEDED,
+    PHASES,
+    Hardware,
+    Key,
+    LinkBody,
+    StructureHinge,
+    Values,
+    Vector,
+)
+from .masses import Six, matrix
+
+LARGEST = 1e12
+
+
+def table(where: str, value: Any, allowed: Sequence[str]) -> Mapping[str, Any]:
+    """A table with known keys alone. Raises ValueError with its name."""
+    if not isinstance(value, dict):
+        raise ValueError(f"{where} must be a table, got {value!r}")
+    refuse_unknown(where, value, allowed)
+    return value
+
+
+def tables(name: str, value: Any) -> list[Any]:
+    """Tables [[name]]. Raises ValueError for anything else."""
+    if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
+        raise ValueError(f"{name} must be tables [[{name}]], got {value!r}")
+    return value
+
+
+def scalar(
+    where: str, value: Any, unit: str, low: float = 0.0, *, strict: bool = True, high: float = 1e12
+) -> float:
+    """One number in a range. Raises ValueError with the name of the field."""
+    number = float(value) if _is_number(value) else parsed(where, [value])[0]
+    inside = (number > low if strict else number >= low) and number <= high
+    if not (math.isfinite(number) and inside):
+        above = f"{'>' if strict else '>='} {low:g}"
+        unsaid = high >= LARGEST and not (math.isfinite(number) and number > high)
+        most = "" if unsaid else f" and <= {high:g}"
+        unit = f" {unit}" if unit else ""
+        raise ValueError(f"{where} must be a finite number {above}{most}{unit}, got {number:g}")
+    return number
+
+
+def vector(where: str, value: Any, size: int, unit: str) -> tuple[float, ...]:
+    """Finite numbers of any sign. Raises ValueError with the name of the field."""
+    if not isinstance(value, list) or len(value) != size:
+        raise ValueError(f"{where} must be a list of {size} numbers, got {value!r}")
+    return tuple(scalar(where, one, unit, -LARGEST, strict=False) for one in value)
+
+
+def vector3(where: str, value: Any, unit: str) -> Vector:
+    """Three finite numbers. Raises as `vector`."""
+    x, y, z = vector(where, value, 3, unit)
+    return x, y, z
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+TABLES = ("hardware", "base", "body", "drives", "gears", "structure", "effects", "tool")
+_WHOLE = ("mass", "time_step")
+_BODY = ("mass", "centre", "inertia")
+_HINGE = ("name", "link", "direction", "point", "stiffness", "damping", "damping_ratio")
+STRUCTURE_DAMPING = 0.01
+"""Damping ratio of a structure hinge by default: 1-2 % on the large robot. ESTIMATE."""
+_SLACK = 1e-9  # relative rounding below the triangle inequality
+
+
+def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
+    """Hardware of the tables of a robot file.
+
+    Raises:
+        ValueError: a wrong table; the message names table and key, and what is allowed.
+    """
+    whole = table("hardware", data.get("hardware", {}), _WHOLE)
+    gears = dict(table("gears", data.get("gears", {}), (*GEARS, "rigid")))
+    rigid = gears.pop("rigid", False)
+    if not isinstance(rigid, bool):
+        raise ValueError(f"gears: rigid must be true or false, got {rigid!r}")
+    springs = _values("gears", gears, GEARS, n_axes)
+    effects = _values("effects", data.get("effects", {}), EFFECTS, n_axes)
+    _not_both(springs)
+    _not_alone(effects)
+    if rigid and "lost_motion" in effects:
+        raise ValueError("effects: lost_motion needs gears with springs, got gears: rigid = true")
+    return Hardware(
+        **_whole(whole),
+        base=_body("base", data.get("base", {})),
+        bodies=_bodies(data.get("body", []), n_axes),
+        tool=_body("tool", data.get("tool", {})),
+        drives=_values("drives", data.get("drives", {}), DRIVES, n_axes),
+        gears=springs,
+        rigid=rigid,
+        effects=effects,
+        structure=_structure(data.get("structure", []), n_axes),
+    )
+
+
+def _whole(given: Mapping[str, Any]) -> dict[str, Any]:
+    found = dict[str, Any]()
+    if "mass" in given:
+        found["mass"] = scalar("hardware: mass", given["mass"], "kg")
+    if "time_step" in given:
+        found["timestep"] = scalar("hardware: time_step", given["time_step"], "s", high=0.004)
+    return found
+
+
+def _bodies(rows: Any, n_axes: int) -> tuple[LinkBody, ...]:
+    rows = tables("body", rows)
+    if rows and len(rows) != n_axes:
+        raise ValueError(f"body must be {n_axes} tables, one for each moving link, got {len(rows)}")
+    return tuple(_body(f"body {i}", row) for i, row in enumerate(rows, 1))
+
+
+def _body(where: str, row: Any) -> LinkBody:
+    row = table(where, row, _BODY)
+    mass = scalar(f"{where}: mass", row["mass"], "kg") if "mass" in row else None
+    centre = vector3(f"{where}: centre", row["centre"], "m") if "centre" in row else None
+    inertia = _inertia(f"{where}: inertia", row["inertia"]) if "inertia" in row else None
+    return LinkBody(mass=mass, centre=centre, inertia=inertia)
+
+
+def _inertia(where: str, value: Any) -> Six:
+    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file.
+
+    Raises ValueError for an inertia that no body has; the message names the field.
+    """
+    if isinstance(value, list) and len(value) == 3:
+        value = [*value, 0, 0, 0]
+    if not isinstance(value, list) or len(value) != 6:
+        raise ValueError(f"{where} must be 3 or 6 numbers: xx, yy, zz, xy, xz, yz, got {value!r}")
+    six = vector(where, value, 6, "kg m^2")
+    low, middle, high = np.linalg.eigvalsh(matrix(six)).tolist()  # pyright: ignore
+    if low <= 0.0 or high > (low + middle) * (1.0 + _SLACK):
+        raise ValueError(
+            f"{where} must have principal moments above 0 of which none exceeds the sum of the "
+            f"other two, got {low:.4g}, {middle:.4g}, {high:.4g}"
+        )
+    return six  # pyright: ignore[reportReturnType] - the size is checked
+
+
+def _values(where: str, given: Any, keys: Mapping[str, Key], n_axes: int) -> Values:
+    given = table(where, given, tuple(keys))
+    return {
+        name: _numbers(f"{where}: {name}", value, keys[name], n_axes)
+        for name, value in given.items()
+    }
+
+
+def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]:
+    size = {EACH: n_axes, PHASES: n_axes * N_HARMONICS}.get(key.size, key.size)
+    listed = value if isinstance(value, list) else [value] * (n_axes if key.size == EACH else 1)
+    if len(listed) != size:
+        one = " or one number" if key.size == EACH and n_axes > 1 else ""
+        raise ValueError(f"{where} must have {size} numbers{one}, got {len(listed)}")
+    return tuple(
+        scalar(where, one, key.unit, key.low, strict=key.strict, high=key.high) for one in listed
+    )
+
+
+def _not_both(gears: Values) -> None:
+    for name, other in (("stiffness", "frequency"), ("damping", "damping_ratio")):
+        if name in gears and other in gears:
+            raise ValueError(f"gears: give {name} or {other}, not both")
+
+
+def _not_alone(effects: Values) -> None:
+    """An effect is absent without its size, and what else is said of it would be without effect."""
+    for name, size in NEEDED.items():
+        if name in effects and size not in effects:
+            raise ValueError(f"effects: {name} needs {size}")
+
+
+def _structure(rows: Any, n_axes: int) -> tuple[StructureHinge, ...]:
+    found = [
+        _hinge(f"structure {i}", row, n_axes) for i, row in enumerate(tables("structure", rows), 1)
+    ]
+    names = [hinge.name for hinge in found]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise ValueError(f"structure: name {min(twice)!r} is there twice")
+    return tuple(found)
+
+
+def _hinge(where: str, row: Any, n_axes: int) -> StructureHinge:
+    row = table(where, row, _HINGE)
+    _needs(where, row, ("name", "link", "direction", "stiffness"))
+    name, link = row["name"], row["link"]
+    if not (isinstance(name, str) and name.isidentifier()):
+        raise ValueError(f"{where}: name must be letters, digits and _, got {name!r}")
+    if isinstance(link, bool) or not isinstance(link, int) or not 0 <= link <= n_axes:
+        raise ValueError(f"{where}: link must be 0 (base) to {n_axes}, got {link!r}")
+    direction = vector3(f"{where}: direction", row["direction"], "")
+    if not any(direction):
+        raise ValueError(f"{where}: direction must not be zero, got {list(direction)}")
+    damped = scalar(f"{where}: damping", row["damping"], "N m s/rad") if "damping" in row else None
+    ratio = row.get("damping_ratio", STRUCTURE_DAMPING)
+    return StructureHinge(
+        name=name,
+        link=link,
+        direction=direction,
+        point=vector3(f"{where}: point", row.get("point", [0, 0, 0]), "m"),
+        stiffness=scalar(f"{where}: stiffness", row["stiffness"], "N m/rad"),
+        damping=damped,
+        damping_ratio=scalar(f"{where}: damping_ratio", ratio, ""),
+    )
+
+
+def _needs(where: str, row: Mapping[str, Any], names: Sequence[str]) -> None:
+    if missing := [name for name in names if name not in row]:
+        raise ValueError(f"{where} lacks {', '.join(missing)}")
