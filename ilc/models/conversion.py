@@ -65,6 +65,20 @@ def as_transfer_function(model: Any) -> System:
     return System.from_z(num, den, known.sample_time)
 
 
+def as_system(model: Any, sample_time: float | None = None) -> System:
+    """System from a `System`, a pair (num, den) in z, or what `as_transfer_function` takes.
+
+    Raises ValueError for a model in continuous time, with several inputs, or not causal.
+    """
+    if isinstance(model, System):
+        return model
+    if isinstance(model, tuple):
+        if sample_time is None or len(model) != 2:
+            raise ValueError("a model as a tuple must be (num, den), with its sample_time")
+        return System.from_z(model[0], model[1], sample_time)
+    return as_transfer_function(model)
+
+
 def simplest(model: StateSpace) -> System | StateSpace:
     """One input and one output as a `System`, if its coefficients hold the response."""
     if (model.n_inputs, model.n_outputs) != (1, 1):

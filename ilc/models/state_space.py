@@ -13,6 +13,7 @@ from armside.arrays import Array
 
 from ..records import as_real, records
 from .blocks import Realisation, filtered
+from .discretise import zero_order_hold
 from .record_model import check_shape
 from .system import Complex, unit_circle
 
@@ -44,8 +45,6 @@ class StateSpace:
         cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, sample_time: float
     ) -> "StateSpace":
         """From x' = A x + B u, y = C x + D u with u held over each sample (zero-order hold)."""
-        from .discretise import zero_order_hold
-
         known = matrices(A, B, C, D, dimensions=2)
         return cls(*zero_order_hold(known[0], known[1], sample_time), *known[2:], sample_time)
 

@@ -1,11 +1,11 @@
 """Linear, time-invariant, discrete systems in the backward shift: y = b(q^-1) / a(q^-1) u.
 
-Leading zeros of b are the delay, and records are filtered directly. `as_system` converts systems
-of scipy.signal and of the package control.
+Leading zeros of b are the delay, and records are filtered directly. Systems from continuous
+models: `zoh` and `tustin`; from other packages: `conversion.as_system`.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar, Union
+from typing import Protocol, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -165,19 +165,3 @@ def require_stable(system: Stable, name: str) -> Stable:
         largest = np.abs(system.poles).max()
         raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")
     return system
-
-
-def as_system(model: Any, sample_time: float | None = None) -> System:
-    """System from a `System`, a pair (num, den) in z, or what `as_transfer_function` takes.
-
-    Raises ValueError for a model in continuous time, with several inputs, or not causal.
-    """
-    if isinstance(model, System):
-        return model
-    if isinstance(model, tuple):
-        if sample_time is None or len(model) != 2:
-            raise ValueError("a model as a tuple must be (num, den), with its sample_time")
-        return System.from_z(model[0], model[1], sample_time)
-    from .conversion import as_transfer_function  # it is built on this module
-
-    return as_transfer_function(model)

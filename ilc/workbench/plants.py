@@ -9,11 +9,11 @@ import numpy as np
 from armside.arrays import Array
 
 from ..measures.norms import two_norm
-from ..models.conversion import as_state_space, simplest
+from ..models.conversion import as_state_space, as_system, simplest
 from ..models.linear_plant import LinearPlant
 from ..models.model_file import read_model
 from ..models.state_space import StateSpace
-from ..models.system import System, as_system, require_stable
+from ..models.system import System, require_stable
 from ..models.system_matrix import Model, SystemMatrix
 from ..models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun, step_reference
 from ..models.two_mass_friction import FrictionPlant
