@@ -1,6 +1,9 @@
-"""Discrete, time-invariant state-space models with any number of inputs and outputs.
+"""Discrete state-space models with any number of inputs and outputs, fixed or along the record.
 
 x(t + 1) = A x(t) + B u(t)        y(t) = C x(t) + D u(t)        x(0) = 0
+
+`StateSpace` is time-invariant; the matrices of `TimeVarying` are those of each sample, such as of
+a robot linearised along its path.
 """
 
 from dataclasses import dataclass
@@ -13,9 +16,8 @@ from armside.arrays import Array
 
 from ..records import as_real, records
 from .blocks import Realisation, filtered
-from .discretise import zero_order_hold
-from .record_model import check_shape
-from .system import Complex, unit_circle
+from .lifted import check_shape
+from .system import Complex, unit_circle, zero_order_hold
 
 _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
@@ -178,3 +180,54 @@ def _modes(A: Array) -> tuple[list[Array], Array] | None:
     V = np.stack(columns, axis=1)
     good = V.shape == A.shape and np.linalg.cond(V) <= _CONDITIONED
     return (blocks, V) if good else None
+
+
+@dataclass(frozen=True, eq=False)
+class TimeVarying:
+    """Matrices of each sample: A (N, n, n), B (N, n, m), C (N, p, n), D (N, p, m) or None for 0."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name, M in zip(
+            "ABCD", matrices(self.A, self.B, self.C, self.D, dimensions=3), strict=True
+        ):
+            M.setflags(write=False)
+            object.__setattr__(self, name, M)
+
+    @property
+    def n_samples(self) -> int:
+        return len(self.A)
+
+    @property
+    def n_inputs(self) -> int:
+        return self.B.shape[2]
+
+    @property
+    def n_outputs(self) -> int:
+        return self.C.shape[1]
+
+    @cached_property
+    def realisation(self) -> Realisation:
+        assert self.D is not None
+        return Realisation.of(self.A, self.B, self.C, self.D)
+
+    def filtered_realisation(self, taps: Array) -> Realisation:
+        """Of F T, F the finite impulse response `taps`."""
+        assert self.D is not None
+        return Realisation.of(*filtered(self.A, self.B, self.C, self.D, taps))
+
+    @records("signal")
+    def simulate(self, signal: Array) -> Array:
+        """Outputs (N, p) for inputs (N, m), from zero state."""
+        check_shape(self, signal.shape, self.n_inputs, "inputs")
+        return self.realisation.simulate(signal)
+
+    @records("signal")
+    def adjoint(self, signal: Array) -> Array:
+        """T^T e, shape (N, m), for e (N, p)."""
+        check_shape(self, signal.shape, self.n_outputs, "outputs")
+        return self.realisation.adjoint(signal)

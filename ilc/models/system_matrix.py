@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..records import records
-from .lifted_model import ImpulseResponse
+from .lifted import ImpulseResponse, RecordModel, is_record_model
 from .peak import peak
 from .products import Products, largest_singular_value
-from .record_model import RecordModel, is_record_model
 from .state_space import StateSpace
 from .system import Complex, System, require_stable
 

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from armside.arrays import Array
 from armside.ilc.learning import LoopState
-from armside.ilc.workbench.state import RunState, read_states, save_states
+from armside.ilc.workbench.compare import RunState, read_states, save_states
 from armside.sim.cell_file import find_cell
 from armside.sim.laser.resume import state_after
 from armside.sim.part.carried import Motion, carried

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.joint_space import JointSpace
-from armside.ilc.laws.law import FirstOrderLaw
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse, tapered
+from armside.ilc.laws.first_order import FirstOrderLaw
+from armside.ilc.laws.model_based import RegularisedInverse, tapered
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.wrappers import Guarded, JointSpace
 
 N, STEP = 400, 0.004
 MIX = np.array([[1.0, 0.3, 0.2], [-0.2, 0.8, 0.5]])

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from armside.ilc.models.conversion import as_state_space, as_system
-from armside.ilc.models.model_file import read_model, read_system
+from armside.ilc.models.file import read_model, read_system
 from armside.ilc.models.state_space import StateSpace
 from armside.ilc.models.system import System
 from armside.ilc.workbench.plants import as_model

@@ -12,13 +12,10 @@ from hypothesis import strategies as st
 
 from armside.ilc.filters import End, ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.h_infinity import Matched
-from armside.ilc.laws.joint_space import JointSpace
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import Beyond, ModelInverse
-from armside.ilc.laws.time_varying import Blend
+from armside.ilc.laws.first_order import Blend, DType, FirstOrder, MatrixGain, PType
+from armside.ilc.laws.model_based import Beyond, Gradient, ModelInverse
+from armside.ilc.laws.robust import Matched
+from armside.ilc.laws.wrappers import JointSpace
 
 from .dense_filters import (
     LENGTH,

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from armside.ilc.analysis import asymptotic_error, heuristic_criterion
 from armside.ilc.analysis.limits import largest_common_cutoff
 from armside.ilc.analysis.record_iteration import RecordIteration
-from armside.ilc.analysis.sampled_robustness import sampled_robustness
+from armside.ilc.analysis.robustness import sampled_robustness
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.high_order import HighOrder
-from armside.ilc.laws.law import FirstOrder
+from armside.ilc.laws.first_order import FirstOrder, PType
+from armside.ilc.laws.memory import HighOrder
+from armside.ilc.laws.model_based import Gradient
 
 from .dense_filters import MOTORS_AND_ORDER, by_column, low_pass, low_pass_gain, response, shifted
 from .random_cases import AGREED, DAMPING, SEED, SLOWEST, T_S, cases, dense, random_matrix

@@ -11,17 +11,17 @@ from hypothesis import given
 from scipy.stats import chi2
 
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.adaptive import Adaptive
-from armside.ilc.laws.around import Around
-from armside.ilc.laws.disturbance_observer import DisturbanceObserver
-from armside.ilc.laws.frequency_kalman import FrequencyKalman
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.first_order import FirstOrder, PType
 from armside.ilc.laws.heuristic import Heuristic
-from armside.ilc.laws.high_order import HighOrder
-from armside.ilc.laws.internal_model import internal_model, periodic_pattern
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.scheduled import Scheduled
+from armside.ilc.laws.memory import (
+    Adaptive,
+    DisturbanceObserver,
+    FrequencyKalman,
+    HighOrder,
+    internal_model,
+    periodic_pattern,
+)
+from armside.ilc.laws.wrappers import Around, Guarded, Scheduled
 
 from .dense_filters import LENGTH, LONGEST, MOTORS_AND_ORDER, by_column, low_pass, shifted, tapered
 from .random_cases import AGREED, DAMPING, SEED, SLOWEST, T_S, cases, dense, random_matrix

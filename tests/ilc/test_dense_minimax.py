@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.h_infinity import h_infinity
+from armside.ilc.laws.robust import h_infinity
 from armside.ilc.models.system import System
 
 from .dense_filters import low_pass_gain, response

@@ -12,15 +12,12 @@ from scipy.interpolate import BSpline
 
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
 from armside.ilc.identification.impulse_response import DECAYS, Sums, impulse_response
-from armside.ilc.laws.basis_functions import BasisFunctions, across, derivatives
-from armside.ilc.laws.finite_difference import FiniteDifference, b_splines
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.model_free import MeasuredGradient
-from armside.ilc.laws.point_to_point import PointToPoint
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.first_order import PType
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
+from armside.ilc.laws.model_free import FiniteDifference, MeasuredGradient, b_splines
+from armside.ilc.laws.norm_optimal import PointToPoint, RecordOptimal
 from armside.ilc.laws.repetitive import Repetitive
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.transfer import BasisFunctions, across, derivatives
 
 from .dense_filters import MOTORS_AND_ORDER, by_column, low_pass, response, shifted, tapered
 from .random_cases import (

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import lu_factor, lu_solve
 
-from armside.ilc.laws.rational_basis import RationalBasis
+from armside.ilc.laws.transfer import RationalBasis
 
 from .dense_filters import low_pass
 from .random_cases import AGREED, DAMPING, ORDER, SEED, SLOWEST, T_S, cases, dense, random_system

@@ -10,10 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.by_segment import BySegment
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.simulated import Simulated
+from armside.ilc.laws.first_order import FirstOrder, PType
+from armside.ilc.laws.wrappers import BySegment, Simulated
 
 from .dense_filters import LENGTH, LONGEST, MOTORS_AND_ORDER, by_column, low_pass, shifted
 from .random_cases import (

@@ -14,8 +14,8 @@ from armside.ilc.analysis import LiftedIteration
 from armside.ilc.analysis.proposal import propose
 from armside.ilc.analysis.robustness import contraction, contraction_map, monte_carlo
 from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.file import read_model
 from armside.ilc.models.linear_plant import LinearPlant
-from armside.ilc.models.model_file import read_model
 from armside.ilc.models.system import System
 from armside.ilc.models.two_mass import PdController, TwoMassLoop
 

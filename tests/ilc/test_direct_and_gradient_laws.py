@@ -5,11 +5,9 @@ import pytest
 from scipy.linalg import toeplitz
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
-from armside.ilc.laws.finite_difference import FiniteDifference, b_splines
-from armside.ilc.laws.gains import MatrixGain
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_free import MeasuredGradient
+from armside.ilc.laws.first_order import FirstOrder, MatrixGain
+from armside.ilc.laws.model_based import Gradient
+from armside.ilc.laws.model_free import FiniteDifference, MeasuredGradient, b_splines
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.linear_plant import LinearPlant, with_direct_term
 from armside.ilc.models.system import System

@@ -5,11 +5,10 @@ import pytest
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.by_hand import ByHand
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.high_order import HighOrder
+from armside.ilc.laws.first_order import PType
+from armside.ilc.laws.memory import HighOrder
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.models.two_mass import ArmReading, TwoMassLoop, TwoMassPlant
-from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.ilc.models.two_mass import ArmReading, FrictionPlant, TwoMassLoop, TwoMassPlant
 
 LAW = Heuristic(Q=ZeroPhaseButterworth(17.0, 0.01), gamma=0.9, delta=5)
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from armside.ilc import ZeroPhaseButterworth
-from armside.ilc.identification.friction import FRACTIONS, Friction, friction
+from armside.ilc.identification.friction import FRACTIONS, Friction, friction, stops
 from armside.ilc.laws.knob_free import KnobFree
-from armside.ilc.models.hysteresis import stops
 
 from .signals import error_norms
 

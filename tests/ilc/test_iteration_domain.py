@@ -6,15 +6,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from armside.ilc import Edge, ZeroPhaseButterworth, learn
-from armside.ilc.laws.adaptive import Adaptive
-from armside.ilc.laws.disturbance_observer import DisturbanceObserver
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.high_order import HighOrder
-from armside.ilc.laws.internal_model import internal_model, periodic_pattern
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import ModelInverse
-from armside.ilc.laws.scheduled import Scheduled
-from armside.ilc.laws.time_varying import Blend
+from armside.ilc.laws.first_order import Blend, FirstOrder, PType
+from armside.ilc.laws.memory import (
+    Adaptive,
+    DisturbanceObserver,
+    HighOrder,
+    internal_model,
+    periodic_pattern,
+)
+from armside.ilc.laws.model_based import ModelInverse
+from armside.ilc.laws.wrappers import Scheduled
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System

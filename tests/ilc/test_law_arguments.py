@@ -5,14 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from armside.ilc.laws.adaptive import Adaptive
-from armside.ilc.laws.finite_difference import b_splines
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.high_order import HighOrder
-from armside.ilc.laws.internal_model import internal_model, periodic_pattern
-from armside.ilc.laws.model_free import MeasuredGradient
-from armside.ilc.laws.scheduled import Scheduled
-from armside.ilc.laws.time_varying import Blend
+from armside.ilc.laws.first_order import Blend, DType, MatrixGain, PType
+from armside.ilc.laws.memory import Adaptive, HighOrder, internal_model, periodic_pattern
+from armside.ilc.laws.model_free import MeasuredGradient, b_splines
+from armside.ilc.laws.wrappers import Scheduled
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix

@@ -10,13 +10,10 @@ from hypothesis import strategies as st
 
 from armside.ilc import Edge, Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.analysis import LiftedIteration
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import ModelInverse
+from armside.ilc.laws.first_order import Blend, DType, FirstOrder, MatrixGain, PType
+from armside.ilc.laws.model_based import Gradient, ModelInverse
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.laws.time_varying import Blend
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix

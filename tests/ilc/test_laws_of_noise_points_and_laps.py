@@ -5,13 +5,12 @@ import pytest
 from scipy.linalg import toeplitz
 
 from armside.ilc import ZeroPhaseButterworth, learn
-from armside.ilc.laws.frequency_kalman import FrequencyKalman
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.h_infinity import h_infinity
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import ModelInverse
-from armside.ilc.laws.point_to_point import PointToPoint
+from armside.ilc.laws.first_order import FirstOrder, PType
+from armside.ilc.laws.memory import FrequencyKalman
+from armside.ilc.laws.model_based import ModelInverse
+from armside.ilc.laws.norm_optimal import PointToPoint
 from armside.ilc.laws.repetitive import PlugIn, Repetitive, around
+from armside.ilc.laws.robust import h_infinity
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.two_mass import TwoMassLoop

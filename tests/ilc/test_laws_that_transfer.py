@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from armside.ilc import learn
-from armside.ilc.laws.basis_functions import (
+from armside.ilc.identification.friction import stops
+from armside.ilc.laws.transfer import (
     BasisFunctions,
+    RationalBasis,
     across,
     correction_of,
     derivatives,
     fitted,
     led,
 )
-from armside.ilc.laws.rational_basis import RationalBasis
-from armside.ilc.models.hysteresis import stops
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from armside.ilc.identification.first_order import fit_first_order
-from armside.ilc.identification.learning_data import LearningRecord, identify, learning_data
+from armside.ilc.identification.first_order import (
+    LearningRecord,
+    fit_first_order,
+    identify,
+    learning_data,
+)
 from armside.ilc.models.system import System
 
 STEP = 0.004

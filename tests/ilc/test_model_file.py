@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.models.file import MOST_STATES, read_model, write_model
 from armside.ilc.models.linear_plant import LinearPlant
-from armside.ilc.models.model_file import MOST_STATES, read_model, write_model
-from armside.ilc.models.state_space import StateSpace
+from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
-from armside.ilc.models.time_varying import TimeVarying
 
 from .random_cases import T_S, random_matrix
 from .signals import bump, error_norms

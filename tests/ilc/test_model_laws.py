@@ -6,10 +6,9 @@ from scipy.linalg import toeplitz
 from scipy.optimize import lsq_linear
 
 from armside.ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
-from armside.ilc.laws.constrained import Constrained
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import Beyond, ModelInverse
-from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.first_order import FirstOrder
+from armside.ilc.laws.model_based import Beyond, ModelInverse
+from armside.ilc.laws.norm_optimal import Constrained, NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.linear_plant import LinearPlant

@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion, QuadraticProblem
 from armside.ilc.laws.riccati import Factored, factor
-from armside.ilc.models.realisation import all_pass_states, realise
+from armside.ilc.models.conversion import all_pass_states, realise
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 

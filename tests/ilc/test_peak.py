@@ -12,7 +12,7 @@ from armside.ilc.analysis import (
     largest_gamma,
 )
 from armside.ilc.analysis.criterion import Contracting, heuristic_gain
-from armside.ilc.laws.gradient import Gradient
+from armside.ilc.laws.model_based import Gradient
 from armside.ilc.models.peak import AllPassPhase, peak
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix, largest_gain

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from armside.ilc.identification.arx import Information
-from armside.ilc.identification.order_selection import (
-    rank_by_validation,
-    rank_orders,
-    validation_error,
-)
 from armside.ilc.identification.polynomial import Orders, Polynomials
 from armside.ilc.identification.polynomial_fit import fit_polynomial
+from armside.ilc.identification.structures import rank_by_validation, rank_orders, validation_error
 from armside.ilc.models.system import System
 
 STEP, NOISE = 0.004, 0.1

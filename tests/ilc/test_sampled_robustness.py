@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
-from armside.ilc.analysis.sampled_robustness import fraction_interval, sampled_robustness
+from armside.ilc.analysis.robustness import fraction_interval, sampled_robustness
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.state_space import StateSpace

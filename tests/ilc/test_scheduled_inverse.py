@@ -5,8 +5,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
 from armside.ilc.models.system import Complex
 
 

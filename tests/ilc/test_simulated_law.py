@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.ilc import AllPass, Heuristic, learn
-from armside.ilc.laws.simulated import Simulated
+from armside.ilc.laws.wrappers import Simulated
 
 from .signals import bump
 

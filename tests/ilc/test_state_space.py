@@ -12,15 +12,14 @@ from scipy import signal
 from armside.ilc.analysis import asymptotic_error, heuristic_criterion
 from armside.ilc.analysis.limits import largest_gain_factor
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.gains import MatrixGain
+from armside.ilc.laws.first_order import MatrixGain
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.conversion import as_state_space
-from armside.ilc.models.lifted_model import ImpulseResponse
-from armside.ilc.models.state_space import StateSpace
+from armside.ilc.models.lifted import ImpulseResponse
+from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix, largest_gain
-from armside.ilc.models.time_varying import TimeVarying
 
 from .random_cases import AGREED, DAMPING, SEED, SLOWEST, T_S, cases, random_state_matrix
 

@@ -7,9 +7,8 @@ from scipy import signal
 
 from armside.ilc import AllPass, Heuristic, learn
 from armside.ilc.models.conversion import as_system
-from armside.ilc.models.discretise import tustin, zoh
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
-from armside.ilc.models.system import System
+from armside.ilc.models.system import System, tustin, zoh
 from armside.ilc.models.system_matrix import SystemMatrix
 
 T_S = 0.01

@@ -10,7 +10,7 @@ import pytest
 
 from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.models.discretise import tustin, zoh
+from armside.ilc.models.system import tustin, zoh
 from armside.ilc.models.two_mass import (
     ArmReading,
     Hold,

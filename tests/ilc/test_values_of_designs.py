@@ -3,24 +3,18 @@
 import numpy as np
 import pytest
 
-from armside.ilc.analysis.asymptotic import asymptotic_error
-from armside.ilc.analysis.criterion import heuristic_criterion
+from armside.ilc.analysis.criterion import asymptotic_error, heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth, shift
-from armside.ilc.laws.basis_functions import BasisFunctions
-from armside.ilc.laws.constrained import Constrained
-from armside.ilc.laws.finite_difference import FiniteDifference
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.h_infinity import h_infinity
-from armside.ilc.laws.model_inverse import Beyond, ModelInverse
-from armside.ilc.laws.point_to_point import PointToPoint
+from armside.ilc.laws.first_order import Blend, DType, MatrixGain, PType
+from armside.ilc.laws.model_based import Beyond, Gradient, ModelInverse
+from armside.ilc.laws.model_free import FiniteDifference
+from armside.ilc.laws.norm_optimal import Constrained, PointToPoint
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.laws.rational_basis import RationalBasis
 from armside.ilc.laws.repetitive import PlugIn, Repetitive
-from armside.ilc.laws.time_varying import Blend
-from armside.ilc.models.discretise import tustin, zoh
+from armside.ilc.laws.robust import h_infinity
+from armside.ilc.laws.transfer import BasisFunctions, RationalBasis
 from armside.ilc.models.state_space import StateSpace
-from armside.ilc.models.system import System
+from armside.ilc.models.system import System, tustin, zoh
 
 N, T_S = 30, 0.01
 SERVO = System([0.0, 0.5], [1.0, -0.5], T_S)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from armside.ilc.models.linear_plant import LinearPlant
-from armside.ilc.workbench.compare import run_law
+from armside.ilc.workbench.compare import read_states, run_law, save_states
 from armside.ilc.workbench.plants import Record, model_task
-from armside.ilc.workbench.state import read_states, save_states
 from armside.ilc.workbench.task import Task
 
 LAPS = "repetitive:period=50,cutoff=20"

@@ -7,20 +7,17 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from armside.ilc.laws.guarded import Best
+from armside.ilc.laws.wrappers import Best
 from armside.ilc.learning import LoopState
-from armside.ilc.models.model_file import read_model
+from armside.ilc.models.file import read_model
 from armside.ilc.models.state_space import StateSpace
-from armside.ilc.workbench.compare import run_law, setting_of
-from armside.ilc.workbench.csv_signal import read_signal, write_signal
+from armside.ilc.workbench.compare import RunState, read_states, run_law, save_states, setting_of
 from armside.ilc.workbench.exchange import Folder
 from armside.ilc.workbench.laws import LAWS, build_law
 from armside.ilc.workbench.own import OwnCodeError
 from armside.ilc.workbench.plants import Record, joint, model_task, own_plant
-from armside.ilc.workbench.references import named_reference
-from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.ilc.workbench.task import Task
-from armside.ilc.workbench.transfer import along_path
+from armside.ilc.workbench.signals import named_reference, read_signal, write_signal
+from armside.ilc.workbench.task import Task, along_path
 from armside.ilc.workbench.words import Words
 
 OWN = '''
