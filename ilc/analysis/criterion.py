@@ -201,7 +201,7 @@ def asymptotic_error(
     if T.ndim == 1 and L_response.ndim == 3:
         T = T[:, None, None] * np.eye(L_response.shape[2])
     if T.ndim == 3:
-        limit = _coupled(E, T, as_matrices(L_response, T), as_matrices(q, T))
+        limit = _coupled(E, T, as_matrices(L_response, T.shape[2]), as_matrices(q, T.shape[2]))
     else:
         T, L_response, q = (each.reshape(len(T), -1) for each in (T, L_response, q))
         cutoffs = q.shape[1]

@@ -20,7 +20,7 @@ from ..laws.first_order import FirstOrderLaw, require_linear
 from ..models.products import SMALL, Products, largest_singular_value, require_moderate
 from ..models.state_space import StateSpace
 from ..models.system import System
-from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs
+from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs, n_outputs_of
 from ..records import records
 from .adjoint import law_adjoint
 
@@ -30,7 +30,7 @@ _LINEAR = 1e-6  # relative size of what superposition may miss by rounding
 def lifted_system(T_u: AnyModel, n_samples: int, n_columns: int = 1) -> Array:
     """T with y = T u, shape (N p, N m), m = n_columns inputs; p = m for one system."""
     check_inputs(T_u, n_columns)
-    n_outputs = _outputs(T_u, n_columns)
+    n_outputs = n_outputs_of(T_u, n_columns)
     if not isinstance(T_u, System | SystemMatrix | StateSpace):
         shapes = (n_samples, n_columns), (n_samples, n_outputs)
         return Products(*shapes, T_u.simulate, T_u.adjoint).dense()
@@ -42,10 +42,6 @@ def lifted_system(T_u: AnyModel, n_samples: int, n_columns: int = 1) -> Array:
         for t in range(n_samples):
             T[t * n_outputs :, t * n_columns + j] = impulse[: len(T) - t * n_outputs]
     return T
-
-
-def _outputs(T_u: AnyModel, n_columns: int) -> int:
-    return n_columns if isinstance(T_u, System) else T_u.n_outputs
 
 
 def lifted_law(
@@ -93,7 +89,7 @@ class LiftedIteration:
         memory, has limits or is not linear."""
         law.check(n_samples, n_columns)
         T = lifted_system(T_u, n_samples, n_columns)
-        return cls(T, *lifted_law(law, n_samples, n_columns, _outputs(T_u, n_columns)))
+        return cls(T, *lifted_law(law, n_samples, n_columns, n_outputs_of(T_u, n_columns)))
 
     @cached_property
     def iteration(self) -> Array:
@@ -206,7 +202,7 @@ class RecordIteration:
 
         Raises ValueError for other laws: with Q the next error does not follow from the error.
         """
-        n_outputs = self.n_columns if isinstance(self.T_u, System) else self.T_u.n_outputs
+        n_outputs = n_outputs_of(self.T_u, self.n_columns)
         inputs, outputs = (self.n_samples, self.n_columns), (self.n_samples, n_outputs)
         probe = np.random.default_rng(0).standard_normal(inputs)
         if np.abs(self.law(probe, np.zeros(outputs)) - probe).max() > 1e-12 * np.abs(probe).max():

@@ -1,4 +1,4 @@
-"""Robustness of a design: of any law by sampled plants, and to the parameters of the two-mass joint.
+"""Robustness of a design: by sampled plants, and to the parameters of the two-mass joint.
 
 n plants drawn from an uncertainty say of the whole of it only how large a part converges, within
 an interval: of 59 plants that all converge, at least 95 % of the uncertainty does with confidence

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..models.system import Complex
 from ..records import as_record
 from .multisine import harmonics
 
@@ -53,9 +54,6 @@ def scatter(Y: np.ndarray) -> float:
     noise = rest.var(axis=3, ddof=1).mean(axis=2, keepdims=True) * (1.0 + 1.0 / (periods - 1))
     first = np.square(np.abs(Y[..., 0] - rest.mean(axis=3)))
     return excess(first, noise, np.abs(Y).max(axis=3), (2, 2 * n * (periods - 2)))
-
-
-Complex = NDArray[np.complex128]
 
 
 class PeriodicRecord(NamedTuple):

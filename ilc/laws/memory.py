@@ -230,11 +230,8 @@ class FrequencyKalman:
         n = len(error)
         E = np.fft.rfft(tapered(error), axis=0)
         R, W = (2 * n * level**2 for level in (self.noise, self.change))
-        P = (
-            np.maximum(_averaged(np.square(np.abs(E)), 2 * _AROUND + 1) - R, 0.0)
-            if memory is None
-            else memory
-        )
+        if (P := memory) is None:
+            P = np.maximum(_averaged(np.square(np.abs(E)), 2 * _AROUND + 1) - R, 0.0)
         kappa = P / (P + R)
         learned = np.fft.irfft(kappa * E, 2 * n, axis=0)[:n]
         return correction + self.L(learned), P * R / (P + R) + W

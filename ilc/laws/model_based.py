@@ -31,7 +31,6 @@ from ..models.system import Complex, require_stable
 from ..models.system_matrix import (
     AnyModel,
     Model,
-    adjoint,
     check_inputs,
     check_model,
     require_effect,
@@ -66,7 +65,7 @@ class Gradient:
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:
-        return self.step * adjoint(self.T_u, signal)
+        return self.step * self.T_u.adjoint(signal)
 
     def response(self, omega: ArrayLike) -> Complex:
         T = require_time_invariant(self.T_u, "a response").response(omega)

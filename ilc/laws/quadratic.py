@@ -21,7 +21,7 @@ from ..models.lifted import LiftedModel
 from ..models.products import require_adjoint
 from ..models.state_space import StateSpace, TimeVarying
 from ..models.system import System
-from ..models.system_matrix import AnyModel, SystemMatrix, adjoint, check_inputs
+from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs, n_outputs_of
 from ..records import as_real
 
 Apply = Callable[[Array], Array]
@@ -167,8 +167,11 @@ class QuadraticProblem:
         check_inputs(T_u, n_columns)
         if (covered := getattr(T_u, "n_samples", n_samples)) != n_samples:
             raise ValueError(f"T_u covers {covered} samples, the record {n_samples}")
-        n_outputs = n_columns if isinstance(T_u, System) else T_u.n_outputs
-        sizes = {"error": n_outputs, "correction": n_columns, "change": n_columns}
+        sizes = {
+            "error": n_outputs_of(T_u, n_columns),
+            "correction": n_columns,
+            "change": n_columns,
+        }
         expanded = (
             per_sample(getattr(criterion, name), n_samples, width, f"the weight of the {name}")
             for name, width in sizes.items()
@@ -223,7 +226,7 @@ class QuadraticProblem:
 
     def weighted_back(self, filtered: Array) -> Array:
         """T' F' We times a filtered error."""
-        return adjoint(self.T_u, self.filtered((self.We * filtered)[::-1])[::-1])
+        return self.T_u.adjoint(self.filtered((self.We * filtered)[::-1])[::-1])
 
     def descent(self, correction: Array, error: Array) -> Array:
         """g: negative gradient of half the criterion at u_k, where the error is e_k."""

@@ -27,8 +27,8 @@ def constant_gains(
     """Gains (M, m, n), L (M, m, m) and that H is regular, for weights W (p,) and R (m,).
 
     For constant matrices and weights, without P: from one sample to the one before, P grows by
-    Z^T Z with as many rows as the model has outputs. Updating Z instead of P costs O(n m p) a sample
-    for n states, m inputs and p outputs, not O(n^2 m):
+    Z^T Z with as many rows as the model has outputs. Updating Z instead of P costs O(n m p) a
+    sample for n states, m inputs and p outputs, not O(n^2 m):
 
         [L  B^T Z^T]           [L_next       0     ]
         [           ] Theta =  [                   ],        Theta orthogonal

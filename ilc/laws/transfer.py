@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable, unit_circle
-from ..models.system_matrix import AnyModel, check_inputs, check_model
+from ..models.system_matrix import AnyModel, check_inputs, check_model, n_outputs_of
 from ..records import as_real, as_record, records
 from .first_order import FirstOrderLaw
 
@@ -114,8 +114,7 @@ class BasisFunctions(FirstOrderLaw):
     def _responses(self) -> Array:
         """(N q, n p): the q outputs for each parameter, one at a time."""
         n_samples, n, p = self.basis.shape
-        n_outputs = n if isinstance(self.T_u, System) else self.T_u.n_outputs
-        found = np.empty((n_samples * n_outputs, n, p))
+        found = np.empty((n_samples * n_outputs_of(self.T_u, n), n, p))
         for j in range(n):
             for i in range(p):
                 alone = np.zeros((n_samples, n))

@@ -14,11 +14,10 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records import as_real
 from .blocks import Realisation
 from .peak import AllPassPhase
 from .state_space import StateSpace
-from .system import System, state_space_to_system
+from .system import System, controller_form, state_space_to_system
 from .system_matrix import SystemMatrix
 
 Matrices = tuple[Array, Array, Array, Array]
@@ -135,26 +134,14 @@ def _matrices(model: Any) -> Matrices:
     if not hasattr(model, "num"):
         raise ValueError(f"model must have matrices or polynomials, got {type(model).__name__}")
     entries = zip(model.num, model.den, strict=True)
-    return _stacked([[_of_ratio(*each) for each in zip(n, d, strict=True)] for n, d in entries])
+    rows = [zip(num, den, strict=True) for num, den in entries]
+    return _stacked([[controller_form(*each) for each in row] for row in rows])
 
 
 def _of_system(system: System) -> Matrices:
     """b and a in powers of q^-1, padded to one length, are polynomials in descending powers."""
     size = max(len(system.b), len(system.a))
-    return _of_ratio(*(np.pad(p, (0, size - len(p))) for p in (system.b, system.a)))
-
-
-def _of_ratio(num: Array, den: Array) -> Matrices:
-    """Controller form of num / den, descending powers."""
-    num, den = (np.trim_zeros(as_real(p, "a polynomial"), "f") for p in (num, den))
-    if len(num) > len(den):
-        degrees = f"numerator degree {len(num) - 1}, denominator degree {len(den) - 1}"
-        raise ValueError(f"the model is not causal: {degrees}")
-    num, den = np.pad(num, (len(den) - len(num), 0)) / den[0], den / den[0]
-    n = len(den) - 1
-    A = np.eye(n, k=-1)
-    A[:1] = -den[1:]
-    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], num[:1, None]
+    return controller_form(*(np.pad(p, (0, size - len(p))) for p in (system.b, system.a)))
 
 
 def _stacked(rows: list[list[Matrices]]) -> Matrices:

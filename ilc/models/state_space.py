@@ -23,8 +23,28 @@ _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
 
 
+class _OnRecords:
+    """Maps of records by the model's `realisation`."""
+
+    n_inputs: int
+    n_outputs: int
+    realisation: Realisation
+
+    @records("signal")
+    def simulate(self, signal: Array) -> Array:
+        """Outputs (N, p) for inputs (N, m), from zero state."""
+        check_shape(self, signal.shape, self.n_inputs, "inputs")
+        return self.realisation.simulate(signal)
+
+    @records("signal")
+    def adjoint(self, signal: Array) -> Array:
+        """T^T e, shape (N, m), for e (N, p)."""
+        check_shape(self, signal.shape, self.n_outputs, "outputs")
+        return self.realisation.adjoint(signal)
+
+
 @dataclass(frozen=True, eq=False)
-class StateSpace:
+class StateSpace(_OnRecords):
     """Matrices A (n, n), B (n, m), C (p, n) and D (p, m), 0 if None; read-only."""
 
     A: Array
@@ -99,18 +119,6 @@ class StateSpace:
         one = self.realisation
         return Realisation(one.A, one.first, one.B, taps[0] * one.C, taps[0] * one.D)
 
-    @records("signal")
-    def simulate(self, signal: Array) -> Array:
-        """Outputs (N, p) for inputs (N, m), from zero state."""
-        check_shape(self, signal.shape, self.n_inputs, "inputs")
-        return self.realisation.simulate(signal)
-
-    @records("signal")
-    def adjoint(self, signal: Array) -> Array:
-        """T^T e, shape (N, m), for e (N, p)."""
-        check_shape(self, signal.shape, self.n_outputs, "outputs")
-        return self.realisation.adjoint(signal)
-
     def response(self, omega: ArrayLike) -> Complex:
         """Shape (M, p, m) at omega (M,) [rad/sample]."""
         z = np.atleast_1d(unit_circle(omega))
@@ -183,7 +191,7 @@ def _modes(A: Array) -> tuple[list[Array], Array] | None:
 
 
 @dataclass(frozen=True, eq=False)
-class TimeVarying:
+class TimeVarying(_OnRecords):
     """Matrices of each sample: A (N, n, n), B (N, n, m), C (N, p, n), D (N, p, m) or None for 0."""
 
     A: Array
@@ -219,15 +227,3 @@ class TimeVarying:
         """Of F T, F the finite impulse response `taps`."""
         assert self.D is not None
         return Realisation.of(*filtered(self.A, self.B, self.C, self.D, taps))
-
-    @records("signal")
-    def simulate(self, signal: Array) -> Array:
-        """Outputs (N, p) for inputs (N, m), from zero state."""
-        check_shape(self, signal.shape, self.n_inputs, "inputs")
-        return self.realisation.simulate(signal)
-
-    @records("signal")
-    def adjoint(self, signal: Array) -> Array:
-        """T^T e, shape (N, m), for e (N, p)."""
-        check_shape(self, signal.shape, self.n_outputs, "outputs")
-        return self.realisation.adjoint(signal)

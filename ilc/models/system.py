@@ -215,7 +215,12 @@ def zero_order_hold(A: Array, B: Array, sample_time: float) -> tuple[Array, Arra
 
 
 def state_space_to_system(A: Array, B: Array, C: Array, sample_time: float) -> System:
-    """Transfer operator C (q - A)^-1 B of a discrete system with one input and one output."""
+    """Transfer operator C (q - A)^-1 B of a discrete system with one input and one output.
+
+    By Markov parameters: the response of the joint of chapter 8 at 4 ms is right to 4e-13, at
+    0.25 ms to 1e-13; the difference of polynomials in `scipy.signal.ss2tf` loses it to 9e-11 and
+    2e-8 (`tests/ilc/test_systems.py`).
+    """
     a: Array = np.poly(A).real.astype(np.float64)
     # b follows from the first n + 1 Markov parameters: b = a * h, cut there.
     markov, x = [0.0], B[:, 0]
@@ -227,13 +232,17 @@ def state_space_to_system(A: Array, B: Array, C: Array, sample_time: float) -> S
 
 def zoh(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     """Zero-order-hold equivalent of num(s)/den(s), descending powers of s, as MATLAB's c2d."""
-    A, B, C, D = _controller_form(as_real(num, "num"), as_real(den, "den"))
+    A, B, C, D = controller_form(as_real(num, "num"), as_real(den, "den"))
     strictly_proper = state_space_to_system(*zero_order_hold(A, B, sample_time), C, sample_time)
-    return System(strictly_proper.b + D * strictly_proper.a, strictly_proper.a, sample_time)
+    b = strictly_proper.b + D[0, 0] * strictly_proper.a
+    return System(b, strictly_proper.a, sample_time)
 
 
 def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
-    """Bilinear equivalent: s = 2/T (1 - q^-1) / (1 + q^-1)."""
+    """Bilinear equivalent: s = 2/T (1 - q^-1) / (1 + q^-1).
+
+    That of `scipy.signal.bilinear` without its import, which takes half a second.
+    """
     num, den = as_real(num, "num"), as_real(den, "den")
     degree = max(len(num), len(den)) - 1
 
@@ -248,13 +257,14 @@ def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     return System(substituted(num), substituted(den), sample_time)
 
 
-def _controller_form(num: Array, den: Array) -> tuple[Array, Array, Array, float]:
+def controller_form(num: Array, den: Array) -> tuple[Array, Array, Array, Array]:
+    """(A, B, C, D) of num / den, descending powers. ValueError for one that is not causal."""
+    num, den = (np.trim_zeros(as_real(p, "a polynomial"), "f") for p in (num, den))
     if len(num) > len(den):
-        degrees = f"numerator degree {len(num) - 1} in s exceeds denominator degree {len(den) - 1}"
+        degrees = f"numerator degree {len(num) - 1} exceeds denominator degree {len(den) - 1}"
         raise ValueError(f"the model is not causal: {degrees}")
-    num = np.concatenate((np.zeros(len(den) - len(num)), num)) / den[0]
-    den = den / den[0]
+    num, den = np.pad(num, (len(den) - len(num), 0)) / den[0], den / den[0]
     n = len(den) - 1
     A = np.eye(n, k=-1)
-    A[0] = -den[1:]
-    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], float(num[0])
+    A[:1] = -den[1:]
+    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], num[:1, None]

@@ -8,8 +8,9 @@ from scipy import signal
 from armside.ilc import AllPass, Heuristic, learn
 from armside.ilc.models.conversion import as_system
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
-from armside.ilc.models.system import System, tustin, zoh
+from armside.ilc.models.system import System, tustin, zero_order_hold, zoh
 from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.two_mass import TwoMassJoint
 
 T_S = 0.01
 SYSTEM = System([0, 0, 0.5, -0.2], [1, -0.7, 0.1], T_S)
@@ -76,7 +77,7 @@ def test_discretisations_agree_with_control():
         np.testing.assert_allclose(
             ours.response(omega), theirs(np.exp(1j * omega)).ravel(), rtol=1e-9
         )
-    with pytest.raises(ValueError, match="not causal: numerator degree 2 in s"):
+    with pytest.raises(ValueError, match="not causal: numerator degree 2 exceeds"):
         zoh([1.0, 0, 0], [1.0, 1.0], T_S)
 
 
@@ -157,3 +158,20 @@ def test_stability_is_decided_exactly_where_rounding_hides_it():
     for edge, stable in ((1.0, False), (np.nextafter(1.0, 0.0), True)):
         assert System([0, 1], [1, -edge], T_S).is_stable is stable
         assert System([0, 1], [1, 0, edge, 0], T_S).is_stable is stable
+
+
+@pytest.mark.parametrize("sample_time", [4e-3, 2.5e-4])
+def test_a_transfer_function_of_states_keeps_the_digits_that_scipy_loses(sample_time):
+    """Beside the response of the sampled states of the joint: see `state_space_to_system`."""
+    joint = TwoMassJoint()
+    A, B = zero_order_hold(*joint.state_space, sample_time)
+    omega = np.geomspace(0.3, 3.0, 20)
+    states = [np.linalg.solve(z * np.eye(4) - A, B)[2, 0] for z in np.exp(1j * omega)]
+
+    def error(system):
+        return np.abs(system.response(omega) / np.array(states) - 1.0).max()
+
+    num, den, _ = signal.cont2discrete(joint.motor_transfer, sample_time)
+    ours, theirs = joint.motor(sample_time), System.from_z(np.ravel(num), den, sample_time)
+    assert error(ours) < 1e-11
+    assert error(theirs) > 10.0 * error(ours)
