@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .laws.law import Law
+from .laws.first_order import Law
 from .measures.norms import inf_norm, two_norm
 from .records import as_record
 

@@ -9,7 +9,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .divergence import DIVERGENCE_RATIO, has_diverged
-from .laws.law import Law
+from .laws.first_order import Law
 from .measures.norms import two_norm
 from .plant import Plant
 from .records import as_record, as_samples

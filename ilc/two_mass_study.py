@@ -8,17 +8,15 @@ import numpy as np
 from armside.arrays import Array
 
 from .filters import ALL_PASS, End, RecordFilter, ZeroPhaseButterworth
+from .laws.first_order import FirstOrder, Law
 from .laws.heuristic import Heuristic
-from .laws.law import FirstOrder, Law
-from .laws.model_inverse import ModelInverse
+from .laws.model_based import ModelInverse
 from .laws.norm_optimal import NormOptimal
 from .laws.quadratic import QuadraticCriterion
 from .learning import Trial, learn
 from .measures.norms import two_norm
-from .models.discretise import zoh
-from .models.system import System
-from .models.two_mass import TwoMassLoop, TwoMassPlant, TwoMassRun
-from .models.two_mass_friction import FrictionPlant
+from .models.system import System, zoh
+from .models.two_mass import FrictionPlant, TwoMassLoop, TwoMassPlant, TwoMassRun
 
 GAMMA, DELTA = 0.9, 5
 """Design variables of Figs 8.8 to 8.12."""

@@ -3,15 +3,10 @@
 import numpy as np
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth
-from armside.ilc.laws.by_segment import BySegment
-from armside.ilc.laws.gains import MatrixGain, PType
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled import Scheduled
-from armside.ilc.laws.simulated import Simulated
-from armside.ilc.laws.time_varying import Blend
+from armside.ilc.laws.first_order import Blend, FirstOrder, MatrixGain, PType
+from armside.ilc.laws.model_based import RegularisedInverse
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.wrappers import BySegment, Guarded, Scheduled, Simulated
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.system_matrix import SystemMatrix
 

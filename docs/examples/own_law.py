@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.law import FirstOrderLaw
+from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.sim.laser import Cut, learn
 
 

@@ -1,18 +1,18 @@
 """Convergence analysis of a learning law: criterion, asymptotic error, finite records, design."""
 
-from .asymptotic import asymptotic_error as asymptotic_error
 from .criterion import Criterion as Criterion
+from .criterion import asymptotic_error as asymptotic_error
 from .criterion import criterion as criterion
 from .criterion import frequency_grid as frequency_grid
 from .criterion import hertz as hertz
 from .criterion import heuristic_criterion as heuristic_criterion
 from .eigenloci import Eigenloci as Eigenloci
 from .eigenloci import eigenloci as eigenloci
-from .lifted import LiftedIteration as LiftedIteration
 from .limits import largest_common_cutoff as largest_common_cutoff
 from .limits import largest_cutoff as largest_cutoff
 from .limits import largest_gain_factor as largest_gain_factor
 from .limits import largest_gamma as largest_gamma
+from .record_iteration import LiftedIteration as LiftedIteration
 from .record_iteration import RecordIteration as RecordIteration
-from .sampled_robustness import fraction_interval as fraction_interval
-from .sampled_robustness import sampled_robustness as sampled_robustness
+from .robustness import fraction_interval as fraction_interval
+from .robustness import sampled_robustness as sampled_robustness

@@ -20,10 +20,9 @@ from ..filters import (
     butterworth,
     recursion,
 )
-from ..laws.gains import DType, MatrixGain, PType
-from ..laws.gradient import Gradient
+from ..laws.first_order import DType, FirstOrder, MatrixGain, PType
 from ..laws.heuristic import Heuristic
-from ..laws.law import FirstOrder
+from ..laws.model_based import Gradient
 from ..laws.norm_optimal import NormOptimal
 from ..records import records
 

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from armside.arrays import Array
 
 from ..filters import PerColumn, RecordFilter, ZeroPhaseButterworth
+from ..models.conversion import as_system
 from ..models.peak import AllPassPhase
 from ..models.state_space import StateSpace
-from ..models.system import Complex, System, as_system, require_stable
+from ..models.system import Complex, System, require_stable
 from ..models.system_matrix import Model
 from .criterion import frequency_grid, heuristic_criterion, shift_response
 

@@ -1,10 +1,14 @@
-"""Iteration of a first-order law on a finite record, matrix-free: convergence and its transient.
+"""Iteration of a first-order law on a finite record, edges of its filters included.
 
-u_{k+1} - u_inf = A (u_k - u_inf) with A = M_u - M_e T. Each figure takes products with A and its
+`LiftedIteration` has matrices, for up to a few thousand numbers: a record (N, n) is one vector of
+N n numbers, sample by sample, motors within a sample; a time-invariant T_u is lower
+block-triangular Toeplitz, a law a pair of matrices. `RecordIteration` is matrix-free: u_{k+1} -
+u_inf = A (u_k - u_inf) with A = M_u - M_e T, and each figure takes products with A and its
 adjoint alone, O(N) each, so that records of thousands of samples take less than a second.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,11 +16,129 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..laws.law import FirstOrderLaw, require_linear
-from ..models.products import SMALL, Products, largest_singular_value
+from ..laws.first_order import FirstOrderLaw, require_linear
+from ..models.products import SMALL, Products, largest_singular_value, require_moderate
+from ..models.state_space import StateSpace
 from ..models.system import System
-from ..models.system_matrix import AnyModel, check_inputs
+from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs, n_outputs_of
+from ..records import records
 from .adjoint import law_adjoint
+
+_LINEAR = 1e-6  # relative size of what superposition may miss by rounding
+
+
+def lifted_system(T_u: AnyModel, n_samples: int, n_columns: int = 1) -> Array:
+    """T with y = T u, shape (N p, N m), m = n_columns inputs; p = m for one system."""
+    check_inputs(T_u, n_columns)
+    n_outputs = n_outputs_of(T_u, n_columns)
+    if not isinstance(T_u, System | SystemMatrix | StateSpace):
+        shapes = (n_samples, n_columns), (n_samples, n_outputs)
+        return Products(*shapes, T_u.simulate, T_u.adjoint).dense()
+    T = np.zeros((n_samples * n_outputs, n_samples * n_columns))
+    for j in range(n_columns):
+        start = np.zeros((n_samples, n_columns))
+        start[0, j] = 1.0
+        impulse = T_u.simulate(start).ravel()
+        for t in range(n_samples):
+            T[t * n_outputs :, t * n_columns + j] = impulse[: len(T) - t * n_outputs]
+    return T
+
+
+def lifted_law(
+    law: FirstOrderLaw, n_samples: int, n_columns: int = 1, n_outputs: int | None = None
+) -> tuple[Array, Array]:
+    """(M_u, M_e) with u_{k+1} = M_u u_k + M_e e_k, from the law's response to unit vectors.
+
+    n_outputs: columns of an error, n_columns if None. Raises ValueError for a law that is not
+    linear.
+    """
+    require_linear(law)
+    inputs = n_samples, n_columns
+    outputs = n_samples, n_columns if n_outputs is None else n_outputs
+    no_u, no_e = np.zeros(inputs), np.zeros(outputs)
+    M_u = np.stack([law(unit, no_e).ravel() for unit in _units(inputs)], axis=1)
+    M_e = np.stack([law(no_u, unit).ravel() for unit in _units(outputs)], axis=1)
+    rng = np.random.default_rng(0)
+    u, e = rng.standard_normal(inputs), rng.standard_normal(outputs)
+    together = law(u, e).ravel()
+    missed = np.abs(together - M_u @ u.ravel() - M_e @ e.ravel()).max()
+    if not missed <= _LINEAR * max(np.abs(together).max(), np.abs(M_u).max(), np.abs(M_e).max()):
+        raise ValueError(f"{type(law).__name__} is not linear: its iteration has no matrix")
+    return M_u, M_e
+
+
+def _units(shape: tuple[int, int]) -> Array:
+    size = int(np.prod(shape))
+    return np.eye(size).reshape(size, *shape)
+
+
+@dataclass(frozen=True, eq=False)
+class LiftedIteration:
+    """u_{k+1} = iteration u_k + M_e e_0."""
+
+    T: Array
+    """T_u, shape (N p, N m)."""
+    M_u: Array
+    M_e: Array
+
+    @classmethod
+    def build(
+        cls, T_u: AnyModel, law: FirstOrderLaw, n_samples: int, n_columns: int = 1
+    ) -> "LiftedIteration":
+        """From a model with n_columns inputs. Raises ValueError for a law that does not fit, has
+        memory, has limits or is not linear."""
+        law.check(n_samples, n_columns)
+        T = lifted_system(T_u, n_samples, n_columns)
+        return cls(T, *lifted_law(law, n_samples, n_columns, n_outputs_of(T_u, n_columns)))
+
+    @cached_property
+    def iteration(self) -> Array:
+        """M_u - M_e T: maps the distance from the fixed point over one iteration."""
+        return self.M_u - self.M_e @ self.T
+
+    @property
+    def spectral_radius(self) -> float:
+        """Spectral radius; below 1 the iteration converges, perhaps after a long transient."""
+        return float(np.abs(np.linalg.eigvals(self.iteration)).max())
+
+    @property
+    def contraction(self) -> float:
+        """Largest singular value. Below 1: ||u_k - u_inf|| shrinks in every iteration."""
+        return _largest_of_power(self.iteration, 1)
+
+    @records("first_error")
+    def fixed_point(self, first_error: Array) -> tuple[Array, Array]:
+        """(u_inf, e_inf), (N, m) and (N, p), from e_0 with u = 0. ValueError if none exists."""
+        matrix = np.eye(len(self.iteration)) - self.iteration
+        e_0 = np.asarray(first_error).ravel()
+        try:
+            u: Array = np.linalg.solve(matrix, self.M_e @ e_0).astype(np.float64)
+        except np.linalg.LinAlgError as error:
+            raise ValueError("the iteration has no fixed point: it has an eigenvalue 1") from error
+        shape = np.shape(first_error)
+        return u.reshape(len(first_error), -1), (e_0 - self.T @ u).reshape(shape)
+
+    def transient_growth(self, iterations: ArrayLike) -> Array:
+        """||iteration^k||_2 at the given k: the growth of a transient."""
+        return np.array(
+            [_largest_of_power(self.iteration, int(k)) for k in np.atleast_1d(iterations)]
+        )
+
+
+def _largest_of_power(matrix: Array, power: int) -> float:
+    """2-norm of matrix^power, see `largest_singular_value`."""
+    size = len(matrix)
+    if power == 0:
+        return 1.0
+    if 20 * power > size * np.log2(power + 1):  # cheaper by repeated squaring first
+        with np.errstate(over="ignore", invalid="ignore"):
+            raised = np.linalg.matrix_power(matrix, power)
+        require_moderate(raised, power)
+        matrix, power = raised, 1
+    record = size, 1
+    once = Products(record, record, lambda v: matrix @ v, lambda v: matrix.T @ v)
+    return largest_singular_value(once, power=power)
+
 
 _POWERS = (8, 32)  # iterations whose growth bounds the spectral radius
 _ROUGH = 1e-4  # of that growth, whose root is taken
@@ -80,7 +202,7 @@ class RecordIteration:
 
         Raises ValueError for other laws: with Q the next error does not follow from the error.
         """
-        n_outputs = self.n_columns if isinstance(self.T_u, System) else self.T_u.n_outputs
+        n_outputs = n_outputs_of(self.T_u, self.n_columns)
         inputs, outputs = (self.n_samples, self.n_columns), (self.n_samples, n_outputs)
         probe = np.random.default_rng(0).standard_normal(inputs)
         if np.abs(self.law(probe, np.zeros(outputs)) - probe).max() > 1e-12 * np.abs(probe).max():

@@ -3,19 +3,25 @@
 The error of the simulation is minimised. ARX minimises the one-step prediction error, which
 prefers slow poles for smooth records under friction. Thesis (9.11), (9.12). The fit of a model is
 defined here once: 1 - ||y - y_sim|| / ||y - mean(y)||.
+
+Learning data are sums over experiments of u_K and of y_K - y_0: friction does not depend on the
+correction, so a sum over several speeds averages it. At rest it holds a motor in place, which is
+no linear dynamics: records end with the first motion that ends.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
 from ..estimation.consistency import Whiteness, residual_test
 from ..filters import recursion
 from ..models.system import System
-from ..records import records
+from ..records import as_record, records
 
 _TOLERANCE = 1e-4  # of the pole that the search ends at
 _SLOWEST = 0.98  # pole; a slower one resembles an integrator in records of a second
@@ -135,3 +141,49 @@ def _best_gain(u: Array, y: Array, delay: int, pole: float) -> tuple[float, Arra
     x = recursion(np.ones(1), np.array([1.0, -pole]), delayed)
     size = float(np.square(x).sum())
     return (float((x * y).sum()) / size if size > 0.0 else 0.0), x
+
+
+class LearningRecord(NamedTuple):
+    """One learning experiment: its last correction u_K, first error e_0 and last e_K, (N, n)."""
+
+    correction: ArrayLike
+    first_error: ArrayLike
+    last_error: ArrayLike
+    motion_end: int
+    """Sample at which the reference comes to rest."""
+
+
+def learning_data(
+    records: Iterable[LearningRecord], motors: Sequence[int] | None = None
+) -> tuple[Array, Array]:
+    """(u, y) = (sum of u_K, sum of e_0 - e_K) of some motors, shape (N, motors). Thesis (9.11).
+
+    N: the smallest `motion_end`. motors: columns, counted from 0; None: all. Differences of errors
+    are formed and summed in the precision in which they are stored.
+
+    Raises:
+        ValueError: if there are no records, or no samples of motion.
+    """
+    records = list(records)
+    if not records:
+        raise ValueError("learning data must hold at least one record")
+    n = min(record.motion_end for record in records)
+    if n < 1:
+        raise ValueError(f"motion_end must be >= 1 sample, got {n}")
+    columns = slice(None) if motors is None else list(motors)
+
+    def part(signal: ArrayLike) -> Array:
+        as_record(signal, "a learning record")
+        return np.asarray(signal)[:n, columns]
+
+    u = np.asarray(sum(part(r.correction).astype(np.float64) for r in records))
+    y = np.asarray(sum(part(r.first_error) - part(r.last_error) for r in records))
+    return u, y.astype(np.float64)
+
+
+def identify(
+    records: Iterable[LearningRecord], sample_time: float, motors: Sequence[int] | None = None
+) -> FirstOrderModel:
+    """One first-order T_u for some motors together, by output error on `learning_data`."""
+    u, y = learning_data(records, motors)
+    return fit_first_order(u, y, sample_time)

@@ -16,10 +16,39 @@ from ..models.state_space import StateSpace
 from ..models.system import System
 from ..records import records
 from .arx import Information, select_arx
-from .order_selection import rank_orders
 from .polynomial import Orders
-from .polynomial_fit import PolynomialFit
+from .polynomial_fit import PolynomialFit, fit_polynomial
 from .subspace import SubspaceFit, rank_subspace_orders
+
+
+@records("u", "y")
+def rank_orders(
+    u: Array,
+    y: Array,
+    sample_time: float,
+    candidates: Iterable[Orders],
+    criterion: Information = Information.BIC,
+) -> list[PolynomialFit]:
+    """Fits of all candidates to (u, y), shape (N, m), best first. BIC is Rissanen's MDL.
+
+    Raises ValueError without candidates, and as `fit_polynomial`.
+    """
+    fits = [fit_polynomial(u, y, sample_time, orders) for orders in candidates]
+    if not fits:
+        raise ValueError("candidates must not be empty")
+    return sorted(fits, key=lambda fit: fit.score(criterion))
+
+
+@records("u", "y")
+def rank_by_validation(fits: Iterable[PolynomialFit], u: Array, y: Array) -> list[PolynomialFit]:
+    """Fits by the prediction error on a record (N, m) that they were not fitted to, best first."""
+    return sorted(fits, key=lambda fit: validation_error(fit, u, y))
+
+
+@records("u", "y")
+def validation_error(fit: PolynomialFit, u: Array, y: Array) -> float:
+    """RMS of the prediction error on a record (N, m)."""
+    return float(np.sqrt(np.square(fit.model.prediction_error(u, y)).mean()))
 
 
 class Structure(Enum):

@@ -8,7 +8,7 @@ from armside.arrays import Array
 
 from ..filters import End, PerColumn, RecordFilter, as_tuple, check_columns, check_shift, shift
 from ..records import records
-from .law import FirstOrderLaw
+from .first_order import FirstOrderLaw
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,13 @@
-"""Algorithm 3: norm-optimal learning, a quadratic criterion over the finite record."""
+"""Norm-optimal learning: the minimum of a quadratic criterion over the finite record, Algorithm 3.
 
+`NormOptimal` solves it for any model, `Constrained` with bounds on the correction, `PointToPoint`
+for an output that has to be right at some samples and is free between them (Freeman, "Constrained
+point-to-point iterative learning control with experimental verification", 2012; Janssens,
+Pipeleers and Swevers, "A data-driven constrained norm-optimal iterative learning control
+framework for LTI systems", 2013). `RecordOptimal` needs a frequency response alone.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,11 +15,13 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from ..filters import RecordFilter
 from ..models.system import Complex, System
 from ..models.system_matrix import AnyModel, check_model
-from ..records import records
-from .law import FirstOrderLaw
-from .quadratic import QuadraticCriterion, QuadraticProblem
+from ..records import as_real, as_whole, records
+from .first_order import FirstOrderLaw
+from .model_based import Response
+from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_step, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,3 +89,186 @@ class NormOptimal(FirstOrderLaw):
         known = T_H @ T + Wd * identity
         Q, L = np.linalg.solve(known + Wu * identity, known), np.linalg.solve(known, T_H)
         return Q.astype(np.complex128), L.astype(np.complex128)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PointToPoint(FirstOrderLaw):
+    """Norm-optimal law for the error at given samples."""
+
+    T_u: AnyModel
+    points: Sequence[int]
+    """Samples at which the output has to be right, in 0 .. N - 1."""
+    n_samples: int
+    n_columns: int = 1
+    correction: float = 1e-6
+    change: float = 1e-4
+    """Weights of u and of its change, relative to that of the error."""
+
+    def __post_init__(self) -> None:
+        points = np.unique(as_whole(self.points, "each of the points"))
+        if not len(points) or points[0] < 0 or points[-1] >= self.n_samples:
+            raise ValueError(f"points must be samples 0 to {self.n_samples - 1}, got {self.points}")
+        weight = np.zeros(self.n_samples)
+        weight[points] = 1.0
+        weights = QuadraticCriterion(error=weight, correction=self.correction, change=self.change)
+        law = NormOptimal(
+            T_u=self.T_u, n_samples=self.n_samples, n_columns=self.n_columns, criterion=weights
+        )
+        object.__setattr__(self, "_law", law)
+
+    _law: NormOptimal = field(init=False, repr=False)
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        self._law.check(n_samples, n_columns)
+
+    @records("correction", "error", alike=False)
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        return self._law(correction, error)
+
+
+_ROUNDS = 5  # of the solver, each from where the one before stopped
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Constrained(NormOptimal):
+    """Minimum of the criterion subject to |u| <= limit.
+
+    The programme is convex with bounds only, so scipy's L-BFGS-B solves it; gradients are model
+    runs forwards and backwards in time, O(N). Where no limit is active the result is that of
+    `NormOptimal`.
+    """
+
+    limit: Weight = np.inf
+    """Largest |u|: one number, (N,) or (N, n)."""
+    tolerance: float = 1e-5
+    """Largest projected gradient at the solution, relative to the gradient at u = 0. Rounding
+    keeps models with many slow poles from much less than 1e-6."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (as_real(self.limit, "limit") > 0.0).all():
+            raise ValueError("limit must be > 0")
+        per_sample(self.limit, self.n_samples, self.n_columns, "limit")
+
+    @records("correction", "error", alike=False)
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        free = super().__call__(correction, error)
+        limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")
+        if (np.abs(free) <= limit).all():
+            return free
+        return self._within(limit, free, correction, error)
+
+    def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
+        problem = self._problem
+        descent = problem.descent(correction, error)
+
+        def gradient(u: Array) -> Array:
+            return problem.hessian(u - correction) - descent
+
+        u, scale = np.clip(free, -limit, limit), np.abs(gradient(np.zeros_like(free))).max()
+        reached = np.inf
+        for _ in range(_ROUNDS):
+            u = self._minimum(limit, u, gradient(u), scale)
+            reached = np.abs(np.clip(u - gradient(u), -limit, limit) - u).max() / scale
+            if reached <= self.tolerance:
+                return u
+        raise RuntimeError(
+            f"the quadratic programme stopped at a projected gradient of {reached:.2g}, not "
+            f"{self.tolerance:.2g}"
+        )
+
+    def _minimum(self, limit: Array, start: Array, gradient: Array, scale: float) -> Array:
+        """Minimum from a start with its gradient. The cost is counted from there: in that of all
+        the record, rounding would hide the last descent."""
+        from scipy.optimize import minimize
+
+        def cost(flat: Array) -> tuple[float, Array]:
+            step = flat.reshape(start.shape)
+            turned = self._problem.hessian(step)
+            return float(np.vdot(step, gradient + 0.5 * turned)), (gradient + turned).ravel()
+
+        options = {"ftol": 0.0, "gtol": 0.1 * self.tolerance * scale, "maxcor": 30}
+        options |= {"maxiter": 5000, "maxfun": 20000}
+        bounds = np.column_stack(((-limit - start).ravel(), (limit - start).ravel()))
+        solution = minimize(
+            cost, np.zeros(start.size), jac=True, method="L-BFGS-B", bounds=bounds, options=options
+        )
+        return np.clip(start + solution.x.reshape(start.shape), -limit, limit)
+
+
+_STEPS, _SOLVED = 60, 1e-4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordOptimal(FirstOrderLaw):
+    """Norm-optimal law for errors (N, p) and corrections (N, n), from a frequency response alone.
+
+    minimise |F (e_k - T (u - u_k))|_W^2 + rho |S^-1 u|^2 + sigma |S^-1 (u - u_k)|^2
+
+    T is the response G applied to a record that is at rest before and after, so products with T and
+    its transpose are FFTs; conjugate gradients take a few dozen of them.
+    """
+
+    G: Response
+    F: RecordFilter
+    """Zero-phase filter that selects the learned part of the error; G: response to corrections."""
+    output_weight: tuple[float, ...]
+    input_size: tuple[float, ...]
+    """(n,), diagonal of S, > 0; weights: (p,), square roots of W's diagonal."""
+    correction_weight: float = 1e-3
+    change_weight: float = 1e-2
+    """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""
+    tolerance: float | None = None
+    """Residual at which conjugate gradients end, relative to the right side, or they fail. None:
+    at 1e-4 or after 60 steps, which is below what a model of an arm is worth."""
+
+    def __post_init__(self) -> None:
+        for name in ("correction_weight", "change_weight"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must be >= 0, got {getattr(self, name)}")
+        if not self.correction_weight + self.change_weight > 0.0:
+            raise ValueError("correction_weight and change_weight must not both be 0")
+        if self.tolerance is not None and not 0.0 < self.tolerance < 1.0:
+            raise ValueError(f"tolerance must be in (0, 1), got {self.tolerance}")
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if (n := len(self.input_size)) != n_columns:
+            raise ValueError(f"the law has {n} inputs, the record {n_columns} columns")
+        self.F.check(n_samples, n_columns)
+
+    @records("correction", "error", alike=False)
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        n = len(correction)
+        weight, size = np.array(self.output_weight), np.array(self.input_size)
+        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n)
+        T = weight[:, None] * self.G.response(omega) * size
+        T_H = np.conj(np.swapaxes(T, 1, 2))
+        scale = np.linalg.norm(T[0], ord=2) ** 2
+        rho, sigma = self.correction_weight * scale, self.change_weight * scale
+
+        def through(response: Complex, signal: Array) -> Array:
+            spectrum = np.fft.rfft(signal, 2 * n, axis=0)
+            moved = (response @ spectrum[:, :, None])[:, :, 0]
+            return np.fft.irfft(moved, 2 * n, axis=0)[:n]
+
+        def normal(step: Array) -> Array:
+            seen = self.F(self.F(through(T, step)))
+            return through(T_H, seen) + (rho + sigma) * step
+
+        right = through(T_H, self.F(self.F(error * weight))) - rho * correction / size
+        return correction + size * _conjugate_gradients(normal, right, self.tolerance)
+
+
+def _conjugate_gradients(A: Callable[[Array], Array], b: Array, tolerance: float | None) -> Array:
+    """x of A x = b. Raises RuntimeError where a given tolerance is not reached."""
+    x, r, p, power = np.zeros_like(b), b, b, float(np.vdot(b, b))
+    enough = (_SOLVED if tolerance is None else tolerance) ** 2 * power
+    for _ in range(_STEPS if tolerance is None else 10 * b.size):
+        if power <= enough:
+            return x
+        x, r, _, power, last = conjugate_step(A, lambda r: r, x, r, p, power)
+        p = r + power / last * p
+    if tolerance is not None and power > enough:
+        reached = np.sqrt(power / np.vdot(b, b))
+        raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
+    return x

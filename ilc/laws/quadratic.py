@@ -6,6 +6,7 @@ conjugate gradients, with the model itself for H and the factor as preconditione
 solution and refine it. For a model that is known by its products alone they do all the work.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -16,15 +17,96 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import recursion
-from ..models.lifted_model import LiftedModel
+from ..models.lifted import LiftedModel
 from ..models.products import require_adjoint
-from ..models.state_space import StateSpace
+from ..models.state_space import StateSpace, TimeVarying
 from ..models.system import System
-from ..models.system_matrix import AnyModel, SystemMatrix, adjoint, check_inputs
-from ..models.time_varying import TimeVarying
+from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs, n_outputs_of
 from ..records import as_real
-from .conjugate_gradients import ACCURACY, solve_factored, solve_matrix_free
-from .lifted_factor import LiftedFactor
+
+Apply = Callable[[Array], Array]
+
+ACCURACY = 1e-7
+"""Largest error of a solution relative to its size; one that does not reach it is an error."""
+_REFINED = 1e-11  # error at which refinement ends
+_FACTORED, _MATRIX_FREE = 30, 3000  # largest numbers of steps
+
+
+def solve_factored(hessian: Apply, precondition: Apply, g: Array) -> tuple[Array, float]:
+    """(d, error): H d = g by a preconditioner that is nearly the inverse of H.
+
+    error: estimate of |d - H^-1 g| / |d|, the size of one more correction.
+    """
+    d, r = np.zeros_like(g), g
+    z = p = precondition(r)
+    size, estimate = float(np.vdot(r, z)), np.inf
+    if size == 0.0:
+        return d, 0.0
+    for _ in range(_FACTORED):
+        d, r, z, size, before = conjugate_step(hessian, precondition, d, r, p, size)
+        last, estimate = estimate, float(np.linalg.norm(z) / np.linalg.norm(d))
+        if estimate <= _REFINED or not size > 0.0 or estimate > 0.5 * last:
+            break
+        p = z + size / before * p
+    return d, estimate
+
+
+def solve_matrix_free(hessian: Apply, R: Array, g: Array) -> tuple[Array, float]:
+    """(d, error): H d = g for H >= diag(R) > 0, of which only products are known.
+
+    error: bound of |d - H^-1 g| / |d| in the norm of R, for r^T H^-1 r <= r^T R^-1 r.
+    """
+    d, r = np.zeros_like(g), g
+    z = p = r / R
+    size, estimate = float(np.vdot(r, z)), np.inf
+    if size == 0.0:
+        return d, 0.0
+    for _ in range(_MATRIX_FREE):
+        d, r, z, size, before = conjugate_step(hessian, lambda r: r / R, d, r, p, size)
+        estimate = float(np.sqrt(size / np.vdot(d, R * d)))
+        if estimate <= 0.01 * ACCURACY or not size > 0.0:
+            break
+        p = z + size / before * p
+    r = g - hessian(d)  # of the solution itself: the updated one drifts by rounding
+    return d, max(estimate, float(np.sqrt(np.vdot(r, r / R) / np.vdot(d, R * d))))
+
+
+def conjugate_step(
+    hessian: Apply, precondition: Apply, x: Array, r: Array, p: Array, size: float
+) -> tuple[Array, Array, Array, float, float]:
+    """x, r, z = precondition(r) and r^T z after a step of conjugate gradients along p, and r^T z
+    before."""
+    Hp = hessian(p)
+    along = size / float(np.vdot(p, Hp))
+    x, r = x + along * p, r - along * Hp
+    z = precondition(r)
+    return x, r, z, float(np.vdot(r, z)), size
+
+
+@dataclass(frozen=True, eq=False)
+class LiftedFactor:
+    """Factor of H = T' F' We F T + R, for records (N, m)."""
+
+    cholesky: tuple[Array, bool]
+
+    @classmethod
+    def build(cls, model: LiftedModel, taps: Array, We: Array, R: Array) -> "LiftedFactor":
+        """Raises ValueError if H is singular: some correction has neither effect nor weight."""
+        from scipy.linalg import cho_factor
+
+        G = recursion(taps, np.ones(1), model.T.reshape(len(We), -1)).reshape(model.T.shape)
+        try:
+            H = G.T @ (We.reshape(-1, 1) * G) + np.diag(R.ravel())
+            return cls(cho_factor(H, lower=True))
+        except np.linalg.LinAlgError:
+            remedy = "raise the weight of the correction or of its change"
+            raise ValueError(f"the criterion does not determine the correction: {remedy}") from None
+
+    def solve(self, g: Array) -> Array:
+        """d with H d = g, (N, m) each."""
+        from scipy.linalg import cho_solve
+
+        return cho_solve(self.cholesky, g.ravel()).reshape(g.shape)
 
 
 class Factor(Protocol):
@@ -85,8 +167,11 @@ class QuadraticProblem:
         check_inputs(T_u, n_columns)
         if (covered := getattr(T_u, "n_samples", n_samples)) != n_samples:
             raise ValueError(f"T_u covers {covered} samples, the record {n_samples}")
-        n_outputs = n_columns if isinstance(T_u, System) else T_u.n_outputs
-        sizes = {"error": n_outputs, "correction": n_columns, "change": n_columns}
+        sizes = {
+            "error": n_outputs_of(T_u, n_columns),
+            "correction": n_columns,
+            "change": n_columns,
+        }
         expanded = (
             per_sample(getattr(criterion, name), n_samples, width, f"the weight of the {name}")
             for name, width in sizes.items()
@@ -122,7 +207,7 @@ class QuadraticProblem:
         return SystemMatrix.diagonal([system] * self.Wu.shape[1])
 
     def _coupled_parts(self, T: SystemMatrix) -> list[tuple[list[int], Factor]]:
-        from ..models.realisation import realise
+        from ..models.conversion import realise
         from .riccati import factor
 
         parts, known = [], dict[object, Factor]()
@@ -141,7 +226,7 @@ class QuadraticProblem:
 
     def weighted_back(self, filtered: Array) -> Array:
         """T' F' We times a filtered error."""
-        return adjoint(self.T_u, self.filtered((self.We * filtered)[::-1])[::-1])
+        return self.T_u.adjoint(self.filtered((self.We * filtered)[::-1])[::-1])
 
     def descent(self, correction: Array, error: Array) -> Array:
         """g: negative gradient of half the criterion at u_k, where the error is e_k."""

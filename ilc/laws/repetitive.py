@@ -17,7 +17,7 @@ from armside.arrays import Array
 from ..filters import ALL_PASS, RecordFilter
 from ..models.system_matrix import Model
 from ..records import as_whole, records
-from .law import FirstOrderLaw
+from .first_order import FirstOrderLaw
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,9 @@
-"""Discrete, time-invariant state-space models with any number of inputs and outputs.
+"""Discrete state-space models with any number of inputs and outputs, fixed or along the record.
 
 x(t + 1) = A x(t) + B u(t)        y(t) = C x(t) + D u(t)        x(0) = 0
+
+`StateSpace` is time-invariant; the matrices of `TimeVarying` are those of each sample, such as of
+a robot linearised along its path.
 """
 
 from dataclasses import dataclass
@@ -13,15 +16,35 @@ from armside.arrays import Array
 
 from ..records import as_real, records
 from .blocks import Realisation, filtered
-from .record_model import check_shape
-from .system import Complex, unit_circle
+from .lifted import check_shape
+from .system import Complex, unit_circle, zero_order_hold
 
 _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
 
 
+class _OnRecords:
+    """Maps of records by the model's `realisation`."""
+
+    n_inputs: int
+    n_outputs: int
+    realisation: Realisation
+
+    @records("signal")
+    def simulate(self, signal: Array) -> Array:
+        """Outputs (N, p) for inputs (N, m), from zero state."""
+        check_shape(self, signal.shape, self.n_inputs, "inputs")
+        return self.realisation.simulate(signal)
+
+    @records("signal")
+    def adjoint(self, signal: Array) -> Array:
+        """T^T e, shape (N, m), for e (N, p)."""
+        check_shape(self, signal.shape, self.n_outputs, "outputs")
+        return self.realisation.adjoint(signal)
+
+
 @dataclass(frozen=True, eq=False)
-class StateSpace:
+class StateSpace(_OnRecords):
     """Matrices A (n, n), B (n, m), C (p, n) and D (p, m), 0 if None; read-only."""
 
     A: Array
@@ -44,8 +67,6 @@ class StateSpace:
         cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, sample_time: float
     ) -> "StateSpace":
         """From x' = A x + B u, y = C x + D u with u held over each sample (zero-order hold)."""
-        from .discretise import zero_order_hold
-
         known = matrices(A, B, C, D, dimensions=2)
         return cls(*zero_order_hold(known[0], known[1], sample_time), *known[2:], sample_time)
 
@@ -97,18 +118,6 @@ class StateSpace:
             return Realisation.of(*filtered(self.A, self.B, self.C, self.feedthrough, taps))
         one = self.realisation
         return Realisation(one.A, one.first, one.B, taps[0] * one.C, taps[0] * one.D)
-
-    @records("signal")
-    def simulate(self, signal: Array) -> Array:
-        """Outputs (N, p) for inputs (N, m), from zero state."""
-        check_shape(self, signal.shape, self.n_inputs, "inputs")
-        return self.realisation.simulate(signal)
-
-    @records("signal")
-    def adjoint(self, signal: Array) -> Array:
-        """T^T e, shape (N, m), for e (N, p)."""
-        check_shape(self, signal.shape, self.n_outputs, "outputs")
-        return self.realisation.adjoint(signal)
 
     def response(self, omega: ArrayLike) -> Complex:
         """Shape (M, p, m) at omega (M,) [rad/sample]."""
@@ -179,3 +188,42 @@ def _modes(A: Array) -> tuple[list[Array], Array] | None:
     V = np.stack(columns, axis=1)
     good = V.shape == A.shape and np.linalg.cond(V) <= _CONDITIONED
     return (blocks, V) if good else None
+
+
+@dataclass(frozen=True, eq=False)
+class TimeVarying(_OnRecords):
+    """Matrices of each sample: A (N, n, n), B (N, n, m), C (N, p, n), D (N, p, m) or None for 0."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name, M in zip(
+            "ABCD", matrices(self.A, self.B, self.C, self.D, dimensions=3), strict=True
+        ):
+            M.setflags(write=False)
+            object.__setattr__(self, name, M)
+
+    @property
+    def n_samples(self) -> int:
+        return len(self.A)
+
+    @property
+    def n_inputs(self) -> int:
+        return self.B.shape[2]
+
+    @property
+    def n_outputs(self) -> int:
+        return self.C.shape[1]
+
+    @cached_property
+    def realisation(self) -> Realisation:
+        assert self.D is not None
+        return Realisation.of(self.A, self.B, self.C, self.D)
+
+    def filtered_realisation(self, taps: Array) -> Realisation:
+        """Of F T, F the finite impulse response `taps`."""
+        assert self.D is not None
+        return Realisation.of(*filtered(self.A, self.B, self.C, self.D, taps))

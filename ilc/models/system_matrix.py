@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..records import records
-from .lifted_model import ImpulseResponse
+from .lifted import ImpulseResponse, RecordModel, is_record_model
 from .peak import peak
 from .products import Products, largest_singular_value
-from .record_model import RecordModel, is_record_model
 from .state_space import StateSpace
 from .system import Complex, System, require_stable
 
@@ -150,10 +149,9 @@ def require_time_invariant(T_u: AnyModel, what: str) -> Model:
     return T_u
 
 
-@records("signal")
-def adjoint(model: AnyModel, signal: Array) -> Array:
-    """T^T e on the finite record."""
-    return model.adjoint(signal)
+def n_outputs_of(T_u: AnyModel, n_columns: int) -> int:
+    """Columns of the output for corrections of n_columns: as many for one system."""
+    return n_columns if isinstance(T_u, System) else T_u.n_outputs
 
 
 def largest_gain(model: AnyModel) -> float:
@@ -161,7 +159,7 @@ def largest_gain(model: AnyModel) -> float:
 
     Of a model that covers n_samples of a record: the 2-norm of that map.
     """
-    if not isinstance(model, System | SystemMatrix | StateSpace | ImpulseResponse):
+    if not isinstance(model, Model):
         return lifted_norm(model, getattr(model, "n_samples", 0))
     largest = peak(lambda omega: gain_squared(model.response(omega)), model.all_poles)
     return float(np.sqrt(largest.bound))

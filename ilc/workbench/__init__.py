@@ -9,5 +9,5 @@ from .compare import LawRun as LawRun
 from .compare import run_law as run_law
 from .laws import LAWS as LAWS
 from .laws import build_law as build_law
-from .setting import Setting as Setting
+from .task import Setting as Setting
 from .task import Task as Task

@@ -12,9 +12,9 @@ import numpy as np
 from armside.arrays import Array
 
 from ..by_hand import ByHand
-from ..laws.law import Law
+from ..laws.first_order import Law
 from ..records import records
-from .csv_signal import read_signal, write_signal
+from .signals import read_signal, write_signal
 
 
 @dataclass(frozen=True, eq=False)

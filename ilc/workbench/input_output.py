@@ -10,7 +10,7 @@ from armside.arrays import Array
 
 from ..identification.multisine import lines_between, orthogonal_multisines
 from ..records import as_record
-from .csv_signal import read_signal
+from .signals import read_signal
 from .task import Task
 
 _LARGEST = 1e100  # range of a column; its inverse is the smallest: squares stay finite

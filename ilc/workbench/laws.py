@@ -6,27 +6,58 @@ from typing import Any
 
 import numpy as np
 
-from ..laws.adaptive import Adaptive
-from ..laws.constrained import Constrained
-from ..laws.disturbance_observer import DisturbanceObserver
-from ..laws.finite_difference import FiniteDifference, b_splines
-from ..laws.frequency_kalman import FrequencyKalman
-from ..laws.gains import DType, PType
-from ..laws.gradient import Gradient
-from ..laws.h_infinity import h_infinity as matched
+from ..laws.first_order import DType, FirstOrder, Law, PType
 from ..laws.heuristic import Heuristic
-from ..laws.high_order import HighOrder
-from ..laws.internal_model import internal_model, periodic_pattern
 from ..laws.knob_free import KnobFree
-from ..laws.law import FirstOrder, Law
-from ..laws.model_free import MeasuredGradient
-from ..laws.model_inverse import ModelInverse
-from ..laws.norm_optimal import NormOptimal
+from ..laws.memory import (
+    Adaptive,
+    DisturbanceObserver,
+    FrequencyKalman,
+    HighOrder,
+    internal_model,
+    periodic_pattern,
+)
+from ..laws.model_based import Gradient, ModelInverse
+from ..laws.model_free import FiniteDifference, MeasuredGradient, b_splines
+from ..laws.norm_optimal import Constrained, NormOptimal, PointToPoint
 from ..laws.quadratic import QuadraticCriterion
-from .own_law import own_law
-from .setting import Setting
-from .task_laws import basis, point_to_point, rational, repetitive
+from ..laws.repetitive import Repetitive
+from ..laws.robust import h_infinity as matched
+from ..laws.transfer import BasisFunctions, RationalBasis, derivatives
+from .own import own_law
+from .task import Setting
 from .words import Words, converted, unknown_name
+
+
+def basis(s: Setting, *, order: int = 4, ridge: float = 1e-9) -> Law:
+    """Polynomial basis functions: derivatives 1 to `order` of the reference."""
+    found = derivatives(s.reference, s.sample_time, order)
+    return BasisFunctions(T_u=s.T_u("basis"), basis=found, ridge=ridge)
+
+
+def rational(s: Setting, *, numerator: int = 4, denominator: int = 2) -> Law:
+    """Rational basis functions: so many terms in the numerator and the denominator."""
+    return RationalBasis(
+        T_u=s.shared_model("rational"),
+        reference=s.reference,
+        n_numerator=numerator,
+        n_denominator=denominator,
+    )
+
+
+def point_to_point(s: Setting, *, times: tuple[float, ...]) -> Law:
+    """Right at these times [s] of the record and free between them: times=0.5/1.2."""
+    points = [round(time / s.sample_time) for time in times]
+    size = {"n_samples": s.n_samples, "n_columns": s.n_columns}
+    return PointToPoint(T_u=s.T_u("point-to-point"), points=points, **size)
+
+
+def repetitive(s: Setting, *, period: int, begin: int = 0, cutoff: float | None = None) -> Law:
+    """Laps of `period` samples from sample `begin` on: one periodic correction for all."""
+    Q = s.Q(cutoff)
+    L = ModelInverse(T_u=s.T_u("repetitive"), learned=Q, regularisation=1e-6)
+    return Repetitive(L=L, Q=Q, period=period, begin=begin)
+
 
 _TENTH = 0.1  # of the sample rate: beyond it no servo is driven
 

@@ -9,17 +9,23 @@ import numpy as np
 from armside.arrays import Array
 
 from ..measures.norms import two_norm
-from ..models.conversion import as_state_space, simplest
+from ..models.conversion import as_state_space, as_system, simplest
+from ..models.file import read_model
 from ..models.linear_plant import LinearPlant
-from ..models.model_file import read_model
 from ..models.state_space import StateSpace
-from ..models.system import System, as_system, require_stable
+from ..models.system import System, require_stable
 from ..models.system_matrix import Model, SystemMatrix
-from ..models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant, TwoMassRun, step_reference
-from ..models.two_mass_friction import FrictionPlant
+from ..models.two_mass import (
+    FrictionPlant,
+    TwoMassJoint,
+    TwoMassLoop,
+    TwoMassPlant,
+    TwoMassRun,
+    step_reference,
+)
 from ..records import records
 from .own import built, in_code_of, load
-from .references import named_reference
+from .signals import named_reference
 from .task import Task
 from .words import Words, guessed, number, unknown_name
 

@@ -45,7 +45,7 @@ class DesignCfg:
 
 def load(name: str) -> "System":
     """The named model, or the one in a file. Raises ValueError."""
-    from armside.ilc.models.model_file import read_system
+    from armside.ilc.models.file import read_system
     from armside.ilc.models.system import System
     from armside.ilc.models.two_mass import TwoMassLoop
 

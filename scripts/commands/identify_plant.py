@@ -99,7 +99,7 @@ def identify_plant(
     import numpy as np
 
     from armside.ilc.identification.structures import Structure, compare_structures
-    from armside.ilc.models.model_file import write_model
+    from armside.ilc.models.file import write_model
     from armside.ilc.workbench.input_output import read_input_output
 
     from ..figures import identified_plant as shown

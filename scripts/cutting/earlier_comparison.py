@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from armside.ilc.workbench.state import RunState, read_states, save_states
+from armside.ilc.workbench.compare import RunState, read_states, save_states
 from armside.sim.laser.comparison import Case
 from armside.sim.laser.learning import Begin
 from armside.sim.part.carried import carried

@@ -15,14 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.laws.basis_functions import (
-    across,
-    correction_of,
-    derivatives,
-    fitted,
-    led,
-)
-from armside.ilc.models.hysteresis import stops
+from armside.ilc.identification.friction import stops
+from armside.ilc.laws.transfer import across, correction_of, derivatives, fitted, led
 from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.evaluation.check import Check, Table, all_hold

@@ -8,15 +8,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.by_hand import ByHand
 from armside.ilc.divergence import has_diverged
-from armside.ilc.laws.law import Law
+from armside.ilc.laws.first_order import Law
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.models.model_file import read_model
+from armside.ilc.models.file import read_model
 from armside.ilc.workbench.compare import LawRun
-from armside.ilc.workbench.csv_signal import read_signal
 from armside.ilc.workbench.exchange import Folder
 from armside.ilc.workbench.laws import MEASURING, build_law
-from armside.ilc.workbench.references import file_reference
-from armside.ilc.workbench.setting import Setting
+from armside.ilc.workbench.signals import file_reference, read_signal
+from armside.ilc.workbench.task import Setting
 from armside.ilc.workbench.words import Words
 from armside.sim.records.files import check_can_write
 

@@ -72,7 +72,7 @@ def controller_task(words: Words, record: Any, followed: Path | None = None) -> 
 
     Raises ValueError, TimeoutError when no controller speaks.
     """
-    from armside.ilc.workbench.references import file_reference
+    from armside.ilc.workbench.signals import file_reference
     from armside.ilc.workbench.task import Task
     from armside.sim.controller import StreamedPlant
     from armside.sim.controller.plant import program_of

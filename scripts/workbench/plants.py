@@ -35,7 +35,7 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
 
     followed: file with the reference of an earlier run that is continued on a controller.
     """
-    from armside.ilc.models.model_file import read_model
+    from armside.ilc.models.file import read_model
     from armside.ilc.workbench import plants
 
     words = Words.parse(cfg.plant)

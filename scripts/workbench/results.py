@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.workbench.compare import LawRun
-from armside.ilc.workbench.csv_signal import write_signal
-from armside.ilc.workbench.state import RunState, save_states
+from armside.ilc.workbench.compare import LawRun, RunState, save_states
+from armside.ilc.workbench.signals import write_signal
 from armside.sim.handover.kept import REFERENCE
 
 from ..shell.console import Report

@@ -8,7 +8,7 @@ from armside.arrays import Array
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop
 from armside.ilc.two_mass_study import Study
 from armside.ilc.workbench.laws import build_law
-from armside.ilc.workbench.setting import Setting
+from armside.ilc.workbench.task import Setting
 from armside.ilc.workbench.words import number, unknown_name
 
 FACTOR = 1e3

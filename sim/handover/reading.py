@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from armside.ilc.workbench.csv_signal import CsvSignal
+from armside.ilc.workbench.signals import CsvSignal
 
 from ..records.errors import InputError
 from ..records.tables import read_table

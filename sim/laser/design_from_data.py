@@ -3,8 +3,7 @@
 from dataclasses import dataclass, replace
 
 from armside.ilc.analysis.proposal import Proposal, design_for
-from armside.ilc.identification.first_order import FirstOrderModel
-from armside.ilc.identification.learning_data import LearningRecord, identify
+from armside.ilc.identification.first_order import FirstOrderModel, LearningRecord, identify
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import THESIS

@@ -9,10 +9,9 @@ from armside.arrays import Array
 from armside.ilc import learning
 from armside.ilc.divergence import DIVERGENCE_RATIO
 from armside.ilc.laws import Law, Simulated
-from armside.ilc.laws.around import Around
-from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.wrappers import Around, Guarded
 from armside.ilc.plant import Plant
-from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.compare import RunState
 
 from ..notes import Cause, Note
 from .experiment import Experiment, Iteration, evaluated, prepare

@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.learning import LoopState, Trial
-from armside.ilc.workbench.state import RunState, states_of
+from armside.ilc.workbench.compare import RunState, states_of
 
 from ..records.errors import InputError
 from .measures import Output

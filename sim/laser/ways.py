@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from armside.arrays import Array
-from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.compare import RunState
 
 from .comparison import COMPARED, Case
 from .experiment import Experiment, Iteration

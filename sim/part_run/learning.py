@@ -7,7 +7,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.learning import LoopState
-from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.compare import RunState
 
 from ..evaluation.contour_error import ContourError, contour_errors
 from ..instruments.sampling import rate_of, stride

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.laws.by_segment import BySegment, SegmentMemory
+from armside.ilc.laws.wrappers import BySegment, SegmentMemory
 
 from ..laser.measures import Output
 from ..part.motion import PartMotion

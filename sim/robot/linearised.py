@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.models.time_varying import TimeVarying
+from armside.ilc.models.state_space import TimeVarying
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _DIFFERENCE = 1e-6  # of the finite differences; central ones are exact to its square

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
-from armside.ilc.laws.finite_difference import b_splines
+from armside.ilc.laws.model_free import b_splines
 
 REACH = 5.0
 """Size of a coefficient of 1 over the RMS of the first error. ESTIMATE: errors peak at three to

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from armside.arrays import Array
-from armside.ilc.laws.regularised_inverse import RegularisedInverse, tapered
+from armside.ilc.laws.model_based import RegularisedInverse, tapered
 from armside.ilc.models.system import Complex
 
 from ..estimation.arm_plant import ArmPlant

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.model_based import RegularisedInverse
 
 from ..estimation.arm_plant import ArmPlant
 from ..estimation.linearised_arm import linearised

@@ -12,9 +12,15 @@ from scipy.signal import lfilter
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
-T_S = 0.004
+from .signals import T_S
+
 AGREED = 1e-6
 """Largest difference from a reference, relative to the size of the reference."""
+
+
+def close(found, expected, size=0.0):
+    return np.linalg.norm(found - expected) <= AGREED * max(np.linalg.norm(expected), size)
+
 
 SEED = st.integers(0, 10**6)
 ORDER = st.integers(1, 14)

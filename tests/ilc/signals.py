@@ -1,11 +1,20 @@
-"""Records for tests of laws, and what is left of an error."""
+"""Plants and records for tests of laws, and what is left of an error."""
 
 import numpy as np
 
-from armside.ilc import learn
+from armside.ilc import Edge, ZeroPhaseButterworth, learn
 from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.system import System
+from armside.ilc.models.two_mass import TwoMassLoop
 
-N = 90
+N, T_S = 90, 0.004
+ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
+"""Servo of the thesis's large robot, (9.12)."""
+T_MOTOR, T_ARM = TwoMassLoop().T_motor, TwoMassLoop().T_arm
+
+
+def low_pass(cutoff=20.0, edge=Edge.REST):
+    return ZeroPhaseButterworth(cutoff, T_S, edge=edge)
 
 
 def error_norms(plant, law, reference, iterations, **options):

@@ -3,19 +3,16 @@
 import numpy as np
 import pytest
 
-from armside.ilc.analysis.lifted import LiftedIteration
-from armside.ilc.analysis.record_iteration import RecordIteration
+from armside.ilc.analysis.record_iteration import LiftedIteration, RecordIteration
 from armside.ilc.filters import ALL_PASS
-from armside.ilc.laws.constrained import Constrained
-from armside.ilc.laws.gains import PType
+from armside.ilc.laws.first_order import PType
 from armside.ilc.laws.heuristic import Heuristic
-from armside.ilc.laws.high_order import HighOrder
-from armside.ilc.laws.norm_optimal import NormOptimal
-from armside.ilc.laws.rational_basis import RationalBasis
-from armside.ilc.models.lifted_model import LiftedModel
-from armside.ilc.models.state_space import StateSpace
+from armside.ilc.laws.memory import HighOrder
+from armside.ilc.laws.norm_optimal import Constrained, NormOptimal
+from armside.ilc.laws.transfer import RationalBasis
+from armside.ilc.models.lifted import LiftedModel
+from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
-from armside.ilc.models.time_varying import TimeVarying
 
 N = 20
 SERVO = System([0.0, 0.5], [1.0, -0.5], 0.01)

@@ -1,16 +1,253 @@
 """Laws for several outputs and inputs, and the guard around them."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+from armside.ilc import AllPass, Heuristic, learn
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.joint_space import JointSpace
-from armside.ilc.laws.law import FirstOrderLaw
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse, tapered
+from armside.ilc.identification.friction import stops
+from armside.ilc.laws.first_order import FirstOrderLaw
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse, tapered
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.transfer import (
+    BasisFunctions,
+    RationalBasis,
+    across,
+    correction_of,
+    derivatives,
+    fitted,
+    led,
+)
+from armside.ilc.laws.wrappers import Guarded, JointSpace, Simulated
+from armside.ilc.models.linear_plant import LinearPlant
+from armside.ilc.models.system import Complex, System
+from armside.ilc.models.system_matrix import SystemMatrix
 
-N, STEP = 400, 0.004
+from .signals import T_S, bump
+
+ZERO = System(np.array([0, 1.0, -0.7]), np.array([1, -1.5, 0.56]), T_S)
+SERVO = ZERO * (1.0 / ZERO.static_gain)
+"""Two poles and a zero: its inverse is rational."""
+
+
+def there_and_back(n_samples: int, seconds: float, size: float):
+    """A smooth reference that begins and ends at rest at 0."""
+
+    def rise(x):
+        x = np.clip(x, 0.0, 1.0)
+        return x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
+
+    t = np.arange(n_samples) * T_S - 0.2
+    return size * (rise(t / seconds) - rise((t - seconds - 0.1) / seconds))[:, None]
+
+
+LEARNED, OTHER = there_and_back(400, 0.4, 1.0), there_and_back(450, 0.3, -2.0)
+
+
+def left(correction, reference, T_u=SERVO):
+    plant = LinearPlant(T_u=T_u, reference=reference)
+    size = np.linalg.norm(reference - plant.run(0 * reference))
+    return np.linalg.norm(reference - plant.run(correction)) / size
+
+
+def test_the_polynomial_law_is_the_least_squares_step_and_stays_there():
+    basis = derivatives(LEARNED, T_S, 3)
+    law = BasisFunctions(T_u=SERVO, basis=basis, ridge=1e-14)
+    plant = LinearPlant(T_u=SERVO, reference=LEARNED)
+    first, second, third = learn(plant, law, LEARNED, 2)
+    response = np.stack([SERVO.simulate(basis[:, :, i])[:, 0] for i in range(3)], axis=1)
+    theta = np.linalg.lstsq(response, first.error[:, 0])[0]
+    np.testing.assert_allclose(second.correction[:, 0], basis[:, 0] @ theta, atol=1e-7)
+    np.testing.assert_allclose(third.error, second.error, atol=1e-7)
+
+
+def test_parameters_of_one_reference_leave_nothing_of_another():
+    law = BasisFunctions(T_u=SERVO, basis=derivatives(LEARNED, T_S, 4))
+    *_, last = learn(LinearPlant(T_u=SERVO, reference=LEARNED), law, LEARNED, 1)
+    theta = law.parameters(last.correction)
+    assert left(correction_of(derivatives(OTHER, T_S, 4), theta), OTHER) < 1e-4
+
+
+def test_a_learned_correction_itself_does_not_transfer():
+    law = BasisFunctions(T_u=SERVO, basis=derivatives(LEARNED, T_S, 4))
+    *_, last = learn(LinearPlant(T_u=SERVO, reference=LEARNED), law, LEARNED, 1)
+    assert left(np.resize(last.correction, OTHER.shape), OTHER) > 1.0
+
+
+def test_rational_functions_are_the_exact_inverse_of_a_plant_with_a_zero():
+    law = RationalBasis(T_u=SERVO, reference=LEARNED, n_numerator=2, n_denominator=1)
+    first, last = learn(LinearPlant(T_u=SERVO, reference=LEARNED), law, LEARNED, 1)
+    assert np.linalg.norm(last.error) < 1e-10 * np.linalg.norm(first.error)
+    found = law.parameters(last.correction, last.error)
+    assert left(found.correction(OTHER), OTHER) < 1e-10
+    omega = np.linspace(0.1, 3.0, 20)  # u = A/B r makes y = r: A/B = 1/T_u - 1
+    np.testing.assert_allclose(found.response(omega), 1 / SERVO.response(omega) - 1, atol=1e-8)
+
+
+def test_coupled_motors_learn_what_the_others_references_do():
+    T_u = SystemMatrix(((SERVO, SERVO * 0.3), (SERVO * -0.2, SERVO)))
+    both = np.hstack((LEARNED, there_and_back(400, 0.35, 0.5)))
+    plain, crossed = derivatives(both, T_S, 3), across(derivatives(both, T_S, 3))
+    moved = np.concatenate((both[:, :, None], plain), axis=2)
+    sizes = []
+    for basis in (plain, crossed, across(moved)):
+        law = BasisFunctions(T_u=T_u, basis=basis)
+        *_, last = learn(LinearPlant(T_u=T_u, reference=both), law, both, 2)
+        sizes.append(np.linalg.norm(last.error))
+    assert sizes[2] < 0.01 * sizes[0]
+    assert sizes[0] > sizes[1] > sizes[2]
+
+
+def test_a_stop_is_elastic_then_slips_and_turns_with_the_reference():
+    up_and_down = np.concatenate((np.linspace(0, 3, 31), np.linspace(3, 0, 31)[1:]))[:, None]
+    (found,) = stops(up_and_down, [1.0])[:, 0].T
+    assert found[5] == pytest.approx(0.5)
+    assert found[10:31] == pytest.approx(1.0)
+    assert found[40] == pytest.approx(0.0, abs=1e-9)
+    assert found[-1] == pytest.approx(-1.0)
+
+
+def test_fitted_parameters_serve_several_references_at_once():
+    theta = np.array([[0.3, -0.02]])
+    bases = [derivatives(r, T_S, 2) for r in (LEARNED, OTHER)]
+    corrections = [correction_of(basis, theta) for basis in bases]
+    np.testing.assert_allclose(fitted(bases, corrections, 1e-12), theta, rtol=1e-6)
+
+
+def test_a_lead_is_the_function_earlier():
+    basis = derivatives(LEARNED, T_S, 1)
+    np.testing.assert_array_equal(led(basis, (0, 3))[:-3, :, 1], basis[3:, :, 0])
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: derivatives(LEARNED, T_S, 0), "order must be >= 1"),
+        (lambda: stops(LEARNED, [0.0]), "widths must be > 0"),
+        (lambda: fitted([], [], 1.0), "no pairs"),
+        (lambda: fitted([np.ones((4, 1, 1))], [np.ones((4, 1))], 0.0), "ridge must be > 0"),
+        (lambda: BasisFunctions(T_u=SERVO, basis=np.ones((5, 2))), r"shape \(N, n, p\)"),
+        (
+            lambda: RationalBasis(T_u=SERVO, reference=LEARNED, n_numerator=0),
+            "at least 1 numerator",
+        ),
+    ],
+)
+def test_what_is_no_basis_is_refused(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()
+
+
+class Gain:
+    """A plant of one input and one output that is a gain."""
+
+    def __init__(self, gain: float) -> None:
+        self.gain = gain
+
+    def response(self, omega: ArrayLike) -> Complex:
+        return np.full((len(np.atleast_1d(omega)), 1, 1), self.gain, dtype=np.complex128)
+
+
+def inverse_at(gain: float) -> RegularisedInverse:
+    shared = {"sample_time": 0.004, "cutoff": 10.0, "output_weight": (1.0,), "input_size": (1.0,)}
+    return RegularisedInverse(G=Gain(gain), gamma=1.0, regularisation=1e-6, **shared)
+
+
+SAMPLES = 500
+TIME: Array = np.arange(SAMPLES, dtype=np.float64) * 0.004
+HUMP: Array = np.sin(np.pi * TIME / TIME[-1])[:, None] ** 2
+
+
+def test_with_one_place_it_is_the_regularised_inverse():
+    law = ScheduledInverse(laws=(inverse_at(2.0),), weights=np.ones((SAMPLES, 1)))
+    start = 0.1 * HUMP
+    assert law(start, HUMP) == pytest.approx(inverse_at(2.0)(start, HUMP), abs=2e-3)
+
+
+def test_each_place_is_inverted_by_its_own_law():
+    late = np.interp(TIME, [0.4, 1.6], [0.0, 1.0])
+    weights = np.stack((1.0 - late, late), axis=1)
+    law = ScheduledInverse(laws=(inverse_at(1.0), inverse_at(4.0)), weights=weights)
+    u = law(np.zeros_like(HUMP), HUMP)[:, 0]
+    assert u[50] == pytest.approx(HUMP[50, 0], abs=0.02)
+    assert u[-50] == pytest.approx(HUMP[-50, 0] / 4.0, abs=0.02)
+
+
+def test_weights_that_are_none_are_refused():
+    with pytest.raises(ValueError, match="sum 1"):
+        ScheduledInverse(laws=(inverse_at(1.0),), weights=np.full((SAMPLES, 1), 0.5))
+    with pytest.raises(ValueError, match="cover 500 samples"):
+        ScheduledInverse(laws=(inverse_at(1.0),), weights=np.ones((SAMPLES, 1))).check(400, 1)
+
+
+REFERENCE = bump()
+PLAIN = Heuristic(Q=AllPass(), gamma=1.0)
+
+
+@dataclass(frozen=True)
+class Stiction:
+    """Output that follows r + u only once it is further away than the friction holds."""
+
+    width: float
+    gain: float = 1.0
+
+    def run(self, correction, /):
+        output, held = np.zeros_like(correction), 0.0
+        for i, asked in enumerate(self.gain * (REFERENCE + correction)[:, 0]):
+            held = np.clip(held, asked - self.width, asked + self.width)
+            output[i] = held
+        return output
+
+
+def simulated(plant, **options):
+    law = {"law": PLAIN, "weight": (1.0,)} | options
+    return Simulated(simulation=lambda u: REFERENCE - plant.run(u), **law)
+
+
+def largest(plant, law, iterations):
+    trials = learn(plant, law, REFERENCE, iterations, divergence_ratio=np.inf)
+    return np.array([np.abs(trial.error).max() for trial in trials])
+
+
+def test_a_right_simulation_learns_from_one_run_more_than_plain_learning_from_five():
+    plant = Stiction(0.3)
+    plain = largest(plant, PLAIN, 5)
+    between_runs = largest(plant, simulated(plant, passes=20), 1)
+    assert between_runs[1] < 0.5 * plain[-1]
+
+
+def test_a_wrong_simulation_still_ends_below_plain_learning():
+    real, nominal = Stiction(0.3, gain=0.95), Stiction(0.27)
+    by_model, plain = (largest(real, law, 5) for law in (simulated(nominal), PLAIN))
+    assert by_model[0] == plain[0]
+    assert by_model[-1] < 0.5 * plain[-1]
+
+
+def test_no_pass_is_kept_that_makes_the_residual_larger():
+    growing = Heuristic(Q=AllPass(), gamma=5.0)
+    law = simulated(Stiction(0.0), law=growing)
+    error = REFERENCE - Stiction(0.0).run(np.zeros_like(REFERENCE)) + 0.1
+    correction = law(np.zeros_like(REFERENCE), error)
+    np.testing.assert_array_equal(correction, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: simulated(Stiction(0.3), passes=0), "passes must be >= 1, got 0"),
+        (lambda: simulated(Stiction(0.3), weight=(1.0, 1.0)).check(90, 1), "weight must have 1 "),
+    ],
+)
+def test_a_law_that_cannot_be_is_refused(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()
+
+
+LENGTH, STEP = 400, 0.004
 MIX = np.array([[1.0, 0.3, 0.2], [-0.2, 0.8, 0.5]])
 
 
@@ -26,13 +263,13 @@ class Lag:
         return one[:, None, None] * self.mix
 
     def run(self, u):
-        U = np.fft.rfft(u, 2 * N, axis=0)
-        Y = (self.response(2 * np.pi * np.fft.rfftfreq(2 * N)) @ U[:, :, None])[:, :, 0]
-        return np.fft.irfft(Y, 2 * N, axis=0)[:N]
+        U = np.fft.rfft(u, 2 * LENGTH, axis=0)
+        Y = (self.response(2 * np.pi * np.fft.rfftfreq(2 * LENGTH)) @ U[:, :, None])[:, :, 0]
+        return np.fft.irfft(Y, 2 * LENGTH, axis=0)[:LENGTH]
 
 
 def reference():
-    t = np.arange(N) / N
+    t = np.arange(LENGTH) / LENGTH
     bump = np.sin(np.pi * np.clip((t - 0.15) / 0.7, 0, 1)) ** 2
     return np.stack([bump * np.sin(6 * np.pi * t), bump * np.cos(4 * np.pi * t)], axis=1)
 
@@ -63,8 +300,8 @@ def optimal(**options):
     )
 
 
-def learn(law, plant, iterations):
-    u, sizes = np.zeros((N, 3)), []
+def repeated(law, plant, iterations):
+    u, sizes = np.zeros((LENGTH, 3)), []
     for _ in range(iterations + 1):
         e = reference() - plant.run(u)
         sizes.append(np.sqrt(np.square(e).mean()))
@@ -74,12 +311,12 @@ def learn(law, plant, iterations):
 
 @pytest.mark.parametrize("make", [inverse, optimal])
 def test_a_known_plant_is_learned_in_a_few_iterations(make):
-    _, sizes = learn(make(), Lag(), 5)
+    _, sizes = repeated(make(), Lag(), 5)
     assert sizes[-1] < 0.02 * sizes[0]
 
 
 def test_redundant_inputs_take_the_smallest_correction():
-    u, _ = learn(inverse(), Lag(), 5)
+    u, _ = repeated(inverse(), Lag(), 5)
     kernel = np.linalg.svd(MIX)[2][-1]
     assert np.abs(u @ kernel).max() < 1e-3 * np.abs(u).max()
 
@@ -90,13 +327,13 @@ def test_a_plant_within_a_third_of_the_model_contracts_and_a_reversed_one_does_n
     gain = law.contraction(omega, Lag(1.3 * MIX))
     # In the kernel nothing moves, so the norm is Q there: look at what the outputs do.
     assert gain.max() <= 1.0 + 1e-9
-    _, sizes = learn(law, Lag(1.3 * MIX), 5)
+    _, sizes = repeated(law, Lag(1.3 * MIX), 5)
     assert (np.diff(sizes) < 0.0).all()
     assert law.contraction(omega, Lag(-MIX)).max() > 1.5
 
 
 def test_corrections_stay_within_their_limit():
-    u, _ = learn(inverse(limit=0.1), Lag(), 3)
+    u, _ = repeated(inverse(limit=0.1), Lag(), 3)
     assert np.abs(u).max() <= 0.1
 
 
@@ -116,7 +353,7 @@ class Bold(FirstOrderLaw):
 def test_the_guard_returns_to_the_best_and_then_stops():
     plant = Lag(np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
     guarded = Guarded(law=Bold(), weight=(1.0, 1.0), tolerance=1.0)
-    u, memory, sizes = np.zeros((N, 3)), None, []
+    u, memory, sizes = np.zeros((LENGTH, 3)), None, []
     for _ in range(12):
         e = reference() - plant.run(u)
         sizes.append(guarded.size(e))

@@ -19,18 +19,17 @@ from armside.ilc.analysis import (
     largest_cutoff,
     largest_gamma,
 )
-from armside.ilc.laws.gains import MatrixGain, PType
-from armside.ilc.laws.law import FirstOrder
+from armside.ilc.laws.first_order import FirstOrder, MatrixGain, PType
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.models.discretise import zoh
-from armside.ilc.models.system import System
+from armside.ilc.models.system import System, zoh
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop, TwoMassPlant
 from armside.ilc.two_mass_study import phase_error, rough_models
 
+from .signals import ARX
+
 LOOP = TwoMassLoop()
 T_MOTOR, T_ARM = LOOP.T_motor, LOOP.T_arm
-ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], 0.004)
 """Thesis (9.12)."""
 SHIFTS = np.arange(-50, 51)
 Q_OF_10 = ZeroPhaseButterworth(10.0, 0.004)

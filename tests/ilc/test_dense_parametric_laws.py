@@ -3,33 +3,46 @@
 One to six motors, orders 1 to 14, poles to 0.995, damping to 1e-4; CI tries ten times as many.
 """
 
+import os
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
+from scipy.linalg import lu_factor, lu_solve
+from scipy.optimize import minimize_scalar
 
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
 from armside.ilc.identification.impulse_response import DECAYS, Sums, impulse_response
-from armside.ilc.laws.basis_functions import BasisFunctions, across, derivatives
-from armside.ilc.laws.finite_difference import FiniteDifference, b_splines
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.model_free import MeasuredGradient
-from armside.ilc.laws.point_to_point import PointToPoint
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.first_order import PType
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
+from armside.ilc.laws.model_free import FiniteDifference, MeasuredGradient, b_splines
+from armside.ilc.laws.norm_optimal import PointToPoint, RecordOptimal
 from armside.ilc.laws.repetitive import Repetitive
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.robust import h_infinity
+from armside.ilc.laws.transfer import BasisFunctions, RationalBasis, across, derivatives
+from armside.ilc.models.system import System
 
-from .dense_filters import MOTORS_AND_ORDER, by_column, low_pass, response, shifted, tapered
+from .dense_filters import (
+    MOTORS_AND_ORDER,
+    by_column,
+    low_pass,
+    low_pass_gain,
+    response,
+    shifted,
+    tapered,
+)
 from .random_cases import (
     AGREED,
     DAMPING,
+    ORDER,
     SEED,
     SLOWEST,
     T_S,
     cases,
+    close,
     dense,
     random_matrix,
     random_system,
@@ -47,10 +60,6 @@ def drawn(seed, shape, *poles) -> Any:
 def smooth(rng, n_samples, n):
     """A random walk twice summed, at rest at its start."""
     return low_pass(n_samples, 15.0) @ np.cumsum(rng.standard_normal((n_samples, n)), axis=0)
-
-
-def close(found, expected, size=0.0):
-    return np.linalg.norm(found - expected) <= AGREED * max(np.linalg.norm(expected), size)
 
 
 @cases(8)
@@ -284,3 +293,185 @@ def test_an_impulse_response_is_the_conditional_mean_of_its_prior(
     gain = np.linalg.solve(S, U @ K).T
     assert close(found.taps, gain @ y[:, 0])
     assert close(found.covariance, variance * (K - gain @ U @ K))
+
+
+CIRCLES = st.sampled_from([50, 51] + ([120, 400] if os.environ.get("ARMSIDE_CI") else []))
+"""Lengths whose matrices of a circle, four times as long, are inverted in each round."""
+
+
+def around_a_circle(signal):
+    """The record less its start, held as long again, and faded back over twice its length."""
+    n = len(signal)
+    fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, 2 * n + 1) / (2 * n + 1))
+    moved = signal - signal[0]
+    return np.vstack((moved, np.tile(moved[-1], (n, 1)), np.outer(fade, moved[-1])))
+
+
+def rational_steps(G, r, wanted, p, m, rounds=15):
+    """u of each round by circulant matrices and lstsq, and the wanted output it leaves."""
+    n, n_columns = r.shape
+    whole = 4 * n
+    psi = (np.eye(whole) - np.roll(np.eye(whole), 1, axis=0)) / T_S
+
+    def through_G(x):
+        return (G @ x.T.reshape(n_columns, n, 1))[:, :, 0].T
+
+    moved = through_G(r - r[0])
+    powers = [np.linalg.matrix_power(psi, i) for i in range(1, max(p, m) + 1)]
+    b = np.zeros(m)
+    for _ in range(rounds):
+        B = np.eye(whole) + sum(c * D for c, D in zip(b, powers, strict=False))
+        factor = lu_factor(B)
+
+        def term(signal, D, factor=factor):
+            return lu_solve(factor, D @ around_a_circle(signal))[:n].ravel()
+
+        columns = [term(moved, D) for D in powers[:p]] + [-term(wanted, D) for D in powers[:m]]
+        A = np.stack(columns, axis=1)
+        size = np.linalg.norm(A, axis=0)
+        c = np.linalg.lstsq(A / size, term(wanted, np.eye(whole)), rcond=1e-13)[0] / size
+        a, b = c[:p], c[p:]
+        N = sum(c * D for c, D in zip(a, powers, strict=False))
+        B = np.eye(whole) + sum(c * D for c, D in zip(b, powers, strict=False))
+        u = np.linalg.solve(B, N @ around_a_circle(r))[:n]
+        yield u, np.linalg.norm(wanted - through_G(u))
+
+
+@cases(4)
+@given(
+    order=ORDER,
+    n=st.integers(1, 6),
+    n_samples=CIRCLES,
+    terms=st.sampled_from([(1, 0), (3, 0), (1, 1), (2, 1), (4, 2)]),
+    slowest=SLOWEST,
+    damping=DAMPING,
+    smooth=st.booleans(),
+    seed=SEED,
+)
+def test_a_step_in_a_rational_basis_is_that_of_its_matrices(
+    order, n, n_samples, terms, slowest, damping, smooth, seed
+):
+    """Least squares weighted with the last denominator; the round that leaves least is kept."""
+    rng = np.random.default_rng(seed)
+    T = random_system(rng, order, slowest, damping)
+    if not T.is_stable:
+        return
+    F = low_pass(n_samples, 15.0)
+    r = F @ np.cumsum(rng.standard_normal((n_samples, n)), axis=0)
+    u, e = (F @ x if smooth else x for x in rng.standard_normal((2, n_samples, n)))
+    law = RationalBasis(T_u=T, reference=r, n_numerator=terms[0], n_denominator=terms[1])
+    G = dense(T, n_samples)
+    expected, _ = min(rational_steps(G, r, e + G @ u, *terms), key=lambda step: step[1])
+    assert np.linalg.norm(law(u, e) - expected) <= AGREED * np.linalg.norm(expected)
+
+
+GRID = np.pi * (np.arange(600) + 0.5) / 600
+"""On which the filter is found, and to which it adds peaks."""
+
+
+def resolving(T):
+    """Frequencies between which neither T nor a filter of 24 taps has a peak of its own."""
+    near = [(max(1.0 - abs(p), 1e-6), np.angle(p)) for p in T.poles]
+    around = [angle + width * np.tan(np.linspace(-1.57, 1.57, 61)) for width, angle in near]
+    return np.unique(np.clip(np.concatenate([GRID, [0.0, np.pi], *around]), 0.0, np.pi))
+
+
+def dense_rows(T, cutoff, delays, uncertainty, omega):
+    """Real rows of Q (1 - L T) and of Delta Q L T, right side less rows times taps."""
+    q = low_pass_gain(omega, cutoff)
+    A = (q * response(T, omega)[:, 0, 0])[:, None] * np.exp(1j * np.outer(omega, delays))
+    parts = A.real, A.imag, uncertainty * A.real, uncertainty * A.imag
+    return np.concatenate(parts), np.append(q, np.zeros(3 * len(q)))
+
+
+def value(A, b, taps):
+    """(M,) of the criterion."""
+    return np.sqrt(np.square((A @ taps - b).reshape(4, -1)).sum(axis=0))
+
+
+def largest(T, cutoff, delays, uncertainty, taps, omega):
+    """Supremum of the criterion: the largest on a grid, and what is between its neighbours."""
+
+    def size(omega):
+        return value(*dense_rows(T, cutoff, delays, uncertainty, np.atleast_1d(omega)), taps)
+
+    sizes, found = size(omega), [0.0]
+    for i in np.argsort(sizes)[-5:]:
+        ends = float(omega[max(i - 1, 0)]), float(omega[min(i + 1, len(omega) - 1)])
+        best = minimize_scalar(
+            lambda w: -float(size(w)[0]), bounds=ends, method="bounded", options={"xatol": 1e-13}
+        )
+        found.append(-float(best.fun))
+    return max(float(sizes.max()), *found)
+
+
+def others(rng, A, b, taps):
+    """Neighbours of the taps, and searches by reweighted least squares with ridges of all sizes."""
+    size = np.linalg.norm(taps)
+    for scale in (1e-6, 1e-4, 1e-2, 1e-1):
+        for change in rng.standard_normal((20, len(taps))):
+            yield taps + scale * size / np.linalg.norm(change) * change
+    for ridge in (1e-14, 1e-10, 1e-6, 1e-3):
+        weight = np.full(len(A) // 4, 4.0 / len(A))
+        for _ in range(20):
+            root = np.sqrt(np.tile(weight, 4))
+            rows = root[:, None] * A
+            small = np.sqrt(ridge) * np.linalg.norm(rows, 2) * np.eye(len(taps))
+            right = np.append(root * b, np.zeros(len(taps)))
+            found = np.linalg.lstsq(np.vstack((rows, small)), right, rcond=None)[0]
+            yield found
+            weight = weight * value(A, b, found)
+            weight = weight / weight.sum()
+
+
+@cases(4)
+@given(
+    order=ORDER,
+    n_taps=st.sampled_from([1, 5, 12, 24]),
+    cutoff=st.floats(2.0, 60.0),
+    uncertainty=st.sampled_from([0.0, 0.3]),
+    slowest=SLOWEST,
+    damping=DAMPING,
+    seed=SEED,
+)
+def test_no_other_search_beats_the_stated_bound_of_a_minimax_filter(
+    order, n_taps, cutoff, uncertainty, slowest, damping, seed
+):
+    rng = np.random.default_rng(seed)
+    T = random_system(rng, order, slowest, damping)
+    if not T.is_stable:
+        return
+    lead, Q = int(rng.integers(0, n_taps)), ZeroPhaseButterworth(cutoff, T_S)
+    L = h_infinity(T, Q, n_taps=n_taps, lead=lead, uncertainty=uncertainty)
+    omega, about = resolving(T), (T, cutoff, lead - np.arange(n_taps), uncertainty)
+    reached = largest(*about, L.taps, omega)
+    assert L.reached == pytest.approx(reached, rel=AGREED)
+    assert reached * (1.0 - AGREED) <= L.bound <= L.reached * (1.0 + AGREED)
+    A, b = dense_rows(*about, omega)
+    for taps in others(rng, A, b, L.taps):
+        if np.linalg.norm(taps) <= L.bounded and value(A, b, taps).max() < L.least:
+            assert largest(*about, taps, omega) >= (1.0 - AGREED) * L.least
+
+
+SERVO = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1.0, -0.4884]), T_S)
+
+
+def resonant(omega, damping):
+    """The servo beside a resonance of gain 2, at omega [rad/sample]."""
+    pole = np.exp(omega * (-damping + 1j))
+    a = np.poly([pole, pole.conjugate()]).real
+    ring = np.convolve([0, 4.0 * damping * omega * np.sin(omega)], SERVO.a)
+    b = np.convolve(SERVO.b, a) + np.pad(ring, (0, 5))
+    return System(b, np.convolve(SERVO.a, a), T_S)
+
+
+def test_a_resonance_between_the_frequencies_of_the_grid_is_found():
+    """Half way between two of them, a hundredth as wide as the grid is fine."""
+    omega, cutoff, n_taps = np.pi * 101 / 600, 60.0, 40
+    T, Q = resonant(omega, 1e-4), ZeroPhaseButterworth(60.0, T_S)
+    L = h_infinity(T, Q, n_taps=n_taps)
+    about = T, cutoff, n_taps // 2 - np.arange(n_taps), 0.0
+    assert L.reached == pytest.approx(largest(*about, L.taps, resolving(T)), rel=AGREED)
+    rigid = h_infinity(SERVO, Q, n_taps=n_taps)
+    on_grid = value(*dense_rows(*about, GRID), rigid.taps).max()
+    assert largest(*about, rigid.taps, resolving(T)) > 1.1 * on_grid

@@ -11,13 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from armside.ilc.laws.constrained import Constrained
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.norm_optimal import NormOptimal
+from armside.ilc.laws.model_based import Gradient
+from armside.ilc.laws.norm_optimal import Constrained, NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.models.lifted_model import ImpulseResponse, LiftedModel
-from armside.ilc.models.state_space import StateSpace
-from armside.ilc.models.time_varying import TimeVarying
+from armside.ilc.models.lifted import ImpulseResponse, LiftedModel
+from armside.ilc.models.state_space import StateSpace, TimeVarying
 
 from .random_cases import (
     AGREED,

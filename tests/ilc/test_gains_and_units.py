@@ -14,13 +14,12 @@ from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.process import Process
 from armside.ilc.filters import ALL_PASS, End, ZeroPhaseButterworth, shift
 from armside.ilc.laws import Heuristic, ModelInverse
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.first_order import FirstOrder
+from armside.ilc.laws.model_based import RegularisedInverse
 from armside.ilc.learning import learn
 from armside.ilc.measures.norms import circle_maxdev, circle_rms, normalise
 from armside.ilc.models.system import System
-from armside.ilc.models.two_mass import step_reference
-from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.ilc.models.two_mass import FrictionPlant, step_reference
 from armside.ilc.two_mass_study import heuristic
 
 STEP = 0.004

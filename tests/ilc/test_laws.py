@@ -1,6 +1,7 @@
 """Every law beside the analysis that predicts it, on random stable plants and on the joint."""
 
 import os
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -8,28 +9,22 @@ import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
-from armside.ilc import Edge, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.analysis import LiftedIteration
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import ModelInverse
+from armside.ilc.laws.first_order import Blend, DType, FirstOrder, MatrixGain, PType
+from armside.ilc.laws.memory import Adaptive, HighOrder, internal_model, periodic_pattern
+from armside.ilc.laws.model_based import Gradient, ModelInverse
+from armside.ilc.laws.model_free import MeasuredGradient, b_splines
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.laws.time_varying import Blend
-from armside.ilc.models.linear_plant import LinearPlant
+from armside.ilc.laws.wrappers import Scheduled
+from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
-from .signals import N, bump
+from .signals import ARX, T_S, N, bump, low_pass
 
 EXAMPLES = 6 if os.environ.get("ARMSIDE_CI") else 3
-T_S = 0.004
-ARX = System([0, 0, 0, 0, 0, 0.5083], [1, -0.4884], T_S)
-
-
-def low_pass(cutoff=20.0, edge=Edge.REST):
-    return ZeroPhaseButterworth(cutoff, T_S, edge=edge)
 
 
 @st.composite
@@ -122,3 +117,37 @@ def test_coupled_motors_have_the_fixed_point_of_their_lifted_iteration():
     *_, last = learn(plant, law, reference, 200)
     np.testing.assert_allclose(last.correction, u, atol=1e-9)
     np.testing.assert_allclose(last.error, e, atol=1e-9)
+
+
+@dataclass(frozen=True)
+class Invalid:
+    build: object
+    message: str
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Invalid(lambda: DType(gamma_d=np.nan, sample_time=T_S), "gamma_d must be finite"),
+        Invalid(lambda: MatrixGain(gamma=np.ones((2, 3))), r"finite \(n, n\) matrix"),
+        Invalid(lambda: HighOrder(alpha=(1,), beta=(1, 2), L=PType()), "equally many"),
+        Invalid(lambda: internal_model((1.0,), L=PType()), r"pattern must be \(1, d_1"),
+        Invalid(lambda: internal_model((1, 0, -1), L=PType(), pole=1.0), "pole must be in"),
+        Invalid(lambda: periodic_pattern(0), "period must be >= 1"),
+        Invalid(
+            lambda: Adaptive(L=PType(), noise_variance=0, initial_variance=1), "noise_variance"
+        ),
+        Invalid(lambda: Scheduled(laws=()), "at least one law"),
+        Invalid(lambda: Blend(filters=(PType(),), weights=np.ones((5, 2))), r"shape \(N, 1\)"),
+        Invalid(lambda: MeasuredGradient(experiment=len, size=0.0), "size must be > 0"),
+        Invalid(lambda: LinearPlant(T_u=ARX, reference=bump(), noise=1.0), "needs an rng"),
+        Invalid(lambda: SystemMatrix(((ARX,), (ARX, ARX))), "square matrix"),
+        Invalid(lambda: System.from_z([1, 0, 0], [1, 0.5], T_S), "numerator degree 2 in q"),
+        Invalid(lambda: System([1], [0, 1], T_S), "not causal"),
+        Invalid(lambda: Alternating([]), "at least one plant"),
+        Invalid(lambda: b_splines(10, 3), r"n_basis must be in 4\.\.10"),
+    ],
+)
+def test_invalid_design_variables_are_refused_by_name(case):
+    with pytest.raises(ValueError, match=case.message):
+        case.build()

@@ -12,10 +12,10 @@ from armside.ilc.filters import ALL_PASS, End, ZeroPhaseButterworth
 from armside.ilc.identification.arx import Information, fit_arx
 from armside.ilc.identification.first_order import fit_first_order
 from armside.ilc.laws import Heuristic
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.law import FirstOrderLaw
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.first_order import FirstOrderLaw
+from armside.ilc.laws.model_based import RegularisedInverse
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.wrappers import Guarded
 from armside.ilc.measures.norms import circle_ripple
 from armside.ilc.models.system import System
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop

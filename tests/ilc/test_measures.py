@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import least_squares
 
+from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 from armside.ilc.measures.norms import (
+    circle_centre,
     circle_maxdev,
     circle_rms,
     fit_circle,
@@ -110,3 +113,124 @@ def test_the_centre_minimises_the_radial_residual():
 def test_points_without_a_circle_are_refused(points, message):
     with pytest.raises(ValueError, match=message):
         fit_circle(points)
+
+
+def turn(centre, radius, span=2.0 * np.pi, n=60, first=0.3):
+    angle = first + span * np.arange(n) / n
+    return np.asarray(centre) + radius * np.column_stack((np.cos(angle), np.sin(angle)))
+
+
+def residuals(centre, points):
+    radii = np.hypot(*(points - centre).T)
+    return radii - radii.mean()
+
+
+def smallest(points):
+    """Least sum of squares from starts all around, near and far."""
+    mean = points.mean(axis=0)
+    spread = np.sqrt(np.square(points - mean).sum(axis=1).mean())
+    angles = np.arange(0.0, 2.0 * np.pi, np.pi / 3)
+    starts = [
+        mean + spread * far * np.array([np.cos(a), np.sin(a)])
+        for far in (0.1, 1.0, 4.0)
+        for a in angles
+    ]
+    return 2.0 * min(least_squares(residuals, s, args=(points,), method="lm").cost for s in starts)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_other_centre_fits_an_arc_better(seed):
+    """Noise of 0.1 to 20 % of the radius, arcs from 20 degrees to whole turns."""
+    rng = np.random.default_rng(seed)
+    radius, span = 10.0 ** rng.uniform(-3, 0), np.deg2rad(rng.uniform(20.0, 360.0))
+    points = turn(rng.uniform(-1, 1, 2), radius, span)
+    points = points + radius * 10.0 ** rng.uniform(-3, -0.7) * rng.standard_normal(points.shape)
+    found = np.square(residuals(circle_centre(points), points)).sum()
+    assert found <= smallest(points) * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("n", [4, 60])
+def test_a_point_on_the_centre_is_no_hole_in_the_fit(n):
+    """The minimum is beside it: a point there has the largest residual."""
+    points = np.vstack((turn((1.0, 2.0), 0.5, n=n), [1.0, 2.0]))
+    centre = circle_centre(points)
+    found = np.square(residuals(centre, points)).sum()
+    assert found < np.square(residuals(np.array([1.0, 2.0]), points)).sum()
+    assert found <= smallest(points) * (1.0 + 1e-6)
+
+
+def test_a_path_and_its_moved_copy_have_the_same_centre():
+    points = turn((0.0, 0.0), 0.005) + 1e-4 * np.random.default_rng(3).standard_normal((60, 2))
+    shift = np.array([1.3, -0.7])
+    moved = circle_centre(points + shift) - shift
+    assert moved == pytest.approx(circle_centre(points), abs=1e-12)
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-7])
+def test_points_that_are_nearer_to_a_line_than_to_a_circle_are_refused(bend):
+    x = np.linspace(-1.0, 1.0, 30)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(30) * (bend > 0.0)
+    noise -= np.polyval(np.polyfit(x, noise, 2), x)  # no curvature of its own
+    points = np.column_stack((x, bend * x**2 + noise, 0.0 * x))
+    with pytest.raises(ValueError, match="line"):
+        fit_circle(points, [0.0, 0.0, 1.0])
+
+
+SQUARE = np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+"""Corners of an attained path around the origin, counter-clockwise."""
+
+
+def test_a_crossing_is_interpolated_between_samples():
+    commanded, tangent = np.array([[0.9, 0.25]]), np.array([[0.0, 1.0]])
+    np.testing.assert_allclose(crossings(commanded, tangent, SQUARE), [[1.0, 0.25]])
+
+
+def test_the_last_sample_is_joined_to_the_first():
+    commanded, tangent = np.array([[0.25, -0.8]]), np.array([[1.0, 0.0]])
+    np.testing.assert_allclose(crossings(commanded, tangent, SQUARE), [[0.25, -1.0]])
+
+
+def test_of_two_crossings_the_nearest_counts_and_one_in_the_opposite_direction_does_not():
+    path = np.array([[0.0, 5.0], [1.0, 5.0], [1.0, 4.0], [0.0, 4.0], [0.0, 1.0], [1.0, 1.0]])
+    commanded, tangent = np.array([[0.5, 3.5]]), np.array([[1.0, 0.0]])
+    # At x = 0.5 it comes by at y = 5 and 1 along the tangent, and at y = 4 against it.
+    np.testing.assert_allclose(crossings(commanded, tangent, path), [[0.5, 5.0]])
+
+
+def test_a_plane_that_is_never_crossed_has_no_position():
+    assert np.isnan(crossings(np.array([[9.0, 0.0]]), np.array([[1.0, 0.0]]), SQUARE)).all()
+
+
+def test_accuracy_is_the_largest_distance_of_a_barycentre():
+    commanded = np.zeros((2, 3))
+    runs = np.zeros((2, 2, 3))
+    runs[:, 0, 0] = [5.0, -5.0]  # their barycentre is on the command
+    runs[0, 1], runs[1, 1] = [3.0, 4.0, 1.0], [3.0, 4.0, -1.0]  # theirs is (3, 4, 0)
+    assert path_accuracy(commanded, runs) == pytest.approx(5.0)
+
+
+def test_repeatability_is_mean_and_three_deviations_of_the_distance_from_the_barycentre():
+    # Barycentre 1, distances 1, 1, 2: mean 4/3, standard deviation sqrt(1/3).
+    runs = np.array([0.0, 0.0, 3.0]).reshape(3, 1, 1)
+    assert path_repeatability(runs) == pytest.approx(4 / 3 + 3 * np.sqrt(1 / 3))
+
+
+def test_repeatability_is_that_of_the_worst_point_and_ignores_a_common_error():
+    runs = np.zeros((2, 3, 2))
+    runs[0, 1], runs[1, 1] = [1.0, 1.0], [1.0, -1.0]
+    assert path_repeatability(runs) == pytest.approx(1.0)
+    assert path_repeatability(runs + 7.0) == pytest.approx(1.0)
+
+
+def test_missing_positions_leave_no_measure():
+    runs = np.zeros((2, 3, 2))
+    runs[0, 1] = np.nan
+    assert np.isnan(path_accuracy(np.zeros((3, 2)), runs))
+    assert np.isnan(path_repeatability(runs))
+
+
+def test_bad_runs_are_named():
+    with pytest.raises(ValueError, match="two runs or more, got 1"):
+        path_repeatability(np.zeros((1, 3, 2)))
+    with pytest.raises(ValueError, match="shape"):
+        path_accuracy(np.zeros((3, 2)), np.zeros((3, 2)))

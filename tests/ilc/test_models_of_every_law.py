@@ -13,22 +13,18 @@ from armside.ilc.analysis import (
     largest_gamma,
 )
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
-from armside.ilc.laws.basis_functions import BasisFunctions
-from armside.ilc.laws.gains import PType
-from armside.ilc.laws.gradient import Gradient
-from armside.ilc.laws.h_infinity import h_infinity
+from armside.ilc.laws.first_order import FirstOrder, PType
 from armside.ilc.laws.heuristic import Heuristic
-from armside.ilc.laws.law import FirstOrder
-from armside.ilc.laws.model_inverse import ModelInverse
-from armside.ilc.laws.norm_optimal import NormOptimal
-from armside.ilc.laws.point_to_point import PointToPoint
+from armside.ilc.laws.model_based import Gradient, ModelInverse
+from armside.ilc.laws.norm_optimal import NormOptimal, PointToPoint
 from armside.ilc.laws.quadratic import QuadraticCriterion
+from armside.ilc.laws.robust import h_infinity
+from armside.ilc.laws.transfer import BasisFunctions
 from armside.ilc.models.conversion import as_state_space
-from armside.ilc.models.lifted_model import ImpulseResponse, LiftedModel
-from armside.ilc.models.state_space import StateSpace
+from armside.ilc.models.lifted import ImpulseResponse, LiftedModel
+from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
-from armside.ilc.models.time_varying import TimeVarying
 
 N, T_S = 30, 0.01
 SERVO = System([0.0, 0.3, 0.2, 0.1], [1.0], T_S)

@@ -9,8 +9,8 @@ from armside.ilc.analysis.adjoint import filter_adjoint, law_adjoint
 from armside.ilc.analysis.record_iteration import RecordIteration
 from armside.ilc.filters import ALL_PASS, Edge, End, ZeroPhaseButterworth
 from armside.ilc.laws import FirstOrder, Heuristic
-from armside.ilc.laws.gains import DType, MatrixGain, PType
-from armside.ilc.laws.gradient import Gradient
+from armside.ilc.laws.first_order import DType, MatrixGain, PType
+from armside.ilc.laws.model_based import Gradient
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.state_space import StateSpace

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
+from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn, two_mass_study
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.models.discretise import tustin, zoh
+from armside.ilc.models.system import tustin, zoh
 from armside.ilc.models.two_mass import (
     ArmReading,
     Hold,
@@ -20,6 +20,11 @@ from armside.ilc.models.two_mass import (
     TwoMassPlant,
     step_reference,
 )
+
+
+def test_500_iterations_are_run_once_for_all_figures():
+    assert two_mass_study.learned(17.0) is two_mass_study.learned(17.0)
+
 
 T_S = 0.01
 JOINT = TwoMassJoint()

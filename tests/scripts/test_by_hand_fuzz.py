@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
-from armside.ilc.workbench.csv_signal import read_signal, write_signal
+from armside.ilc.workbench.signals import read_signal, write_signal
 from armside.scripts.shell.errors import InputError
 from armside.scripts.workbench.by_hand import Session
 from armside.scripts.workbench.options import LearnCfg

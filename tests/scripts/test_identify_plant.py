@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from armside.ilc.models.model_file import read_model
+from armside.ilc.models.file import read_model
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.ilc.models.conversion import as_state_space
-from armside.ilc.models.model_file import write_model
+from armside.ilc.models.file import write_model
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.scripts.cli import main

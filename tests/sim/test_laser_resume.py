@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.ilc.workbench.state import read_states, save_states
+from armside.ilc.workbench.compare import read_states, save_states
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.resume import state_after

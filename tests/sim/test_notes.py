@@ -120,7 +120,7 @@ class Worse:
 
 
 def test_a_guard_that_goes_back_is_said():
-    from armside.ilc.laws.guarded import Guarded
+    from armside.ilc.laws.wrappers import Guarded
 
     cut = Cut()
     law = Guarded(law=Worse(), weight=(1.0,) * 6)

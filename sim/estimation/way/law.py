@@ -6,9 +6,8 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.laws import Law
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
+from armside.ilc.laws.wrappers import Guarded
 
 from ...robot.model import RobotModel
 from ...robot.virtual_robot import LOG_PERIOD

@@ -3,16 +3,15 @@
 import numpy as np
 import pytest
 
-from armside.ilc.analysis.lifted import LiftedIteration
+from armside.ilc.analysis.record_iteration import LiftedIteration
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.workbench.compare import run_law, setting_of
-from armside.ilc.workbench.contraction import contraction
 from armside.ilc.workbench.laws import build_law
 from armside.ilc.workbench.plants import Record, linear, own_plant
-from armside.ilc.workbench.prediction import predict
+from armside.ilc.workbench.prediction import contraction, predict
 from armside.ilc.workbench.words import Words
 
 OMEGA_NEAR = 1.0 + 1e-4 * np.tan(np.linspace(-1.57, 1.57, 20001))

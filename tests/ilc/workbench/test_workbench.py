@@ -7,20 +7,18 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from armside.ilc.laws.guarded import Best
+from armside.ilc.laws.wrappers import Best
 from armside.ilc.learning import LoopState
-from armside.ilc.models.model_file import read_model
+from armside.ilc.models.file import read_model
+from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace
-from armside.ilc.workbench.compare import run_law, setting_of
-from armside.ilc.workbench.csv_signal import read_signal, write_signal
+from armside.ilc.workbench.compare import RunState, read_states, run_law, save_states, setting_of
 from armside.ilc.workbench.exchange import Folder
 from armside.ilc.workbench.laws import LAWS, build_law
 from armside.ilc.workbench.own import OwnCodeError
 from armside.ilc.workbench.plants import Record, joint, model_task, own_plant
-from armside.ilc.workbench.references import named_reference
-from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.ilc.workbench.task import Task
-from armside.ilc.workbench.transfer import along_path
+from armside.ilc.workbench.signals import named_reference, read_signal, write_signal
+from armside.ilc.workbench.task import Task, along_path
 from armside.ilc.workbench.words import Words
 
 OWN = '''
@@ -233,3 +231,27 @@ def test_a_correction_is_carried_over_by_its_place_on_the_path():
 def test_places_that_cannot_be_on_a_path_are_refused(place):
     with pytest.raises(ValueError, match="place must be 3 numbers"):
         along_path(np.ones((3, 1)), np.array(place), np.array([0.5]))
+
+
+LAPS = "repetitive:period=50,cutoff=20"
+
+
+def _of(model, reference):
+    return lambda repetition: LinearPlant(T_u=model, reference=reference)
+
+
+def test_the_repetitive_law_learns_laps_as_predicted(lag):
+    laps = np.sin(2 * np.pi * np.arange(200) / 50)[:, None]
+    run = run_law(Task(**(vars(lag) | {"reference": laps, "start": _of(lag.model, laps)})), LAPS, 5)
+    assert run.norms[-1] < 0.6 * run.norms[0]  # the first lap, in which it settles, stays
+    assert run.prediction is not None
+    np.testing.assert_allclose(run.norms, run.prediction.errors, rtol=1e-6)
+
+
+def test_a_law_that_identifies_goes_on_from_its_file_as_if_it_had_not_stopped(lag, tmp_path):
+    whole = run_law(lag, "knob-free", 4)
+    half = run_law(lag, "knob-free", 2)
+    assert half.state is not None
+    assert save_states(tmp_path / "state.npz", {"x": half.state}) == []
+    rest = run_law(lag, "knob-free", 2, resume=read_states(tmp_path / "state.npz")["x"])
+    np.testing.assert_array_equal(np.concatenate((half.norms, rest.norms)), whole.norms)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from armside.ilc.workbench.csv_signal import write_signal
+from armside.ilc.workbench.signals import write_signal
 from armside.scripts.cli import main
 from armside.sim.controller.client import Rsi
 from armside.sim.controller.egm import EgmWire

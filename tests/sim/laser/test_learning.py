@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from armside.ilc.laws.law import FirstOrderLaw
+from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.ilc.measures.norms import two_norm
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error

@@ -5,7 +5,7 @@ import pytest
 
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws import Heuristic, Law
-from armside.ilc.laws.by_segment import BySegment
+from armside.ilc.laws.wrappers import BySegment
 from armside.ilc.learning import learn
 from armside.ilc.measures.norms import two_norm
 from armside.sim.laser.measures import MotorAngles
