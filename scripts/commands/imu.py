@@ -177,8 +177,8 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 def _recorded(cfg: ImuOptions, common: Common) -> None:
     """Chapter 5 on recordings of a real robot."""
     from armside.sim.imu.recorded import process
-    from armside.sim.measured import read_motion
     from armside.sim.named_robot import find_robot
+    from armside.sim.recordings import read_motion
 
     from ..figures import recorded_imu as shown
 

@@ -19,11 +19,10 @@ from armside.kinematics.calibration import (
 )
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.gears import analyse
-from armside.sim.imu.recorded import process
-from armside.sim.imu.repeatability import repeatability
-from armside.sim.measured import MotionRecording, read_motion, read_poses
-from armside.sim.measured.abb_logs import read_path_logs
-from armside.sim.path_logs import compare_logs
+from armside.sim.imu.recorded import process, repeatability
+from armside.sim.recordings import MotionRecording, read_motion, read_poses
+from armside.sim.recordings.paths import compare_logs
+from armside.sim.recordings.paths.motor_logs import read_path_logs
 
 from ..figures import calibration as of_calibration
 from ..figures import gears as of_gears

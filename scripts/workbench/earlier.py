@@ -12,8 +12,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.csv_signal import CsvSignal
 from armside.ilc.workbench.state import RunState, read_states
 from armside.ilc.workbench.transfer import along_path
-from armside.sim.handover.kept import REFERENCE
-from armside.sim.handover.reading import read_correction
+from armside.sim.controller.stored_correction import REFERENCE, read_correction
 from armside.sim.records.stored_run import read_run
 
 from ..shell.errors import InputError

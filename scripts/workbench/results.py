@@ -12,7 +12,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.csv_signal import write_signal
 from armside.ilc.workbench.state import RunState, save_states
-from armside.sim.handover.kept import REFERENCE
+from armside.sim.controller.stored_correction import REFERENCE
 
 from ..shell.console import Report
 

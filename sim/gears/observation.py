@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .imu_alignment import GRAVITY
+from ..recordings.alignment.imu import GRAVITY
 
 Spectrum = NDArray[Any]
 """Complex, frequency first."""

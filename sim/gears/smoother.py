@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
+from ..recordings.alignment.encoder_motion import RATE
+from ..recordings.alignment.imu import GRAVITY
 from .aligned import Aligned
-from .imu_alignment import GRAVITY
-from .joint_motion import RATE
 from .transmission import Transmission
 
 QUIET = (3.0, 5.5)

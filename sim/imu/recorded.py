@@ -4,7 +4,9 @@ Constants of the IMU are fitted on the first half of a recording, and what they 
 the second. Those that are compared between recordings are fitted on the whole.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +14,11 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
-from ..gears.imu_alignment import ImuAlignment, align_imu
-from ..gears.joint_motion import RATE, JointMotion, joint_motion, lowpass
-from ..gears.motor_check import check_motors
-from ..gears.tracker_alignment import TrackerAlignment, align_tracker
-from ..measured.motion import MotionRecording, Stream
-from ..measured.plausible import check_angles, check_times
+from ..recordings.alignment.checks import check_motors
+from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_motion, lowpass
+from ..recordings.alignment.imu import ImuAlignment, align_imu
+from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
+from ..recordings.recording import MotionRecording, Stream, check_angles, check_times
 from .compare import Comparison, moving_rms
 from .evaluation import WINDOW
 
@@ -54,7 +55,7 @@ class RecordedImu:
     """Processing of one recording."""
 
     recording: MotionRecording
-    motion: JointMotion
+    motion: EncoderMotion
     alignment: ImuAlignment
     """Of the whole recording."""
     tracker: TrackerAlignment | None
@@ -101,7 +102,7 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
     if imu is None:
         raise ValueError(f"{recording.name}: the recording has no IMU")
     try:
-        motion = joint_motion(robot := compile(arm.robot), recording.encoders)
+        motion = encoder_motion(robot := compile(arm.robot), recording.encoders)
         check_motors(robot, motion, imu)
         whole = align_imu(motion, imu, level=False)
         _check_first_part(whole.covered(motion, imu))
@@ -128,7 +129,7 @@ def _check_first_part(seen: NDArray[np.bool_]) -> None:
         raise ValueError(f"{text}: cut both to the same time")
 
 
-def _compared(motion: JointMotion, imu: Stream, half: ImuAlignment, cutoff: float) -> Comparison:
+def _compared(motion: EncoderMotion, imu: Stream, half: ImuAlignment, cutoff: float) -> Comparison:
     rows = _rows(half.covered(motion, imu))
     both = half.measured(motion, imu), half.predicted(motion)
     measured, predicted = (lowpass(x, cutoff)[rows] for x in both)
@@ -174,3 +175,58 @@ def _angle(vectors: Array, axis: Array) -> Array:
 
 def _rms(x: Array) -> Array:
     return np.sqrt((x**2).mean(axis=0))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Repeatability:
+    """Largest differences between any two recordings."""
+
+    gyro_scale: float
+    accelerometer_scale: float
+    """Of the singular values of M."""
+    mounting: float
+    """[rad], angle of the rotation between two mountings by the gyro."""
+    lever: Array
+    """(3,) [m]."""
+    gravity: float
+    """[rad], angle between two directions of gravity in base axes."""
+
+
+def repeatability(alignments: Sequence[ImuAlignment]) -> Repeatability:
+    """Differences between two alignments or more. Raises ValueError for fewer."""
+    if len(alignments) < 2:
+        raise ValueError(f"repeatability needs two recordings, got {len(alignments)}")
+    pairs = list(combinations(alignments, 2))
+    return Repeatability(
+        gyro_scale=_spread([scale(one.M_gyro) for one in alignments]),
+        accelerometer_scale=_spread([scale(one.M_accelerometer) for one in alignments]),
+        mounting=max(_apart(a.R_imu_tool, b.R_imu_tool) for a, b in pairs),
+        lever=np.ptp([one.lever for one in alignments], axis=0),
+        gravity=max(_between(a.gravity, b.gravity) for a, b in pairs),
+    )
+
+
+def scale(M: Array) -> Array:
+    """(3,), singular values of a sensor's matrix, the largest first."""
+    return np.linalg.svd(M)[1]
+
+
+def mounting(one: ImuAlignment) -> Array:
+    """(3,) [rad], rotation vector of the axes of the tool in those of the housing."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(one.R_imu_tool).as_rotvec()
+
+
+def _spread(values: Sequence[Array]) -> float:
+    return float(np.ptp(values, axis=0).max())
+
+
+def _apart(A: Array, B: Array) -> float:
+    from scipy.spatial.transform import Rotation
+
+    return float(Rotation.from_matrix(A @ B.T).magnitude())
+
+
+def _between(a: Array, b: Array) -> float:
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))

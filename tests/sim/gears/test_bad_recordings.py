@@ -7,9 +7,9 @@ import pytest
 
 from armside.sim.gears import analyse
 from armside.sim.imu.recorded import process
-from armside.sim.measured import Stream, read_motion
-from armside.sim.measured.motion_tables import write
-from armside.sim.measured.repair import repaired
+from armside.sim.recordings import Stream, read_motion
+from armside.sim.recordings.repair import repaired
+from armside.sim.recordings.tables import write_motion_tables
 
 
 def encoders(change):
@@ -140,7 +140,7 @@ DAMAGES = {
 
 @pytest.mark.parametrize("said", DAMAGES)
 def test_a_damaged_table_is_named_with_its_folder(tmp_path, recordings, said):
-    write(tmp_path, recordings[0], "csv")
+    write_motion_tables(tmp_path, recordings[0], "csv")
     file = tmp_path / "imu.csv"
     file.write_text(DAMAGES[said](file.read_text()))
     with pytest.raises(ValueError, match=f"{tmp_path.name}.*{said}") as error:

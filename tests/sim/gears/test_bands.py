@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.sim.gears.bands import in_bands, spectra
-from armside.sim.gears.joint_motion import RATE
+from armside.sim.gears.judgement import in_bands, spectra
+from armside.sim.recordings.alignment.encoder_motion import RATE
 
 AMPLITUDE, NOISE = 50e-6, 5e-6
 """[m] Of a sine of 6 Hz along x, and standard deviation of the tracker's white noise per axis."""

@@ -6,8 +6,7 @@ from operator import add
 import numpy as np
 import pytest
 
-from armside.sim.gears.elasticity import softened
-from armside.sim.gears.fit import fit, normal
+from armside.sim.gears.fit import fit, normal, softened
 from armside.sim.gears.learning import reweighted
 from armside.sim.gears.observation import Observation
 from armside.sim.gears.transmission import CONFIDENCE

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from armside.sim.gears import GearsCfg, analyse
-from armside.sim.gears.imu_check import check_pair
-from armside.sim.measured import Stream
+from armside.sim.recordings import Stream
+from armside.sim.recordings.alignment.checks import check_pair
 
 FACTORS = {
     "degrees per second": ("imu", np.r_[np.ones(3), np.full(3, 180.0 / np.pi)]),

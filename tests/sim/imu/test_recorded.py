@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from armside.kinematics import find_arm
-from armside.sim.imu.recorded import process
-from armside.sim.imu.repeatability import mounting, repeatability, scale
-from armside.sim.measured import read_motion
+from armside.sim.imu.recorded import mounting, process, repeatability, scale
+from armside.sim.recordings import read_motion
 
 AUBO = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "aubo_i5"
 DAYS = ("20200922", "20201015", "20201016")
