@@ -29,7 +29,7 @@ from ..figures import gears as of_gears
 from ..figures import imu as of_imu
 from ..figures import path_logs as of_paths
 from ..shell.errors import InputError
-from .report import Part, Section
+from .report import AbsentError, Asked, Entry, Part, Section
 
 MM, UM = 1e3, 1e6
 SERIES_C = "measurements_random_poses.csv"
@@ -155,7 +155,7 @@ def paths(seed: int, data: Path, folder: Path) -> Section:
     return Section("real-paths", title, caption, ["real-paths.png"], checks, [table])
 
 
-SECTIONS: dict[str, tuple[str, Callable[[int, Path, Path], Section]]] = {
+SETS: dict[str, tuple[str, Callable[[int, Path, Path], Section]]] = {
     "real-ur10": ("ur10_tmac", ur10),
     "real-irb120": ("irb120_faro", irb120),
     "real-imu": ("aubo_i5", imu),
@@ -165,26 +165,20 @@ SECTIONS: dict[str, tuple[str, Callable[[int, Path, Path], Section]]] = {
 """Id: folder of its set, and the function that draws it."""
 
 
-def parts(ids: Sequence[str], data: Path | None, seed: int) -> dict[str, Part]:
-    """Parts of the sections asked for, `real` for all whose set is there.
-
-    Raises InputError without data, for none of the sets, or for a set asked for by name.
-    """
-    if data is None or not data.is_dir():
+def _part(name: str, asked: Asked) -> Part:
+    """Raises InputError without a folder of data, AbsentError where it lacks the set."""
+    folder, make = SETS[name]
+    if asked.data is None or not asked.data.is_dir():
         raise InputError("measurements of real arms need --data FOLDER, which holds their sets")
-    there = [name for name, (folder, _) in SECTIONS.items() if (data / folder).is_dir()]
-    wanted = dict.fromkeys(name for id in ids for name in (there if id == "real" else [id]))
-    absent = [SECTIONS[name][0] for name in wanted if name not in there]
-    if absent or not wanted:
-        known = ", ".join(sorted({folder for folder, _ in SECTIONS.values()}))
-        raise InputError(f"{data} has no folder {', '.join(absent) or 'of a set'}. Sets: {known}")
-    return {name: _part(name, data, seed) for name in wanted}
-
-
-def _part(name: str, data: Path, seed: int) -> Part:
-    folder, make = SECTIONS[name]
-    draw = partial(make, seed, data / folder)
+    if not (asked.data / folder).is_dir():
+        known = ", ".join(sorted({folder for folder, _ in SETS.values()}))
+        raise AbsentError(f"{asked.data} has no folder {folder}. Sets: {known}")
+    draw = partial(make, asked.seed, asked.data / folder)
     return Part([], lambda _, figures: draw(figures))
+
+
+ENTRIES = [Entry(name, partial(_part, name)) for name in SETS]
+"""Sections in the order of the report."""
 
 
 def _days(data: Path) -> list[MotionRecording]:
