@@ -12,8 +12,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .client import Connection as Connection
     from .client import Egm as Egm
-    from .client import Link as Link
     from .client import Rsi as Rsi
     from .controller import Hold as Hold
     from .controller import VirtualController as VirtualController
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .plant import StreamedPlant as StreamedPlant
 
 _HOMES = {
-    "client": ("Egm", "Link", "Rsi"),
+    "client": ("Egm", "Connection", "Rsi"),
     "controller": ("Hold", "VirtualController"),
     "limits": ("GuidanceLimits",),
     "messages": ("Answer", "Phase", "State"),

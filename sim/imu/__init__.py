@@ -7,7 +7,7 @@ synchronise the clocks, predict, compensate for gravity and offsets, filter both
 SI units; vectors in base axes, accelerations without gravity.
 """
 
-from .compare import Comparison as Comparison
+from .compare import ImuComparison as ImuComparison
 from .compare import clock_offset as clock_offset
 from .compare import compare as compare
 from .compare import moving_rms as moving_rms

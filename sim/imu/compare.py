@@ -14,7 +14,7 @@ from ..instruments.imu import ImuSamples
 from ..instruments.noise import rate_of
 from . import compensation
 from .compensation import cross_matrices
-from .prediction import Order, Prediction, Scheme, predict, resample
+from .prediction import Order, PredictedMotion, Scheme, predict, resample
 from .processing import Compensation, ProcessingCfg
 
 COARSE = 0.01  # Grid of the first search [s], well below the time scale of the rotation
@@ -96,7 +96,7 @@ REST_ACCELERATION = 0.2  # [m/s^2]; above what encoder noise predicts at rest
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ImuComparison:
     """Measured and predicted motion of the IMU in base axes, filtered alike.
 
     Angular velocities (K, 3) [rad/s], accelerations (K, 3) [m/s^2] without gravity.
@@ -131,7 +131,7 @@ def compare(
     *,
     offset: float | None = None,
     gravity: Array = compensation.GRAVITY,
-) -> Comparison:
+) -> ImuComparison:
     """Compare IMU samples with the motion that logged motor angles predict.
 
     Args:
@@ -150,7 +150,7 @@ def compare(
     period = 1.0 / rate_of(samples.time)
     low_pass = ZeroPhaseButterworth(cfg.cutoff, period)
 
-    def predicted(delay: float, order: Order, scheme: Scheme) -> Prediction:
+    def predicted(delay: float, order: Order, scheme: Scheme) -> PredictedMotion:
         phi = resample(time, motor_angle, robot_time[inside] - delay)
         return predict(robot, phi, period, low_pass, order=order, scheme=scheme)
 
@@ -172,7 +172,7 @@ def compare(
         a, omega = compensation.mean_removed(a, rest), compensation.mean_removed(omega, rest)
     rates = low_pass(omega), at_rate.angular_velocity
     forces = low_pass(a), at_force.acceleration
-    return Comparison(robot_time[inside], *rates, *forces, offset)
+    return ImuComparison(robot_time[inside], *rates, *forces, offset)
 
 
 def find_offset(
@@ -191,7 +191,7 @@ def find_offset(
     return clock_offset(samples.time, gyro, time, body_rate, search=cfg.search, gyro_delay=delay)
 
 
-def _first_rest(prediction: Prediction, transient: int) -> NDArray[np.bool_]:
+def _first_rest(prediction: PredictedMotion, transient: int) -> NDArray[np.bool_]:
     """Samples before the first motion, (K,), without the transient of the low-pass at the start."""
     rate, acceleration = np.abs(prediction.angular_velocity), np.abs(prediction.acceleration)
     moving = np.hstack((rate > REST_RATE, acceleration > REST_ACCELERATION)).any(axis=1)

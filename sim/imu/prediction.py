@@ -54,7 +54,7 @@ class Order(Enum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prediction:
+class PredictedMotion:
     """Predicted motion of the IMU in base axes, SI; accelerations without gravity.
 
     R (K, 3, 3), the others (K, 3).
@@ -73,7 +73,7 @@ def predict(
     *,
     order: Order = Order.FILTER_THEN_MAP,
     scheme: Scheme = Scheme.FORWARD,
-) -> Prediction:
+) -> PredictedMotion:
     """Predict the motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
 
     Args:
@@ -89,4 +89,4 @@ def predict(
     if order is Order.MAP_THEN_FILTER:
         omega, a = low_pass(omega), low_pass(a)
     R = compiled.pose(phi)[:, :3, :3]
-    return Prediction(R_base_imu=R, angular_velocity=omega, acceleration=a)
+    return PredictedMotion(R_base_imu=R, angular_velocity=omega, acceleration=a)

@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 from armside.kinematics import Arm, compile
@@ -19,8 +20,8 @@ from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_m
 from ..recordings.alignment.imu import ImuAlignment, align_imu
 from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
 from ..recordings.recording import MotionRecording, Stream, check_angles, check_times
-from .compare import Comparison, moving_rms
-from .evaluation import WINDOW
+from .compare import ImuComparison, moving_rms
+from .evaluation import WINDOW, rms
 
 FITTED = 0.5
 """Fraction of a recording, from its start, that is fitted before the rest is judged."""
@@ -29,7 +30,7 @@ EDGE = 1.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RecordedMeasures:
+class PredictionErrors:
     """Error of the prediction beside its signal; vectors are x, y, z in base axes."""
 
     angular_velocity: Array
@@ -60,9 +61,9 @@ class RecordedImu:
     """Of the whole recording."""
     tracker: TrackerAlignment | None
     """Of the first half."""
-    comparison: Comparison
+    comparison: ImuComparison
     """Of the second half, by the constants of the first."""
-    measures: RecordedMeasures
+    measures: PredictionErrors
 
     @property
     def name(self) -> str:
@@ -129,11 +130,13 @@ def _check_first_part(seen: NDArray[np.bool_]) -> None:
         raise ValueError(f"{text}: cut both to the same time")
 
 
-def _compared(motion: EncoderMotion, imu: Stream, half: ImuAlignment, cutoff: float) -> Comparison:
+def _compared(
+    motion: EncoderMotion, imu: Stream, half: ImuAlignment, cutoff: float
+) -> ImuComparison:
     rows = _rows(half.covered(motion, imu))
     both = half.measured(motion, imu), half.predicted(motion)
     measured, predicted = (lowpass(x, cutoff)[rows] for x in both)
-    return Comparison(
+    return ImuComparison(
         time=motion.time[rows],
         angular_velocity_measured=measured[:, 3:],
         angular_velocity_predicted=predicted[:, 3:],
@@ -152,15 +155,15 @@ def _rows(seen: NDArray[np.bool_]) -> slice:
     return slice(first, int(where[-1]) - edge)
 
 
-def _measures(one: Comparison, gravity: Array) -> RecordedMeasures:
+def _measures(one: ImuComparison, gravity: Array) -> PredictionErrors:
     """gravity: that was fitted; what the accelerometer sees beside the motion is measured."""
     seen = gravity - one.acceleration_error
     mean = seen.mean(axis=0)
-    return RecordedMeasures(
-        angular_velocity=_rms(one.angular_velocity_predicted),
-        angular_velocity_error=_rms(one.angular_velocity_error),
-        acceleration=_rms(one.acceleration_predicted),
-        acceleration_error=_rms(one.acceleration_error),
+    return PredictionErrors(
+        angular_velocity=rms(one.angular_velocity_predicted),
+        angular_velocity_error=rms(one.angular_velocity_error),
+        acceleration=rms(one.acceleration_predicted),
+        acceleration_error=rms(one.acceleration_error),
         gravity=mean,
         gravity_angle=float(_angle(mean[None], gravity)[0]),
         gravity_angle_rms=float(np.sqrt((_angle(seen, gravity) ** 2).mean())),
@@ -171,10 +174,6 @@ def _angle(vectors: Array, axis: Array) -> Array:
     """Angles (K,) [rad] of vectors (K, 3) with an axis (3,)."""
     across = np.linalg.norm(np.cross(vectors, axis), axis=1)
     return np.arctan2(across, vectors @ axis)
-
-
-def _rms(x: Array) -> Array:
-    return np.sqrt((x**2).mean(axis=0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -200,9 +199,9 @@ def repeatability(alignments: Sequence[ImuAlignment]) -> Repeatability:
     return Repeatability(
         gyro_scale=_spread([scale(one.M_gyro) for one in alignments]),
         accelerometer_scale=_spread([scale(one.M_accelerometer) for one in alignments]),
-        mounting=max(_apart(a.R_imu_tool, b.R_imu_tool) for a, b in pairs),
+        mounting=max(_turned(a, b) for a, b in pairs),
         lever=np.ptp([one.lever for one in alignments], axis=0),
-        gravity=max(_between(a.gravity, b.gravity) for a, b in pairs),
+        gravity=max(float(_angle(a.gravity[None], b.gravity)[0]) for a, b in pairs),
     )
 
 
@@ -213,20 +212,13 @@ def scale(M: Array) -> Array:
 
 def mounting(one: ImuAlignment) -> Array:
     """(3,) [rad], rotation vector of the axes of the tool in those of the housing."""
-    from scipy.spatial.transform import Rotation
-
     return Rotation.from_matrix(one.R_imu_tool).as_rotvec()
+
+
+def _turned(one: ImuAlignment, other: ImuAlignment) -> float:
+    """Angle [rad] of the rotation between two mountings by the gyro."""
+    return float(Rotation.from_matrix(one.R_imu_tool @ other.R_imu_tool.T).magnitude())
 
 
 def _spread(values: Sequence[Array]) -> float:
     return float(np.ptp(values, axis=0).max())
-
-
-def _apart(A: Array, B: Array) -> float:
-    from scipy.spatial.transform import Rotation
-
-    return float(Rotation.from_matrix(A @ B.T).magnitude())
-
-
-def _between(a: Array, b: Array) -> float:
-    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))

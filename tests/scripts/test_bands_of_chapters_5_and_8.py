@@ -110,7 +110,7 @@ def checks_5(imu_result):
         *chapter5.one_at_a_time(turned, turned, np.array([1.0, 3.0]), np.array([4.0, 5.0])),
         *chapter5.all_at_once(r),
         *chapter5.distances(four),
-        chapter5.toolboxes({"another toolbox": 1e-15, "not installed": None}),
+        chapter5.toolbox_poses({"another toolbox": 1e-15, "not installed": None}),
         *chapter5.rates(r),
         *chapter5.accelerations(r),
         *chapter5.windows(r),

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.kinematics import Arm, Limits, Link, Robot
-from armside.sim.gears import analyse
-from armside.sim.recordings import MotionRecording, Stream, read_motion
+from armside.sim.recordings import read_motion
 from armside.sim.recordings.repair import repaired
 
 TIME = np.arange(0.0, 20.0, 0.01)
@@ -43,6 +41,7 @@ def exchanged(every):
     [
         (TIME[::-1], PHI, "clock runs backwards"),
         (exchanged(every=20), PHI, "clock runs backwards, first in sample 2"),
+        (np.where(TIME < 12.0, TIME, TIME - 9.0), PHI, "the clock is set back"),
         (TIME[:50], PHI[:50], "50 samples"),
         (1e6 * TIME, PHI, "at most 1800 s"),
         (TIME, 1e300 * PHI, "values reach 1e+300"),
@@ -67,19 +66,3 @@ def test_a_folder_of_tables_is_read(tmp_path):
         read_motion(tmp_path)
     with pytest.raises(ValueError, match="no recording of a known form"):
         read_motion(tmp_path.parent)
-
-
-@pytest.mark.parametrize(
-    ("phi", "said"),
-    [(np.degrees(PHI), "in degrees"), (PHI[:, :1], "has 2 motors, the recording has 1")],
-)
-def test_angles_that_cannot_be_of_this_robot_are_named(phi, said):
-    arm = Arm(
-        Robot((Link(a=0.5), Link(a=0.4))),
-        Limits(lower=(-2.0,) * 2, upper=(2.0,) * 2, speed=(3.0,) * 2),
-    )
-    imu = Stream(TIME, np.zeros((len(TIME), 6)))
-    one = MotionRecording(name="a", encoders=Stream(TIME, phi), imu=imu, form="synthetic")
-    with pytest.raises(ValueError, match="a: ") as error:
-        analyse(arm, [one])
-    assert said in str(error.value)
