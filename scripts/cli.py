@@ -20,7 +20,6 @@ COMMANDS = {
     "export-correction": "Write the learned correction for a controller.",
     "measure": "Measure recorded data, a run's or your own.",
     "gallery": "Make the pictures of the docs again.",
-    "two-mass": "Regenerate chapter 8: a flexible joint learns.",
     "learn": "Compare learning laws on any plant, your own too.",
     "serve": "Put the virtual robot behind a controller's protocol.",
     "identify-plant": "Identify a model from your record or an experiment.",
@@ -69,8 +68,6 @@ def load(name: str) -> Callable[..., None]:
             from .commands.measure import measure as command
         case "gallery":
             from .commands.gallery import gallery as command
-        case "two-mass":
-            from .commands.two_mass import two_mass as command
         case "learn":
             from .commands.learn import learn as command
         case "serve":

@@ -89,7 +89,7 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
     residuals.
     """
     from armside.kinematics.calibration import fit_prepared, prepare
-    from armside.sim.measured import read_poses
+    from armside.sim.recordings import read_poses
 
     from ..figures import calibration as shown
 

@@ -46,8 +46,8 @@ def convert(source: Path, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Co
     set; or a log of ABB's or KUKA's controllers, or another's with --columns. Columns and units of
     a run are those of its signals.parquet; `armside measure` reads CSV, MATLAB and HDF5 back.
     """
-    from armside.sim.measured import is_motion
-    from armside.sim.measured.logs.read import SUFFIXES as LOGS
+    from armside.sim.recordings import is_motion
+    from armside.sim.recordings.logs.read import SUFFIXES as LOGS
 
     report = Report(common)
     if source.is_file() and source.suffix.lower() in LOGS:
@@ -77,9 +77,9 @@ def _run(run: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
 
 def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
     """A recording in motion: a folder of tables, or a bag."""
-    from armside.sim.measured import read_motion
-    from armside.sim.measured.bags.write import write_bag
-    from armside.sim.measured.motion_tables import write
+    from armside.sim.recordings import read_motion
+    from armside.sim.recordings.bags.write import write_bag
+    from armside.sim.recordings.tables import write_motion_tables
     from armside.sim.records.atomic import staged
 
     folder = cfg.file or source.absolute().parent / f"{source.stem}-{cfg.to}"
@@ -94,7 +94,7 @@ def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) ->
             write_bag(partial / folder.name, recording)
             (partial / folder.name).rename(folder.resolve())
         else:
-            write(partial, recording, cfg.to)
+            write_motion_tables(partial, recording, cfg.to)
             partial.rename(folder.resolve())
     samples = {
         name: len(stream.time)
@@ -110,7 +110,7 @@ def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) ->
 
 def _log(file: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
     """A controller's log."""
-    from armside.sim.measured.logs import read_log
+    from armside.sim.recordings.logs import read_log
     from armside.sim.records.tables import write_table
 
     if cfg.topics().named:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from armside.sim.handover.forms import (
+from armside.sim.controller.correction_export import (
+    RATES,
     Form,
     joint_columns,
     joint_values,
@@ -16,8 +17,7 @@ from armside.sim.handover.forms import (
     tool_columns,
     units_of,
 )
-from armside.sim.handover.kept import KeptCorrection, kept_correction
-from armside.sim.handover.resampling import RATES
+from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
 from armside.sim.records.stored_run import read_run
@@ -81,26 +81,26 @@ def export_correction(
         if file.suffix.lower() != f".{cfg.to}":
             raise InputError(f"{cfg.to} files end with .{cfg.to}: {file.name}")
         check_file_to_write(file)
-        kept = kept_correction(read_run(run), cfg.law)
-        rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / kept.sample_time)
-        joints = joint_values(kept, cfg.form, rate)
-        cell = _cell(cfg, kept)
-        names = _write(file, cfg, kept, joints, rate, cell)
-    largest = float(np.abs(kept.correction).max())
-    about = {"k": kept.k, "law": kept.law, "rate": rate, "samples": len(joints)}
+        stored = stored_correction(read_run(run), cfg.law)
+        rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / stored.sample_time)
+        joints = joint_values(stored, cfg.form, rate)
+        cell = _cell(cfg, stored)
+        names = _write(file, cfg, stored, joints, rate, cell)
+    largest = float(np.abs(stored.correction).max())
+    about = {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
     outcome = summary(
         "export-correction", cfg, common, run=run, written=file, largest=largest, **about
     )
     keep(outcome, common)
-    report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {kept.k}")
+    report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
     report.summary(outcome)
 
 
-def _cell(cfg: ExportCorrectionCfg, kept: KeptCorrection) -> "Cell | None":
+def _cell(cfg: ExportCorrectionCfg, stored: StoredCorrection) -> "Cell | None":
     """Robot of the correction; one that is missing matters to the path of its tool alone."""
     from armside.sim.robot_file.find import find_cell
 
-    robot = cfg.robot or kept.robot
+    robot = cfg.robot or stored.robot
     if robot is None:
         return None
     try:
@@ -114,13 +114,13 @@ def _cell(cfg: ExportCorrectionCfg, kept: KeptCorrection) -> "Cell | None":
 def _write(
     file: Path,
     cfg: ExportCorrectionCfg,
-    kept: KeptCorrection,
+    stored: StoredCorrection,
     joints: "Array",
     rate: float,
     cell: "Cell | None",
 ) -> str:
     """Write the file. Words for what it holds."""
-    units = units_of(cell, joints.shape[1], kept.unit if cfg.robot is None else "rad")
+    units = units_of(cell, joints.shape[1], stored.unit if cfg.robot is None else "rad")
     if cfg.to in FORM_OF:
         if set(units) != {"rad"}:
             raise InputError(f"{cfg.to} messages hold angles, these axes have {', '.join(units)}")
@@ -132,13 +132,13 @@ def _write(
         raise InputError("a tool path needs a robot, and the run names none: give --robot")
     else:
         found = tool_columns(joints, cell)
-    about: dict[str, Any] = {"form": cfg.form, "rate": rate, "k": kept.k, "law": kept.law}
+    about: dict[str, Any] = {"form": cfg.form, "rate": rate, "k": stored.k, "law": stored.law}
     write_table(file, table(found, rate, {key: json.dumps(value) for key, value in about.items()}))
     return f"{len(found)} columns"
 
 
 def _messages(protocol: str, joints: "Array") -> bytes:
-    from armside.sim.handover import streams
+    from armside.sim.controller import correction_export as streams
 
     if protocol == "rsi":
         return streams.rsi_lines(joints)

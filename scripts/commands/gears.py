@@ -20,7 +20,7 @@ from ..shell.options import Common, options
 
 if TYPE_CHECKING:
     from armside.sim.gears import GearsCfg
-    from armside.sim.measured import MotionRecording
+    from armside.sim.recordings import MotionRecording
 
 LARGEST_NUMBER = 20
 """Recordings of one command."""
@@ -114,7 +114,7 @@ def _recordings(
     data: Sequence[Path], cfg: GearsOptions, seed: int, report: Report
 ) -> "tuple[Arm, list[MotionRecording]]":
     """The arm, and its recordings: given, or made by a virtual robot."""
-    from armside.sim.measured import read_motion
+    from armside.sim.recordings import read_motion
 
     if len(data) > LARGEST_NUMBER:
         raise ValueError(f"give at most {LARGEST_NUMBER} folders of recordings, got {len(data)}")

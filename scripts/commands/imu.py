@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from armside.sim.cell_file import check_named
 from armside.sim.imu import (
     Compensation,
     ImuExperiment,
@@ -25,7 +26,6 @@ from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
-from armside.sim.robot_file.find import check_named
 
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
@@ -177,14 +177,14 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 def _recorded(cfg: ImuOptions, common: Common) -> None:
     """Chapter 5 on recordings of a real robot."""
     from armside.sim.imu.recorded import process
-    from armside.sim.measured import read_motion
-    from armside.sim.robot_file.find import load_robot
+    from armside.sim.named_robot import find_robot
+    from armside.sim.recordings import read_motion
 
     from ..figures import recorded_imu as shown
 
     report, done = Report(common), []
     with checking_input():
-        arm, topics = load_robot(cfg.robot).arm, cfg.topics()
+        arm, topics = find_robot(cfg.robot), cfg.topics()
         recordings = [read_motion(one, topics) for one in cfg.recording]
         with report.progress("aligning", total=len(recordings)) as step:
             for recording in recordings:

@@ -135,7 +135,7 @@ def _finish(
     loci: "dict[str, Eigenloci]",
 ) -> None:
     from ..figures.convergence import draw_convergence
-    from ..figures.eigenloci import draw_eigenloci
+    from ..figures.design import draw_eigenloci
     from ..workbench import results
 
     diverged = [run.law for run in runs if run.diverged]

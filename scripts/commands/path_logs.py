@@ -34,15 +34,15 @@ def path_logs(
     data: folder of waypoints (command.csv) and logs (docs/real.md). Writes summary.json and
     path-logs.png: error and scatter across the path by speed.
     """
-    from armside.sim.measured.abb_logs import read_path_logs
-    from armside.sim.path_logs import compare_logs
-    from armside.sim.robot_file.find import load_robot
+    from armside.sim.named_robot import find_robot
+    from armside.sim.recordings.paths import compare_logs
+    from armside.sim.recordings.paths.motor_logs import read_path_logs
 
     from ..figures import path_logs as shown
 
     report = Report(common)
     with checking_input():
-        arm, logs = load_robot(cfg.robot).arm, read_path_logs(data)
+        arm, logs = find_robot(cfg.robot), read_path_logs(data)
         with report.progress("running", total=cfg.runs * len(logs.speeds)) as step:
             try:
                 done = compare_logs(arm, logs, cfg.runs, common.seed, step)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -15,15 +15,16 @@ from ..jobs.batch import missing, run_batch
 from ..jobs.store import Store
 from ..jobs.workers import Workers
 from ..shell.console import Report
-from ..shell.errors import checking_input
-from ..shell.options import Common
+from ..shell.errors import InputError, checking_input
+from ..shell.options import Common, options
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
-from ..thesis.report import KIND, MARKER, Part, ReportFolder, Section, as_rows
+from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
+
+if TYPE_CHECKING:
+    from armside.ilc.two_mass_study import Study
 
 TITLE = "The thesis made again: an IMU on a robot, learning on a joint and on a robot"
-REAL = ("real-ur10", "real-irb120", "real-imu", "real-gears", "real-paths")
-"""Sections on measurements of real arms, in the order of the report."""
 DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
@@ -50,14 +51,52 @@ class ReportOptions(Common):
     """Folder with the sets of measurements of real arms, for `real` (docs/real.md)."""
 
 
+@options
+@dataclass(frozen=True, kw_only=True)
+class JointCfg:
+    """Another joint, design or law in the figures of chapter 8, which are then not compared."""
+
+    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ()
+    """Numbers of the joint and its controller, KEY=VALUE in SI units: Jm, Ja (inertias), rg
+    (ratio, below 1), k, d (spring), fm (friction), kt; Kp, Kd, Tf [default: Table 8.1, (8.11)]."""
+    gamma: float = 0.9
+    """Gain of the heuristic law."""
+    delta: int = 5
+    """Its shift [samples of 10 ms]."""
+    cutoff: float = 17.0
+    """Cutoff of Q [Hz], where one design learns."""
+    law: str | None = None
+    """Law in its place in 8.4, 8.5, 8.8 to 8.12, algorithms and friction: as --laws of armside
+    learn, such as norm-optimal or file.py:Name."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.gamma <= 100.0:
+            raise ValueError(f"gamma must be > 0 and at most 100, got {self.gamma:g}")
+        if not 1 <= self.delta <= 100:
+            raise ValueError(f"delta must be 1 to 100 samples, got {self.delta}")
+        if not 0.1 <= self.cutoff <= 49.0:
+            raise ValueError(f"cutoff must be 0.1 to 49 Hz, got {self.cutoff:g}")
+
+    def study(self) -> "Study | None":
+        """Joint and design; None: those of the thesis."""
+        if self == JointCfg():
+            return None
+        from ..workbench.two_mass import study_of
+
+        return study_of(self.joint, self.gamma, self.delta, self.cutoff, self.law)
+
+
 _IDS = (
-    "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]; real, for "
-    "measurements of real arms, with --data."
+    "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]; by name "
+    "alone F07, 9-map, 9-effects, and on the joint of chapter 8 nyquist, why-q, algorithms, "
+    "robustness, friction; real, for measurements of real arms, with --data."
 )
 Ids = Annotated[str, Parameter(help=_IDS)]
 
 
-def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
+def reproduce(
+    *ids: Ids, cfg: JointCfg = JointCfg(), common: ReportOptions = ReportOptions()
+) -> None:
     """Make figures and numbers of the thesis again and compare them, in one report.
 
     Writes report.html, which needs no network, report.md with figures/, and report.json. What an
@@ -65,13 +104,13 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
     """
     report = Report(common)
     with checking_input():
-        parts = _parts(ids, common)
+        parts = _parts(ids, cfg, common)
         folder = ReportFolder(common.out or RUNS / "report")
     store = Store(folder.results)
     wanted = [job for part in parts.values() for job in part.jobs]
     jobs = missing(wanted, store)
     n_known = len({store.file(job) for job in wanted}) - len(jobs)
-    config = summary("reproduce", {"ids": list(parts)}, common)["config"]
+    config = summary("reproduce", {"ids": list(parts)} | _changed(cfg), common)["config"]
     versions = {program: str(number) for program, number in config["versions"].items()}
     folder.begin(config)
     total = sum(job.cost for job in jobs) + DRAWING * len(parts)
@@ -84,36 +123,60 @@ def reproduce(*ids: Ids, common: ReportOptions = ReportOptions()) -> None:
                 run_batch(missing(later, store), store, workers=workers)
             for name, part in parts.items():
                 section = part.draw(store.load, folder.figures)
-                call = f"`armside reproduce {name}{_of_data(name)} --seed {config['seed']}`"
+                call = f"`armside reproduce {name}{_options(name, cfg)} --seed {config['seed']}`"
                 folder.keep(replace(section, id=name, made_with={"Made by": call} | versions))
                 step(DRAWING)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; what is finished is kept in {folder.path}, repeat the command to go on"
         ) from None
-    order = [entry.id for entry in entries.ENTRIES] + [*REAL]
-    sections = folder.sections(order)
+    sections = folder.sections(entries.order())
     _write_pages(folder, sections, config)
     _print(report, [section for section in sections if section.id in parts])
     report.line(f"{len(jobs)} experiments run, {n_known} known from before.")
     report.line(f"Report in {folder.path / 'report.html'}")
 
 
-def _parts(ids: Sequence[str], common: ReportOptions) -> dict[str, Part]:
-    """Parts of the sections of these names; those on real arms are imported when asked for."""
-    real = [id for id in ids if id == "real" or id in REAL]
-    others = [id for id in ids if id not in real]
-    chosen = [] if real and not others else entries.select(others)
-    parts = {entry.id: entry.load()(common.seed) for entry in chosen}
-    if real:
-        from ..thesis import measured
+def _parts(ids: Sequence[str], cfg: JointCfg, common: ReportOptions) -> dict[str, Part]:
+    """Parts of the sections of these names; of a chapter on real arms those whose files are there.
 
-        parts |= measured.parts(real, common.data, common.seed)
+    Raises InputError for names and options that are not allowed, and where no part is left.
+    """
+    asked, parts = Asked(common.seed, common.data, cfg.study()), dict[str, Part]()
+    chosen = entries.select(ids)
+    if asked.study is not None:
+        of_joint = {entry.id for entry in entries.chapters()["8"]}
+        if others := [entry.id for entry in chosen if entry.id not in of_joint]:
+            text = "joint, gamma, delta, cutoff and law are of the figures of chapter 8"
+            raise InputError(f"{text}, not of {others[0]}")
+    absent: InputError | None = None
+    for entry in chosen:
+        try:
+            parts[entry.id] = entry.make(asked)
+        except AbsentError as error:
+            if entry.id in ids:
+                raise
+            absent = error
+    if not parts and absent is not None:
+        raise absent
     return parts
 
 
-def _of_data(name: str) -> str:
-    return " --data FOLDER" if name in REAL else ""
+def _changed(cfg: JointCfg) -> dict[str, Any]:
+    """Options of a joint that are not the default."""
+    own, usual = vars(cfg), vars(JointCfg())
+    return {name: value for name, value in own.items() if value != usual[name]}
+
+
+def _options(name: str, cfg: JointCfg) -> str:
+    """Options with which a section is made again."""
+    if name.startswith(f"{entries.REAL}-"):
+        return " --data FOLDER"
+    words = (
+        f" --{key} {' '.join(value) if isinstance(value, tuple) else value}"
+        for key, value in _changed(cfg).items()
+    )
+    return "".join(words)
 
 
 def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str, Any]) -> None:

@@ -18,8 +18,7 @@ from . import imu as figures
 
 def write_runs(results: Sequence[ImuResult], folder: RunFolder, config: dict[str, Any]) -> None:
     """Write signals.parquet, robot.xml, imu.parquet, replay.rrd and the figures of each program."""
-    from armside.sim.imu.replay import write_imu_replay
-    from armside.sim.imu.signals import write_imu_signals
+    from armside.sim.imu.replay import write_imu_replay, write_imu_signals
 
     runs = [RecordedRun(k=k, recording=one.run.recording) for k, one in enumerate(results)]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])

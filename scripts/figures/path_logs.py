@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.path_logs import AtSpeed, PathComparison
+from armside.sim.recordings.paths import AtSpeed, PathComparison
 
 from ..shell.console import Report
 from .laser import COLORS, INK, REFERENCE, new_figure, save

@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.gears.imu_alignment import ImuAlignment
 from armside.sim.imu.evaluation import WINDOW
-from armside.sim.imu.recorded import RecordedImu
-from armside.sim.imu.repeatability import mounting, repeatability, scale
+from armside.sim.imu.recorded import RecordedImu, mounting, repeatability, scale
+from armside.sim.recordings.alignment.imu import ImuAlignment
 from armside.sim.records.run_folder import RunFolder
 
 from ..shell.console import Report

@@ -15,7 +15,7 @@ from armside.sim.evaluation.check import Table
 
 from . import two_mass_designs as designs
 from .laser import COLORS, INK, REFERENCE, save
-from .two_mass_panels import THESIS, decibel, finish, panels
+from .two_mass_designs import THESIS, decibel, finish, panels
 
 SHOWN = (0, 1, 2, 5)
 """Iterations of the time signals."""

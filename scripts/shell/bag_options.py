@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Group, Parameter
 
-from armside.sim.measured.bags import BagTopics
+from armside.sim.recordings.bags import BagTopics
 
 from .options import options
 

@@ -17,10 +17,10 @@ from armside.sim.robot.flexibility import Flexibility
 
 from ..figures import imu as figures
 from ..jobs.store import Result
-from . import chapter5_checks as checks
+from . import imu_checks as checks
+from .imu_checks import differences
 from .imu_job import ImuJob, RestJob
-from .report import Part, Read, Section
-from .toolboxes import differences
+from .report import Asked, Entry, Part, Read, Section
 
 Drawn = tuple[str, Sequence[str], Sequence[Check], Sequence[Table]]
 """Caption, names of figures, checks and tables of a section."""
@@ -44,23 +44,29 @@ MOTIONS = {
     checks.RIGID: ImuJob(experiment=RIGID),
 }
 ONE_BY_ONE = [ImuJob(experiment=e, program=i) for e in (SEQUENTIAL, UNAIDED) for i in (0, 1)]
+ENTRIES: list[Entry] = []
+"""Sections in the order of the report."""
 PARTS = {"slow circle": SLOW_CIRCLE, "fast circle": FAST_CIRCLE, "rectangle": RECTANGLE}
 
 
 def _section(
-    id: str, title: str, *jobs: ImuJob | RestJob
-) -> Callable[[Draw], Callable[[int], Part]]:
-    """Decorator: a section's part, by its seed, from a function that draws the jobs' results."""
+    id: str, title: str, *jobs: ImuJob | RestJob, also: tuple[str, ...]
+) -> Callable[[Draw], Draw]:
+    """Decorator: adds a section, from a function that draws the jobs' results."""
 
-    def part(draw: Draw, seed: int) -> Part:
-        seeded = [replace(job, seed=seed) for job in jobs]
+    def added(draw: Draw) -> Draw:
+        def make(asked: Asked) -> Part:
+            seeded = [replace(job, seed=asked.seed) for job in jobs]
 
-        def section(read: Read, folder: Path) -> Section:
-            return Section(id, title, *draw(folder, *map(read, seeded)))
+            def section(read: Read, folder: Path) -> Section:
+                return Section(id, title, *draw(folder, *map(read, seeded)))
 
-        return Part(seeded, section)
+            return Part(seeded, section)
 
-    return lambda draw: lambda seed: part(draw, seed)
+        ENTRIES.append(Entry(id, make, also))
+        return draw
+
+    return added
 
 
 def _grid(title: str, rows: Iterable[tuple[str, Array]], columns: Sequence[str] = "xyz") -> Table:
@@ -74,7 +80,7 @@ def _by_processing(title: str, result: Result, name: str) -> Table:
     return replace(_grid(title, rows), columns=["processed", *"xyz"])
 
 
-@_section("5.2", "Fig. 5.2: acceleration at rest, motors off and on", REST)
+@_section("5.2", "Fig. 5.2: acceleration at rest, motors off and on", REST, also=("E02",))
 def rest(folder: Path, result: Result) -> Drawn:
     off = REST.experiment.off
     figures.rest(folder / "5.2.png", result["time"], result["acceleration"], off)
@@ -94,7 +100,7 @@ def rest(folder: Path, result: Result) -> Drawn:
     )
 
 
-@_section("5.3", "(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links")
+@_section("5.3", "(5.1), Fig. 5.3, Table 5.1: the IMU as two constant links", also=("E01",))
 def mounting(folder: Path) -> Drawn:
     cell, zero = BASE.cell, np.zeros((1, 6))
     T_base_tool, T_base_imu = (
@@ -117,7 +123,7 @@ def mounting(folder: Path) -> Drawn:
     )
 
 
-@_section("synchronisation", "5.3.1: synchronisation of the clocks", MOVING)
+@_section("synchronisation", "5.3.1: synchronisation of the clocks", MOVING, also=("E04",))
 def synchronisation(folder: Path, result: Result) -> Drawn:
     early = result["time"] < result["since"]
     names = ("best_angular_velocity_measured", "best_angular_velocity_predicted")
@@ -136,7 +142,7 @@ def synchronisation(folder: Path, result: Result) -> Drawn:
     )
 
 
-@_section("5.4", "Fig. 5.4: sequential motion, two experiments", *ONE_BY_ONE)
+@_section("5.4", "Fig. 5.4: sequential motion, two experiments", *ONE_BY_ONE, also=("E05",))
 def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Drawn:
     files = ["5.4-arm.png", "5.4-wrist.png"]
     for file, result in zip(files, (arm, wrist), strict=True):
@@ -156,7 +162,7 @@ def sequential(folder: Path, arm: Result, wrist: Result, *without: Result) -> Dr
     )
 
 
-@_section("5.5", "Figs. 5.5 and 5.6: simultaneous motion", MOVING)
+@_section("5.5", "Figs. 5.5 and 5.6: simultaneous motion", MOVING, also=("E03", "E06", "5.6"))
 def simultaneous(folder: Path, result: Result) -> Drawn:
     angle = result["motor_angle"]
     figures.motor_angles(folder / "5.5.png", result["log_time"], angle)
@@ -172,7 +178,7 @@ def simultaneous(folder: Path, result: Result) -> Drawn:
     )
 
 
-@_section("5.7", "Fig. 5.7: position of the tool", *MOTIONS.values())
+@_section("5.7", "Fig. 5.7: position of the tool", *MOTIONS.values(), also=("E07",))
 def position(folder: Path, *runs: Result) -> Drawn:
     results = dict(zip(MOTIONS, runs, strict=True))
     files = ["5.7-arm.png", "5.7-wrist.png", "5.7-simultaneous.png"]
@@ -188,7 +194,7 @@ def position(folder: Path, *runs: Result) -> Drawn:
         "under gravity even at rest. On the angles of (5.13) the thesis compares toolboxes, and "
         "finds differences in the magnitude of 1e-15.",
         files,
-        [*checks.distances(results), checks.toolboxes(peers)],
+        [*checks.distances(results), checks.toolbox_poses(peers)],
         [
             _grid("Tool to D-H, largest in each direction [mm]", zip(MOTIONS, apart, strict=True)),
             Table(
@@ -200,7 +206,7 @@ def position(folder: Path, *runs: Result) -> Drawn:
     )
 
 
-@_section("5.8", "Fig. 5.8: angular velocity of the IMU", MOVING)
+@_section("5.8", "Fig. 5.8: angular velocity of the IMU", MOVING, also=("E08",))
 def angular_velocity(folder: Path, result: Result) -> Drawn:
     figures.angular_velocity(folder / "5.8.png", *_both_sides(result, "angular_velocity"))
     title = "Angular velocity, measured minus predicted, RMS [rad/s]"
@@ -216,7 +222,7 @@ def angular_velocity(folder: Path, result: Result) -> Drawn:
     )
 
 
-@_section("5.9", "Fig. 5.9: linear acceleration of the IMU", MOVING)
+@_section("5.9", "Fig. 5.9: linear acceleration of the IMU", MOVING, also=("E09",))
 def acceleration(folder: Path, result: Result) -> Drawn:
     figures.acceleration(folder / "5.9.png", *_both_sides(result, "acceleration"))
     title = "Acceleration, measured minus predicted, RMS [m/s²]"
@@ -235,7 +241,9 @@ def _both_sides(result: Result, name: str) -> list[Array]:
     return [result[key][late] for key in ("time", f"{name}_measured", f"{name}_predicted")]
 
 
-@_section("5.10", "Fig. 5.10: RMS of the acceleration error along the motion", MOVING)
+@_section(
+    "5.10", "Fig. 5.10: RMS of the acceleration error along the motion", MOVING, also=("E10",)
+)
 def error_along(folder: Path, result: Result) -> Drawn:
     late = result["time"] >= result["since"]
     shown = {name: PROCESSED[name] for name in ("default", "as in the thesis")}

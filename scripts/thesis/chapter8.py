@@ -5,15 +5,16 @@ value of another implementation of its equations, with a tolerance for their dif
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from armside.ilc.analysis import largest_gamma
-from armside.ilc.two_mass_study import SHIFTS
+from armside.ilc.two_mass_study import SHIFTS, Study
 from armside.sim.evaluation.check import Check, Table
 
 from ..figures.two_mass import AS_STATED, AT_THESIS_SHIFT, FIGURES, ONE_LESS, THESIS_SHIFT
-from ..figures.two_mass_panels import LOOP
-from .report import Part, Section
+from ..figures.two_mass_designs import LOOP
+from .report import Asked, Entry, Part, Section
 
 GRID_STEP = 0.0022
 """Step of the frequencies of Fig. 8.3 near 1.2 Hz [Hz]."""
@@ -36,16 +37,39 @@ NOT_DELTA_5 = (
 )
 
 Compare = Callable[[Table], Sequence[Check]]
+ENTRIES: list[Entry] = []
+"""Sections in the order of the report."""
 
 
-def _section(name: str, title: str, caption: str) -> Callable[[Compare], Callable[[int], Part]]:
-    """Make a part, by seed, of a comparison: the figure is drawn, and its table compared."""
+def _section(name: str, row: str, title: str, caption: str) -> Callable[[Compare], Compare]:
+    """Decorator: adds a figure whose table is compared; with other numbers it is only drawn."""
 
-    def draw(compare: Compare, seed: int, folder: Path) -> Section:
-        table, heading = FIGURES[name](folder / f"{name}.png", seed), f"Fig. {name}: {title}"
-        return Section(name, heading, caption, [f"{name}.png"], compare(table), [table])
+    def added(compare: Compare) -> Compare:
+        def drawn(asked: Asked, folder: Path) -> Section:
+            heading, files = f"Fig. {name}: {title}", [f"{name}.png"]
+            if asked.study is not None and not asked.study.is_thesis:
+                return _beyond(name, heading, asked, folder)
+            table = FIGURES[name](folder / files[0], asked.seed)
+            return Section(name, heading, caption, files, compare(table), [table])
 
-    return lambda compare: lambda seed: Part([], lambda _, folder: draw(compare, seed, folder))
+        ENTRIES.append(Entry(name, _part(drawn), (row,)))
+        return compare
+
+    return added
+
+
+def _beyond(name: str, title: str, asked: Asked, folder: Path) -> Section:
+    """A figure that the thesis does not have, or of another joint, design or law."""
+    study = asked.study or Study()
+    table = FIGURES[name](folder / f"{name}.png", asked.seed, study)
+    numbers = "Joint and design of the thesis."
+    if not study.is_thesis:
+        numbers = f"Not the numbers of the thesis: {study.design}; {study.loop.joint}."
+    return Section(name, title, numbers, [f"{name}.png"], tables=[table])
+
+
+def _part(draw: Callable[[Asked, Path], Section]) -> Callable[[Asked], Part]:
+    return lambda asked: Part([], lambda _, folder: draw(asked, folder))
 
 
 def _computed(id: str, what: str, thesis: str, ours: float, value: float, off: float) -> Check:
@@ -60,6 +84,7 @@ def _norm(id: str, statement: str, thesis: str, ours: float, value: float) -> Ch
 
 @_section(
     "8.3",
+    "S01",
     "the discrete joint",
     "From voltage to motor angle, from motor to arm angle, and both together. The motor has a "
     "notch where the arm has its peak: the zeros of the one are the poles of the other. The "
@@ -82,6 +107,7 @@ def joint(table: Table) -> list[Check]:
 
 @_section(
     "8.4",
+    "S02",
     "the arm reference",
     "A smoothed step: constant acceleration, then the same deceleration. The thesis prints "
     "neither its start nor its length; here it begins at 1 s and takes 0.8 s.",
@@ -93,6 +119,7 @@ def reference(table: Table) -> list[Check]:
 
 @_section(
     "8.5",
+    "S02",
     "tracking without learning",
     "Feedback alone: both sides lag behind their references. The motor turns five times as far "
     "as the arm, which is the gear ratio.",
@@ -111,6 +138,7 @@ def tracking(table: Table) -> list[Check]:
 
 @_section(
     "8.6",
+    "S03",
     "the convergence criterion",
     "Each solid curve must stay below the dashed curve of the filter that is used. With Q = 1 "
     "the bound is 0 dB, and every shift crosses it. The thesis draws filters of about 11, 22 "
@@ -136,6 +164,7 @@ def criterion(table: Table) -> list[Check]:
 
 @_section(
     "8.7",
+    "S04",
     "the admissible gain over shift and cutoff",
     "The largest gain that meets the criterion, times the static gain, so that both sides compare. "
     "Learning from the arm angle is harder: its response has a peak near 1 Hz, and only a filter "
@@ -175,6 +204,7 @@ def admissible_gain(table: Table) -> list[Check]:
 
 @_section(
     "8.8",
+    "S05",
     "500 iterations without and with Q",
     "Without Q the error falls below its limit with a filter, and then grows without bound. With "
     "Q it converges, to a larger limit the lower the cutoff. The distance from the limit shrinks "
@@ -214,6 +244,7 @@ def _signals(table: Table, first: int, side: str, says: str, by_k: dict[int, flo
 
 @_section(
     "8.9",
+    "S06",
     "the motor angle while it learns",
     "Motor angle and reference above, their difference below, before learning and after one, "
     "two and five updates with a gain of 0.9, a shift of 5 and 17 Hz.",
@@ -225,6 +256,7 @@ def motor_signals(table: Table) -> list[Check]:
 
 @_section(
     "8.10",
+    "S06",
     "the arm angle while the motor learns",
     "The arm angle of the same runs. The filter from the arm reference to the motor reference is "
     "exact, so the arm improves with the motor. The residual is due to the one sample of delay "
@@ -236,6 +268,7 @@ def arm_signals(table: Table) -> list[Check]:
 
 @_section(
     "8.11",
+    "S06",
     "a wrong model of the arm",
     "The filter from arm to motor reference now assumes twice the actual stiffness. The motor "
     "learns as before; the arm, which is not measured, gains little. This is the reason for the "
@@ -263,6 +296,7 @@ def model_error(table: Table) -> list[Check]:
 
 @_section(
     "8.12",
+    "S06",
     "the arm angle with a wrong model",
     "The arm oscillates before learning and after it: the correction removes the slow part of the "
     "error, and the oscillation does not appear in the motor angle.",
@@ -276,3 +310,10 @@ def arm_signals_with_error(table: Table) -> list[Check]:
         overshoot("S06.10", 0, "oscillates", 0.1555),
         overshoot("S06.11", 500, "not sufficiently reduced", 0.1456),
     ]
+
+
+ENTRIES += [
+    Entry(name, _part(partial(_beyond, name, f"On the joint of chapter 8: {name}")), alone=True)
+    for name in FIGURES
+    if name not in {entry.id for entry in ENTRIES}
+]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from armside.sim.records.summary import dumps, plain
 
 from ..jobs.store import Job, Result
 from ..shell.errors import InputError
+
+if TYPE_CHECKING:
+    from armside.ilc.two_mass_study import Study
 
 MARKER = "report.json"
 KIND = "armside report"
@@ -48,6 +51,33 @@ class Part:
     """Called with a reader of results and the folder for figures."""
     follow_up: Callable[[Read], Sequence[Job]] | None = None
     """Further jobs that depend on the results of the first."""
+
+
+class AbsentError(InputError):
+    """A set of measurements is not in the folder of data."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What sections are made of, beside the thesis."""
+
+    seed: int = 0
+    data: Path | None = None
+    """Folder with the sets of measurements of real arms."""
+    study: "Study | None" = None
+    """Other joint, design or law for chapter 8."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One section that can be asked for."""
+
+    id: str
+    make: Callable[[Asked], Part]
+    also: tuple[str, ...] = ()
+    """Other names: rows of the map, equations."""
+    alone: bool = False
+    """Only made by its own name: it takes minutes, or the thesis does not have it."""
 
 
 class ReportFolder:

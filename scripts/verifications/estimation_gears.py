@@ -16,8 +16,7 @@ from armside.kinematics.robot_file import GearTerm
 from armside.sim.cell import LARGE_CELL
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.gears import VIRTUAL, GearAnalysis, analyse
-from armside.sim.gears.found import Discrepancy, discrepancies
-from armside.sim.gears.virtual_run import RUNS, recorded
+from armside.sim.gears.virtual_run import RUNS, Discrepancy, discrepancies, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.notes import notes

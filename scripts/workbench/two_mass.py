@@ -1,4 +1,4 @@
-"""Joint, design and law of `armside two-mass` from words."""
+"""Joint, design and law of the figures of chapter 8 from words."""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace

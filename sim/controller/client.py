@@ -10,7 +10,7 @@ from .messages import Answer, State, WireError
 from .server import LARGEST, Address
 
 
-class Link(Protocol):
+class Connection(Protocol):
     """A connection with a controller."""
 
     additive: bool

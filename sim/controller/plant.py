@@ -7,7 +7,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.records import records
 
-from .client import Link
+from .client import Connection
 from .controller import VirtualController
 from .limits import GuidanceLimits
 from .messages import Answer, Phase, State, degrees, radians
@@ -60,7 +60,7 @@ class StreamedPlant:
     sent then.
     """
 
-    link: Link
+    link: Connection
     path: Array
     """r, shape (N, n) [rad], one sample each period."""
     limits: GuidanceLimits | None = None
@@ -204,7 +204,7 @@ MOST_WAITED = 100_000
 """Messages until the robot is at rest."""
 
 
-def program_of(link: Link, seconds: float = 600.0) -> Array:
+def program_of(link: Connection, seconds: float = 600.0) -> Array:
     """The controller's program (N, n) [rad], listened to in one run without correction.
 
     Raises TimeoutError when no controller speaks, LostError for a program that does not move or

@@ -6,7 +6,7 @@ import pyarrow as pa
 
 from ..cut.notes import motion_notes
 from ..cut.tool_motion import ToolMotion
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import beam
 from ..notes import Cause, Note, together
 from ..records.signals import Signals
 from ..records.tables import TRUTH_VALUE

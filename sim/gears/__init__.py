@@ -14,6 +14,6 @@ from .analysis import analyse as analyse
 from .coverage import Coverage as Coverage
 from .coverage import coverage as coverage
 from .coverage import coverage_notes as coverage_notes
-from .excitation import Excitation as Excitation
 from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission
+from .virtual_run import Excitation as Excitation

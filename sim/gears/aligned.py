@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
-from ..measured.motion import MotionRecording
-from .imu_alignment import ImuAlignment, align_imu
-from .joint_motion import RATE, JointMotion, joint_motion
-from .motor_check import check_motors
+from ..recordings.alignment.checks import check_motors
+from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_motion
+from ..recordings.alignment.imu import ImuAlignment, align_imu
+from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
+from ..recordings.recording import MotionRecording
 from .observation import Observation
-from .tracker_alignment import TrackerAlignment, align_tracker
 
 Sensor = Literal["imu", "tracker"]
 EDGE = 1.5
@@ -32,7 +32,7 @@ class Aligned:
     """A recording, its motion by the encoders, and the constants of its sensors."""
 
     recording: MotionRecording
-    motion: JointMotion
+    motion: EncoderMotion
     imu: ImuAlignment | None
     tracker: TrackerAlignment | None
 
@@ -118,7 +118,7 @@ def align(robot: CompiledRobot, recording: MotionRecording) -> Aligned:
         ValueError: a sensor did not see this motion, or its units are wrong; names the recording.
     """
     try:
-        motion = joint_motion(robot, recording.encoders)
+        motion = encoder_motion(robot, recording.encoders)
         imu = None
         if recording.imu is not None:
             check_motors(robot, motion, recording.imu)

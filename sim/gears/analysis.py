@@ -9,12 +9,19 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
-from ..measured.motion import MotionRecording
-from ..measured.plausible import check_angles, check_times
+from ..recordings.alignment.encoder_motion import RATE
+from ..recordings.recording import MotionRecording, check_angles, check_times
 from .aligned import SHORTEST, Aligned, Sensor, align
-from .bands import InBand, Spectra, in_bands, spectra
-from .joint_motion import RATE
-from .judgement import Remaining, judged_rows, remaining, sensor_ratio
+from .judgement import (
+    InBand,
+    Remaining,
+    Spectra,
+    in_bands,
+    judged_rows,
+    remaining,
+    sensor_ratio,
+    spectra,
+)
 from .learning import CANDIDATES, Course
 from .observation import Observation
 from .scan import Scan, resolution

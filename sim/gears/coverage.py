@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measured.motion import Stream
-from ..measured.plausible import SHORTEST
+from ..recordings.alignment.encoder_motion import RATE
+from ..recordings.recording import SHORTEST, Stream
 from .aligned import Aligned
-from .joint_motion import RATE
 from .learning import CHANCE
 from .scan import SMALLEST
 

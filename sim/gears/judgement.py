@@ -1,5 +1,6 @@
 """Judgement of a transmission error on a recording that it was not learned from."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,8 +8,8 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
+from ..recordings.alignment.encoder_motion import RATE, bandpass
 from .aligned import EDGE, Aligned
-from .joint_motion import RATE, bandpass
 from .observation import Observation
 from .transmission import Transmission
 
@@ -65,3 +66,82 @@ def remaining(
 
 def _rms(x: Array) -> Array:
     return np.sqrt((x**2).mean(axis=0))
+
+
+BANDS = ((0.7, 2.0), (2.0, 4.0), (4.0, 8.0), (8.0, 12.0), (12.0, 16.0))
+"""[Hz] In which an estimate is stated beside the band of judgement."""
+SEGMENT = 5.12
+"""[s] Of a spectrum's averages."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InBand:
+    """Error of the tool that a tracker sees in one band, all axes."""
+
+    band: tuple[float, float]
+    """[Hz]."""
+    rms: float
+    """[m], root mean square of the distance, by encoders alone."""
+    floor: float
+    """[m], noise of the tracker, in the same measure."""
+    gears: float
+    """RMS with the transmission error over RMS without."""
+    fused: float | None
+    """The same with the IMU smoothed in; None without IMU."""
+
+    def beyond_floor(self, ratio: float) -> float:
+        """The ratio after the noise of the tracker, that no estimate can remove, is taken off."""
+        noise = (self.floor / self.rms) ** 2
+        return float(np.sqrt(max(0.0, ratio**2 - noise) / max(1.0 - noise, np.finfo(float).eps)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spectra:
+    """Amplitude densities of the tool's error by a tracker, (F,) [m/sqrt(Hz)], all axes."""
+
+    frequency: Array
+    encoders: Array
+    gears: Array
+    fused: Array | None
+
+
+def in_bands(
+    residual: Array,
+    gears: Array,
+    fused: Array | None,
+    rows: NDArray[np.bool_],
+    bands: Sequence[tuple[float, float]] = BANDS,
+) -> tuple[InBand, ...]:
+    """What the estimates (M, 3) [m] leave of a tracker's residual (M, 3) [m] in each band."""
+
+    def one(band: tuple[float, float]) -> InBand:
+        left = remaining(residual, gears, rows, band)
+        both = None if fused is None else remaining(residual, fused, rows, band).pooled
+        return InBand(
+            band=band,
+            rms=_distance(left.rms),
+            floor=_distance(left.floor),
+            gears=left.pooled,
+            fused=both,
+        )
+
+    return tuple(one(band) for band in bands)
+
+
+def spectra(residual: Array, gears: Array, fused: Array | None, rows: NDArray[np.bool_]) -> Spectra:
+    """Spectra of a tracker's residual and of what the estimates leave of it."""
+    frequency, encoders = _density(residual[rows])
+    both = None if fused is None else _density((residual - fused)[rows])[1]
+    gear = _density((residual - gears)[rows])[1]
+    return Spectra(frequency=frequency, encoders=encoders, gears=gear, fused=both)
+
+
+def _density(x: Array) -> tuple[Array, Array]:
+    from scipy.signal import welch
+
+    frequency, power = welch(x, RATE, nperseg=int(SEGMENT * RATE), detrend="linear", axis=0)
+    return np.asarray(frequency), np.sqrt(power.sum(axis=1))
+
+
+def _distance(axes: Array) -> float:
+    return float(np.linalg.norm(axes))

@@ -9,8 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .elasticity import softened
-from .fit import Normal, chosen, fit, normal
+from .fit import Normal, chosen, fit, normal, softened
 from .observation import Observation
 from .scan import COARSE, Candidate, Scan, grids, peaks, refined, scan
 from .transmission import Transmission

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .imu_alignment import GRAVITY
+from ..recordings.alignment.imu import GRAVITY
 
 Spectrum = NDArray[Any]
 """Complex, frequency first."""
@@ -156,11 +156,8 @@ class Observation:
         """(B, c), smoothed amplitude of the noise."""
         known = 0.0 if self.explained is None else self.explained
         power = np.abs(self._spectrum_of_residual - known) ** 2
-        half = max(1, int(0.5 * SMOOTHED / self.sampling * len(self._window)))
-        padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
-        kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
-        smooth = [np.convolve(column, kernel, "valid") for column in padded.T]
-        return np.sqrt(np.column_stack(smooth)).astype(np.float32)
+        half = int(0.5 * SMOOTHED / self.sampling * len(self._window))
+        return np.sqrt(smoothed(power, half)).astype(np.float32)
 
     def reweighted(self, weighted: Spectrum) -> "Observation":
         """The same with its noise taken from what a model (B, c), weighted, leaves of it.
@@ -177,6 +174,14 @@ class Observation:
         whole[self._bins] = spectrum
         out: Any = irfft(whole, len(self._window), axis=0)
         return out
+
+
+def smoothed(power: Array, half: int) -> Array:
+    """Moving mean of the columns of a power (F, c) over 2 half + 1 lines, mirrored at the ends."""
+    half = max(1, half)
+    padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
+    kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
+    return np.column_stack([np.convolve(column, kernel, "valid") for column in padded.T])
 
 
 def as_real(spectrum: Spectrum) -> NDArray[Any]:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
+from ..recordings.alignment.encoder_motion import RATE
+from ..recordings.alignment.imu import GRAVITY
 from .aligned import Aligned
-from .imu_alignment import GRAVITY
-from .joint_motion import RATE
+from .observation import smoothed
 from .transmission import Transmission
 
 QUIET = (3.0, 5.5)
@@ -55,7 +56,7 @@ def vibration(aligned: Aligned, found: Transmission) -> Array:
     f = np.asarray(rfftfreq(len(motion.time), 1.0 / RATE), dtype=np.float64)
     a = np.asarray(a) - _of_gears(aligned, found, window, f)
     inside = (f >= BAND[0]) & (f <= BAND[1])
-    power = _smooth(np.abs(a) ** 2, int(SMOOTHED * len(motion.time) / RATE))
+    power = smoothed(np.abs(a) ** 2, int(SMOOTHED * len(motion.time) / RATE) // 2)
     noise = power[(f >= QUIET[0]) & (f <= QUIET[1])].mean(axis=0)
     W = np.clip(1.0 - noise / np.maximum(power, np.finfo(float).tiny), 0.0, 1.0)
     omega = 2.0 * np.pi * np.maximum(f, BAND[0])[:, None]
@@ -90,10 +91,3 @@ def _undisturbed(residual: Array) -> Array:
     near = np.convolve(shock, np.ones(4 * width + 1), "same") > 0.0
     fade = np.hanning(2 * width + 1)
     return 1.0 - np.convolve(near, fade / fade.sum(), "same")
-
-
-def _smooth(power: Array, width: int) -> Array:
-    half = max(1, width // 2)
-    padded = np.pad(power, ((half, half), (0, 0)), mode="reflect")
-    kernel = np.full(2 * half + 1, 1.0 / (2 * half + 1))
-    return np.column_stack([np.convolve(column, kernel, "valid") for column in padded.T])

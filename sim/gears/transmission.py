@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .joint_motion import JointMotion
+from ..recordings.alignment.encoder_motion import EncoderMotion
 
 CONFIDENCE = 1.96
 """Standard deviations of a 95 % interval."""
@@ -54,7 +54,7 @@ class Transmission:
             error[:, joint] += a * np.sin(order * phi[:, joint]) + b * np.cos(order * phi[:, joint])
         return error
 
-    def tool_error(self, motion: JointMotion, target: Array) -> Array:
+    def tool_error(self, motion: EncoderMotion, target: Array) -> Array:
         """(M, 3, n) [m], displacement of a point of the tool by the error of each joint."""
         return motion.point_jacobian(target) * self(motion.phi)[:, None, :]
 

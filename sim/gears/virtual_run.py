@@ -3,13 +3,14 @@
 The individual, its IMU and its tracker are those that `armside laser` draws with the same seed.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Robot, compile
+from armside.kinematics import Limits, Robot, compile
 
 from ..cell import Cell, ToolPose
 from ..cut.tool_motion import joint_reference
@@ -17,8 +18,75 @@ from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..laser.plant import Pass
 from ..laser.rig import rig
 from ..laser.setup import Setup
-from ..measured.motion import MotionRecording, Stream
-from .excitation import Excitation
+from ..recordings.recording import MotionRecording, Stream
+from ..robot.drives import GearError
+from ..robot.virtual_robot import LOG_PERIOD
+from .analysis import GearAnalysis
+from .transmission import Term
+
+SINES = 3
+"""In the motion of each motor."""
+OF_SLIDE = 0.1
+"""Motion of a slide [m] for each radian of other motors. ESTIMATE: strokes are 0.2 m and more."""
+SMALLEST = 0.3
+"""Fraction of the motion that must have room."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """Sums of sines, of other frequencies for each motor."""
+
+    duration: float = 120.0
+    """[s]."""
+    frequency: tuple[float, float] = (0.015, 0.05)
+    amplitude: tuple[float, float] = (0.13, 0.26)
+    """[Hz] and [rad], range of each sine."""
+    ramp: float = 3.0
+    """[s], from rest and to rest."""
+
+    def reference(
+        self,
+        centre: Array,
+        limits: Limits,
+        rng: np.random.Generator,
+        slides: Sequence[bool] | None = None,
+    ) -> Array:
+        """Motor angles (N, n) [rad] at the log rate around `centre` (n,), at rest at both ends.
+
+        Where a joint limit is near, the whole motion is made smaller. slides: (n,), True for each
+        prismatic axis, whose motion is in [m]; none if None.
+
+        Raises ValueError for a centre outside of the limits, or so near that hardly any motion is
+        left; names the axis.
+        """
+        time = np.arange(0.0, self.duration, LOG_PERIOD)
+        motion = np.zeros((len(time), len(centre)))
+        for joint in range(len(centre)):
+            for _ in range(SINES):
+                f, a = rng.uniform(*self.frequency), rng.uniform(*self.amplitude)
+                phase = rng.uniform(0.0, 2.0 * np.pi)
+                motion[:, joint] += a * np.sin(2.0 * np.pi * f * time + phase)
+        ramp = np.clip(time / self.ramp, 0.0, 1.0)
+        ramp = ramp**2 * (3.0 - 2.0 * ramp)
+        motion *= (ramp * ramp[::-1])[:, None]
+        if slides is not None:
+            motion[:, np.array(slides)] *= OF_SLIDE
+        for size in np.arange(1.0, SMALLEST - 0.05, -0.05):
+            if limits.contain(centre + size * motion).all():
+                return centre + size * motion
+        said = _nearest(centre, SMALLEST * motion, limits)
+        raise ValueError(f"{said} too near to a joint limit for a motion that excites gears")
+
+
+def _nearest(centre: Array, motion: Array, limits: Limits) -> str:
+    """The axis that leaves its range farthest, over its range; the pose where only sums do."""
+    over = np.maximum(
+        (centre + motion - limits.upper).max(axis=0), (limits.lower - centre - motion).max(axis=0)
+    )
+    over /= np.subtract(limits.upper, limits.lower)
+    worst = int(over.argmax())
+    return f"axis {worst + 1} of the pose is" if over[worst] > 0.0 else "the pose is"
+
 
 RUNS = 6
 """Of a robot whose gears are to be found."""
@@ -80,3 +148,52 @@ def _recording(run: Pass, name: str) -> MotionRecording:
         tracker=Stream(run.tracker.time[seen], run.tracker.position[seen]),
         form="virtual robot",
     )
+
+
+SEEN = 10e-6
+"""[m], of an axis's contribution at the tool from which on its error must be found."""
+NEAR = 2.0
+"""Periods per turn by which an order may be off and still be that of the gear."""
+PER_MOTOR_TURN = 2
+"""Place of the order of one period per motor turn in a robot's file."""
+
+
+class Discrepancy(NamedTuple):
+    """One axis that moves the tool: contribution [m], and what was found of it."""
+
+    joint: int
+    """From 1."""
+    contribution: float
+    """[m], amplitude of the tool."""
+    amplitude: float
+    """Found over true, less one; NaN where the axis was missed."""
+    phase: float
+    """Found less true at the middle of the travel [rad]; NaN where the axis was missed."""
+
+
+def discrepancies(done: GearAnalysis, truth: GearError) -> tuple[Discrepancy, ...]:
+    """Every axis whose error of one period per motor turn moves the tool by more than `SEEN`."""
+    moved = [np.linalg.norm(one.motion.point_jacobian(one.target), axis=1) for one in done.aligned]
+    arm = np.sqrt((np.concatenate(moved) ** 2).mean(axis=0))
+    middle = np.concatenate([one.motion.phi for one in done.aligned]).mean(axis=0)
+    contribution = arm * np.abs(truth.amplitude[:, PER_MOTOR_TURN])
+    terms = [] if done.found is None else done.found.terms
+    return tuple(
+        _discrepancy(j, float(contribution[j]), terms, truth, middle)
+        for j in np.flatnonzero(contribution > SEEN).tolist()
+    )
+
+
+def _discrepancy(
+    j: int, contribution: float, terms: list[Term], truth: GearError, middle: Array
+) -> Discrepancy:
+    amplitude, order, phase = (
+        float(part[j, PER_MOTOR_TURN]) for part in (truth.amplitude, truth.order, truth.phase)
+    )
+    own = [term for term in terms if term.joint == j + 1 and abs(term.order - order) < NEAR]
+    if not own:
+        return Discrepancy(j + 1, contribution, np.nan, np.nan)
+    term = min(own, key=lambda term: abs(term.order - order))
+    off = term.phase - phase + (term.order - order) * middle[j]
+    off = (off + np.pi) % (2.0 * np.pi) - np.pi
+    return Discrepancy(j + 1, contribution, term.amplitude / amplitude - 1.0, float(off))

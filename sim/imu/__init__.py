@@ -7,26 +7,26 @@ synchronise the clocks, predict, compensate for gravity and offsets, filter both
 SI units; vectors in base axes, accelerations without gravity.
 """
 
-from .causes import causes as causes
-from .compare import Comparison as Comparison
+from .compare import ImuComparison as ImuComparison
+from .compare import clock_offset as clock_offset
 from .compare import compare as compare
 from .compare import moving_rms as moving_rms
-from .differences import Scheme as Scheme
 from .evaluation import Evaluation as Evaluation
 from .evaluation import Measures as Measures
 from .experiment import ImuResult as ImuResult
+from .experiment import causes as causes
 from .experiment import clock_errors as clock_errors
+from .experiment import notes as notes
 from .experiment import prepare as prepare
 from .experiment import reprocessed as reprocessed
 from .experiment import results as results
 from .experiment import run as run
 from .experiment import run_one as run_one
-from .notes import notes as notes
 from .prediction import Order as Order
+from .prediction import Scheme as Scheme
 from .prediction import predict as predict
 from .processing import Compensation as Compensation
 from .processing import ProcessingCfg as ProcessingCfg
 from .specification import ImuExperiment as ImuExperiment
 from .specification import RestExperiment as RestExperiment
-from .synchronise import clock_offset as clock_offset
 from .vibration import run_rest as run_rest

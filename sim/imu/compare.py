@@ -1,5 +1,6 @@
 """Comparison of the measured with the predicted motion of the IMU: thesis 5.1 as one function."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,12 +11,82 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..instruments.imu import ImuSamples
-from ..instruments.sampling import rate_of
+from ..instruments.noise import rate_of
 from . import compensation
-from .differences import Scheme, resample
-from .prediction import Order, Prediction, predict
+from .compensation import cross_matrices
+from .prediction import Order, PredictedMotion, Scheme, predict, resample
 from .processing import Compensation, ProcessingCfg
-from .synchronise import clock_offset
+
+COARSE = 0.01  # Grid of the first search [s], well below the time scale of the rotation
+READING = 0.02  # Standard deviation of a gyro reading about its prediction [rad/s]
+MOUNTING = np.deg2rad(2.0)  # Standard deviation of the gyro's mounting error about each axis [rad]
+
+
+def clock_offset(
+    imu_time: Array,
+    gyro: Array,
+    robot_time: Array,
+    predicted: Array,
+    *,
+    search: float = 0.5,
+    gyro_delay: float = 0.0,
+) -> float:
+    """Robot time when the IMU's clock shows 0 [s].
+
+    Least squares of gyro(t) = predicted(t + offset - gyro_delay) over the offset: on a grid, then
+    by Gauss-Newton steps on a spline, together with the bias and the mounting error of the gyro.
+
+    Args:
+        imu_time: (K,) [s], by the IMU's clock. gyro: (K, 3) [rad/s], its own frame; a small
+        mounting error does no harm. robot_time: (N,) [s], by the robot's clock; the robot rests at
+        both ends. predicted: (N, 3) [rad/s], the same rotation by the motor angles.
+        search: largest offset [s], either sign. gyro_delay: known delay of the gyro's
+        low-pass [s], which the data cannot separate from an offset.
+
+    Raises:
+        ValueError: the sensor does not rotate, or no offset within the search fits.
+    """
+    from scipy.interpolate import CubicSpline
+
+    spread = predicted.std()
+    if not spread > 10.0 * np.finfo(float).eps:
+        raise ValueError("clocks cannot be synchronised: the IMU does not rotate in this record")
+    spline = CubicSpline(robot_time, predicted, bc_type="clamped")
+
+    def at(tau: float, derivative: int = 0) -> Array:
+        t = imu_time + tau
+        inside = (t >= robot_time[0]) & (t <= robot_time[-1])
+        values = spline(np.clip(t, robot_time[0], robot_time[-1]), derivative)
+        return values if derivative == 0 else values * inside[:, np.newaxis]
+
+    grid = np.arange(-search, search + COARSE / 2, COARSE)
+    cost = [np.sum(_centred(gyro - at(tau)) ** 2) for tau in grid]
+    best = int(np.argmin(cost))
+    if best in (0, len(grid) - 1):
+        raise ValueError(f"no clock offset within +-{search:g} s fits; search further")
+    return _refined(float(grid[best]), gyro, at) + gyro_delay
+
+
+def _refined(tau: float, gyro: Array, at: Callable[..., Array]) -> float:
+    """Gauss-Newton over offset, mounting error and bias: gyro = w(t + tau) + w x delta + bias.
+
+    Without delta, a mounting error would appear as an offset wherever the axis of rotation changes.
+    """
+    # Prior of delta relative to the readings' noise: about one axis it is not observable.
+    prior = np.diag([0.0, *np.full(3, (READING / MOUNTING) ** 2)])
+    for _ in range(10):
+        omega, slope = at(tau), at(tau, 1)
+        J = np.concatenate([slope[:, :, np.newaxis], cross_matrices(omega)], axis=2)
+        J = J - J.mean(axis=0)
+        information = np.einsum("kia,kib->ab", J, J) + prior
+        score = np.einsum("kia,ki->a", J, _centred(gyro - omega))
+        tau += float(np.linalg.solve(information, score)[0])
+    return tau
+
+
+def _centred(x: Array) -> Array:
+    return x - x.mean(axis=0)
+
 
 SYNC_CUTOFF = 40.0
 """Low-pass of the encoder's steps before synchronisation, above the motion's content [Hz]."""
@@ -25,7 +96,7 @@ REST_ACCELERATION = 0.2  # [m/s^2]; above what encoder noise predicts at rest
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ImuComparison:
     """Measured and predicted motion of the IMU in base axes, filtered alike.
 
     Angular velocities (K, 3) [rad/s], accelerations (K, 3) [m/s^2] without gravity.
@@ -60,7 +131,7 @@ def compare(
     *,
     offset: float | None = None,
     gravity: Array = compensation.GRAVITY,
-) -> Comparison:
+) -> ImuComparison:
     """Compare IMU samples with the motion that logged motor angles predict.
 
     Args:
@@ -79,7 +150,7 @@ def compare(
     period = 1.0 / rate_of(samples.time)
     low_pass = ZeroPhaseButterworth(cfg.cutoff, period)
 
-    def predicted(delay: float, order: Order, scheme: Scheme) -> Prediction:
+    def predicted(delay: float, order: Order, scheme: Scheme) -> PredictedMotion:
         phi = resample(time, motor_angle, robot_time[inside] - delay)
         return predict(robot, phi, period, low_pass, order=order, scheme=scheme)
 
@@ -101,7 +172,7 @@ def compare(
         a, omega = compensation.mean_removed(a, rest), compensation.mean_removed(omega, rest)
     rates = low_pass(omega), at_rate.angular_velocity
     forces = low_pass(a), at_force.acceleration
-    return Comparison(robot_time[inside], *rates, *forces, offset)
+    return ImuComparison(robot_time[inside], *rates, *forces, offset)
 
 
 def find_offset(
@@ -120,7 +191,7 @@ def find_offset(
     return clock_offset(samples.time, gyro, time, body_rate, search=cfg.search, gyro_delay=delay)
 
 
-def _first_rest(prediction: Prediction, transient: int) -> NDArray[np.bool_]:
+def _first_rest(prediction: PredictedMotion, transient: int) -> NDArray[np.bool_]:
     """Samples before the first motion, (K,), without the transient of the low-pass at the start."""
     rate, acceleration = np.abs(prediction.angular_velocity), np.abs(prediction.acceleration)
     moving = np.hstack((rate > REST_RATE, acceleration > REST_ACCELERATION)).any(axis=1)

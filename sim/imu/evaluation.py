@@ -15,7 +15,7 @@ from ..cell import Cell
 from ..instruments.imu import Imu, ImuSamples
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
-from .compare import Comparison, compare, moving_rms
+from .compare import ImuComparison, compare, moving_rms
 from .compensation import GRAVITY
 from .phases import idle_peaks
 from .processing import ProcessingCfg
@@ -38,7 +38,7 @@ class ImuRun:
 class Evaluation:
     """Measured and predicted motion of one run."""
 
-    comparison: Comparison
+    comparison: ImuComparison
     window_rms: Array
     """(K, 3) [m/s^2], moving RMS of the acceleration error. Thesis Fig. 5.10."""
     tool_predicted: Array
@@ -105,9 +105,9 @@ def measure(
     distance = np.linalg.norm(evaluation.tool - evaluation.tool_predicted, axis=1)
     return Measures(
         since=since,
-        angular_velocity_rms=_rms(omega),
+        angular_velocity_rms=rms(omega),
         angular_velocity_max=np.abs(omega).max(axis=0),
-        acceleration_rms=_rms(a),
+        acceleration_rms=rms(a),
         acceleration_window_max=window.max(axis=0),
         acceleration_window_time=comparison.time[late][window.argmax(axis=0)],
         acceleration_peak=np.abs(comparison.acceleration_measured[late]).max(axis=0),
@@ -134,5 +134,6 @@ def _log_stride(recording: Recording) -> int:
     return round((len(recording.truth.time) - 1) / (len(recording.time) - 1))
 
 
-def _rms(error: Array) -> Array:
+def rms(error: Array) -> Array:
+    """Root mean square of the columns."""
     return np.sqrt(np.mean(error**2, axis=0))

@@ -1,6 +1,6 @@
 """The IMU experiment: plan a motion, run it, compare measured with predicted motion."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -9,14 +9,19 @@ import numpy as np
 from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
+from ..moves.notes import slower_moves
 from ..moves.planner import JointMotion, plan_program
+from ..notes import Cause, Note, together
+from ..robot.flexibility import Flexibility
+from ..robot.limits import saturation
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .compare import find_offset
 from .evaluation import Evaluation, ImuRun, Measures, evaluate, measure, position
 from .phases import RECTANGLE, SLOW_CIRCLE, synchronised_at, under_way
-from .processing import ProcessingCfg
+from .prediction import Order, Scheme
+from .processing import Compensation, ProcessingCfg
 from .specification import ImuExperiment
 
 
@@ -152,3 +157,49 @@ def results(runs: Sequence[ImuResult]) -> dict[str, Any]:
             for k, one in enumerate(runs)
         ],
     }
+
+
+def notes(runs: Sequence[ImuResult]) -> list[Note]:
+    """Notes of all programs, each once with the runs that it concerns."""
+    return together(note.at(k) for k, one in enumerate(runs) for note in _of_run(one))
+
+
+def _of_run(one: ImuResult) -> Iterator[Note]:
+    yield from slower_moves(one.planned.motion)
+    yield from saturation(one.run.recording)
+    samples = one.run.samples
+    for name, clipped in (
+        ("accelerometer", samples.acceleration_clipped),
+        ("gyro", samples.angular_velocity_clipped),
+    ):
+        if clipped.any():
+            fraction = 100.0 * float(clipped.any(axis=1).mean())
+            text = f"{fraction:.2g} % of the {name}'s samples are clipped at its range"
+            yield Note(cause=Cause.IMU, text=text)
+
+
+def causes(
+    experiment: ImuExperiment, seed: int, each: Callable[[ImuResult], None] = lambda run: None
+) -> Iterator[tuple[str, Measures]]:
+    """Measures of the first program with each cause of the error changed, by its name.
+
+    each: called with each run, of which there are two: the others process one of them again.
+    """
+    cfg = experiment.processing
+    base = run_one(experiment, prepare(experiment)[0], seed)
+    each(base)
+    yield "as chosen", base.measures
+    for name, processing in (
+        ("processed as in the thesis", cfg.as_in_the_thesis),
+        ("sensor delays left in", replace(cfg, accelerometer_delay=0.0, gyroscope_delay=0.0)),
+        ("central differences", replace(cfg, scheme=Scheme.CENTRAL)),
+        ("mapped, then filtered", replace(cfg, order=Order.MAP_THEN_FILTER)),
+        ("both", cfg.best),
+        ("gravity by the mean at rest", replace(cfg, compensation=Compensation.MEAN_AT_REST)),
+    ):
+        yield name, reprocessed(base, processing).measures
+    rigid = replace(experiment, flexibility=Flexibility.RIGID)
+    stiff = run_one(rigid, prepare(rigid)[0], seed)
+    each(stiff)
+    yield "rigid robot", stiff.measures
+    yield "rigid robot, both", reprocessed(stiff, cfg.best).measures

@@ -9,7 +9,39 @@ from armside import kinematics
 from armside.arrays import Array
 from armside.ilc.filters import RecordFilter
 
-from .differences import Scheme, difference_quotients
+
+class Scheme(Enum):
+    """Difference quotient of the first derivative; the second is central in both."""
+
+    FORWARD = "forward"
+    """Thesis (5.6): half a sample early."""
+    CENTRAL = "central"
+
+
+def difference_quotients(phi: Array, h: float, scheme: Scheme) -> tuple[Array, Array]:
+    """First and second derivative of samples (N, n) every h [s]. Thesis (5.6).
+
+    The record is extended by its first and last sample, as if at rest beyond its ends.
+    """
+    if len(phi) < 3:
+        raise ValueError(f"difference quotients need at least 3 samples, got {len(phi)}")
+    padded = np.concatenate([phi[:1], phi, phi[-1:]])
+    before, now, after = padded[:-2], padded[1:-1], padded[2:]
+    second = (after - 2.0 * now + before) / h**2
+    if scheme is Scheme.FORWARD:
+        return (after - now) / h, second
+    return (after - before) / (2.0 * h), second
+
+
+def resample(time: Array, values: Array, at: Array) -> Array:
+    """Samples (N, n) at other instants by a cubic spline; at rest beyond the ends.
+
+    It needs no low-pass before it: the zero-phase filter that follows is far below both rates.
+    """
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(time, values, bc_type="clamped")
+    return spline(np.clip(at, time[0], time[-1]))
 
 
 class Order(Enum):
@@ -22,7 +54,7 @@ class Order(Enum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prediction:
+class PredictedMotion:
     """Predicted motion of the IMU in base axes, SI; accelerations without gravity.
 
     R (K, 3, 3), the others (K, 3).
@@ -41,7 +73,7 @@ def predict(
     *,
     order: Order = Order.FILTER_THEN_MAP,
     scheme: Scheme = Scheme.FORWARD,
-) -> Prediction:
+) -> PredictedMotion:
     """Predict the motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
 
     Args:
@@ -57,4 +89,4 @@ def predict(
     if order is Order.MAP_THEN_FILTER:
         omega, a = low_pass(omega), low_pass(a)
     R = compiled.pose(phi)[:, :3, :3]
-    return Prediction(R_base_imu=R, angular_velocity=omega, acceleration=a)
+    return PredictedMotion(R_base_imu=R, angular_velocity=omega, acceleration=a)

@@ -6,8 +6,7 @@ from enum import Enum
 import numpy as np
 
 from ..instruments.imu import ACCELEROMETER, GYROSCOPE
-from .differences import Scheme
-from .prediction import Order
+from .prediction import Order, Scheme
 
 
 class Compensation(Enum):

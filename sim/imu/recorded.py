@@ -4,22 +4,24 @@ Constants of the IMU are fitted on the first half of a recording, and what they 
 the second. Those that are compared between recordings are fitted on the whole.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
-from ..gears.imu_alignment import ImuAlignment, align_imu
-from ..gears.joint_motion import RATE, JointMotion, joint_motion, lowpass
-from ..gears.motor_check import check_motors
-from ..gears.tracker_alignment import TrackerAlignment, align_tracker
-from ..measured.motion import MotionRecording, Stream
-from ..measured.plausible import check_angles, check_times
-from .compare import Comparison, moving_rms
-from .evaluation import WINDOW
+from ..recordings.alignment.checks import check_motors
+from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_motion, lowpass
+from ..recordings.alignment.imu import ImuAlignment, align_imu
+from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
+from ..recordings.recording import MotionRecording, Stream, check_angles, check_times
+from .compare import ImuComparison, moving_rms
+from .evaluation import WINDOW, rms
 
 FITTED = 0.5
 """Fraction of a recording, from its start, that is fitted before the rest is judged."""
@@ -28,7 +30,7 @@ EDGE = 1.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RecordedMeasures:
+class PredictionErrors:
     """Error of the prediction beside its signal; vectors are x, y, z in base axes."""
 
     angular_velocity: Array
@@ -54,14 +56,14 @@ class RecordedImu:
     """Processing of one recording."""
 
     recording: MotionRecording
-    motion: JointMotion
+    motion: EncoderMotion
     alignment: ImuAlignment
     """Of the whole recording."""
     tracker: TrackerAlignment | None
     """Of the first half."""
-    comparison: Comparison
+    comparison: ImuComparison
     """Of the second half, by the constants of the first."""
-    measures: RecordedMeasures
+    measures: PredictionErrors
 
     @property
     def name(self) -> str:
@@ -101,7 +103,7 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
     if imu is None:
         raise ValueError(f"{recording.name}: the recording has no IMU")
     try:
-        motion = joint_motion(robot := compile(arm.robot), recording.encoders)
+        motion = encoder_motion(robot := compile(arm.robot), recording.encoders)
         check_motors(robot, motion, imu)
         whole = align_imu(motion, imu, level=False)
         _check_first_part(whole.covered(motion, imu))
@@ -128,11 +130,13 @@ def _check_first_part(seen: NDArray[np.bool_]) -> None:
         raise ValueError(f"{text}: cut both to the same time")
 
 
-def _compared(motion: JointMotion, imu: Stream, half: ImuAlignment, cutoff: float) -> Comparison:
+def _compared(
+    motion: EncoderMotion, imu: Stream, half: ImuAlignment, cutoff: float
+) -> ImuComparison:
     rows = _rows(half.covered(motion, imu))
     both = half.measured(motion, imu), half.predicted(motion)
     measured, predicted = (lowpass(x, cutoff)[rows] for x in both)
-    return Comparison(
+    return ImuComparison(
         time=motion.time[rows],
         angular_velocity_measured=measured[:, 3:],
         angular_velocity_predicted=predicted[:, 3:],
@@ -151,15 +155,15 @@ def _rows(seen: NDArray[np.bool_]) -> slice:
     return slice(first, int(where[-1]) - edge)
 
 
-def _measures(one: Comparison, gravity: Array) -> RecordedMeasures:
+def _measures(one: ImuComparison, gravity: Array) -> PredictionErrors:
     """gravity: that was fitted; what the accelerometer sees beside the motion is measured."""
     seen = gravity - one.acceleration_error
     mean = seen.mean(axis=0)
-    return RecordedMeasures(
-        angular_velocity=_rms(one.angular_velocity_predicted),
-        angular_velocity_error=_rms(one.angular_velocity_error),
-        acceleration=_rms(one.acceleration_predicted),
-        acceleration_error=_rms(one.acceleration_error),
+    return PredictionErrors(
+        angular_velocity=rms(one.angular_velocity_predicted),
+        angular_velocity_error=rms(one.angular_velocity_error),
+        acceleration=rms(one.acceleration_predicted),
+        acceleration_error=rms(one.acceleration_error),
         gravity=mean,
         gravity_angle=float(_angle(mean[None], gravity)[0]),
         gravity_angle_rms=float(np.sqrt((_angle(seen, gravity) ** 2).mean())),
@@ -172,5 +176,49 @@ def _angle(vectors: Array, axis: Array) -> Array:
     return np.arctan2(across, vectors @ axis)
 
 
-def _rms(x: Array) -> Array:
-    return np.sqrt((x**2).mean(axis=0))
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Repeatability:
+    """Largest differences between any two recordings."""
+
+    gyro_scale: float
+    accelerometer_scale: float
+    """Of the singular values of M."""
+    mounting: float
+    """[rad], angle of the rotation between two mountings by the gyro."""
+    lever: Array
+    """(3,) [m]."""
+    gravity: float
+    """[rad], angle between two directions of gravity in base axes."""
+
+
+def repeatability(alignments: Sequence[ImuAlignment]) -> Repeatability:
+    """Differences between two alignments or more. Raises ValueError for fewer."""
+    if len(alignments) < 2:
+        raise ValueError(f"repeatability needs two recordings, got {len(alignments)}")
+    pairs = list(combinations(alignments, 2))
+    return Repeatability(
+        gyro_scale=_spread([scale(one.M_gyro) for one in alignments]),
+        accelerometer_scale=_spread([scale(one.M_accelerometer) for one in alignments]),
+        mounting=max(_turned(a, b) for a, b in pairs),
+        lever=np.ptp([one.lever for one in alignments], axis=0),
+        gravity=max(float(_angle(a.gravity[None], b.gravity)[0]) for a, b in pairs),
+    )
+
+
+def scale(M: Array) -> Array:
+    """(3,), singular values of a sensor's matrix, the largest first."""
+    return np.linalg.svd(M)[1]
+
+
+def mounting(one: ImuAlignment) -> Array:
+    """(3,) [rad], rotation vector of the axes of the tool in those of the housing."""
+    return Rotation.from_matrix(one.R_imu_tool).as_rotvec()
+
+
+def _turned(one: ImuAlignment, other: ImuAlignment) -> float:
+    """Angle [rad] of the rotation between two mountings by the gyro."""
+    return float(Rotation.from_matrix(one.R_imu_tool @ other.R_imu_tool.T).magnitude())
+
+
+def _spread(values: Sequence[Array]) -> float:
+    return float(np.ptp(values, axis=0).max())

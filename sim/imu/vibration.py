@@ -85,16 +85,13 @@ def power_spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
     Returns:
         Frequency (F,) [Hz] and density (F, n) [unit^2/Hz].
     """
+    from scipy.signal import welch
+
     n = round(SEGMENT * rate)
     if len(signal) < n:
         raise ValueError(f"a spectrum needs {SEGMENT:g} s of samples, got {len(signal) / rate:g} s")
-    window = np.sin(np.pi * np.arange(n) / n)[:, None] ** 2
-    starts = range(0, len(signal) - n + 1, n // 2)
-    segments = np.stack([signal[i : i + n] - signal[i : i + n].mean(axis=0) for i in starts])
-    power = np.mean(np.abs(np.fft.rfft(segments * window, axis=1)) ** 2, axis=0)
-    density = power / (rate * np.sum(window**2))
-    density[1 : (n + 1) // 2] *= 2.0
-    return np.arange(n // 2 + 1, dtype=np.float64) * (rate / n), density
+    frequency, density = welch(signal, rate, nperseg=n, noverlap=n - n // 2, axis=0)
+    return np.asarray(frequency), np.asarray(density)
 
 
 def lines(frequency: Array, density: Array, *, above: float = 5.0) -> list[tuple[float, float]]:

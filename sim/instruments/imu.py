@@ -15,7 +15,7 @@ from armside.ilc.filters import butterworth, recursion
 from armside.kinematics.rotation import from_axis_angle
 
 from . import noise
-from .sampling import rate_of
+from .noise import rate_of
 
 WARM_UP = 0.5
 """Time before the record in which filters and noise become stationary [s]."""

@@ -5,6 +5,7 @@ best-fit registration on reference targets. The beam is lost where the reflector
 from the tracker; lost samples are NaN and marked, never interpolated.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -13,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array, freeze_rows
 
+from ..notes import Cause, Note
 from . import noise
-from .sampling import rate_of, stride
+from .noise import rate_of, stride
 
 ARCSEC = np.pi / 180.0 / 3600.0
 """[rad]."""
@@ -237,3 +239,10 @@ def _rotated(
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _dot(a: Vector, b: Vector) -> float:  # pragma: no cover - compiled
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def beam(samples: TrackerSamples) -> Iterator[Note]:
+    """A note where the beam was lost."""
+    if not samples.valid.all():
+        lost = "the laser tracker lost its beam: no error of the tool is known"
+        yield Note(cause=Cause.BEAM, text=lost)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..cut.notes import motion_notes
 from ..estimation.imu_health import ImuError, repaired
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import beam
 from ..notes import Cause, Note, together
 from ..robot.recording import saturation
 from .experiment import Experiment, Iteration

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..instruments.laser_tracker import TrackerSamples
-from ..instruments.sampling import rate_of, stride
+from ..instruments.noise import rate_of, stride
 from ..records.signals import RecordedRun
 from ..robot.virtual_robot import LOG_PERIOD
 from .learning import PartIteration

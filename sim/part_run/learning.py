@@ -10,7 +10,7 @@ from armside.ilc.learning import LoopState
 from armside.ilc.workbench.compare import RunState
 
 from ..evaluation.contour_error import ContourError, contour_errors
-from ..instruments.sampling import rate_of, stride
+from ..instruments.noise import rate_of, stride
 from ..laser.learning import trials
 from ..laser.measures import SetUp
 from ..laser.plant import Pass

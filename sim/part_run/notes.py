@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import beam
 from ..laser.notes import GROWTH
 from ..notes import Cause, Note, together
 from ..part.plan import Plan

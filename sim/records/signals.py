@@ -23,7 +23,7 @@ from armside.arrays import Array
 
 from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
-from ..instruments.sampling import rate_of, stride
+from ..instruments.noise import rate_of, stride
 from ..part.motion import PartMotion
 from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth

@@ -6,7 +6,7 @@ no missing values they are NaN. Values keep every bit.
 
 import io
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from math import prod
 from pathlib import Path
@@ -59,6 +59,17 @@ def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
     if file.suffix.lower() not in kinds:
         raise ValueError(f"{file.name} is not of a known kind. Kinds: {', '.join(kinds)}")
     return kinds[file.suffix.lower()]
+
+
+def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
+    """Columns (N, m) as floats, NaN for missing values; (N, 0) without names.
+
+    Raises KeyError for one that is missing, pyarrow's errors for one that holds no numbers.
+    """
+    if not names:
+        return np.empty((table.num_rows, 0))
+    columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
+    return np.column_stack(columns)
 
 
 def units(table: pa.Table) -> dict[str, str]:

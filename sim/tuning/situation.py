@@ -10,7 +10,7 @@ from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.measures.norms import inf_norm, two_norm
 
 from ..evaluation.tool_error import ToolError
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import beam
 from ..laser.design import Design
 from ..laser.experiment import Experiment, true_tool_error
 from ..laser.learning import FROM_A_MODEL

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.scripts.thesis.entries import Entry
-from armside.scripts.thesis.report import Part, Section
+from armside.scripts.thesis.report import Entry, Part, Section
 from armside.sim.evaluation.check import Check
 
 
@@ -86,4 +85,4 @@ def large(seed: int) -> Part:
 def entries(names: tuple[str, ...]) -> tuple[Entry, ...]:
     """The probe sections of these names, as `armside reproduce` knows sections."""
     made = globals()
-    return tuple(Entry(name, (), "", lambda name=name: made[name]) for name in names)
+    return tuple(Entry(name, lambda asked, make=made[name]: make(asked.seed)) for name in names)

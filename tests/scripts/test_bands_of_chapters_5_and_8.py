@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.thesis import chapter5_checks as chapter5
-from armside.scripts.thesis.entries import ENTRIES
+from armside.scripts.thesis import imu_checks as chapter5
+from armside.scripts.thesis.chapter8 import ENTRIES
+from armside.scripts.thesis.report import Asked
 
 from .verdicts import assert_band
 
@@ -109,7 +110,7 @@ def checks_5(imu_result):
         *chapter5.one_at_a_time(turned, turned, np.array([1.0, 3.0]), np.array([4.0, 5.0])),
         *chapter5.all_at_once(r),
         *chapter5.distances(four),
-        chapter5.toolboxes({"another toolbox": 1e-15, "not installed": None}),
+        chapter5.toolbox_poses({"another toolbox": 1e-15, "not installed": None}),
         *chapter5.rates(r),
         *chapter5.accelerations(r),
         *chapter5.windows(r),
@@ -186,9 +187,9 @@ def checks_8(tmp_path_factory):
     folder, found = tmp_path_factory.mktemp("none"), []
     with pytest.MonkeyPatch.context() as patch:
         for entry in ENTRIES:
-            if entry.chapter == "8":
+            if not entry.alone:
                 patch.setitem(two_mass_figures.FIGURES, entry.id, lambda *_: Numbers())
-                found += entry.load()(0).draw(None, folder).checks
+                found += entry.make(Asked()).draw(None, folder).checks
     return found
 
 

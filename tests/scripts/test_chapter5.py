@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from armside.scripts.jobs.store import Store
-from armside.scripts.thesis import chapter5, chapter5_checks
-from armside.scripts.thesis.entries import ENTRIES
+from armside.scripts.thesis import chapter5, imu_checks
+from armside.scripts.thesis.chapter5 import ENTRIES
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
+from armside.scripts.thesis.report import Asked
 from armside.sim.imu import ImuExperiment, reprocessed, run
 
-CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "5"}
+CHAPTER = {entry.id: entry.make for entry in ENTRIES}
 KNOWN_TO_DIFFER = {"E07.3"}
 """The elastic deflection of the tool is larger than the prototype's."""
 
@@ -37,7 +38,7 @@ def sections(read, folder):
     """Each drawn from the results of the jobs it names, and no others."""
     drawn = {}
     for name, make in CHAPTER.items():
-        part = make(0)
+        part = make(Asked())
         results = {job: read(job) for job in part.jobs}
         drawn[name] = part.draw(results.__getitem__, folder)
     return drawn
@@ -85,12 +86,12 @@ def test_what_a_job_leaves_is_what_the_experiment_measured(read):
 def test_another_error_along_the_motion_fails_where_it_differs(changed, fails, read):
     result = read(ImuJob(individuals=chapter5.INDIVIDUALS))
     other = result | {name: np.array(value) for name, value in changed.items()}
-    assert {check.id for check in chapter5_checks.windows(other) if not check.holds} == fails
+    assert {check.id for check in imu_checks.windows(other) if not check.holds} == fails
 
 
 def test_a_robot_that_stands_still_has_another_noise(read):
     result = read(RestJob())
     silent = result | {"on_rms": result["off_rms"], "on_level": 3.0 * result["off_rms"]}
     flat = silent | {"on_spectrum": np.ones_like(result["on_spectrum"])}
-    failing = {check.id for check in chapter5_checks.noise(flat) if not check.holds}
+    failing = {check.id for check in imu_checks.noise(flat) if not check.holds}
     assert failing == {"E02.2", "E02.3", "E02.4", "E02.5", "E02.6"}

@@ -5,10 +5,11 @@ from dataclasses import replace
 import pytest
 
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.thesis.entries import ENTRIES
+from armside.scripts.thesis.chapter8 import ENTRIES
+from armside.scripts.thesis.report import Asked
 from armside.sim.evaluation.check import Table
 
-CHAPTER = {entry.id: entry.load() for entry in ENTRIES if entry.chapter == "8"}
+CHAPTER = {entry.id: entry.make for entry in ENTRIES if not entry.alone}
 KNOWN_TO_DIFFER = {"S03.3", "S04.6", "S05.6", "S05.7"}
 """11 Hz in Fig 8.6, the shift of 5 in Figs 8.7 and 8.8."""
 
@@ -24,7 +25,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def sections(folder):
-    return {name: part(0).draw(nothing_is_run, folder) for name, part in CHAPTER.items()}
+    return {name: part(Asked()).draw(nothing_is_run, folder) for name, part in CHAPTER.items()}
 
 
 def test_the_chapter_has_each_of_its_figures():
@@ -71,7 +72,7 @@ def test_a_figure_that_says_something_else_fails_there(
     rows[row][drawn.columns.index(column)] *= factor
     table = replace(drawn, rows=rows)
     monkeypatch.setitem(two_mass_figures.FIGURES, name, lambda file, seed: table)
-    section = CHAPTER[name](0).draw(nothing_is_run, folder)
+    section = CHAPTER[name](Asked()).draw(nothing_is_run, folder)
     assert {check.id for check in section.checks if not check.holds} - KNOWN_TO_DIFFER == fails
 
 

@@ -11,7 +11,7 @@ from armside import kinematics
 from armside.scripts.cli import main
 from armside.sim.cell import LARGE_CELL
 from armside.sim.controller.messages import degrees
-from armside.sim.handover.reading import read_correction
+from armside.sim.controller.stored_correction import read_correction
 from armside.sim.records import read_run
 from armside.sim.records.tables import read_table, units
 

@@ -23,7 +23,6 @@ COMMANDS = {
     "hdf5": "convert ../files/run --to hdf5 --file a.h5",
     "mcap": "convert ../files/run --to mcap --file a.mcap",
     "replay": "replay ../files/run --save a.rrd",
-    "two-mass": "two-mass --figure 8.3 --out a",
     "tune": "tune --trials 1 --episodes 1 --iterations 1 --pose p1 --out a",
     "sweep": "sweep iterations=0 --workers 1 --into a",
     "robot-model": "robot model --plot --out a",

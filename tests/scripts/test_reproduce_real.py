@@ -6,24 +6,24 @@ from pathlib import Path
 
 import pytest
 
-from armside.scripts.commands.reproduce import REAL
-from armside.scripts.thesis.measured import SECTIONS, parts
+from armside.scripts.commands import reproduce
+from armside.scripts.commands.reproduce import JointCfg, ReportOptions
 from armside.scripts.thesis.pages import count
 
 SETS = os.environ.get("ARMSIDE_MEASUREMENTS")
 
 
-def test_the_order_of_the_report_names_each_section():
-    assert tuple(SECTIONS) == REAL
+def parts(ids, data):
+    return reproduce._parts(ids, JointCfg(), ReportOptions(data=data))
 
 
 def test_sets_that_are_there_are_taken_and_others_are_named(tmp_path):
     for name in ("aubo_i5", "irb6640_logs"):
         (tmp_path / name).mkdir()
-    assert list(parts(["real"], tmp_path, 0)) == ["real-imu", "real-gears", "real-paths"]
-    assert list(parts(["real-paths"], tmp_path, 0)) == ["real-paths"]
+    assert list(parts(["real"], tmp_path)) == ["real-imu", "real-gears", "real-paths"]
+    assert list(parts(["real-paths"], tmp_path)) == ["real-paths"]
     with pytest.raises(ValueError, match=r"has no folder ur10_tmac\. Sets: aubo_i5, irb120_faro"):
-        parts(["real-ur10"], tmp_path, 0)
+        parts(["real-ur10"], tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_sets_that_are_there_are_taken_and_others_are_named(tmp_path):
         ("real", "need --data FOLDER"),
         ("real-imu 8.3", "need --data FOLDER"),
         ("real --data nowhere", "nowhere is no folder"),
-        ("real --data .", "has no folder of a set"),
+        ("real --data .", "has no folder"),
     ],
 )
 def test_bad_input_is_one_line(bad_input, line, said):

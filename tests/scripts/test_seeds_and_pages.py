@@ -15,9 +15,8 @@ from armside.scripts.jobs import store as room
 from armside.scripts.jobs.resolved import key_of
 from armside.scripts.jobs.store import code_fingerprint, digest, digest_of
 from armside.scripts.thesis import entries
-from armside.scripts.thesis.entries import Entry
 from armside.scripts.thesis.pages import claim_page, count, html, markdown
-from armside.scripts.thesis.report import Part, Section
+from armside.scripts.thesis.report import Entry, Part, Section
 from armside.scripts.verifications.claims import Claim
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.laser.specification import LeadIn
@@ -52,7 +51,9 @@ def test_reproduce_makes_its_sections_with_the_seed_given_and_says_so(armside, m
         made = Section("x", "X", "A caption.", checks=[Check("a", "s", "t", 0.0, high=1.0)])
         return Part([], lambda read, folder: made)
 
-    monkeypatch.setattr(entries, "ENTRIES", (Entry("x", (), "", lambda: section),))
+    monkeypatch.setattr(
+        entries, "chapters", lambda: {"x": (Entry("x", lambda asked: section(asked.seed)),)}
+    )
 
     class NoWorkers:
         def __enter__(self):

@@ -9,8 +9,8 @@ from armside import kinematics
 from armside.kinematics import IRB1400
 from armside.kinematics.symbolic import procedures as dh
 from armside.scripts.benchmarks.peers import pinocchio_functions, toolbox_robot
-from armside.scripts.thesis import chapter5_checks
-from armside.scripts.thesis.toolboxes import MUJOCO, differences, motor_angles
+from armside.scripts.thesis import imu_checks
+from armside.scripts.thesis.imu_checks import MUJOCO, differences, motor_angles
 from armside.sim.cell import CELLS
 from armside.sim.robot.model import load_model
 
@@ -75,5 +75,5 @@ def test_the_report_compares_the_toolboxes_on_the_angles_of_the_thesis(angles):
     largest = found[MUJOCO]
     assert largest is not None
     assert largest <= TOLERANCE
-    assert chapter5_checks.toolboxes(found).holds
-    assert not chapter5_checks.toolboxes({**found, "another": 2e-14}).holds
+    assert imu_checks.toolbox_poses(found).holds
+    assert not imu_checks.toolbox_poses({**found, "another": 2e-14}).holds

@@ -1,4 +1,4 @@
-"""The commands of chapter 8 write what they promise and refuse what they cannot do."""
+"""Chapter 8 by `reproduce`, of any joint and design, and the command `design`."""
 
 import json
 import math
@@ -7,35 +7,26 @@ import pytest
 
 from armside.ilc import two_mass_study
 from armside.scripts.cli import main
-from armside.scripts.commands.two_mass import FIGURE_NAMES
-from armside.scripts.figures import two_mass as two_mass_figures
 from armside.scripts.workbench.two_mass import study_of
 
-QUICK = ("8.3", "8.6", "8.8", "8.12", "why-q")
+
+def sections(folder):
+    """Tables of a report: id: rows."""
+    files = sorted((folder / "sections").glob("*.json"))
+    return {file.stem: json.loads(file.read_text())["tables"][0]["rows"] for file in files}
 
 
-def test_the_names_of_figures_are_those_that_can_be_drawn():
-    assert tuple(two_mass_figures.FIGURES) == FIGURE_NAMES
-
-
-def test_two_mass_writes_a_figure_and_a_table_for_each_name(tmp_path, capsys):
+def test_figures_beyond_the_thesis_are_drawn_by_name(tmp_path, capsys):
     out = tmp_path / "run"
-    assert main(["two-mass", "--figure", *QUICK, "--out", str(out)]) == 0
-    assert sorted(p.name for p in out.glob("*.png")) == sorted(f"figure-{n}.png" for n in QUICK)
-    assert all(p.stat().st_size > 10_000 for p in out.glob("*.png"))
-    tables = json.loads((out / "summary.json").read_text())["figures"]
-    assert list(tables) == list(QUICK)
-    row = tables["8.8"]["rows"][-1]
-    assert row[0] == "17 Hz"
-    assert row[1] == pytest.approx(5.32128, rel=1e-4)
-    printed = capsys.readouterr().out
-    assert "Fig 8.12: arm side, stiffness doubled in F_r" in printed
+    assert main(["reproduce", "8.4", "why-q", "--out", str(out)]) == 0
+    assert all((out / f"figures/{n}.png").stat().st_size > 10_000 for n in ("8.4", "why-q"))
+    assert "Why Q: where the phase of L Tu is beyond 90 degrees" in capsys.readouterr().out
 
 
 def test_the_same_figure_has_the_same_bytes(tmp_path):
     for name in ("a", "b"):
-        assert main(["two-mass", "--figure", "8.4", "--out", str(tmp_path / name), "--quiet"]) == 0
-    one, two = ((tmp_path / name / "figure-8.4.png").read_bytes() for name in ("a", "b"))
+        assert main(["reproduce", "8.4", "--out", str(tmp_path / name), "--quiet"]) == 0
+    one, two = ((tmp_path / name / "figures/8.4.png").read_bytes() for name in ("a", "b"))
     assert one == two
 
 
@@ -43,17 +34,18 @@ OF_A_LAW = ("8.3", "8.9", "nyquist")
 
 
 def test_figures_take_the_users_joint_and_law(tmp_path, capsys):
-    """A stiffer joint has its notch higher; the law stands beside the others."""
+    """A stiffer joint has its notch higher; nothing is compared with the thesis."""
     design = ["--joint", "k=20", "Ja=0.08", "--gamma", "0.5", "--delta", "2", "--cutoff", "5"]
     own = ["--law", "heuristic:gamma=0.4,delta=2,cutoff=5"]
-    words = ["--figure", *OF_A_LAW, *design, *own, "--out", str(tmp_path / "a")]
-    assert main(["two-mass", *words]) == 0
-    assert "Not the numbers of the thesis: heuristic:gamma=0.4" in capsys.readouterr().out
-    tables = json.loads((tmp_path / "a" / "summary.json").read_text())["figures"]
-    undamped = tables["8.3"]["rows"][2][1]
-    assert undamped == pytest.approx((20.0 / 0.08) ** 0.5 / (2.0 * math.pi), rel=1e-6)
-    first, last = tables["8.9"]["rows"][0][1], tables["8.9"]["rows"][-1][1]
-    assert last < 0.5 * first
+    out = tmp_path / "a"
+    assert main(["reproduce", *OF_A_LAW, *design, *own, "--out", str(out)]) == 0
+    assert "comparisons" not in capsys.readouterr().out
+    text = (out / "report.md").read_text()
+    assert "Not the numbers of the thesis: heuristic:gamma=0.4" in text
+    assert "--joint k=20 Ja=0.08 --gamma 0.5 --delta 2 --cutoff 5.0 --law heuristic:" in text
+    found = sections(out)
+    assert found["8.3"][2][1] == pytest.approx((20.0 / 0.08) ** 0.5 / (2.0 * math.pi), rel=1e-6)
+    assert found["8.9"][-1][1] < 0.5 * found["8.9"][0][1]
 
 
 def test_learn_has_the_joint_of_the_study_and_can_go_on(tmp_path):
@@ -67,12 +59,12 @@ def test_learn_has_the_joint_of_the_study_and_can_go_on(tmp_path):
 
 
 def test_learning_that_overflows_is_a_failure_in_one_line(tmp_path, capsys):
-    words = ["--figure", "8.9", "--gamma", "90", "--cutoff", "45", "--out", str(tmp_path / "a")]
-    assert main(["two-mass", *words]) == 1
+    words = ["--gamma", "90", "--cutoff", "45", "--out", str(tmp_path / "a")]
+    assert main(["reproduce", "8.9", *words]) == 1
     error = capsys.readouterr().err
     assert "learning diverges: its error is" in error
     assert error.count("\n") == 1
-    assert not (tmp_path / "a").exists()
+    assert not (tmp_path / "a" / "report.html").exists()
 
 
 def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
@@ -89,13 +81,14 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["two-mass", "--joint", "K=5"], "Unknown number of the joint 'K'"),
-        (["two-mass", "--joint", "k=5e9"], "k must be 0.005 to 5000"),
-        (["two-mass", "--joint", "k"], "joint takes KEY=VALUE"),
-        (["two-mass", "--law", "herustic"], "Unknown law 'herustic'"),
-        (["two-mass", "--gamma", "0"], "gamma must be > 0"),
-        (["two-mass", "--cutoff", "50"], "cutoff must be 0.1 to 49 Hz"),
-        (["two-mass", "--figure", "8.77"], "Unknown figure '8.77'. Did you mean 8.7?"),
+        (["reproduce", "8", "--joint", "K=5"], "Unknown number of the joint 'K'"),
+        (["reproduce", "8", "--joint", "k=5e9"], "k must be 0.005 to 5000"),
+        (["reproduce", "8", "--joint", "k"], "joint takes KEY=VALUE"),
+        (["reproduce", "8", "--law", "herustic"], "Unknown law 'herustic'"),
+        (["reproduce", "8", "--gamma", "0"], "gamma must be > 0"),
+        (["reproduce", "8", "--cutoff", "50"], "cutoff must be 0.1 to 49 Hz"),
+        (["reproduce", "8.77"], "Unknown figure, chapter or row '8.77'. Did you mean 8.7?"),
+        (["reproduce", "9.5", "--gamma", "0.5"], "are of the figures of chapter 8, not of 9.5"),
         (["design", "--model", "nothing"], "no model 'nothing'"),
         (["design", "--bandwidth", "50"], "below the Nyquist frequency 50 Hz"),
         (["design", "--bandwidth", "-1"], "bandwidth must be > 0 Hz"),

@@ -14,18 +14,17 @@ from armside.sim.calibration.bands import AT, POSES, Result
 from armside.sim.evaluation.check import Check, Table
 
 from ...figures.laser import circles as circle_figure
-from ..report import Part, Read, Section
+from ..report import Asked, Entry, Part, Read, Section
 from . import figures
-from .designs import friction_feedforward as friction_feedforward
-from .designs import per_motor as per_motor
-from .identification import identified_model as identified_model
-from .robustness import effects as effects
-from .robustness import individuals as individuals
-from .robustness import phenomena_map as phenomena_map
+from .designs import friction_feedforward, per_motor
+from .identification import identified_model
+from .robustness import effects, individuals, phenomena_map
 from .table import STUDIES
 
 Results = Mapping[Any, Result]
 """Results of a study by what it varies."""
+ENTRIES: list[Entry] = []
+"""Sections in the order of the report."""
 RADIUS = 0.005  # [m], programmed, of all experiments
 
 
@@ -41,23 +40,32 @@ Draw = Callable[[Results, Path], Drawn]
 """Draws the figure of a section into a file."""
 
 
-def _section(id: str, study: str, title: str) -> Callable[[Draw], Callable[[int], Part]]:
-    """Decorator: a section with one figure, from the results of one study."""
+def _section(id: str, study: str, title: str, *also: str) -> Callable[[Draw], Draw]:
+    """Decorator: adds a section with one figure, from the results of one study."""
 
-    def part(draw: Draw, seed: int) -> Part:
-        jobs = STUDIES[study].jobs(seed)
+    def added(draw: Draw) -> Draw:
+        def make(asked: Asked) -> Part:
+            jobs = STUDIES[study].jobs(asked.seed)
 
-        def section(read: Read, folder: Path) -> Section:
-            results = {key: read(job) for key, job in jobs.items()}
-            caption, checks, tables = draw(results, folder / f"{id}.png")
-            return Section(id, title, caption, [f"{id}.png"], checks, tables)
+            def section(read: Read, folder: Path) -> Section:
+                results = {key: read(job) for key, job in jobs.items()}
+                caption, checks, tables = draw(results, folder / f"{id}.png")
+                return Section(id, title, caption, [f"{id}.png"], checks, tables)
 
-        return Part(list(jobs.values()), section)
+            return Part(list(jobs.values()), section)
 
-    return lambda draw: lambda seed: part(draw, seed)
+        ENTRIES.append(Entry(id, make, also))
+        return draw
+
+    return added
 
 
-@_section("9.5", "position", "Fig. 9.5: nominal error by position, 50 mm/s")
+def _add(id: str, make: Callable[[int], Part], *also: str, alone: bool = False) -> None:
+    """Add a section that is more than one figure of one study."""
+    ENTRIES.append(Entry(id, lambda asked: make(asked.seed), also, alone))
+
+
+@_section("9.5", "position", "Fig. 9.5: nominal error by position, 50 mm/s", "X04")
 def by_position(results: Results, file: Path) -> Drawn:
     errors = np.array([results[pose]["motor_inf"][0] for pose in POSES])
     normalised = measures.normalise(errors, errors)
@@ -71,7 +79,7 @@ def by_position(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.6", "velocity", "Fig. 9.6: nominal error by velocity")
+@_section("9.6", "velocity", "Fig. 9.6: nominal error by velocity", "X04")
 def by_velocity(results: Results, file: Path) -> Drawn:
     speeds = STUDIES["velocity"].over["speed"]
     at = {v: {pose: results[v, pose] for pose in POSES} for v in speeds}
@@ -89,7 +97,7 @@ def by_velocity(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("repeatability", "repeatability", "(9.10): repeatability, with statistics")
+@_section("repeatability", "repeatability", "(9.10): repeatability, with statistics", "X05", "9.10")
 def repeatability(results: Results, file: Path) -> Drawn:
     runs = [results[key] for key in sorted(results)]
     pairs = [bands.repeatability_per_iteration(*pair) for pair in combinations(runs, 2)]
@@ -110,7 +118,7 @@ def repeatability(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.7", "stability", "Fig. 9.7: ten iterations, 50 mm/s")
+@_section("9.7", "stability", "Fig. 9.7: ten iterations, 50 mm/s", "X06")
 def ten_iterations(results: Results, file: Path) -> Drawn:
     norms = _normalised(results, "motor_two")
     content = {p: dict(zip(figures.MOTORS, norm.T, strict=True)) for p, norm in norms.items()}
@@ -124,7 +132,10 @@ def ten_iterations(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.9", "operating point", "Fig. 9.9: motor side at three positions, 40 mm/s")
+_add("9.8", identified_model, "X07", "9.12", "9.13")
+
+
+@_section("9.9", "operating point", "Fig. 9.9: motor side at three positions, 40 mm/s", "X08")
 def positions_motor(results: Results, file: Path) -> Drawn:
     title = "Motor errors by iteration at three positions"
     figures.by_motor(file, title, _normalised(results, "motor_inf"))
@@ -139,7 +150,7 @@ def positions_motor(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.10", "operating point", "Fig. 9.10: the circles at p1")
+@_section("9.10", "operating point", "Fig. 9.10: the circles at p1", "X08", "9.1")
 def circles(results: Results, file: Path) -> Drawn:
     _circles(file, results["p1"], range(AT + 1), "Tool path at p1 at every iteration")
     return Drawn(
@@ -150,7 +161,7 @@ def circles(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.11", "operating point", "Fig. 9.11: arm side at three positions")
+@_section("9.11", "operating point", "Fig. 9.11: arm side at three positions", "X08")
 def positions_arm(results: Results, file: Path) -> Drawn:
     _arm_figure(file, "Tool error by iteration at three positions", results)
     shown = product(POSES, (("RMS", "arm_rms"), ("maximum", "arm_maxdev")))
@@ -166,7 +177,7 @@ def positions_arm(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.12", "shift", "Fig. 9.12: the time shift, motor side")
+@_section("9.12", "shift", "Fig. 9.12: the time shift, motor side", "X09")
 def shifts_motor(results: Results, file: Path) -> Drawn:
     errors = _normalised(results, "motor_inf")
     curves = {f"δ = {delta}": error for delta, error in errors.items()}
@@ -182,7 +193,7 @@ def shifts_motor(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.13", "shift, arm", "Fig. 9.13: the time shift, arm side")
+@_section("9.13", "shift, arm", "Fig. 9.13: the time shift, arm side", "X09")
 def shifts_arm(results: Results, file: Path) -> Drawn:
     named = {f"{pose}, δ = {delta}": result for (pose, delta), result in results.items()}
     _arm_figure(file, "Tool error for two time shifts", named)
@@ -194,7 +205,7 @@ def shifts_arm(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.14", "cutoff", "Fig. 9.14: the cutoff, motor side")
+@_section("9.14", "cutoff", "Fig. 9.14: the cutoff, motor side", "X10")
 def cutoffs_motor(results: Results, file: Path) -> Drawn:
     slow_fast = _at_p1(results)
     title = "Motor errors for two cutoff frequencies, p1"
@@ -206,7 +217,7 @@ def cutoffs_motor(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.15", "cutoff, spread", "Fig. 9.15: the cutoff in small steps, motor 4")
+@_section("9.15", "cutoff, spread", "Fig. 9.15: the cutoff in small steps, motor 4", "X10")
 def cutoffs_spread(results: Results, file: Path) -> Drawn:
     errors = {cutoff: result["motor_inf"][:, 3] for cutoff, result in results.items()}
     largest = max(error[0] for error in errors.values())
@@ -221,7 +232,7 @@ def cutoffs_spread(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.16", "cutoff", "Fig. 9.16: the cutoff, arm side")
+@_section("9.16", "cutoff", "Fig. 9.16: the cutoff, arm side", "X10")
 def cutoffs_arm(results: Results, file: Path) -> Drawn:
     slow_fast = _at_p1(results)
     _arm_figure(file, "Tool error for two cutoff frequencies, p1", slow_fast)
@@ -232,7 +243,7 @@ def cutoffs_arm(results: Results, file: Path) -> Drawn:
     )
 
 
-@_section("9.17", "cutoff", "Fig. 9.17: the circle with a cutoff of 15 Hz")
+@_section("9.17", "cutoff", "Fig. 9.17: the circle with a cutoff of 15 Hz", "X10")
 def cutoffs_circles(results: Results, file: Path) -> Drawn:
     slow, fast = _at_p1(results).values()
     _circles(file, fast, (0, AT), "Tool path at p1 with a cutoff of 15 Hz")
@@ -275,3 +286,10 @@ def _circles(file: Path, result: Result, shown: Sequence[int], title: str) -> No
         title=title,
         names=[f"k = {k}" for k in shown],
     )
+
+
+_add("F08", per_motor)
+_add("F09", friction_feedforward)
+_add("F07", individuals, alone=True)
+_add("9-map", phenomena_map, alone=True)
+_add("9-effects", effects, alone=True)

@@ -9,9 +9,8 @@ import pytest
 
 from armside.sim.controller import Answer
 from armside.sim.controller.egm import EgmWire
-from armside.sim.controller.real_time import PRIORITY, real_time
 from armside.sim.controller.rsi import RsiWire
-from armside.sim.controller.server import Server
+from armside.sim.controller.server import PRIORITY, Server, real_time
 
 from .robots import guided, programmed
 

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from armside.kinematics import Arm, Limits, Link, Robot, compile
-from armside.sim.measured import MotionRecording, Stream
+from armside.sim.recordings import MotionRecording, Stream
 
 ARM = Arm(
     Robot((Link(d=0.3, alpha=np.pi / 2), Link(a=0.5), Link(a=0.4)), name="three joints"),

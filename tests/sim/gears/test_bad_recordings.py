@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from armside.sim.gears import analyse
+from armside.sim.gears import GearsCfg, analyse
 from armside.sim.imu.recorded import process
-from armside.sim.measured import Stream, read_motion
-from armside.sim.measured.motion_tables import write
-from armside.sim.measured.repair import repaired
+from armside.sim.recordings import Stream, read_motion
+from armside.sim.recordings.alignment.checks import check_pair
+from armside.sim.recordings.tables import write_motion_tables
 
 
 def encoders(change):
@@ -24,6 +25,15 @@ def imu(factor):
 def columns(order):
     """The IMU's six columns in another order."""
     return lambda one: replace(one, imu=Stream(one.imu.time, one.imu.values[:, order]))
+
+
+def noise(one):
+    values = np.random.default_rng(0).normal(size=one.imu.values.shape)
+    return replace(one, imu=Stream(one.imu.time, values))
+
+
+def millimetres(one):
+    return replace(one, tracker=Stream(one.tracker.time, 1e3 * one.tracker.values))
 
 
 def stuck(one):
@@ -63,6 +73,8 @@ WRONG = {
     "gyro in degrees": (imu(np.repeat([1.0, 57.3], 3)), "degrees per second"),
     "accelerometer in g": (imu(np.repeat([1 / 9.81, 1.0], 3)), "in g"),
     "accelerometer in mm/s^2": (imu(np.repeat([1e3, 1.0], 3)), "in mm/s"),
+    "tracker in millimetres": (millimetres, "millimetres"),
+    "another motion": (noise, "did not see the same motion"),
     "sensors exchanged": (columns([3, 4, 5, 0, 1, 2]), "angular velocities are exchanged"),
     "axes exchanged": (columns([1, 0, 2, 4, 3, 5]), "angular rate are left-handed"),
     "gyro reversed": (imu(np.repeat([1.0, -1.0], 3)), "angular rate are left-handed"),
@@ -84,6 +96,24 @@ def test_one_error_names_recording_and_fault(recordings, scenes, name, use):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
+def test_sensors_of_one_housing_have_the_same_axes(degrees):
+    turned, slightly = (
+        Rotation.from_rotvec(np.radians([0.0, 0.0, angle])).as_matrix() for angle in (degrees, 3.0)
+    )
+    check_pair(np.eye(3), slightly, np.zeros(3))
+    with pytest.raises(ValueError, match=f"differ by {degrees:.0f} degrees"):
+        check_pair(np.eye(3), turned, np.zeros(3))
+
+
+def test_a_recording_without_sensor_is_refused(recordings, scenes):
+    bare = replace(recordings[0], imu=None, tracker=None)
+    with pytest.raises(ValueError, match="imu or tracker"):
+        analyse(scenes.ARM, [recordings[0], bare])
+    with pytest.raises(ValueError, match="every recording: tracker"):
+        analyse(scenes.ARM, [bare], GearsCfg(sensor="tracker"))
+
+
 def test_a_recording_without_imu_is_refused(recordings, scenes):
     with pytest.raises(ValueError, match="scene 1: the recording has no IMU"):
         process(scenes.ARM, replace(recordings[0], imu=None))
@@ -100,36 +130,6 @@ def test_a_motor_that_stands_still_is_no_fault_where_the_gyro_agrees(scenes):
     assert (done.measures.angular_velocity_error < 0.02 * done.measures.angular_velocity).all()
 
 
-def spoiled(one, row):
-    """Stamps and values (N,), (N, m) of the IMU, to be changed from a row on."""
-    return one.imu.time.copy(), one.imu.values.copy(), slice(row, None)
-
-
-def test_a_clock_that_runs_backwards_is_refused_and_single_faults_are_counted(recordings):
-    time, values, _ = spoiled(recordings[0], 0)
-    with pytest.raises(ValueError, match="IMU: the clock runs backwards, first in sample 2"):
-        repaired("IMU", time[::-1], values)
-    values[50, 4], values[70] = np.nan, values[70] + 3.0
-    spike, time[90] = time[70], time[89]
-    stream, notes = repaired("IMU", time, values)
-    assert spike not in stream.time
-    assert "1 not finite, 1 with a repeated or older stamp" in notes[0]
-
-
-def test_a_clock_that_is_set_back_is_refused(recordings):
-    time, values, late = spoiled(recordings[0], 2000)
-    time[late] -= 15.0
-    with pytest.raises(ValueError, match=r"IMU: \d+ % .* the clock is set back"):
-        repaired("IMU", time, values)
-
-
-def test_values_that_are_mostly_missing_are_refused(recordings):
-    time, values, late = spoiled(recordings[0], 1000)
-    values[late] = np.nan
-    with pytest.raises(ValueError, match=r"IMU: \d+ % of the samples are not finite"):
-        repaired("IMU", time, values)
-
-
 DAMAGES = {
     "columns are missing: angular_velocity_z": lambda text: text.replace("angular_velocity_z", "w"),
     "imu: 60 samples": lambda text: "\n".join(text.split("\n")[:62]) + "\n",
@@ -140,7 +140,7 @@ DAMAGES = {
 
 @pytest.mark.parametrize("said", DAMAGES)
 def test_a_damaged_table_is_named_with_its_folder(tmp_path, recordings, said):
-    write(tmp_path, recordings[0], "csv")
+    write_motion_tables(tmp_path, recordings[0], "csv")
     file = tmp_path / "imu.csv"
     file.write_text(DAMAGES[said](file.read_text()))
     with pytest.raises(ValueError, match=f"{tmp_path.name}.*{said}") as error:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.gears import GearsCfg, analyse, coverage, coverage_notes
-from armside.sim.measured import Stream
+from armside.sim.recordings import Stream
 
 CFG = GearsCfg(largest_order=200.0)
 

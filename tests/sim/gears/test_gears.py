@@ -9,10 +9,10 @@ import pytest
 
 from armside.kinematics import CATALOGUE
 from armside.sim.gears import GearsCfg, analyse
-from armside.sim.gears.joint_motion import lowpass
 from armside.sim.gears.judgement import JUDGED_FROM
 from armside.sim.gears.smoother import fused
-from armside.sim.measured import Stream, read_motion
+from armside.sim.recordings import Stream, read_motion
+from armside.sim.recordings.alignment.encoder_motion import lowpass
 
 CFG = GearsCfg(largest_order=200.0)
 SETS = os.environ.get("ARMSIDE_MEASUREMENTS")

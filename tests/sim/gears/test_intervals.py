@@ -6,11 +6,10 @@ from operator import add
 import numpy as np
 import pytest
 
-from armside.sim.gears.elasticity import softened
-from armside.sim.gears.fit import fit, normal
+from armside.sim.gears.fit import fit, normal, softened
 from armside.sim.gears.learning import reweighted
 from armside.sim.gears.observation import Observation
-from armside.sim.gears.transmission import CONFIDENCE
+from armside.sim.gears.transmission import CONFIDENCE, Transmission
 
 SAMPLING, DURATION, BAND = 10.5, 120.0, (0.6, 3.5)
 TERMS = ((0, 220.0), (1, 240.0))
@@ -83,3 +82,22 @@ def test_an_elastic_arm_does_not_enlarge_what_is_found():
     enlarged, right = ([t.amplitude for t in one.terms] / AMPLITUDE for one in (rigid, elastic))
     assert enlarged.mean() > 1.06
     assert np.abs(right - 1.0).max() < 0.06
+
+
+def test_deviations_are_the_scatter_of_amplitude_and_phase_of_drawn_coefficients():
+    """A covariance that is wide along the coefficients and narrow across them."""
+    mean, along = np.array([30e-6, 40e-6]), np.array([0.6, 0.8])
+    covariance = (0.2e-6) ** 2 * np.eye(2) + (2e-6) ** 2 * np.outer(along, along)
+    drawn = np.random.default_rng(0).multivariate_normal(mean, covariance, 4000)
+    found = Transmission(
+        joints=(0,),
+        orders=np.array([120.0]),
+        coefficients=mean[None],
+        covariance=covariance,
+        order_deviations=np.array([0.1]),
+    )
+    (term,) = found.terms
+    amplitude, phase = np.hypot(*drawn.T), np.arctan2(drawn[:, 1], drawn[:, 0])
+    # the scatter of 4000 draws is known to 1.1 %
+    assert term.amplitude_deviation == pytest.approx(amplitude.std(), rel=0.05)
+    assert term.phase_deviation == pytest.approx(phase.std(), rel=0.05)

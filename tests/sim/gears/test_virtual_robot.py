@@ -8,8 +8,7 @@ import pytest
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import CATALOGUE
 from armside.sim.gears import VIRTUAL, Excitation, analyse
-from armside.sim.gears.found import discrepancies
-from armside.sim.gears.virtual_run import posture, recorded
+from armside.sim.gears.virtual_run import discrepancies, posture, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.rig import rig
 from armside.sim.laser.setup import Setup

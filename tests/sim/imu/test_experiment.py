@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mujoco.rollout import Rollout
-from scipy.signal import welch
 
 from armside import assets
 from armside.sim.imu import (
@@ -21,7 +20,6 @@ from armside.sim.imu import (
     run_rest,
 )
 from armside.sim.imu.phases import idle_peaks, under_way
-from armside.sim.imu.vibration import power_spectrum
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.model import load_model
 from armside.sim.robot.recording import Recording, Truth
@@ -193,14 +191,6 @@ def test_vibration_at_rest_differs_between_motors_off_and_on():
     assert ((rest.off_rms > 0.009) & (rest.off_rms < 0.014)).all()
     assert (rest.on_rms[1:] > 3.0 * rest.off_rms[1:]).all()
     assert ((rest.on_level[1:] > 0.15) & (rest.on_level[1:] < 0.45)).all()
-
-
-def test_the_power_spectrum_is_welch_s():
-    signal = np.random.default_rng(0).standard_normal((1500, 3))
-    frequency, density = power_spectrum(signal, 100.0)
-    expected = welch(signal, 100.0, window="hann", nperseg=200, axis=0)
-    assert frequency == pytest.approx(expected[0])
-    assert density == pytest.approx(expected[1], rel=1e-9)
 
 
 def test_a_run_is_one_rollout_of_the_physics(monkeypatch):

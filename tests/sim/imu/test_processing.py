@@ -33,7 +33,7 @@ from armside.sim.imu.compensation import (
     to_base,
     to_imu,
 )
-from armside.sim.imu.differences import difference_quotients, resample
+from armside.sim.imu.prediction import difference_quotients, resample
 from armside.sim.instruments.encoder import quantise
 from armside.sim.instruments.imu import ImuCfg, draw
 

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.kinematics import CATALOGUE
-from armside.sim.imu.recorded import process
-from armside.sim.imu.repeatability import mounting, repeatability, scale
-from armside.sim.measured import read_motion
+from armside.kinematics import find_arm
+from armside.sim.imu.recorded import mounting, process, repeatability, scale
+from armside.sim.recordings import read_motion
 
 AUBO = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "aubo_i5"
 DAYS = ("20200922", "20201015", "20201016")
@@ -74,7 +73,7 @@ def test_differences_between_recordings_are_those_of_their_constants(done):
 
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
 def test_the_imu_of_the_aubo_repeats_over_the_days_and_its_gyro_is_predicted():
-    arm = CATALOGUE["aubo_i5"]
+    arm = find_arm("aubo_i5")
     done = [process(arm, read_motion(AUBO / day)) for day in DAYS]
     found = repeatability([one.alignment for one in done])
     assert found.gyro_scale <= 0.005

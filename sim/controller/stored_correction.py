@@ -1,0 +1,139 @@
+"""Correction that a stored run ended with and its reference, or a correction in a file."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.ilc.workbench.csv_signal import CsvSignal, read_signal
+from armside.ilc.workbench.words import Words
+
+from ..records.errors import InputError
+from ..records.stored_run import StoredRun
+from ..records.tables import float_columns, read_table
+
+REFERENCE = "reference.csv"
+"""File with the reference in a run of `armside learn`."""
+DIVERGED = "diverged"
+ROBOTS = ("large", "irb1400")
+OF_ANGLES = ("two-mass", "egm", "rsi")
+"""Other plants of `armside learn` whose signals are angles."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StoredCorrection:
+    """u of a run's last iteration."""
+
+    correction: Array = field(repr=False)
+    """u_k, shape (N, n); [rad] on a robot."""
+    reference: Array = field(repr=False)
+    """r, shape (N, n)."""
+    sample_time: float
+    """[s]."""
+    k: int
+    """Iteration that ran with it."""
+    robot: str | None
+    """Robot by name or file; None for a plant that is none, or not known."""
+    unit: str = "rad"
+    """Of both; 1 where it is not known, of an own plant."""
+    law: str | None = None
+    """Words of the law, of a run that compared laws."""
+
+
+def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrection:
+    """Correction of a run of laser, cut or learn. law: which, where learn compared several.
+
+    Raises InputError for another run, one that diverged, or a law that it does not have.
+    """
+    if run.experiment == "learn":
+        return _of_learn(run, law)
+    if run.experiment not in ("laser", "cut"):
+        runs = "runs of laser, cut and learn have"
+        raise InputError(f"{run.folder} is a run of {run.experiment}: {runs} a correction")
+    if law is not None:
+        raise InputError(f"{run.folder} is a run of {run.experiment}, with one law: leave it out")
+    _refuse_diverged(run, run.summary["status"] == DIVERGED)
+    last = run.signals.runs[-1]
+    log = last.recording
+    return StoredCorrection(
+        correction=log.correction,
+        reference=log.reference,
+        sample_time=float(log.time[1] - log.time[0]),
+        k=last.k,
+        robot=run.summary["config"]["robot"],
+    )
+
+
+def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
+    rows = list({(row["law"], row["noise"]): row for row in reversed(run.summary["laws"])}.values())
+    rows.reverse()  # the first repetition of each law and noise level, in their order
+    names = list(dict.fromkeys(row["law"] for row in rows))
+    if law is None and len(names) > 1:
+        raise InputError(f"{run.folder} has several laws, give one: {', '.join(names)}")
+    if law is not None and law not in names:
+        raise InputError(f"{run.folder} has no law {law!r}. It has: {', '.join(names)}")
+    at = next(i for i, row in enumerate(rows) if law in (None, row["law"]))
+    _refuse_diverged(run, rows[at]["diverged"])
+    (file,) = run.folder.glob(f"correction-{at + 1}-*.csv")
+    signal, reference = read_signal(file), read_signal(run.file(REFERENCE))
+    if signal.time is None:
+        raise InputError(f"{file} has no column time")
+    robot, unit = _robot(run.summary["config"])
+    return StoredCorrection(
+        correction=signal.values,
+        reference=reference.values,
+        sample_time=float(signal.time[1] - signal.time[0]),
+        k=rows[at]["first_k"] + len(rows[at]["error_two"]) - 1,
+        robot=robot,
+        unit=unit,
+        law=rows[at]["law"],
+    )
+
+
+def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
+    """Robot that the words of the plant name, and unit of its angles."""
+    try:
+        name = Words.parse(config["plant"]).name
+    except ValueError:
+        return None, "1"
+    if name in ROBOTS or Path(name).suffix == ".toml":
+        return name, "rad"
+    return None, "rad" if name in OF_ANGLES else "1"
+
+
+def _refuse_diverged(run: StoredRun, diverged: bool) -> None:
+    if diverged:
+        raise InputError(f"{run.folder} diverged: its correction is not for use")
+
+
+def commanded(stored: StoredCorrection) -> Array:
+    """r + u, shape (N, n)."""
+    return np.asarray(stored.reference + stored.correction)
+
+
+PREFIXES = ("correction", "u")
+"""Names of the columns, before their numbers from 1."""
+
+
+def read_correction(file: Path) -> CsvSignal:
+    """Columns correction_1, correction_2, ... (or u_1, ...) of a CSV, MAT, HDF5 or Parquet file,
+    and time [s] if it has that.
+
+    Raises InputError for other columns, values that are missing, or a time that does not increase.
+    """
+    table = read_table(file)
+    names = table.column_names
+    prefix = next((p for p in PREFIXES if f"{p}_1" in names), None)
+    if prefix is None:
+        found = ", ".join(names[:4])
+        raise InputError(f"{file} holds no correction: no column correction_1, but {found}")
+    n = next(i for i in range(1, len(names) + 2) if f"{prefix}_{i}" not in names) - 1
+    values = float_columns(table, [f"{prefix}_{i + 1}" for i in range(n)])
+    time = float_columns(table, ["time"])[:, 0] if "time" in names else None
+    if not np.isfinite(values).all():
+        raise InputError(f"{file}: values of the correction are missing or not finite")
+    if time is not None and not (len(time) > 1 and (np.diff(time) > 0.0).all()):
+        raise InputError(f"{file}: time must increase")
+    return CsvSignal(file, time, values)

@@ -1,0 +1,123 @@
+"""Alignment of a tracker or of cameras with the encoders: clock, base and tool of one recording.
+
+Only the motion below 2 Hz is used, with the nominal robot. Nothing of it depends on a gear's error.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from armside.arrays import Array
+from armside.kinematics.calibration.measurements import procrustes
+
+from ..recording import Stream
+from .encoder_motion import RATE, EncoderMotion, coarse_lag, lowpass
+
+SLOW = 2.0
+"""[Hz] Band of the fit."""
+STRIDE = 10
+"""Samples of the grid for one of the fit."""
+MARGIN = 1.0
+"""[s] At both ends."""
+ROBUST = 1e-3
+"""[m] Residual at which the loss turns from square to linear; a nominal robot is off by as much."""
+MISFIT = 0.02
+"""Residual, relative to the spread of the points, that no error of a robot explains."""
+SHARP = 40.0
+"""[Hz] Low-pass of the tracker before it is put on the grid."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrackerAlignment:
+    """Constants of one recording that take points of its tracker to base axes."""
+
+    offset: float
+    """[s], the tracker's clock minus the encoders' in the middle of the recording."""
+    rate: float
+    """Rate of the tracker's clock less that of the encoders, relative."""
+    R: Array
+    p: Array
+    """(3, 3) and (3,) [m]: p_tracker = R p_base + p."""
+    target: Array
+    """(3,) [m], the measured point in the tool frame."""
+    rms: float
+    """[m], residual of the fit, which is the nominal robot's."""
+
+    def clock(self, motion: EncoderMotion) -> Array:
+        """(M,) [s], times of the tracker's clock at the samples of the motion."""
+        return motion.time + self.offset + self.rate * (motion.time - motion.time.mean())
+
+    def residual(self, motion: EncoderMotion, tracker: Stream) -> Array:
+        """(M, 3) [m], measured less encoders' position of the target, base axes."""
+        from scipy.interpolate import CubicSpline
+
+        own = 1.0 / float(np.median(np.diff(tracker.time)))
+        even = np.arange(tracker.time[0], tracker.time[-1], 1.0 / own)
+        points = lowpass(CubicSpline(tracker.time, tracker.values)(even), SHARP, own)
+        points = CubicSpline(even, points)(np.clip(self.clock(motion), even[0], even[-1]))
+        return (points - self.p) @ self.R - motion.T[:, :3, 3] - motion.lever(self.target)
+
+    def covered(self, motion: EncoderMotion, tracker: Stream) -> NDArray[np.bool_]:
+        """(M,) bool, samples of the motion that the tracker saw."""
+        t = self.clock(motion)
+        return (t > tracker.time[0] + MARGIN / 2) & (t < tracker.time[-1] - MARGIN / 2)
+
+
+def align_tracker(
+    motion: EncoderMotion, tracker: Stream, fraction: float = 1.0
+) -> TrackerAlignment:
+    """Alignment by robust least squares.
+
+    fraction: of the recording, from its start, that may be used.
+
+    Raises:
+        ValueError: the tracker did not see this motion, or its unit is wrong.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.optimize import least_squares
+
+    time = np.arange(tracker.time[0], tracker.time[-1], 1.0 / RATE)
+    even = lowpass(CubicSpline(tracker.time, tracker.values)(time), SLOW)
+    _check_unit(motion, even)
+    points = CubicSpline(time, even)
+    speeds = np.linalg.norm(points(time, 1), axis=1), np.linalg.norm(motion.velocity[:, :3], axis=1)
+    margin, last = int(MARGIN * RATE), int(fraction * len(motion.time))
+    of_robot = motion.time[:last], lowpass(speeds[1], SLOW)[:last]
+    start = coarse_lag("tracker", (time, speeds[0]), of_robot)
+    rows = np.arange(margin, last - margin, STRIDE)
+    T = lowpass(motion.T.reshape(-1, 16), SLOW)[rows].reshape(-1, 4, 4)
+    t, middle = motion.time[rows], motion.time.mean()
+
+    def fitted(x: Array) -> tuple[Array, Array, Array]:
+        at = t + x[0] + x[1] * (t - middle)
+        inside = (at > time[0] + MARGIN) & (at < time[-1] - MARGIN)
+        if inside.sum() < len(t) / 4:
+            return np.eye(3), np.zeros(3), np.full((len(t), 3), 1.0)
+        own, seen = T[inside, :3, 3] + T[inside, :3, :3] @ x[2:], points(at[inside])
+        R, p = procrustes(own, seen)
+        residual = np.zeros((len(t), 3))
+        residual[inside] = seen - own @ R.T - p
+        return R, p, residual
+
+    def solve(x: Array) -> Array:
+        scale = np.array([1e-2, 1e-4, 0.1, 0.1, 0.1])
+        loss = {"loss": "soft_l1", "f_scale": ROBUST}
+        return least_squares(lambda x: fitted(x)[2].ravel(), x, x_scale=scale, **loss).x
+
+    x = solve(np.array([start, 0.0, 0.0, 0.0, 0.0]))
+    R, p, residual = fitted(x)
+    rms = float(np.sqrt(3.0 * np.median(residual**2)))
+    spread = float(np.linalg.norm(even - even.mean(axis=0), axis=1).mean())
+    if rms > MISFIT * spread:
+        text = f"{1e3 * rms:.3g} mm remain of a motion of {1e3 * spread:.3g} mm"
+        raise ValueError(f"tracker does not fit the robot: {text}")
+    return TrackerAlignment(offset=float(x[0]), rate=float(x[1]), R=R, p=p, target=x[2:], rms=rms)
+
+
+def _check_unit(motion: EncoderMotion, points: Array) -> None:
+    reach = np.linalg.norm(motion.T[:, :3, 3].std(axis=0))
+    ratio = np.linalg.norm(points.std(axis=0)) / max(float(reach), 1e-9)
+    if ratio > 100.0:
+        text = f"points spread {ratio:.3g} times as far as the robot moves"
+        raise ValueError(f"tracker: {text}: are they in millimetres?")

@@ -1,0 +1,201 @@
+"""Numbers of ROS messages: joint angles, IMU samples, points with orientation.
+
+Units are those of ROS (REP 103): rad, m, m/s^2, rad/s; quaternions there have w last.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ...records.errors import InputError, reading
+from ...records.files import check_file
+from .topics import FRAME, BagTopics, Instrument, choose
+
+BILLION = 1_000_000_000
+
+
+class Joints(NamedTuple):
+    """One sensor_msgs/JointState."""
+
+    stamp: int
+    """[ns], of the header."""
+    names: tuple[str, ...]
+    position: Array
+    """[rad], one for each name; empty where the message has none."""
+
+
+class Sample(NamedTuple):
+    """One sample of an IMU, or of a point."""
+
+    stamp: int
+    """[ns], of the header."""
+    frame: str
+    """Frame of the header: of the housing, or that positions are given in."""
+    child: str
+    """Frame that was measured, where the message names one."""
+    values: tuple[float, ...]
+    """Specific force and angular rate; or position and, where there is one, quaternion, w first."""
+
+
+def joints(message: Any) -> Joints:
+    """Angles of a sensor_msgs/JointState."""
+    position = np.asarray(message.position, dtype=np.float64)
+    return Joints(_stamp(message.header), tuple(message.name), position)
+
+
+def samples(kind: str, message: Any) -> Iterator[Sample]:
+    """Samples of a message of another type: one, or of TFMessage one for each frame."""
+    match kind.rpartition("/")[2]:
+        case "Imu":
+            yield _sample(message.header, "", _imu(message))
+        case "PoseStamped":
+            pose = message.pose
+            yield _sample(message.header, "", _vector(pose.position) + _turn(pose.orientation))
+        case "PointStamped":
+            yield _sample(message.header, "", _vector(message.point))
+        case "TransformStamped":
+            yield _transform(message)
+        case "TFMessage":
+            yield from (_transform(one) for one in message.transforms)
+
+
+def _transform(message: Any) -> Sample:
+    moved = message.transform
+    values = _vector(moved.translation) + _turn(moved.rotation)
+    return _sample(message.header, message.child_frame_id, values)
+
+
+def _imu(message: Any) -> tuple[float, ...]:
+    """Specific force and angular rate; NaN where the driver says by -1 that it has none."""
+    values: tuple[float, ...] = ()
+    for name in ("linear_acceleration", "angular_velocity"):
+        absent = getattr(message, f"{name}_covariance")[0] == -1.0
+        values += (np.nan,) * 3 if absent else _vector(getattr(message, name))
+    return values
+
+
+def _sample(header: Any, child: str, values: tuple[float, ...]) -> Sample:
+    return Sample(_stamp(header), header.frame_id, child, values)
+
+
+def _stamp(header: Any) -> int:
+    return BILLION * int(header.stamp.sec) + int(header.stamp.nanosec)
+
+
+def _vector(v: Any) -> tuple[float, ...]:
+    return (v.x, v.y, v.z)
+
+
+def _turn(q: Any) -> tuple[float, ...]:
+    return (q.w, q.x, q.y, q.z)
+
+
+SUFFIXES = (".mcap", ".db3", ".bag")
+METADATA = "metadata.yaml"
+LARGEST_METADATA = 4_000_000
+"""[bytes]"""
+LARGEST_BAG = 10**12
+"""[bytes], of a file: only chosen topics are kept in memory."""
+MOST_MESSAGES = 4_000_000
+"""Of the chosen topics together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Messages:
+    """Samples of the chosen topics of a bag, in the order of the file."""
+
+    encoders: dict[str, list[Joints]]
+    imu: dict[str, list[Sample]]
+    tracker: dict[str, list[Sample]]
+
+
+def is_bag(path: Path) -> bool:
+    """True for a file with a bag's suffix, and for a folder with the metadata of one."""
+    if path.is_dir():
+        return (path / METADATA).is_file()
+    return path.suffix.lower() in SUFFIXES
+
+
+def read_messages(path: Path, topics: BagTopics) -> Messages:
+    """Messages of the chosen topics.
+
+    Raises:
+        InputError: damaged, without encoders, too long, or topics that are ambiguous; and without
+            the package rosbags.
+    """
+    _check_files(path)
+    with _opened(path) as bag:
+        chosen = _chosen(path.name, bag, topics)
+        wanted = {name.partition(FRAME)[0] for names in chosen.values() for name in names}
+        connections = [one for one in bag.connections if one.topic in wanted]
+        if (n := sum(one.msgcount for one in connections)) > MOST_MESSAGES:
+            raise InputError(f"{path.name}: {n} messages; at most {MOST_MESSAGES} can be used")
+        return _collected(bag, connections, chosen)
+
+
+def _check_files(path: Path) -> None:
+    """Raise InputError for what is no regular file."""
+    files = [path] if not path.is_dir() else [*path.iterdir()]
+    for file in files:
+        check_file(file, LARGEST_METADATA if file.name == METADATA else LARGEST_BAG)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    try:
+        highlevel, typesys = (import_module(f"rosbags.{name}") for name in ("highlevel", "typesys"))
+    except ImportError as error:
+        needed = "the package rosbags: pip install 'armside[bags]'"
+        raise InputError(f"{path.name}: bags need {needed}") from error
+    # Bags before ROS 2 Iron hold no definitions of their messages.
+    types = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+    with reading(path), highlevel.AnyReader([path], default_typestore=types) as bag:
+        yield bag
+
+
+def _chosen(name: str, bag: Any, topics: BagTopics) -> dict[Instrument, tuple[str, ...]]:
+    types = {topic: info.msgtype or "several types" for topic, info in bag.topics.items()}
+    known = {topic: kind for topic, kind in types.items() if bag.topics[topic].msgcount}
+    found = {one: choose(name, known, one, topics.asked(one)) for one in Instrument}
+    if not found[Instrument.ENCODERS]:
+        listed = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(known.items()))
+        wanted = Instrument.ENCODERS.types[0]
+        raise InputError(f"{name} has no messages of {wanted}. Topics: {listed or 'none'}")
+    return found
+
+
+def _collected(
+    bag: Any, connections: list[Any], chosen: dict[Instrument, tuple[str, ...]]
+) -> Messages:
+    angles: dict[str, list[Joints]] = {name: [] for name in chosen[Instrument.ENCODERS]}
+    others: dict[str, list[Sample]] = {
+        name.partition(FRAME)[0]: []
+        for one in (Instrument.IMU, Instrument.TRACKER)
+        for name in chosen[one]
+    }
+    for connection, _, raw in bag.messages(connections):
+        message = bag.deserialize(raw, connection.msgtype)
+        if connection.topic in angles:
+            angles[connection.topic].append(joints(message))
+        else:
+            others[connection.topic] += samples(connection.msgtype, message)
+    imu = {name: others[name] for name in chosen[Instrument.IMU]}
+    return Messages(angles, imu, {n: _of_frame(n, others) for n in chosen[Instrument.TRACKER]})
+
+
+def _of_frame(name: str, found: dict[str, list[Sample]]) -> list[Sample]:
+    """Samples of TOPIC, or of TOPIC#FRAME those that measured the frame."""
+    topic, named, frame = name.partition(FRAME)
+    if not named:
+        return found[topic]
+    children = sorted({one.child for one in found[topic]})
+    if frame not in children:
+        raise InputError(f"{topic} has no frame {frame}. Frames: {', '.join(children)}")
+    return [one for one in found[topic] if one.child == frame]

@@ -1,0 +1,193 @@
+"""Real motor logs of a path beside runs of the virtual robot along it, by speed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from armside.arrays import Array
+from armside.kinematics import Arm, compile
+
+from ...cell import CELLS
+from ...cut.timing import PathLimits, rest_to_rest
+from ...robot.cell_model import cell_model
+from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from ..recording import Stream
+from .motor_logs import PathLogs
+from .waypoint_path import PathScatter, WaypointPath, path_scatter, phi_of, waypoint_path
+
+HALF = 10
+"""Samples on either side that the cubic spans."""
+SLOWEST = 0.02
+"""[rad/s] Rate below which a motor tells nothing of time."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimingErrors:
+    """Errors of the sampling instants of each motor, taken from logs."""
+
+    errors: tuple[Array, ...]
+    """Of each log (N, n) [s], in the order of its samples."""
+    period: float
+    """[s], median step of the stamps."""
+
+    @property
+    def deviation(self) -> Array:
+        """(n,) [s], standard deviation of each motor."""
+        return np.concatenate(self.errors).std(axis=0)
+
+    @property
+    def correlation(self) -> Array:
+        """(n, n), between motors; 1 if all were read at one instant."""
+        return np.asarray(np.corrcoef(np.concatenate(self.errors).T))
+
+    def logged(self, motion: Stream, rng: np.random.Generator) -> Array:
+        """Samples (N, n) [rad] that such a log holds of a motion, errors from a random place."""
+        time = np.arange(motion.time[0], motion.time[-1], self.period)
+        own = self.errors[rng.integers(len(self.errors))]
+        rows = (np.arange(len(time)) + rng.integers(len(own))) % len(own)
+        spline = CubicSpline(motion.time, motion.values)
+        at = np.clip(time[:, None] + own[rows], motion.time[0], motion.time[-1])
+        return np.column_stack([spline(at[:, j])[:, j] for j in range(at.shape[1])])
+
+
+def timing_errors(logs: Sequence[Stream]) -> TimingErrors:
+    """Timing errors of the samples of logs in motion.
+
+    Raises ValueError for logs in which some motor never moves with the others.
+    """
+    found = tuple(_of(log) for log in logs)
+    if not all(len(errors) for errors in found):
+        raise ValueError("timing errors need logs in which all motors move at the same time")
+    steps = np.concatenate([np.diff(log.time) for log in logs])
+    return TimingErrors(errors=found, period=float(np.median(steps)))
+
+
+def _of(log: Stream) -> Array:
+    departure, rate = _local_cubic(log)
+    moving = (np.abs(rate) > SLOWEST).all(axis=1)
+    return departure[moving] / rate[moving]
+
+
+def _local_cubic(log: Stream) -> tuple[Array, Array]:
+    """Departure (N', n) [rad] of each sample from the cubic over its window, and rate [rad/s]."""
+    centres = np.arange(HALF, len(log.time) - HALF)
+    rows = centres[:, None] + np.arange(-HALF, HALF + 1)
+    t = log.time[rows] - log.time[centres][:, None]
+    unit = np.abs(t).max()
+    powers = np.linalg.pinv((t / unit)[:, :, None] ** np.arange(4))
+    fit = powers[:, :2] @ log.values[rows]
+    return log.values[centres] - fit[:, 0], fit[:, 1] / unit
+
+
+REST = 0.5
+"""[s] At both ends."""
+
+
+def virtual_runs(
+    path: WaypointPath, speed: float, n: int, seed: int, step: Callable[[], None] = lambda: None
+) -> list[Stream]:
+    """Motor logs of n runs of the virtual large robot, by its encoders at 250 Hz.
+
+    speed: [m/s]. Runs have noise of their own.
+
+    Raises:
+        RuntimeError: a run has become unstable.
+    """
+    cell = CELLS["large"]
+    loaded = VirtualRobot(cell_model(cell, cell.xml)).load(_reference(path, speed))
+    runs: list[Stream] = []
+    for child in np.random.SeedSequence(seed).spawn(n):
+        recording = loaded.run(rng=np.random.default_rng(child))
+        if not np.isfinite(recording.motor_angle).all():
+            raise RuntimeError(f"the virtual robot is unstable at {1e3 * speed:g} mm/s")
+        runs.append(Stream(recording.time, recording.motor_angle))
+        step()
+    return runs
+
+
+def _reference(path: WaypointPath, speed: float) -> Array:
+    timing = rest_to_rest(path.length, speed, PathLimits())
+    time = np.arange(-REST, timing.duration + REST, LOG_PERIOD)
+    return path.motor_angles(timing.at(time)[0])
+
+
+DRAWS = 10
+"""Sets of logs of a perfectly repeated run."""
+STEP = 0.002
+"""[s] Of that run."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AtSpeed:
+    """Error and scatter of the motors' path at one programmed speed."""
+
+    speed: float
+    """[m/s]."""
+    n_runs: int
+    """Of the real robot."""
+    real: PathScatter
+    virtual: PathScatter
+    """By its own log, which has no timing errors."""
+    virtual_logged: PathScatter
+    """By a log with the real one's timing errors."""
+    timing: TimingErrors
+    perfect: Array
+    """(D,) [m], scatter that such logs show of runs without any, for each draw."""
+
+    @property
+    def unexplained(self) -> float:
+        """Scatter of the real robot beyond that of its log [m], as a root of squares."""
+        beyond = self.real.scatter**2 - float((self.perfect**2).mean())
+        return float(np.sqrt(max(0.0, beyond)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PathComparison:
+    """Comparison at each speed of the logs."""
+
+    path: WaypointPath
+    speeds: tuple[AtSpeed, ...]
+
+
+def compare_logs(
+    arm: Arm, logs: PathLogs, runs: int, seed: int, step: Callable[[], None] = lambda: None
+) -> PathComparison:
+    """Compare logs with `runs` runs of the virtual large robot at each speed.
+
+    Raises:
+        ValueError: logs of another robot, or of a path that was not followed to its end.
+        RuntimeError: the virtual robot is unstable on this path.
+    """
+    path = waypoint_path(compile(arm.robot), logs.position, logs.phi)
+    rng = np.random.default_rng(seed)
+
+    def one(speed: float) -> AtSpeed:
+        real = [log.motors for log in logs.logs if log.speed == speed]
+        timing = timing_errors(real)
+        virtual = virtual_runs(path, speed, runs, seed, step)
+        return AtSpeed(
+            speed=speed,
+            n_runs=len(real),
+            real=path_scatter(path, phi_of(real)),
+            virtual=path_scatter(path, phi_of(virtual)),
+            virtual_logged=path_scatter(path, [timing.logged(log, rng) for log in virtual]),
+            timing=timing,
+            perfect=perfect_scatter(path, speed, timing, len(real), rng),
+        )
+
+    return PathComparison(path=path, speeds=tuple(one(speed) for speed in logs.speeds))
+
+
+def perfect_scatter(
+    path: WaypointPath, speed: float, timing: TimingErrors, n_runs: int, rng: np.random.Generator
+) -> Array:
+    """Scatter (D,) [m] that n logs show of a robot that follows the path exactly, for each draw."""
+    time = np.arange(0.0, path.length / speed, STEP)
+    exact = Stream(time, path.motor_angles(speed * time))
+
+    def draw() -> float:
+        return path_scatter(path, [timing.logged(exact, rng) for _ in range(n_runs)]).scatter
+
+    return np.array([draw() for _ in range(DRAWS)] if n_runs > 1 else [np.nan])

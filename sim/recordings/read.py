@@ -1,0 +1,136 @@
+"""Recordings from a file or folder, whose form is found out by looking at it: see docs/real.md."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ..records.files import LARGEST_DATA, check_file
+from .bags import BagTopics
+from .recording import MotionRecording, PoseRecording, Stream
+
+FIRST = 0
+"""Iteration of a run that is read: later ones are corrected by what was learned."""
+Reader = Callable[[Path], MotionRecording]
+
+
+def is_motion(source: Path) -> bool:
+    """True for what looks like a recording of a known form."""
+    from .bags.messages import is_bag
+
+    return is_bag(source) or (source.is_dir() and _reader(source) is not None)
+
+
+def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecording:
+    """Recording: a folder of tables, a bag, a run of armside, or a published set.
+
+    Args:
+        source: folder, or file of a bag.
+        topics: of a bag.
+
+    Raises:
+        ValueError: of no known form, or damaged; the message names file and place.
+        OSError: a file cannot be read.
+    """
+    from .bags.messages import is_bag
+    from .bags.read import motion_of_bag
+
+    if is_bag(source):
+        return motion_of_bag(source, topics)
+    _refuse_topics(source, topics)
+    if not source.is_dir():
+        raise ValueError(f"{source} is no folder of a recording, and no bag")
+    if (reader := _reader(source)) is not None:
+        try:
+            return reader(source)
+        except ValueError as error:
+            name = source.resolve().name
+            raise error if name in str(error) else ValueError(f"{name}: {error}") from error
+    forms = "encoders.csv, metadata.yaml of a ROS 2 bag, ContinuousEvaluation.mat, or a run's "
+    forms += "signals.parquet"
+    raise ValueError(f"{source} is no recording of a known form: it needs {forms}")
+
+
+def _reader(folder: Path) -> Reader | None:
+    from .published import is_aubo, read_aubo
+    from .tables import has_motion_tables, read_motion_tables
+
+    if is_aubo(folder):
+        return read_aubo
+    if (folder / "signals.parquet").is_file() and (folder / "summary.json").is_file():
+        return read_run_motion
+    return read_motion_tables if has_motion_tables(folder) else None
+
+
+def read_run_motion(folder: Path) -> MotionRecording:
+    """Encoders, IMU and laser tracker of a run's k = 0: its sensors, never the ground truth.
+
+    Raises ValueError for a damaged folder.
+    """
+    from ..records.stored_run import read_run
+
+    run = next((run for run in read_run(folder).signals.runs if run.k == FIRST), None)
+    if run is None:
+        raise ValueError(f"{folder} has no run k = {FIRST}")
+    tracker: Stream | None = None
+    if run.tracker is not None and run.tracker.valid.any():
+        seen = run.tracker.valid
+        tracker = Stream(run.tracker.time[seen], run.tracker.position[seen])
+    return MotionRecording(
+        name=folder.name,
+        encoders=Stream(run.recording.time, run.recording.motor_angle),
+        imu=_imu(folder / "imu.parquet"),
+        tracker=tracker,
+        form="run of armside",
+    )
+
+
+def _imu(file: Path) -> Stream | None:
+    import pyarrow.compute as pc
+
+    from ..records.tables import float_columns, read_table
+    from .tables import COLUMNS
+
+    if not file.is_file():
+        return None
+    table = read_table(file)
+    table = table.filter(pc.field("k") == FIRST)
+    values = float_columns(table, [f"imu_{name}" for name in COLUMNS["imu"]])
+    return Stream(float_columns(table, ["imu_time"])[:, 0], values)
+
+
+def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:
+    """Poses of a table, a bag, or a published set.
+
+    Args:
+        data: file or folder.
+        topics: of a bag.
+
+    Raises:
+        ValueError: the data are of no known form, or damaged; the message names file and place.
+        OSError: a file cannot be read.
+    """
+    from .bags.messages import is_bag
+    from .bags.read import poses_of_bag
+    from .published import is_irb120, is_ur10, read_irb120, read_ur10
+    from .tables import read_pose_table
+
+    if not data.exists():
+        raise ValueError(f"{data} does not exist")
+    if is_bag(data):
+        return poses_of_bag(data, topics)
+    _refuse_topics(data, topics)
+    if data.is_dir():
+        if is_irb120(data):
+            return read_irb120(data)
+        tables = sorted(data.glob("measurements_*.csv"))
+        if len(tables) == 1:
+            return read_ur10(check_file(tables[0], LARGEST_DATA))
+        names = ", ".join(table.name for table in tables)
+        hint = f"; name one of {names}" if tables else ""
+        raise ValueError(f"{data} is no folder of a known form{hint}")
+    check_file(data, LARGEST_DATA)
+    return read_ur10(data) if is_ur10(data) else read_pose_table(data)
+
+
+def _refuse_topics(source: Path, topics: BagTopics) -> None:
+    if topics.named:
+        raise ValueError(f"{source} is no bag: topics and joints are chosen in bags")

@@ -1,0 +1,50 @@
+"""Estimates of the tool's error in bands of frequency, on signals whose parts are known."""
+
+import numpy as np
+import pytest
+
+from armside.sim.gears.judgement import in_bands, spectra
+from armside.sim.recordings.alignment.encoder_motion import RATE
+
+AMPLITUDE, NOISE = 50e-6, 5e-6
+"""[m] Of a sine of 6 Hz along x, and standard deviation of the tracker's white noise per axis."""
+
+
+@pytest.fixture(scope="module")
+def signals():
+    t = np.arange(0.0, 80.0, 1.0 / RATE)
+    sine = np.outer(AMPLITUDE * np.sin(12.0 * np.pi * t), [1.0, 0.0, 0.0])
+    noise = NOISE * np.random.default_rng(0).normal(size=sine.shape)
+    return sine, noise, np.abs(t - 40.0) < 35.0
+
+
+def test_ratio_is_what_each_estimate_leaves_and_the_floor_is_the_noise(signals):
+    sine, noise, rows = signals
+    (band,) = in_bands(sine + noise, 0.5 * sine, sine, rows, [(4.0, 8.0)])
+    # White noise spreads over 0 to 50 Hz; the band has 4 of them
+    expected = NOISE * np.sqrt(3.0 * 4.0 / 50.0)
+    assert band.floor == pytest.approx(expected, rel=0.1)
+    assert band.rms == pytest.approx(AMPLITUDE / np.sqrt(2.0), rel=0.02)
+    assert band.gears == pytest.approx(0.5, abs=0.02)
+    assert band.fused == pytest.approx(expected / band.rms, rel=0.15)
+    assert band.fused is not None
+    assert band.beyond_floor(band.fused) < 0.04
+    assert band.beyond_floor(1.0) == pytest.approx(1.0)
+
+
+def test_other_bands_hold_the_noise_alone(signals):
+    sine, noise, rows = signals
+    for band in in_bands(sine + noise, sine, None, rows, [(0.7, 2.0), (12.0, 16.0)]):
+        assert band.rms == pytest.approx(band.floor, rel=0.2)
+        assert band.gears == pytest.approx(1.0, abs=0.02)
+        assert band.fused is None
+
+
+def test_spectra_hold_the_energy_of_the_signal(signals):
+    sine, noise, rows = signals
+    found = spectra(sine + noise, sine, None, rows)
+    step = found.frequency[1]
+    energy = [np.sum(x**2) * step for x in (found.encoders, found.gears)]
+    assert energy[0] == pytest.approx(AMPLITUDE**2 / 2.0 + 3.0 * NOISE**2, rel=0.05)
+    assert energy[1] == pytest.approx(3.0 * NOISE**2, rel=0.05)
+    assert found.fused is None

@@ -1,0 +1,68 @@
+"""Repair of streams, and recordings as folders of tables."""
+
+import numpy as np
+import pytest
+
+from armside.sim.recordings import read_motion
+from armside.sim.recordings.repair import repaired
+
+TIME = np.arange(0.0, 20.0, 0.01)
+PHI = np.column_stack([np.sin(0.5 * TIME), np.cos(0.3 * TIME)])
+
+
+def test_held_samples_missing_rows_and_repeated_stamps_are_dropped_and_counted():
+    time, phi = TIME.copy(), PHI.copy()
+    held = np.array([300, 700, 1500])
+    phi[held] = phi[held - 1]
+    phi[900, 1] = np.nan
+    time[1200] = time[1199]
+    stream, notes = repaired("encoders", time, phi)
+    assert not set(TIME[held]) & set(stream.time)
+    assert len(stream.time) == len(TIME) - 5
+    assert "1 not finite, 1 with a repeated or older stamp, 3 off their neighbours" in notes[0]
+
+
+def test_gaps_are_told_and_stamps_are_kept():
+    rows = np.r_[0:800, 900 : len(TIME)]
+    stream, notes = repaired("IMU", TIME[rows], PHI[rows])
+    assert np.array_equal(stream.time, TIME[rows])
+    assert notes == ("IMU: 1 gaps are bridged, the longest 1010 ms",)
+
+
+def exchanged(every):
+    """Stamps of which each so many-th pair is in the wrong order."""
+    time = TIME.copy()
+    time[::every], time[1::every] = TIME[1::every], TIME[::every]
+    return time
+
+
+@pytest.mark.parametrize(
+    ("time", "values", "said"),
+    [
+        (TIME[::-1], PHI, "clock runs backwards"),
+        (exchanged(every=20), PHI, "clock runs backwards, first in sample 2"),
+        (np.where(TIME < 12.0, TIME, TIME - 9.0), PHI, "the clock is set back"),
+        (TIME[:50], PHI[:50], "50 samples"),
+        (1e6 * TIME, PHI, "at most 1800 s"),
+        (TIME, 1e300 * PHI, "values reach 1e+300"),
+        (TIME, np.where(TIME[:, None] < 10.0, np.nan, PHI), "50 % of the samples are not finite"),
+    ],
+)
+def test_what_cannot_be_repaired_is_refused_by_name(time, values, said):
+    with pytest.raises(ValueError, match="encoders: ") as error:
+        repaired("encoders", time, values)
+    assert said in str(error.value)
+
+
+def test_a_folder_of_tables_is_read(tmp_path):
+    rows = np.column_stack([TIME, PHI])
+    header = "time,motor_angle_1,motor_angle_2"
+    np.savetxt(tmp_path / "encoders.csv", rows, "%.17g", ",", header=header, comments="")
+    one = read_motion(tmp_path)
+    assert np.array_equal(one.encoders.values, PHI)
+    assert (one.imu, one.tracker, one.form) == (None, None, "folder of tables")
+    (tmp_path / "imu.csv").write_text("time,acceleration_x\n0,1\n")
+    with pytest.raises(ValueError, match="columns are missing: acceleration_y"):
+        read_motion(tmp_path)
+    with pytest.raises(ValueError, match="no recording of a known form"):
+        read_motion(tmp_path.parent)
