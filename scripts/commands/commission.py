@@ -8,23 +8,27 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from armside.sim.cut.notes import motion_notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.notes import pass_notes
+from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import Commissioned
+from armside.sim.twin.commission import SENSORS, Commissioned
 from armside.sim.twin.identification import Identification
-from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
-from armside.sim.twin.recordings import notes_of_first_run, read_cut
-from armside.sim.twin.sensors import SENSORS, Measure
+from armside.sim.twin.prediction import is_identified, standard_deviation
+from armside.sim.twin.recordings import (
+    MeasuredCut,
+    SensorName,
+    measured,
+    notes_of_first_run,
+    read_cut,
+)
+from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import Scale
-from armside.sim.twin.twin import design_of
-from armside.sim.twin.uncertainty import is_identified, standard_deviation
 
 from ..cutting.individual import IndividualCfg, robot_state
 from ..cutting.options import LARGEST
@@ -44,7 +48,7 @@ class CommissionCfg(IndividualCfg):
     """Robot. A twin of the IRB1400 is not made yet: its arm closes a chain."""
     cuts: int = 4
     """Number of cuts, 1 to 10, from a plan that is chosen by what they identify."""
-    measure: Measure = "tracker"
+    measure: SensorName = "tracker"
     """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""

@@ -11,10 +11,10 @@ from cyclopts import Parameter
 
 from armside.sim.cell import pose
 from armside.sim.cell_file import find_cell
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.timing import PathLimits
 
 from ..shell.effort import refuse_absurd
 from ..shell.options import options

@@ -8,11 +8,11 @@ import numpy as np
 from cyclopts import Group, Parameter
 
 from armside.sim.cell_file import find_cell
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.setup import Setup
+from armside.sim.motion.timing import PathLimits
 from armside.sim.part.chain import MM
-from armside.sim.part.drawn import Reading, Unit
+from armside.sim.part.drawing import Reading, Unit
 from armside.sim.part.plan import Cutting
 
 from ..shell.options import FileToRead, options

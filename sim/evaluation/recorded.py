@@ -1,6 +1,6 @@
 """Measures of recorded data, of a stored run or of any other robot: one analysis for all."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +11,16 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.measures import norms
 
-from ..cut.contour import ClosedCurve
-from ..cut.path import Plane
-from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
+from ..instruments.notes import beam
+from ..motion.contour import ClosedCurve
+from ..motion.path import Plane
+from ..motion.tool_motion import ToolMotion, motion_notes
+from ..notes import Cause, Note, together
 from ..part.motion import PartMotion
 from ..records.signals import Signals
+from ..records.tables import TRUTH_VALUE
+from ..robot.limits import saturation
 from .contour_error import contour_errors
 from .tool_error import fit, tool_error
 
@@ -195,3 +199,28 @@ def _block(table: pa.Table, names: Sequence[str]) -> Array:
         return np.empty((table.num_rows, 0))
     columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
     return np.column_stack(columns)
+
+
+def notes_of_signals(signals: Signals) -> list[Note]:
+    """Notes of a stored run: of its programmed path, and of each iteration."""
+    return together(_of_signals(signals))
+
+
+def _of_signals(signals: Signals) -> Iterator[Note]:
+    if isinstance(signals.path, ToolMotion):
+        yield from motion_notes(signals.path)
+    for run in signals.runs:
+        yield from (note.at(run.k) for note in saturation(run.recording))
+        if run.tracker is not None:
+            yield from (note.at(run.k) for note in beam(run.tracker))
+
+
+def notes_of_table(table: pa.Table) -> list[Note]:
+    """Notes of any other table: samples that its column `tracker_valid` calls lost."""
+    if TRUTH_VALUE not in table.column_names:
+        return []
+    lost = table[TRUTH_VALUE].cast(pa.bool_()).to_pylist().count(False)
+    if not lost:
+        return []
+    text = f"the laser tracker lost its beam in {lost} samples, which are left out"
+    return [Note(cause=Cause.BEAM, text=text)]

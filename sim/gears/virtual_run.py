@@ -12,12 +12,12 @@ from armside.arrays import Array
 from armside.kinematics import Robot, compile
 
 from ..cell import Cell, ToolPose
-from ..cut.tool_motion import joint_reference
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..laser.plant import Pass
 from ..laser.rig import rig
 from ..laser.setup import Setup
 from ..measured.motion import MotionRecording, Stream
+from ..motion.tool_motion import joint_reference
 from .excitation import Excitation
 
 RUNS = 6

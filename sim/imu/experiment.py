@@ -9,7 +9,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
-from ..moves.planner import JointMotion, plan_program
+from ..motion.planner import JointMotion, plan_program
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot

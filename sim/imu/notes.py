@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from ..moves.notes import slower_moves
+from ..motion.planner import slower_moves
 from ..notes import Cause, Note, together
 from ..robot.limits import saturation
 from .experiment import ImuResult

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..cut.notes import motion_notes
 from ..estimation.imu_health import ImuError, repaired
 from ..instruments.notes import beam
+from ..motion.tool_motion import motion_notes
 from ..notes import Cause, Note, together
 from ..robot.limits import saturation
 from .experiment import Experiment, Iteration

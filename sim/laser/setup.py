@@ -7,8 +7,8 @@ from armside.kinematics.robot_file import GearTerm
 
 from ..cell import Cell, ToolPose, pose
 from ..cell_file import find_cell
-from ..cut.timing import PathLimits
 from ..instruments.imu import ImuCfg
+from ..motion.timing import PathLimits
 from ..robot.effects import Effect
 from ..robot.individual import Individual
 from ..robot.spread import Drawn

@@ -7,8 +7,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
-from ..cut.timing import PathLimits, rest_to_rest
 from ..measured.motion import Stream
+from ..motion.timing import PathLimits, rest_to_rest
 from ..robot.cell_model import cell_model
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .waypoint_path import WaypointPath

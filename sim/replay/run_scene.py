@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from ..cell_file import find_cell
-from ..cut.tool_motion import ToolMotion
+from ..motion.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
 from ..records.errors import InputError, reading

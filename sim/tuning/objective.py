@@ -7,9 +7,9 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..cores import cores
-from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..laser.experiment import Experiment
+from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from .rules import Rules
 from .situation import Situation, restarted

@@ -17,7 +17,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from ..cores import cores
-from ..cut.notes import motion_notes
+from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.individual import Individual
 from ..robot.spread import Drawn

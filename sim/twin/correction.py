@@ -11,9 +11,8 @@ from ..laser.experiment import prepare
 from ..laser.specification import Cut
 from ..part.carried import Motion
 from ..robot.individual import Individual
-from .ensemble import errors
 from .learning import TwinLearning, learn_in_twin
-from .prediction import Evidence, Prediction, predicted
+from .prediction import Evidence, Prediction, errors, predicted
 from .simulation import Design, motor_path
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.sim.evaluation.corners import BEYOND, LARGEST_RADIUS, corner_error, in_corners
+from armside.sim.evaluation.contour_error import BEYOND, LARGEST_RADIUS, corner_error, in_corners
 from armside.sim.part.chain import arc, joined, line
 from armside.sim.part.curve import ChainCurve
 

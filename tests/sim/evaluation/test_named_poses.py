@@ -8,7 +8,7 @@ import pytest
 from armside import kinematics
 from armside.kinematics.rotation import to_quaternion
 from armside.sim.cell import IRB1400_CELL, ToolPose
-from armside.sim.evaluation.named_poses import LEAST_DEXTERITY, checks_of, named_poses
+from armside.sim.evaluation.robot_examination import LEAST_DEXTERITY, checks_of, named_poses
 
 P1 = IRB1400_CELL.poses["p1"]
 

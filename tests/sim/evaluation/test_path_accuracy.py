@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.cut.tool_motion import cut
-from armside.sim.evaluation.path_accuracy import path_measures
+from armside.sim.evaluation.tool_error import path_measures
 from armside.sim.laser import Cut
+from armside.sim.motion.tool_motion import cut
 
 POSE = LARGE_ROBOT_POSES["p1"]
 

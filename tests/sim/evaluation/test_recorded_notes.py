@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
+from armside.sim.evaluation.recorded import notes_of_signals, notes_of_table
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.notes import Cause

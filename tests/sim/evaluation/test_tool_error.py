@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.cut.contour import Circle, hexagon, slot, square
-from armside.sim.cut.tool_motion import cut
 from armside.sim.evaluation.tool_error import fit, signed_distance, tool_error
 from armside.sim.laser import Cut
+from armside.sim.motion.contour import Circle, hexagon, slot, square
+from armside.sim.motion.tool_motion import cut
 
 POSE = LARGE_ROBOT_POSES["p1"]
 POLYGONS = {

@@ -5,9 +5,9 @@ import pytest
 from ezdxf import units
 
 from armside.sim.part.chain import Chain
-from armside.sim.part.drawn import Reading, Unit
-from armside.sim.part.file import read_part
-from armside.sim.part.kind import Kind
+from armside.sim.part.curve import Kind
+from armside.sim.part.drawing import Reading, Unit
+from armside.sim.part.part import read_part
 
 from .drawings import bracket, flange, frame, new, save
 

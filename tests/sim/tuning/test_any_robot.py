@@ -7,7 +7,7 @@ from gymnasium.utils.env_checker import check_env
 
 from armside import assets
 from armside.sim.cell_file import read_cell
-from armside.sim.cut.shapes import RADII
+from armside.sim.motion.contour import RADII
 from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
 from armside.sim.tuning.evaluation import always, run_episode
 from armside.sim.tuning.reach import candidates, movable

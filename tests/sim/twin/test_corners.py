@@ -2,13 +2,13 @@
 
 import pytest
 
-from armside.sim.cut.contour import square
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, prepare
+from armside.sim.motion.contour import square
 from armside.sim.robot.effects import gear_phases
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.learning import TwinLearning, learn_in_twin
-from armside.sim.twin.twin import design_of
+from armside.sim.twin.simulation import design_of
 
 
 @pytest.fixture(scope="module")

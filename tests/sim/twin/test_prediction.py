@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from armside.sim.twin.commission import SENSORS
 from armside.sim.twin.correction import _distrust
 from armside.sim.twin.prediction import Evidence, Prediction, predicted
-from armside.sim.twin.sensors import SENSORS
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 

@@ -8,8 +8,7 @@ import pytest
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.records.errors import InputError
-from armside.sim.twin.measured import measured
-from armside.sim.twin.recordings import read_cut
+from armside.sim.twin.recordings import measured, read_cut
 
 START = 3.25
 """[s], of the robot's clock at the first row."""

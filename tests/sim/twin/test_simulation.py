@@ -4,7 +4,7 @@ import numpy as np
 
 from armside.sim.laser import Cut, prepare
 from armside.sim.robot.individual import Individual
-from armside.sim.twin.twin import design_of
+from armside.sim.twin.simulation import design_of
 
 
 def test_what_the_controller_computes_once_serves_every_individual():
