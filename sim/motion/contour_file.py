@@ -1,9 +1,13 @@
-"""Contour files: corner points in TOML, or a drawing (`drawing`).
+"""Contours of files: corner points in TOML, or a drawing in DXF.
 
 TOML, in millimetres around the centre of the cut; corners are rounded:
 
     corner = 1.5
     points = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]
+
+A drawing has one closed polyline or circle, in its units (millimetres if it has none), around its
+middle: its place in the drawing does not count. Anything else is refused, as it would not be cut.
+Arcs of a polyline must join smoothly; corners of one of lines alone are rounded.
 """
 
 import tomllib

@@ -1,4 +1,11 @@
-"""Limits of joints and path along a curve of motor angles phi(w)."""
+"""Timing of moves, curves of motor angles phi(w), under limits of joints and path.
+
+Moves that follow each other without a stop: each gets a constant limit of speed and of acceleration
+in w; between two the speed is what both allow and what can be reached with limited jerk; ruckig
+times each. A single move, from rest to rest, is timed under limits that vary along it: a forward
+and a backward pass find the highest speed within the limits of speed and acceleration, and a moving
+average over the jerk time limits the jerk.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -221,16 +228,9 @@ def averaged(x: Array, window: float) -> Timing:
     knots = np.concatenate([[0.0], np.cumsum(2.0 * step / (v[:-1] + v[1:]))])
     acceleration = np.diff(x) / (2.0 * step)
     start = np.unique(np.concatenate([knots, knots + window]))
-    length = np.diff(start)
-    middle = start[:-1] + 0.5 * length
+    middle = start[:-1] + 0.5 * np.diff(start)
     entering, leaving = (_held(acceleration, knots, t) for t in (middle, middle - window))
-    state = np.zeros((len(length), 4))
-    state[:, 3] = (entering - leaving) / window
-    for k, h in enumerate(length[:-1]):
-        s, v, a, j = state[k]
-        moved = s + h * (v + h * (a / 2 + h * j / 6))
-        state[k + 1, :3] = moved, v + h * (a + h * j / 2), a + h * j
-    return Timing(start[:-1], state, float(start[-1]))
+    return Timing.of_jerk(start[:-1], (entering - leaving) / window, float(start[-1]))
 
 
 def _held(values: Array, knots: Array, time: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Jerk-limited timing along a path by ruckig: phases of constant jerk."""
+"""Timing along a path in phases of constant jerk: fastest by ruckig, or of a speed profile."""
 
 from dataclasses import dataclass
 
@@ -46,6 +46,15 @@ class Timing:
     """(P, 4): s, v, a [m, m/s, m/s^2] at the start of each phase, and its jerk [m/s^3]."""
     duration: float
     """[s]."""
+
+    @classmethod
+    def of_jerk(cls, start: Array, jerk: Array, duration: float) -> "Timing":
+        """Phases from rest, of which start (P,) [s] and jerk (P,) [m/s^3] are known."""
+        h = np.diff(start, append=duration)
+        a = _summed(h * jerk)
+        v = _summed(h * (a + h * jerk / 2))
+        s = _summed(h * (v + h * (a / 2 + h * jerk / 6)))
+        return cls(start, np.stack([s, v, a, jerk], axis=1), duration)
 
     def at(self, time: ArrayLike) -> tuple[Array, Array, Array]:
         """Arc length, speed and acceleration at `time`; at rest before 0 and after the end."""
@@ -119,11 +128,7 @@ def profile_timing(acceleration: Array, steps: Array, jerk: float, ramp: float) 
     phases[::2], phases[1::2] = held, blends
     start = np.concatenate([[0.0], phases[:, 0], knots[-1:]])
     j = np.concatenate([[jerk], phases[:, 1], [jerk]])
-    h = np.diff(start, append=knots[-1] + ramp)
-    a = _summed(h * j)
-    v = _summed(h * (a + h * j / 2))
-    s = _summed(h * (v + h * (a / 2 + h * j / 6)))
-    return Timing(start, np.stack([s, v, a, j], axis=1), float(knots[-1] + ramp))
+    return Timing.of_jerk(start, j, float(knots[-1] + ramp))
 
 
 def _summed(change: Array) -> Array:
