@@ -1,4 +1,5 @@
-"""Evidence: a number and its band, a table of results, and the same checks over many seeds."""
+"""Evidence: a number and its band, a table of results, the same checks over many seeds, and the
+confidence interval of a mean."""
 
 import math
 from collections.abc import Mapping, Sequence

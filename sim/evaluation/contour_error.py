@@ -1,4 +1,4 @@
-"""Errors of one contour of a part: its shape after a best fit, and its place."""
+"""Errors of one contour of a part: its shape after a best fit, its corners, and its place."""
 
 from dataclasses import dataclass
 
@@ -78,9 +78,9 @@ def contour_errors(
     time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m]; None for no roundness
     and no corners.
     """
-    resting = time < REST
+    at_rest = time < REST
     programmed = motion.position_at(time[:1])[0]
-    from_rest = position - (position[resting].mean(axis=0) - programmed)
+    from_rest = position - (position[at_rest].mean(axis=0) - programmed)
     bounds = np.searchsorted(time, [place.contour_time for place in motion.places])
     return tuple(
         _error(place, time[first:last], from_rest[first:last], beam)

@@ -1,4 +1,4 @@
-"""Measures of recorded data, of a stored run or of any other robot: one analysis for all."""
+"""Measures and notes of recorded data, of a stored run or of any other robot: one analysis."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -29,16 +29,14 @@ TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 
 
 @dataclass(frozen=True, kw_only=True)
-class CircleTurn:
-    """One turn of a programmed circle, for data that do not state their path."""
+class _Turn:
+    """When the tracker saw one turn, and in which plane."""
 
-    radius: float
-    """Programmed [m]."""
     start: float = -np.inf
     end: float = np.inf
     """[s]."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the circle's plane, in the axes of the tracker."""
+    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
 
     def __post_init__(self) -> None:
         if not self.start < self.end:
@@ -46,7 +44,15 @@ class CircleTurn:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContourTurn:
+class CircleTurn(_Turn):
+    """One turn of a programmed circle, for data that do not state their path."""
+
+    radius: float
+    """Programmed [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContourTurn(_Turn):
     """One turn of a programmed contour, for data that do not state their path.
 
     Its place is found by a best fit, as for any contour; its plane and, to some 20 degrees, its
@@ -54,17 +60,8 @@ class ContourTurn:
     """
 
     contour: ClosedCurve
-    start: float = -np.inf
-    end: float = np.inf
-    """[s]."""
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
     turned: float = 0.0
     """Rotation of the contour in that plane [rad]."""
-
-    def __post_init__(self) -> None:
-        if not self.start < self.end:
-            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
 
 
 @dataclass(frozen=True, kw_only=True)

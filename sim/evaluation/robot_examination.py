@@ -1,4 +1,4 @@
-"""Examination of a robot model: geometry, limits, drives, masses and modes, each with a verdict."""
+"""Examination of a robot model, with verdicts: geometry, limits, drives, masses, modes, poses."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,8 @@
 """Tool error: distance of the tool's path from the programmed contour, after a best fit.
 
 A circle is moved to its least-squares centre, as thesis 9.3 does, or to its mean where it is too
-flat for one; any other contour is moved and rotated onto the programmed one.
+flat for one; any other contour is moved and rotated onto the programmed one. Path accuracy and
+repeatability after ISO 9283 are those of several runs, fitted together.
 """
 
 from collections.abc import Sequence

@@ -71,8 +71,8 @@ def room(home: Array, limits: Limits) -> tuple[Array, Array]:
             down[used], up[used] = down[used] / over, up[used] / over
     stuck = np.flatnonzero(down + up < 1e-3)
     if len(stuck):
-        said = f"motor {int(stuck[0]) + 1} has no room about home"
-        raise ValueError(f"{said}: give another home, or a motion program")
+        motor = f"motor {int(stuck[0]) + 1}"
+        raise ValueError(f"{motor} has no room about home: give another home, or a motion program")
     return home - down, home + up
 
 

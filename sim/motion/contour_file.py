@@ -50,18 +50,18 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
     side = np.roll(p, -1, axis=0) - p
     length = np.linalg.norm(side, axis=1)
     if length.min() < SHORTEST:
-        raise ValueError(f"two points in a row are the same: {_said(p[length.argmin()])} mm")
+        raise ValueError(f"two points in a row are the same: {_in_mm(p[length.argmin()])} mm")
     heading = np.arctan2(side[:, 1], side[:, 0])
     turn = _wrapped(heading - np.roll(heading, 1))  # at the start of each side
     if np.abs(turn).max() > np.pi - 1e-6:
-        place = _said(p[np.abs(turn).argmax()])
+        place = _in_mm(p[np.abs(turn).argmax()])
         raise ValueError(f"the contour turns back on itself at {place} mm")
     cut = corner * np.tan(np.abs(turn) / 2.0)  # of both sides, for the arc at their corner
     straight = length - cut - np.roll(cut, -1)
     if straight.min() < 0.0:
         worst = int(straight.argmin())
         raise ValueError(
-            f"the side from {_said(p[worst])} mm is {length[worst] / MM:.4g} mm long, too short "
+            f"the side from {_in_mm(p[worst])} mm is {length[worst] / MM:.4g} mm long, too short "
             f"for corners of {corner / MM:g} mm"
         )
     elements: list[Element] = []
@@ -89,7 +89,7 @@ def as_drawn(points: Array, bulge: Array) -> ArcsAndLines:
     if (worst := np.abs(kink).max()) > SMOOTH:
         corner = points[(np.abs(kink).argmax() + 1) % len(points)]
         raise ValueError(
-            f"there is a corner of {np.degrees(worst):.4g} deg at {_said(corner)} mm; a polyline "
+            f"there is a corner of {np.degrees(worst):.4g} deg at {_in_mm(corner)} mm; a polyline "
             f"with arcs must be smooth"
         )
     elements: list[Element] = []
@@ -104,10 +104,10 @@ def as_drawn(points: Array, bulge: Array) -> ArcsAndLines:
 
 def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAndLines:
     """Chain that starts where it heads along +y on its right side, as all contours do."""
-    kept = [e for e in elements if e[0] > SHORTEST]
+    present = [e for e in elements if e[0] > SHORTEST]
     place = np.array(first)
     best = (-np.inf, 0, 0.0, place)
-    for i, (length, curvature) in enumerate(kept):
+    for i, (length, curvature) in enumerate(present):
         along = _where_north(heading, length, curvature)
         if along is not None:
             there = place + chord(along, curvature, heading)
@@ -116,8 +116,8 @@ def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAnd
         place = place + chord(length, curvature, heading)
         heading += length * curvature
     _, i, along, start = best
-    length, curvature = kept[i]
-    begun = [(length - along, curvature), *kept[i + 1 :], *kept[:i], (along, curvature)]
+    length, curvature = present[i]
+    begun = [(length - along, curvature), *present[i + 1 :], *present[:i], (along, curvature)]
     return ArcsAndLines(
         (float(start[0]), float(start[1])), tuple(e for e in begun if e[0] > SHORTEST)
     )
@@ -137,7 +137,7 @@ def _wrapped(angle: Array) -> Array:
     return np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
 
 
-def _said(point: Array) -> str:
+def _in_mm(point: Array) -> str:
     return f"({point[0] / MM:g}, {point[1] / MM:g})"
 
 

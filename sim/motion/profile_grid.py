@@ -16,7 +16,7 @@ STEP = 0.4e-3
 """Distance of grid points along the path [m], less where blends of steps are too fast."""
 FEWEST, MOST = 60, 2000
 """Number of grid points."""
-KEPT = 0.5
+LEAST_LEFT = 0.5
 """Fraction of x = v^2 that a programme of the time leaves of the one before."""
 
 
@@ -182,7 +182,7 @@ class Grid:
         if x is None or not self.timed:
             return jerk
         none = np.zeros_like(x)
-        floor = np.where(self.held, np.inf, -KEPT * x)
+        floor = np.where(self.held, np.inf, -LEAST_LEFT * x)
         return stacked([jerk, Rows(none, none - 1.0, none, floor)])
 
     def jerk_rows(self, x: Array | None) -> Rows:
@@ -203,7 +203,7 @@ STANDSTILL = 0.01
 """Fraction of a path's highest speed that counts as rest."""
 
 
-def resting(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:
+def nearly_at_rest(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:
     """(N,), points of a grid whose speed is below `slack` of one that could be held there.
 
     The lowest speed allowed within the length of a ramp to the highest can be held over all of it;

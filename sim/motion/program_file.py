@@ -4,7 +4,7 @@
 
     [targets.corner]                          # named targets; a move may also hold one inline
     position = [968, -127, 1030]              # mm, TCP0 in base axes
-    orientation = [0.7071, 0, 0.7071, 0]      # quaternion, w first; left out: kept
+    orientation = [0.7071, 0, 0.7071, 0]      # quaternion, w first; left out: unchanged
 
     [[program]]
     do = "MoveJ"

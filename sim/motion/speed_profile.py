@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .profile_grid import MOST, SLACK, STANDSTILL, BoundsAt, Grid, resting
+from .profile_grid import MOST, SLACK, STANDSTILL, BoundsAt, Grid, nearly_at_rest
 from .profile_program import GAP, Programme, Rows, largest
 from .timing import PathLimits, Timing, profile_timing
 
@@ -66,16 +66,11 @@ class Bends:
     bounds: BoundsAt | None = None
 
 
-def profile(lengths: Array, curvature: Array, speed: float, limits: PathLimits) -> Profile:
-    """Profile along elements of `lengths` [m] and `curvature` [1/m], at most `speed` [m/s].
+def profiles(paths: Sequence[Bends], speed: float, limits: PathLimits) -> list[Profile]:
+    """Profile of each path, at most `speed` [m/s].
 
     Raises ValueError for a speed out of range, RuntimeError where no profile is found.
     """
-    return profiles([Bends(lengths, curvature)], speed, limits)[0]
-
-
-def profiles(paths: Sequence[Bends], speed: float, limits: PathLimits) -> list[Profile]:
-    """Profile of each path. Raises as `profile`."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be > 0 m/s, got {speed}")
     grids = {i: _first_grid(path, speed, limits) for i, path in enumerate(paths)}
@@ -128,7 +123,7 @@ def _judged(grid: Grid, x: Array | None) -> Profile | Grid:
     """The profile of a solution, or the grid of the next attempt."""
     if x is None:
         return replace(grid, first=0.5 * grid.first)
-    if not grid.timed and resting(grid, x, SLACK).any():
+    if not grid.timed and nearly_at_rest(grid, x, SLACK).any():
         return replace(grid, timed=True)
     found = _profile(grid, x)
     if len(grid.s) < MOST and _fastest(grid, found.timing) > 1.0 + FASTER:
@@ -216,5 +211,5 @@ def _profile(grid: Grid, x: Array) -> Profile:
     allowed = grid.allowed[element]
     if grid.joints is not None:
         allowed[1:-1] = np.minimum(allowed[1:-1], grid.joints.speed)
-    rests = grid.s[resting(grid, x, SLACK) & (v < STANDSTILL * grid.caps.max())]
+    rests = grid.s[nearly_at_rest(grid, x, SLACK) & (v < STANDSTILL * grid.caps.max())]
     return Profile(s, np.concatenate([[0.0], v, [0.0]]), allowed, timing, rests)

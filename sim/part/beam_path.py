@@ -1,9 +1,11 @@
-"""Corners of a contour rounded: short arcs that join smoothly on both sides."""
+"""Path of the beam's centre over a contour: corners rounded, half a beam aside, with leads."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
+
+from armside.arrays import Array
 
 from .chain import MM, Chain, arc, biarc, joined, place
 from .part import SAGITTA
@@ -37,13 +39,13 @@ def smooth(chain: Chain, corner: float = CORNER) -> Chain:
     shorter = np.minimum(chain.lengths, np.roll(chain.lengths, 1))[sharp]
     cut = np.minimum(radius * np.tan(half), 0.49 * shorter)
     if not chain.closed:
-        return _between(chain, at, cut, [0.0], [chain.length])
+        return _between(chain, at, cut)
     # From the middle of the arc at the first corner: turn the chain so that none is at its seam.
     start = float(at[0] + cut[0] + 0.5 * max(0.0, _free(chain, at, cut)))
     turned = rotated(chain, start)
     places = np.mod(at - start, chain.length)
     order = np.argsort(places)
-    return _between(turned, places[order], cut[order], [0.0], [chain.length])
+    return _between(turned, places[order], cut[order])
 
 
 def rotated(chain: Chain, s: float) -> Chain:
@@ -54,17 +56,16 @@ def rotated(chain: Chain, s: float) -> Chain:
     return joined([chain.part(s, chain.length), chain.part(0.0, s)])
 
 
-def _free(chain: Chain, at: np.ndarray, cut: np.ndarray) -> float:
+def _free(chain: Chain, at: Array, cut: Array) -> float:
     """Length between the arcs at the first two corners [m]."""
     following = at[1] - cut[1] if len(at) > 1 else at[0] + chain.length - cut[0]
     return float(following - at[0] - cut[0])
 
 
-def _between(
-    chain: Chain, at: np.ndarray, cut: np.ndarray, first: list[float], last: list[float]
-) -> Chain:
-    begins = np.concatenate([first, at + cut])
-    ends = np.concatenate([at - cut, last])
+def _between(chain: Chain, at: Array, cut: Array) -> Chain:
+    """The chain with arcs `cut` [m] to either side of its corners at arc lengths `at` [m]."""
+    begins = np.concatenate([[0.0], at + cut])
+    ends = np.concatenate([at - cut, [chain.length]])
     pieces: list[Chain] = []
     for i, (begin, end) in enumerate(zip(begins, ends, strict=True)):
         if end - begin > 1e-9:
@@ -72,9 +73,7 @@ def _between(
         if i < len(at):
             pieces.append(_corner(chain, float(ends[i]), float(begins[i + 1])))
     whole = joined(pieces)
-    if chain.closed:
-        whole = Chain(np.vstack([whole.points[:-1], whole.points[:1]]), whole.bulge)
-    return whole
+    return whole.ending_at_start if chain.closed else whole
 
 
 def _corner(chain: Chain, before: float, after: float) -> Chain:
@@ -96,7 +95,7 @@ def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
     """
     side = half if outwards else -half
     tight = 1.0 + side * chain.curvature
-    if (worst := tight.min()) <= ROUNDING:
+    if tight.min() <= ROUNDING:
         i = int(tight.argmin())
         middle = chain.point(chain.ends[i] + 0.5 * chain.lengths[i])
         radius = 1.0 / abs(chain.curvature[i])
@@ -104,7 +103,6 @@ def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
             f"the beam of {2 * half / MM:g} mm is too wide for the radius of "
             f"{radius / MM:.3g} mm at {place(middle)}"
         )
-    assert worst > 0.0
     normal = np.stack([np.sin(chain.heading), -np.cos(chain.heading)], axis=1)
     moved = chain.points[:-1] + side * normal
     path = Chain(np.vstack([moved, moved[:1]]), chain.bulge)

@@ -1,4 +1,7 @@
-"""Chains of lines and arcs in a plane, with corners, open or closed."""
+"""Chains of lines and arcs in a plane, with corners, open or closed.
+
+Other smooth curves are fitted by arcs that join smoothly, within a tolerance.
+"""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -83,6 +86,11 @@ class Chain:
     @property
     def reversed(self) -> "Chain":
         return Chain(self.points[::-1], -self.bulge[::-1])
+
+    @property
+    def ending_at_start(self) -> "Chain":
+        """The chain with its first point in place of its last, which rounding keeps apart."""
+        return Chain(np.vstack([self.points[:-1], self.points[:1]]), self.bulge)
 
     def point(self, s: ArrayLike) -> Array:
         """Points (..., 2) at arc lengths s [m] from 0 to `length`."""
@@ -170,7 +178,7 @@ def _halved(one: Chain) -> Chain:
 
 
 def place(point: ArrayLike) -> str:
-    """A point [m] as it is said in messages."""
+    """A point [m] in the words of a message."""
     x, y = np.round(np.asarray(point) / MM, 2) + 0.0
     return f"({x:g}, {y:g}) mm"
 

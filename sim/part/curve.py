@@ -1,4 +1,4 @@
-"""Chains as curves that a measured path is compared with."""
+"""Contours of a part as curves that a measured path is compared with."""
 
 from dataclasses import dataclass, field
 from enum import Enum

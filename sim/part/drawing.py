@@ -1,4 +1,4 @@
-"""Entities of a drawing that can be cut, and options of reading one."""
+"""Entities of a drawing that can be cut, joined end to end, and options of reading one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

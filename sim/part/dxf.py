@@ -1,4 +1,4 @@
-"""Drawings in DXF, R12 to 2018, read with ezdxf."""
+"""Drawings in DXF, R12 to 2018, read with ezdxf: a chain for each entity that can be cut."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -85,9 +85,9 @@ def _polyline(entity: Any, scale: float) -> Chain:
     if not (entity.is_2d_polyline or entity.is_3d_polyline):
         raise ValueError("it is a mesh, not a curve")
     frame = 16  # vertex of the control frame of a smoothed polyline, not on the curve
-    kept = [v.dxf for v in entity.vertices if not v.dxf.flags & frame]
-    _level([v.location.z for v in kept])
-    rows = [(v.location.x, v.location.y, v.get("bulge", 0.0)) for v in kept]
+    present = [v.dxf for v in entity.vertices if not v.dxf.flags & frame]
+    _level([v.location.z for v in present])
+    rows = [(v.location.x, v.location.y, v.get("bulge", 0.0)) for v in present]
     vertices = np.array(rows, dtype=np.float64).reshape(-1, 3)
     return _polyline_of(entity, vertices, bool(entity.is_closed), scale)
 
@@ -97,12 +97,12 @@ def _polyline_of(entity: Any, vertices: Array, closed: bool, scale: float) -> Ch
         vertices = np.vstack([vertices, vertices[:1]])
     step = np.linalg.norm(np.diff(vertices[:, :2], axis=0), axis=1)
     # A last vertex on the first of a closed polyline, and doubled vertices, add no element.
-    kept = np.concatenate([[True], step > 0.0])
-    if kept.sum() < 2:
+    present = np.concatenate([[True], step > 0.0])
+    if present.sum() < 2:
         at = f" at {place(scale * vertices[0, :2])}" if len(vertices) else ": it has no vertex"
         raise ValueError(f"it has zero length{at}")
     bulge = vertices[:-1, 2][step > 0.0]
-    chain = polyline(scale * vertices[kept, :2], bulge)
+    chain = polyline(scale * vertices[present, :2], bulge)
     return _seen_from_above(entity, chain)
 
 
@@ -128,9 +128,8 @@ def _flat(vector: Any, scale: float) -> Array:
 def _exactly_closed(chain: Chain) -> Chain:
     """The chain with its last point on the first, where they differ by rounding."""
     first, last = chain.points[0], chain.points[-1]
-    if np.linalg.norm(last - first) > 1e-9 * chain.length:
-        return chain
-    return Chain(np.vstack([chain.points[:-1], first[np.newaxis]]), chain.bulge)
+    apart = np.linalg.norm(last - first) > 1e-9 * chain.length
+    return chain if apart else chain.ending_at_start
 
 
 READERS: Mapping[str, Callable[[Any, float], Chain]] = {
@@ -192,17 +191,17 @@ def _of_paper(layout: Any) -> list[Any]:
 
 def _read(entity: Any, layer: str, name: str, scale: float) -> Drawn:
     reader = READERS.get(entity.dxftype())
-    said = f"{name} on layer {layer}"
+    label = f"{name} on layer {layer}"
     if reader is None:
-        raise ValueError(f"{said} cannot be cut; choose the layers to cut, or remove it")
+        raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
     try:
         chain = reader(entity, scale)
     except NotFlatError as error:
-        raise ValueError(f"{said} is not drawn in the x-y plane") from error
+        raise ValueError(f"{label} is not drawn in the x-y plane") from error
     except ValueError as error:
-        raise ValueError(f"{said}: {error}") from error
+        raise ValueError(f"{label}: {error}") from error
     if not np.isfinite(chain.points).all():
-        raise ValueError(f"{said} has coordinates that are not finite")
+        raise ValueError(f"{label} has coordinates that are not finite")
     return Drawn(chain, name, layer)
 
 
@@ -211,9 +210,9 @@ def _entities(container: Any, layer: str = "", name: str = "") -> Iterator[tuple
     for entity in container:
         own = _layer_of(entity)
         effective = layer if layer and own == _LAYER_0 else own
-        said = f"{entity.dxftype()}{name or f' #{entity.dxf.handle}'}"
+        label = f"{entity.dxftype()}{name or f' #{entity.dxf.handle}'}"
         if entity.dxftype() != "INSERT":
-            yield entity, effective, said
+            yield entity, effective, label
             continue
         within = name or f" of INSERT #{entity.dxf.handle}"
         yield from ((a, a.dxf.layer, f"ATTRIB{within}") for a in entity.attribs)
@@ -264,11 +263,11 @@ def _metres(document: Any, chosen: Unit | None) -> float:
     if not own:
         raise ValueError("its unit is not stated ($INSUNITS): say --units mm or --units inch")
     scale = units.conversion_factor(own, units.M)  # pyright: ignore[reportArgumentType]
-    said = units.unit_name(own)
+    stated = units.unit_name(own)
     if own in (units.MM, units.IN) and system is not None and (own in IMPERIAL) == bool(system):
         other = "metric" if system else "imperial"
         raise ValueError(
-            f"its unit is in doubt: $INSUNITS says {said}, $MEASUREMENT says {other}; say "
+            f"its unit is in doubt: $INSUNITS says {stated}, $MEASUREMENT says {other}; say "
             "--units mm or --units inch"
         )
     return float(scale)

@@ -1,4 +1,4 @@
-"""A part: its outline, holes and open cuts, told apart and checked."""
+"""A part read from a drawing: its outline, holes and open cuts, told apart and checked."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.validation import explain_validity
 
 from armside.arrays import Array
 
@@ -106,7 +105,7 @@ def _contour(chain: Joined, name: str, depth: int) -> Contour:
 def _check_simple(chain: Joined, drawn: Any) -> None:
     if shapely.is_simple(drawn):
         return
-    reason = explain_validity(shapely.Polygon(drawn)) if chain.chain.closed else ""
+    reason = str(shapely.is_valid_reason(shapely.Polygon(drawn))) if chain.chain.closed else ""
     at = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
     where = f" at {place([float(v) for v in at])}" if len(at) == 2 else _own_crossing(drawn)
     raise ValueError(f"{chain.name} crosses itself{where}")
@@ -164,8 +163,8 @@ def read_part(file: Path, reading: Reading | None = None) -> Part:
         check_size(drawing)
         return part_of(join(drawing.entities, reading.join), drawing.notes)
     except ValueError as error:
-        said = str(error).removeprefix(f"{file.name}: ")
-        raise ValueError(f"{file.name}: {said}") from error
+        reason = str(error).removeprefix(f"{file.name}: ")
+        raise ValueError(f"{file.name}: {reason}") from error
 
 
 def _drawing(file: Path, reading: Reading) -> Drawing:

@@ -7,6 +7,7 @@ id. y points down in SVG and up here.
 import re
 from collections import Counter
 from collections.abc import Iterator
+from math import comb
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -64,7 +65,7 @@ def _bezier(control: Array) -> Chain | None:
         return None
     n = len(control) - 1
     first, step = np.poly1d([1.0, 0.0]), np.poly1d([-1.0, 1.0])
-    basis = [_binomial(n, k) * first**k * step ** (n - k) for k in range(n + 1)]
+    basis = [comb(n, k) * first**k * step ** (n - k) for k in range(n + 1)]
     slopes = [polynomial.deriv() for polynomial in basis]
 
     def at(t: float) -> tuple[Array, Array]:
@@ -74,10 +75,6 @@ def _bezier(control: Array) -> Chain | None:
         )
 
     return fitted(at, [0.0, 1.0])
-
-
-def _binomial(n: int, k: int) -> float:
-    return float(np.prod([(n - i) / (i + 1) for i in range(k)]))
 
 
 def _arc(segment: Any, scale: float) -> Chain | None:
@@ -112,9 +109,8 @@ def _whole(pieces: list[Chain]) -> Chain:
     """Pieces in one; its end is exactly its start where they differ by rounding."""
     whole = joined(pieces)
     first, last = whole.points[0], whole.points[-1]
-    if 0.0 < np.linalg.norm(last - first) < 1e-9 * max(1.0, float(np.abs(whole.points).max())):
-        return Chain(np.vstack([whole.points[:-1], first[np.newaxis]]), whole.bulge)
-    return whole
+    near = np.linalg.norm(last - first) < 1e-9 * max(1.0, float(np.abs(whole.points).max()))
+    return whole.ending_at_start if near else whole
 
 
 def _point(point: Any, scale: float) -> Array:
@@ -262,7 +258,7 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         tag = element.tag.removeprefix(SVG)
         layers.add(layer)
         known = f"#{element.get('id')}" if element.get("id") else "(without id)"
-        said = f"{tag} {known} on layer {layer or '(none)'}"
+        label = f"{tag} {known} on layer {layer or '(none)'}"
         if tag.startswith("{"):  # which no viewer draws
             if not tag.startswith(EDITORS):
                 left_out[f"elements of namespace {tag[1:].split('}')[0]}"] += 1
@@ -271,9 +267,9 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         elif hidden:
             left_out["hidden elements"] += 1
         elif tag not in SHAPES:
-            raise ValueError(f"{said} cannot be cut; choose the layers to cut, or remove it")
+            raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
         elif clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-            raise ValueError(f"{said} has a {clip[0]}: {CLIPPED}")
+            raise ValueError(f"{label} has a {clip[0]}: {CLIPPED}")
     return layers
 
 
@@ -302,20 +298,20 @@ def _property(element: Any, name: str) -> str:
 def _metres_per_pixel(root: Any, drawing: Any, chosen: Unit | None) -> float:
     if chosen is not None:
         return chosen.metres / _pixels_per_unit(drawing)
-    said = root.get("width", "").strip()
-    found = re.fullmatch(r"([-+.\deE]+?)\s*([A-Za-z]+)", said)
+    stated = root.get("width", "").strip()
+    found = re.fullmatch(r"([-+.\deE]+?)\s*([A-Za-z]+)", stated)
     unit = found.group(2).lower() if found else ""
     if not found or unit not in UNITS:
         raise ValueError(
-            f"its unit is in doubt: its width is {said or 'not stated'}, which is no length in mm, "
-            "cm or in; say --units mm or --units inch"
+            f"its unit is in doubt: its width is {stated or 'not stated'}, which is no length in "
+            "mm, cm or in; say --units mm or --units inch"
         )
     try:
         width = float(found.group(1)) * UNITS[unit]
     except ValueError as error:
-        raise ValueError(f"its width {said!r} is no length") from error
+        raise ValueError(f"its width {stated!r} is no length") from error
     if not width > 0.0:
-        raise ValueError(f"its width is {said}")
+        raise ValueError(f"its width is {stated}")
     return width / float(drawing.width)
 
 

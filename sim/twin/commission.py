@@ -1,4 +1,4 @@
-"""Commissioning of a twin: recorded cuts in, a twin out."""
+"""Commissioning of a twin: recorded cuts are checked against the nominal robot, and identified."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

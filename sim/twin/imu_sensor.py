@@ -1,4 +1,15 @@
-"""Errors of an accelerometer that look like motion: clock, bias, mounting, scale, misalignment."""
+"""IMU at the tool as the sensor of identification: readings less what a twin explains.
+
+    residual = P Q (reading - L s - by motors) / noise
+
+s is the ideal reading of a twin, L the low-pass and the sampling of the unit, "by motors" what
+kinematics makes of the difference between measured and simulated motor angles. Q is a low-pass: no
+twin is right above it. P takes out what errors of the unit explain: bias and its drift, mounting,
+scale, misalignment, clock.
+
+Errors of geometry move the tool too slowly for an accelerometer: they have no sensitivities. The
+gyroscope is left out: at 5 Hz the tool's motion is 30 times smaller to it, in its own noise.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,6 @@
-"""Recorded cuts on disk: tables of the form of `signals.parquet`, made by a robot or by us.
+"""Recorded signals of cuts, which a twin is identified from, and their tables on disk.
+
+No ground truth. A table has the form of `signals.parquet`, whether a robot made it or we:
 
 Columns reference_1..6, motor_angle_1..6 [rad, arm side], motor_torque_1..6 [N m, motor side] at
 250 Hz; correction_1..6 [rad] where there was any; tracker_x, tracker_y, tracker_z [m, base axes] or

@@ -1,4 +1,4 @@
-"""Runs of twins: many individuals make the same cut in one rollout."""
+"""Runs of twins: many individuals of a design make the same cut in one rollout."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

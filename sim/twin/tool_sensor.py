@@ -1,4 +1,8 @@
-"""Sensors of the tool that a twin is identified from: their residuals, as the solver takes them."""
+"""Sensors of the tool that a twin is identified from, and the laser tracker as one of them.
+
+A sensor gives residuals as the solver takes them; those of a tracker are displacements of the tool
+from rest.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -102,8 +102,7 @@ class Twin:
         """
         self.check(cut)
         design = self.design_with(cut.payload)
-        about = design, self.individual, self.around
-        return correct(*about, cut, self.evidence)
+        return correct(design, self.individual, self.around, cut, self.evidence)
 
     def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
         """Correction for the first run of a planned motion, such as that of a whole part.
@@ -111,14 +110,22 @@ class Twin:
         reference: (N, 6) [rad]. Raises TwinError as `correction`.
         """
         self.check(setup)
-        about = self.design_with(setup.payload), self.individual, self.around
-        return correct_motion(*about, motion, reference, self.evidence)
+        design = self.design_with(setup.payload)
+        return correct_motion(
+            design, self.individual, self.around, motion, reference, self.evidence
+        )
 
     @property
     def around(self) -> list[Individual]:
         """Individuals that commissioning cannot tell from the twin."""
-        posterior = self.parameters, self.theta, self.covariance, self.gear_phase
-        found = members(*posterior, self.uncertainty, self.sensor)
+        found = members(
+            self.parameters,
+            self.theta,
+            self.covariance,
+            self.gear_phase,
+            self.uncertainty,
+            self.sensor,
+        )
         return [replace(member, friction=self.friction) for member in found]
 
     def run(self, cut: Setup, reference: Array, correction: Array) -> Recording:

@@ -1,7 +1,9 @@
 """Contour files have the drawn shape; an error names what cannot be cut."""
 
+import ezdxf
 import numpy as np
 import pytest
+from ezdxf import units
 
 from armside.sim.motion.contour import Circle
 from armside.sim.motion.contour_file import read_contour, rounded
@@ -90,15 +92,13 @@ def test_another_kind_of_file_is_refused(tmp_path):
 # Drawings
 
 
-def drawn(tmp_path, draw, units=None):
-    import ezdxf
-
-    drawing = ezdxf.new()
-    drawing.units = units or 0
+def drawn(tmp_path, draw, unit=0, metric=1):
+    drawing = ezdxf.new()  # pyright: ignore[reportPrivateImportUsage]
+    drawing.units = unit
+    drawing.header["$MEASUREMENT"] = metric
     draw(drawing.modelspace())
-    file = tmp_path / "c.dxf"
-    drawing.saveas(file)
-    return file
+    drawing.saveas(tmp_path / "c.dxf")
+    return tmp_path / "c.dxf"
 
 
 def test_a_drawn_polygon_is_the_polygon_around_its_middle(tmp_path):
@@ -124,42 +124,46 @@ def test_a_drawn_slot_has_its_arcs_in_either_order(tmp_path, order):
 
 
 def test_a_drawing_in_inches_is_cut_in_inches(tmp_path):
-    from ezdxf import units
-
     file = drawn(tmp_path, lambda space: space.add_circle((3, 3), 0.2), units.IN)
     contour = read_contour(file)
     assert isinstance(contour, Circle)
     assert contour.radius == pytest.approx(0.2 * 25.4e-3)
 
 
-def test_a_kink_between_arcs_and_lines_is_named(tmp_path):
+def below(space):
+    space.add_circle((0, 0), 5, dxfattribs={"extrusion": (0, 0, -1)})
+
+
+def kinked(space):
     points = [(-5, -5, 0), (5, -5, 0.5), (5, 5, 0), (-5, 5, 1)]
-    file = drawn(tmp_path, lambda space: space.add_lwpolyline(points, format="xyb", close=True))
-    with pytest.raises(ValueError, match="must be smooth"):
-        read_contour(file)
+    space.add_lwpolyline(points, format="xyb", close=True)
 
 
-def test_a_drawing_has_exactly_one_contour(tmp_path):
-    file = drawn(tmp_path, lambda space: space.add_line((0, 0), (1, 1)))
-    with pytest.raises(ValueError, match="0 closed polylines and circles"):
-        read_contour(file)
-    file = drawn(tmp_path, lambda space: [space.add_circle((x, 0), 5) for x in (0, 20)])
-    with pytest.raises(
-        ValueError, match=r"2 closed polylines and circles; a contour is exactly one$"
-    ):
-        read_contour(file)
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [
+        (kinked, "must be smooth"),
+        (below, "not drawn in the x-y plane"),
+        (lambda s: s.add_line((0, 0), (1, 1)), "0 closed polylines and circles"),
+        (
+            lambda s: [s.add_circle((x, 0), 5) for x in (0, 20)],
+            "2 closed polylines and circles; a contour is exactly one$",
+        ),
+        (
+            lambda s: s.add_lwpolyline([(0, 0), (20, 0), (20, 20)]),
+            "0 closed .* exactly one; besides it has 1 open LWPOLYLINE",
+        ),
+    ],
+    ids=["kink", "seen from below", "none", "two", "open"],
+)
+def test_a_drawing_has_exactly_one_smooth_contour(tmp_path, draw, said):
+    with pytest.raises(ValueError, match=said):
+        read_contour(drawn(tmp_path, draw))
+
+
+def test_a_file_that_is_no_drawing_is_refused(tmp_path):
     with pytest.raises(OSError, match="is not a DXF file"):
         read_contour(write(tmp_path / "d.dxf", "nothing"))
-
-
-def beside(draw):
-    """A drawing of a hole and of something else."""
-
-    def both(space):
-        space.add_circle((0, 0), 5)
-        draw(space)
-
-    return both
 
 
 @pytest.mark.parametrize(
@@ -175,33 +179,13 @@ def beside(draw):
     ],
     ids=["lines", "open", "arc", "spline", "text", "old polyline", "two kinds"],
 )
-def test_nothing_in_a_drawing_is_dropped(tmp_path, draw, said):
+def test_nothing_beside_the_contour_is_dropped(tmp_path, draw, said):
+    file = drawn(tmp_path, lambda space: (space.add_circle((0, 0), 5), draw(space)))
     with pytest.raises(ValueError, match=f"more than its contour.*: {said};"):
-        read_contour(drawn(tmp_path, beside(draw)))
-
-
-def test_a_polyline_that_is_left_open_is_named(tmp_path):
-    file = drawn(tmp_path, lambda space: space.add_lwpolyline([(0, 0), (20, 0), (20, 20)]))
-    with pytest.raises(
-        ValueError, match=r"0 closed .* exactly one; besides it has 1 open LWPOLYLINE"
-    ):
-        read_contour(file)
-
-
-def test_a_contour_seen_from_below_is_refused(tmp_path):
-    below = {"extrusion": (0, 0, -1)}
-    file = drawn(tmp_path, lambda space: space.add_circle((0, 0), 5, dxfattribs=below))
-    with pytest.raises(ValueError, match="not drawn in the x-y plane"):
         read_contour(file)
 
 
 def test_an_imperial_drawing_without_a_unit_is_refused(tmp_path):
-    import ezdxf
-
-    drawing = ezdxf.new()
-    drawing.units = 0
-    drawing.header["$MEASUREMENT"] = 0
-    drawing.modelspace().add_circle((0, 0), 0.2)
-    drawing.saveas(tmp_path / "c.dxf")
+    file = drawn(tmp_path, lambda space: space.add_circle((0, 0), 0.2), metric=0)
     with pytest.raises(ValueError, match="imperial and has no unit"):
-        read_contour(tmp_path / "c.dxf")
+        read_contour(file)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from armside.sim.motion.profile_grid import SLACK, resting
+from armside.sim.motion.profile_grid import SLACK, nearly_at_rest
 from armside.sim.motion.profile_program import Programme, Rows, largest, stacked
-from armside.sim.motion.speed_profile import Bends, _first_grid, profile, profiles
+from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
 from armside.sim.part import plan as plan_module
 from armside.sim.part.chain import line
@@ -23,9 +23,17 @@ LENGTHS = np.array([0.145, QUARTER, 0.070, QUARTER, 0.290, QUARTER, 0.070, QUART
 CURVATURE = np.array([0.0, 1.0 / R] * 4 + [0.0])
 
 
+def profile(lengths, curvature, speed):
+    return profiles([Bends(lengths, curvature)], speed, LIMITS)[0]
+
+
+def straight(speed):
+    return profile(np.array([0.2]), np.array([0.0]), speed)
+
+
 @pytest.fixture(scope="module")
 def outline():
-    return profile(LENGTHS, CURVATURE, 0.167, LIMITS)
+    return profile(LENGTHS, CURVATURE, 0.167)
 
 
 def derivatives(timing, h):
@@ -37,9 +45,7 @@ def derivatives(timing, h):
 def test_the_speed_that_is_asked_for_is_reached_on_the_straights(outline):
     """At least 95 % of the length that ramps leave, each ramp as if it began at the corner."""
     corner = np.sqrt(LIMITS.acceleration * R)
-    rise = 0.167 - corner
-    peak = min(LIMITS.acceleration, np.sqrt(LIMITS.jerk * rise))
-    ramp = 0.5 * (0.167 + corner) * (rise / peak + peak / LIMITS.jerk)
+    _, ramp = change_of(corner, 0.167)
     rest = LIMITS.ramp_length(0.167)
     possible = (0.290 - 2 * ramp) + 2 * (0.145 - ramp - rest) + 2 * max(0.0, 0.070 - 2 * ramp)
     fast = outline.speed[:-1] >= 0.999 * 0.167
@@ -68,7 +74,7 @@ def test_it_goes_from_rest_to_rest_over_the_whole_length(outline):
 
 @pytest.mark.parametrize("speed", [0.02, 0.08, 0.3])
 def test_on_a_straight_line_it_is_nearly_as_fast_as_the_fastest_timing(speed):
-    found = profile(np.array([0.2]), np.array([0.0]), speed, LIMITS)
+    found = straight(speed)
     best = rest_to_rest(0.2, speed, LIMITS)
     assert best.duration <= found.timing.duration * (1.0 + 1e-6)
     assert found.timing.duration <= 1.05 * best.duration
@@ -81,7 +87,7 @@ def test_the_outline_takes_less_time_than_at_the_speed_of_its_corners(outline):
 
 def test_a_speed_that_is_none_is_refused():
     with pytest.raises(ValueError, match="speed must be > 0 m/s, got 0"):
-        profile(np.array([0.2]), np.array([0.0]), 0.0, LIMITS)
+        straight(0.0)
 
 
 def test_paths_that_are_solved_together_have_the_profiles_of_each_alone():
@@ -89,7 +95,7 @@ def test_paths_that_are_solved_together_have_the_profiles_of_each_alone():
     bends = [np.array([0.0, 1.0 / r, 0.0]) for r in (1e-3, 3e-3, 9e-3)]
     together = profiles([Bends(a, b) for a, b in zip(lengths, bends, strict=True)], 0.1, LIMITS)
     for found, a, b in zip(together, lengths, bends, strict=True):
-        alone = profile(a, b, 0.1, LIMITS)
+        alone = profile(a, b, 0.1)
         np.testing.assert_allclose(found.speed, alone.speed, atol=1e-7)
 
 
@@ -179,7 +185,7 @@ def limits_used(found, lengths, curvature):
 def test_small_bends_to_either_side_cost_no_more_than_their_own_speed(radius, speed):
     straights = np.array([0.06, 0.039, 0.009, 0.059, 0.024, 0.05])
     lengths, curvature = bent(radius, straights, (1, -1, 1, 1, -1))
-    found = profile(lengths, curvature, speed, LIMITS)
+    found = profile(lengths, curvature, speed)
     assert found.timing.duration <= 1.3 * simple_time(lengths, curvature, speed)
     assert limits_used(found, lengths, curvature) <= 1.01
     assert found.speed.max() <= 1.01 * speed
@@ -202,6 +208,6 @@ def test_a_rest_between_bends_is_seen_and_slow_bends_are_none():
     lengths, curvature = bent(0.1e-3, np.array([0.06, 0.06]), (1,))
     grid = _first_grid(Bends(lengths, curvature), 0.167, LIMITS)
     held = np.full(len(grid.s), np.sqrt(LIMITS.acceleration * 0.1e-3))
-    assert not resting(grid, held**2, SLACK).any()
+    assert not nearly_at_rest(grid, held**2, SLACK).any()
     held[125] = 0.1 * held[125]
-    assert np.flatnonzero(resting(grid, held**2, SLACK)).tolist() == [125]
+    assert np.flatnonzero(nearly_at_rest(grid, held**2, SLACK)).tolist() == [125]

@@ -17,9 +17,15 @@ from armside.sim.motion.tool_motion import cut, joint_reference, plan_cut
 RADIUS = 0.005
 
 
-def a_cut(speed=0.04, **options):
-    path = CuttingPath.around(Circle(RADIUS), Plane(pose("p1").position))
-    return cut(path, TOOL_QUATERNION, speed, **options)
+STEP = 0.004  # [s], of the log
+
+
+def a_path(centre=pose("p1").position, radius=RADIUS):
+    return CuttingPath.around(Circle(radius), Plane(np.array(centre)))
+
+
+def a_cut(speed=0.04, radius=RADIUS, **options):
+    return cut(a_path(radius=radius), TOOL_QUATERNION, speed, **options)
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.04, 0.06, 0.08, 0.1])
@@ -111,17 +117,8 @@ def test_the_thesis_quaternion_is_normalised_and_points_the_tool_forward():
         assert where.tool_axis[0] > 0.97
 
 
-STEP = 0.004  # [s], of the log
-CENTRE = np.array([1.3166, 0.0014, 1.5992])
-
-
-def motion(radius=0.005, speed=0.040):
-    path = CuttingPath.around(Circle(radius), Plane(CENTRE))
-    return cut(path, TOOL_QUATERNION, speed)
-
-
 def test_the_first_instant_of_a_turn_belongs_to_it_and_its_last_does_not():
-    m = motion()
+    m = a_cut()
     first, last = m.contour_time
     assert last - first == pytest.approx(2 * np.pi * 0.005 / 0.040)
     times = np.array([np.nextafter(first, 0), first, np.nextafter(last, 0), last])
@@ -133,10 +130,9 @@ def test_the_first_instant_of_a_turn_belongs_to_it_and_its_last_does_not():
 
 def on_samples(n):
     """Motion whose turn of n samples begins and ends on samples, to rounding."""
-    path = CuttingPath.around(Circle(0.040 * n * STEP / (2 * np.pi)), Plane(CENTRE))
-    first, _ = cut(path, TOOL_QUATERNION, 0.040).contour_time
-    wait = np.ceil(first / STEP) * STEP - first
-    return cut(path, TOOL_QUATERNION, 0.040, rest_before=0.28 + wait)
+    radius = 0.040 * n * STEP / (2 * np.pi)
+    first, _ = a_cut(radius=radius).contour_time
+    return a_cut(radius=radius, rest_before=0.28 + np.ceil(first / STEP) * STEP - first)
 
 
 def test_samples_at_the_ends_of_a_turn_are_counted_once():
@@ -153,14 +149,14 @@ def test_samples_at_the_ends_of_a_turn_are_counted_once():
 
 def test_the_motion_has_the_rests_and_the_limits_of_the_calibrated_record():
     """0.16 s of hold and 0.12 s of rest before, 0.35 s after; 81 mm/s on a circle of 5 mm."""
-    m = motion()
+    m = a_cut()
     assert m.rest_before == pytest.approx(0.28)
     moving = np.flatnonzero(np.abs(np.diff(m.arc_length)) > 0.0)
     assert m.time[moving[0]] == pytest.approx(0.28, abs=0.004)
     assert m.time[-1] - m.time[moving[-1] + 1] == pytest.approx(0.35, abs=0.008)
     limits = PathLimits()
     assert limits.acceleration == 1.3
-    assert motion(speed=0.2).reached_speed == pytest.approx(np.sqrt(1.3 * 0.005))
+    assert a_cut(0.2).reached_speed == pytest.approx(np.sqrt(1.3 * 0.005))
     ramp = 2.0 * np.sqrt(0.040 / limits.jerk)
     assert ramp == pytest.approx(0.120)
 
@@ -173,13 +169,8 @@ PUBLISHED = {
 }
 
 
-def a_path(centre, radius=0.005):
-    return CuttingPath.around(Circle(radius), Plane(np.array(centre)))
-
-
-def plan(name="p1", speed=0.04, limits=LARGE_ROBOT_LIMITS, radius=0.005):
-    path = a_path(pose(name).position, radius)
-    return plan_cut(path, TOOL_QUATERNION, speed, LARGE_ROBOT, limits)
+def plan(name="p1", limits=LARGE_ROBOT_LIMITS):
+    return plan_cut(a_path(pose(name).position), TOOL_QUATERNION, 0.04, LARGE_ROBOT, limits)
 
 
 @pytest.mark.parametrize("name", LARGE_ROBOT_POSES)

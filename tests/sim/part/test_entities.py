@@ -130,17 +130,7 @@ def test_a_stretched_block_makes_an_ellipse_of_a_circle(tmp_path):
 
 
 IN_R12 = ["POINT", "SOLID", "TRACE", "3DFACE", "TEXT", "SHAPE", "ATTDEF", "DIMENSION", "VIEWPORT"]
-LATER = [
-    "MTEXT",
-    "HATCH",
-    "MPOLYGON",
-    "LEADER",
-    "MLINE",
-    "RAY",
-    "XLINE",
-    "WIPEOUT",
-    "MESH",
-]
+LATER = ["MTEXT", "HATCH", "MPOLYGON", "LEADER", "MLINE", "RAY", "XLINE", "WIPEOUT", "MESH"]
 LATER += ["HELIX", "REGION", "3DSOLID", "BODY", "TOLERANCE", "MULTILEADER", "LIGHT", "SURFACE"]
 LATER += ["PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY", "OLE2FRAME", "PLANESURFACE"]
 LATER += ["ARC_DIMENSION", "LARGE_RADIAL_DIMENSION"]
