@@ -19,7 +19,7 @@ from armside.ilc.identification.first_order import fit_first_order
 from armside.ilc.identification.polynomial import Orders
 from armside.ilc.identification.polynomial_fit import fit_polynomial
 from armside.ilc.models.system import System
-from armside.sim.evaluation.interval import mean_interval
+from armside.sim.evaluation.check import mean_interval
 
 STEP = 0.004
 SERVO = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1.0, -0.4884]), STEP)

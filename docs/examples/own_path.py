@@ -8,8 +8,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 
-from armside.sim.cut.contour_file import read_contour
-from armside.sim.cut.polyline import rounded
+from armside.sim.motion.contour_file import read_contour, rounded
 
 house = read_contour(Path(__file__).parent / "house.toml")
 

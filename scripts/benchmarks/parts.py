@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.sim.laser.setup import Setup
 from armside.sim.part.chain import MM, Chain, arc, joined, line
-from armside.sim.part.joining import Joined
+from armside.sim.part.drawing import Joined
 from armside.sim.part.part import Part, part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part_run.experiment import Job, planned

@@ -8,23 +8,27 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from armside.sim.cut.notes import motion_notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.notes import pass_notes
+from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import Commissioned
+from armside.sim.twin.commission import SENSORS, Commissioned
 from armside.sim.twin.identification import Identification
-from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
-from armside.sim.twin.recordings import notes_of_first_run, read_cut
-from armside.sim.twin.sensors import SENSORS, Measure
+from armside.sim.twin.prediction import is_identified, standard_deviation
+from armside.sim.twin.recordings import (
+    MeasuredCut,
+    SensorName,
+    measured,
+    notes_of_first_run,
+    read_cut,
+)
+from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import Scale
-from armside.sim.twin.twin import design_of
-from armside.sim.twin.uncertainty import is_identified, standard_deviation
 
 from ..cutting.individual import IndividualCfg, robot_state
 from ..cutting.options import LARGEST
@@ -44,7 +48,7 @@ class CommissionCfg(IndividualCfg):
     """Robot. A twin of the IRB1400 is not made yet: its arm closes a chain."""
     cuts: int = 4
     """Number of cuts, 1 to 10, from a plan that is chosen by what they identify."""
-    measure: Measure = "tracker"
+    measure: SensorName = "tracker"
     """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""
@@ -83,22 +87,22 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         return
     with checking_input():
         check_writable(common.out or RUNS / "commission")
-        names = _kept(cfg)
-        recorded, said = _read(cfg, names)
+        names = _names(cfg)
+        recorded, notes = _read(cfg, names)
     if not recorded:
-        recorded, said = _cut(cfg, names, common.seed, report)
+        recorded, notes = _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
     with report.progress("identifying", total=steps) as step:
         found = commissioning.commission(
             recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
-    outcome = summary("commission", cfg, common, notes=said, **_results(found))
+    outcome = summary("commission", cfg, common, notes=notes, **_results(found))
     with RunFolder("commission", seed=common.seed, out=common.out) as folder:
         (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
-    report.notes(said)
+    report.notes(notes)
     _show(report, outcome, SENSORS[cfg.measure].scale)
     report.results(outcome, folder.path)
 
@@ -120,7 +124,7 @@ def _planned(number: int, gain: float) -> list[Any]:
     return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, gain]
 
 
-def _kept(cfg: CommissionCfg) -> list[str]:
+def _names(cfg: CommissionCfg) -> list[str]:
     """Names of the cuts to identify from.
 
     Raises ValueError for one to leave out that is not, and for one that is given twice.
@@ -128,9 +132,9 @@ def _kept(cfg: CommissionCfg) -> list[str]:
     names = list(named(cfg.recordings)) or [f"cut-{i + 1}" for i in range(cfg.cuts)]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
-    if not (kept := [name for name in names if name not in cfg.leave_out]):
+    if not (left := [name for name in names if name not in cfg.leave_out]):
         raise ValueError("every cut is left out")
-    return kept
+    return left
 
 
 def named(recordings: Sequence[Path]) -> dict[str, Path]:
@@ -159,7 +163,7 @@ def _cut(
     cfg: CommissionCfg, names: list[str], seed: int, report: Report
 ) -> tuple[list[MeasuredCut], list[Note]]:
     """Cuts of the plan with these names, by the virtual robot, and their notes."""
-    cuts, said = [], Tally()
+    cuts, tally = [], Tally()
     with report.progress("cutting", total=len(names)) as step:
         for i, planned in enumerate(plan(cfg.cuts)):
             if (name := f"cut-{i + 1}") not in names:
@@ -170,9 +174,9 @@ def _cut(
                 experiment = prepare(cut, seed=seed + i)
             run = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
             cuts.append(measured(run, name))
-            said.add((*motion_notes(experiment.motion, cut.limits), *pass_notes(experiment, run)))
+            tally.add((*motion_notes(experiment.motion, cut.limits), *pass_notes(experiment, run)))
             step()
-    return cuts, said.notes("cuts")
+    return cuts, tally.notes("cuts")
 
 
 def _results(found: Commissioned) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from armside.sim.laser.ways import Way, compared
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
-from armside.sim.twin.library import stored_twin
+from armside.sim.twin.twin import stored_twin
 
 from ..cutting.comparison import CompareCfg, cases_of, refuse_absurd_comparison
 from ..cutting.earlier import FromCfg

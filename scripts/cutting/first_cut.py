@@ -13,10 +13,10 @@ from armside.sim.laser.plant import Pass
 from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Cause, Note
-from armside.sim.twin import library
+from armside.sim.twin import twin as library
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import Refreshed, refreshed
-from armside.sim.twin.measured import measured_from
+from armside.sim.twin.recordings import measured_from
 from armside.sim.twin.twin import Twin
 
 from .options import LaserCfg

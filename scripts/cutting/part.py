@@ -5,7 +5,7 @@ from typing import Any
 
 from armside.sim.laser.measures import Measure, MotorAngles, SetUp
 from armside.sim.part.chain import MM
-from armside.sim.part.file import read_part
+from armside.sim.part.part import read_part
 from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import Job, PartExperiment, prepare
 from armside.sim.part_run.experiment import planned as plan_of

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from armside.sim.cell import ToolPose, pose
-from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
-from armside.sim.cut.shapes import CORNER
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import Design
 from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.specification import Cut, LeadIn
+from armside.sim.motion.contour import CORNER, Circle, ClosedCurve, hexagon, slot, square
+from armside.sim.motion.timing import PathLimits
 
 from ..shell.effort import refuse_absurd
 from .effort import effort
@@ -93,7 +92,7 @@ def contour(cfg: LaserCfg) -> ClosedCurve:
     """Contour of the options. Raises ValueError for sizes that the shape lacks, or that misfit."""
     mm = dimensions(cfg)
     if cfg.contour is not None:
-        from armside.sim.cut.contour_file import read_contour
+        from armside.sim.motion.contour_file import read_contour
 
         try:
             return read_contour(cfg.contour, mm["corner"] * MM if "corner" in mm else None)

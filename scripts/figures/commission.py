@@ -8,11 +8,10 @@ import numpy as np
 from armside.arrays import Array
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
-from armside.sim.twin.commission import Commissioned
+from armside.sim.twin.commission import SENSORS, Commissioned
 from armside.sim.twin.friction_step import friction_constants, lugre
-from armside.sim.twin.measured import MeasuredCut
+from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
-from armside.sim.twin.sensors import SENSORS
 
 from .laser import COLORS, INK, new_figure, save
 

@@ -101,8 +101,8 @@ def _is_drawn(png: bytes) -> bool:
 def first_cut(_run: Path, file: Path) -> None:
     """A part that a robot never cut: uncorrected, by its twin of four cuts, and after learning."""
     from armside.sim.cell import TOOL_QUATERNION, ToolPose
-    from armside.sim.cut.polyline import rounded
     from armside.sim.laser.specification import Cut
+    from armside.sim.motion.contour_file import rounded
     from armside.sim.robot.spread import Drawn
 
     from .first_cut import draw

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.cut.contour import Circle
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.motion.contour import Circle
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps
 

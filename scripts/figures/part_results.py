@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.corners import LARGEST_RADIUS
+from armside.sim.evaluation.contour_error import LARGEST_RADIUS
 from armside.sim.part.plan import Plan
 from armside.sim.part_run.experiment import PartExperiment
 from armside.sim.part_run.kept import kept_run

@@ -41,7 +41,7 @@ def content_of(name: str, path: Path) -> str:
     file that cannot be read.
     """
     if name == "twin":
-        from armside.sim.twin.library import digest
+        from armside.sim.twin.twin import digest
 
         return digest(path)
     if name == "identification":
@@ -140,7 +140,7 @@ class Resolver:
                 if wrong := self._wrong_geometry(known.cfg):
                     return wrong
                 if known.cfg.twin is not None:
-                    from armside.sim.twin.library import stored_twin
+                    from armside.sim.twin.twin import stored_twin
 
                     stored_twin(known.cfg.twin).check(asked)
             except (ValueError, OSError) as error:

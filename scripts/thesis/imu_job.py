@@ -10,7 +10,7 @@ from armside.sim.imu import ImuExperiment, ImuResult, RestExperiment
 from armside.sim.imu.experiment import clock_errors, prepare, reprocessed, run_one
 from armside.sim.imu.phases import RECTANGLE
 from armside.sim.imu.vibration import run_rest
-from armside.sim.moves.planner import JointMotion
+from armside.sim.motion.planner import JointMotion
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,6 @@ from itertools import product
 
 import numpy as np
 
-from armside.sim.cut.timing import PathLimits
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
@@ -18,6 +17,7 @@ from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
+from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 

@@ -11,19 +11,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.cut.notes import motion_notes
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
 from armside.sim.laser.notes import pass_notes
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.correction import Corrected
 from armside.sim.twin.drift import refreshed
-from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 
 from ..jobs.workers import Workers

@@ -12,11 +12,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from armside.sim.cell import TOOL_QUATERNION, ToolPose
-from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
-from armside.sim.cut.contour_file import read_contour
-from armside.sim.cut.timing import PathLimits
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.contour import Circle, ClosedCurve, hexagon, slot, square
+from armside.sim.motion.contour_file import read_contour
+from armside.sim.motion.timing import PathLimits
 
 DEVELOPMENT = tuple(range(1001, 1013))
 """Individuals on which settings were chosen, with tasks of the seed 77."""

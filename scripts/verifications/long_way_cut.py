@@ -7,8 +7,6 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import normalised_squared
-from armside.sim.cut.contour import Circle, ClosedCurve
-from armside.sim.cut.polyline import rounded
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.instruments.imu import ImuCfg
@@ -21,6 +19,8 @@ from armside.sim.laser.results import status
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
 from armside.sim.laser.way_measure import PathAlongWay, WayOutput
+from armside.sim.motion.contour import Circle, ClosedCurve
+from armside.sim.motion.contour_file import rounded
 from armside.sim.notes import Cause, Note
 
 from ..jobs.store import Result

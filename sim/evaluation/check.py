@@ -1,4 +1,5 @@
-"""Evidence: a number and its band, a table of results, and the same checks over many seeds."""
+"""Evidence: a number and its band, a table of results, the same checks over many seeds, and the
+confidence interval of a mean."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,7 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from armside.arrays import Array
+
 from ..notes import Note
+
+
+def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
+    """Interval by Student's t of the mean of values (n,); infinite for one value."""
+    from scipy.special import stdtrit
+
+    n, mean = len(values), float(np.mean(values))
+    if n < 2:
+        return -np.inf, np.inf
+    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
+    return mean - float(half), mean + float(half)
 
 
 @dataclass(frozen=True)

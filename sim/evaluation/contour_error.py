@@ -1,18 +1,51 @@
-"""Errors of one contour of a part: its shape after a best fit, and its place."""
+"""Errors of one contour of a part: its shape after a best fit, its corners, and its place."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..cut.contour import Circle
+from ..motion.contour import Circle
 from ..part.curve import ChainCurve
 from ..part.motion import ContourPlace, PartMotion
-from .corners import corner_error
 from .kerf import kerf
-from .path_accuracy import path_measures
-from .tool_error import tool_error
+from .tool_error import path_measures, signed_distance, tool_error
+
+LARGEST_RADIUS = 20e-3
+"""Radius up to which a bend is a corner [m]."""
+BEYOND = 5e-3
+"""Length behind a corner in which its overshoot belongs to it [m]."""
+
+
+def corner_error(curve: ChainCurve, path: Array) -> float:
+    """Largest deviation of a path (N, 2) [m] in the corners of a contour; NaN without corners.
+
+    Each corner counts with the first millimetres behind it, as the cornering overshoot of ISO 9283
+    does. The path runs as the contour does.
+    """
+    at = curve.nearest(path)
+    here = in_corners(curve, at)
+    if not here.any():
+        return np.nan
+    return float(np.abs(signed_distance(curve, path[here])).max())
+
+
+def in_corners(curve: ChainCurve, s: Array) -> NDArray[np.bool_]:
+    """Mask of the arc lengths s (N,) [m] in a corner or just behind one."""
+    chain = curve.chain
+    bends = np.abs(chain.curvature) * LARGEST_RADIUS >= 1.0
+    ends = chain.ends[1:][bends]
+    if not len(ends):
+        return np.zeros(len(s), dtype=np.bool_)
+    inside = np.abs(chain.curvature_at(s)) * LARGEST_RADIUS >= 1.0
+    passed = np.searchsorted(ends, s, side="right") - 1
+    behind = s - ends[passed]
+    if chain.closed:
+        behind = np.mod(behind, chain.length)
+    return np.asarray(inside | ((behind >= 0.0) & (behind <= BEYOND)))
+
 
 REST = 0.1
 """Time over which the position at rest before the part is averaged [s]."""
@@ -45,9 +78,9 @@ def contour_errors(
     time, position: (K,) [s] and (K, 3) [m], base axes. beam: diameter [m]; None for no roundness
     and no corners.
     """
-    resting = time < REST
+    at_rest = time < REST
     programmed = motion.position_at(time[:1])[0]
-    from_rest = position - (position[resting].mean(axis=0) - programmed)
+    from_rest = position - (position[at_rest].mean(axis=0) - programmed)
     bounds = np.searchsorted(time, [place.contour_time for place in motion.places])
     return tuple(
         _error(place, time[first:last], from_rest[first:last], beam)

@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.contour import ClosedCurve, outward_normal
+from ..motion.contour import ClosedCurve, outward_normal
 from .tool_error import fit, signed_distance
 
 POINTS = 720

@@ -1,5 +1,6 @@
-"""Measures of recorded data, of a stored run or of any other robot: one analysis for all."""
+"""Measures and notes of recorded data, of a stored run or of any other robot: one analysis."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,16 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.measures import norms
 
-from ..cut.contour import ClosedCurve
-from ..cut.path import Plane
-from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
+from ..instruments.notes import beam
+from ..motion.contour import ClosedCurve
+from ..motion.path import Plane
+from ..motion.tool_motion import ToolMotion, motion_notes
+from ..notes import Cause, Note, together
 from ..part.motion import PartMotion
 from ..records.signals import Signals
-from ..records.tables import float_columns
+from ..records.tables import TRUTH_VALUE
+from ..robot.limits import saturation
 from .contour_error import contour_errors
 from .tool_error import fit, tool_error
 
@@ -25,16 +29,14 @@ TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 
 
 @dataclass(frozen=True, kw_only=True)
-class CircleTurn:
-    """One turn of a programmed circle, for data that do not state their path."""
+class _Turn:
+    """When the tracker saw one turn, and in which plane."""
 
-    radius: float
-    """Programmed [m]."""
     start: float = -np.inf
     end: float = np.inf
     """[s]."""
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the circle's plane, in the axes of the tracker."""
+    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
 
     def __post_init__(self) -> None:
         if not self.start < self.end:
@@ -42,7 +44,15 @@ class CircleTurn:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContourTurn:
+class CircleTurn(_Turn):
+    """One turn of a programmed circle, for data that do not state their path."""
+
+    radius: float
+    """Programmed [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContourTurn(_Turn):
     """One turn of a programmed contour, for data that do not state their path.
 
     Its place is found by a best fit, as for any contour; its plane and, to some 20 degrees, its
@@ -50,17 +60,8 @@ class ContourTurn:
     """
 
     contour: ClosedCurve
-    start: float = -np.inf
-    end: float = np.inf
-    """[s]."""
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
     turned: float = 0.0
     """Rotation of the contour in that plane [rad]."""
-
-    def __post_init__(self) -> None:
-        if not self.start < self.end:
-            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +148,7 @@ def _one(
 ) -> RecordedMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
-        float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
+        _block(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
     )
     error = (reference - angle) * gear
     rms = maxdev = np.nan
@@ -168,7 +169,7 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Recorded
 
 
 def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
-    time, point = float_columns(own, ["time"])[:, 0], float_columns(own, TRACKER)
+    time, point = _block(own, ["time"])[:, 0], _block(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan
@@ -187,3 +188,36 @@ def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
     middle = [0.5 * (p.min(axis=0) + p.max(axis=0)) for p in (outline, flat)]
     deviation = fit(turn.contour, flat + (middle[0] - middle[1])).deviation
     return float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
+
+
+def _block(table: pa.Table, names: Sequence[str]) -> Array:
+    """(N, len(names)), NaN for missing values."""
+    if not names:
+        return np.empty((table.num_rows, 0))
+    columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
+    return np.column_stack(columns)
+
+
+def notes_of_signals(signals: Signals) -> list[Note]:
+    """Notes of a stored run: of its programmed path, and of each iteration."""
+    return together(_of_signals(signals))
+
+
+def _of_signals(signals: Signals) -> Iterator[Note]:
+    if isinstance(signals.path, ToolMotion):
+        yield from motion_notes(signals.path)
+    for run in signals.runs:
+        yield from (note.at(run.k) for note in saturation(run.recording))
+        if run.tracker is not None:
+            yield from (note.at(run.k) for note in beam(run.tracker))
+
+
+def notes_of_table(table: pa.Table) -> list[Note]:
+    """Notes of any other table: samples that its column `tracker_valid` calls lost."""
+    if TRUTH_VALUE not in table.column_names:
+        return []
+    lost = table[TRUTH_VALUE].cast(pa.bool_()).to_pylist().count(False)
+    if not lost:
+        return []
+    text = f"the laser tracker lost its beam in {lost} samples, which are left out"
+    return [Note(cause=Cause.BEAM, text=text)]

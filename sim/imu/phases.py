@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..moves.instructions import Program, Wait
-from ..moves.planner import JointMotion
+from ..motion.instructions import Program, Wait
+from ..motion.planner import JointMotion
 from ..robot.recording import Recording
 
 SYNCHRONISATION_PAUSE = 1.0

@@ -8,8 +8,8 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.learning import LoopState, Trial
 
-from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
+from ..motion.tool_motion import ToolMotion
 from ..notes import Note
 from ..robot.model import RobotModel
 from ..robot.statics import Statics

@@ -7,7 +7,6 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.notes import motion_notes
 from ..estimation.arm_estimator import estimator
 from ..estimation.arm_filter import ProcessNoise
 from ..estimation.arm_identification import identify, prepared
@@ -17,6 +16,7 @@ from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from ..estimation.springs_file import springs_entry
 from ..instruments.imu import ImuCfg
+from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built
 from .consistency import consistency
 from .experiment import Experiment

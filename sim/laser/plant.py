@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..cell import Cell
-from ..cut.contour import ArcsAndLines
-from ..cut.path import CuttingPath
-from ..cut.timing import PathLimits
-from ..cut.tool_motion import ToolMotion, joint_reference, plan_cut
 from ..instruments.imu import Imu, ImuSamples
 from ..instruments.laser_tracker import LaserTracker, TrackerSamples
+from ..motion.contour import ArcsAndLines
+from ..motion.path import CuttingPath
+from ..motion.timing import PathLimits
+from ..motion.tool_motion import ToolMotion, joint_reference, plan_cut
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.statics import Statics, anticipated_shift, smoothed

@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
 from ..evaluation.kerf import kerf
-from ..evaluation.path_accuracy import path_measures
+from ..evaluation.tool_error import path_measures
 from ..robot.linkage import checked_loop_error
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate

@@ -5,8 +5,8 @@ from enum import Enum
 
 import numpy as np
 
-from ..cut.contour import Circle, ClosedCurve
-from ..cut.path import CuttingPath, Plane
+from ..motion.contour import Circle, ClosedCurve
+from ..motion.path import CuttingPath, Plane
 from .setup import Setup
 
 SPIRAL_START = 0.6  # Fraction of its size at which a contour's spiral starts

@@ -5,7 +5,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.workbench.task import along_path
 
-from ..cut.tool_motion import ToolMotion
+from ..motion.tool_motion import ToolMotion
 from .motion import PartMotion
 
 Motion = ToolMotion | PartMotion

@@ -1,6 +1,7 @@
-"""Chains as curves that a measured path is compared with."""
+"""Contours of a part as curves that a measured path is compared with."""
 
 from dataclasses import dataclass, field
+from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -9,8 +10,20 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..cut.contour import Circle, ClosedCurve
+from ..motion.contour import Circle, ClosedCurve
 from .chain import Chain
+
+
+class Kind(Enum):
+    """Kind of a contour by its place in the part."""
+
+    OUTLINE = "outline"
+    """The material is inside; cut last."""
+    HOLE = "hole"
+    """The scrap is inside."""
+    OPEN = "open"
+    """A cut along a line, scrap on neither side."""
+
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree

@@ -9,13 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ..cut.contour import ClosedCurve
-from ..cut.path import Plane
-from ..cut.timing import Timing
-from ..cut.tool_motion import LimitHit
+from ..motion.contour import ClosedCurve
+from ..motion.path import Plane
+from ..motion.timing import Timing
+from ..motion.tool_motion import LimitHit
 from .chain import Chain
-from .curve import centred
-from .kind import Kind
+from .curve import Kind, centred
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,20 +1,22 @@
-"""A part: its outline, holes and open cuts, told apart and checked."""
+"""A part read from a drawing: its outline, holes and open cuts, told apart and checked."""
 
 from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
-from shapely.validation import explain_validity
 
 from armside.arrays import Array
 
+from ..motion.contour import ArcsAndLines
+from ..motion.contour_file import read_contour
 from .chain import MM, Chain, place
-from .joining import Joined
-from .kind import Kind
+from .curve import Kind
+from .drawing import Drawing, Drawn, Joined, Reading, check_size, join
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
@@ -103,7 +105,7 @@ def _contour(chain: Joined, name: str, depth: int) -> Contour:
 def _check_simple(chain: Joined, drawn: Any) -> None:
     if shapely.is_simple(drawn):
         return
-    reason = explain_validity(shapely.Polygon(drawn)) if chain.chain.closed else ""
+    reason = str(shapely.is_valid_reason(shapely.Polygon(drawn))) if chain.chain.closed else ""
     at = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
     where = f" at {place([float(v) for v in at])}" if len(at) == 2 else _own_crossing(drawn)
     raise ValueError(f"{chain.name} crosses itself{where}")
@@ -142,3 +144,55 @@ def _open_at(chain: Joined) -> str:
     first, last = chain.chain.points[[0, -1]]
     gap = np.linalg.norm(last - first) / MM
     return f"{chain.name} ends {gap:.4g} mm apart at {place(first)} and {place(last)}"
+
+
+def read_part(file: Path, reading: Reading | None = None) -> Part:
+    """The part of a drawing.
+
+    Raises:
+        ValueError: one line with the file's name, what is wrong and where.
+        OSError: the file cannot be read.
+        ModuleNotFoundError: a package of the extra `parts` is missing.
+    """
+    reading = reading or Reading()
+    try:
+        drawing = _drawing(file, reading)
+        if not drawing.entities:
+            more = f"; {'; '.join(drawing.notes)}" if drawing.notes else ""
+            raise ValueError(f"there is nothing to cut{more}")
+        check_size(drawing)
+        return part_of(join(drawing.entities, reading.join), drawing.notes)
+    except ValueError as error:
+        reason = str(error).removeprefix(f"{file.name}: ")
+        raise ValueError(f"{file.name}: {reason}") from error
+
+
+def _drawing(file: Path, reading: Reading) -> Drawing:
+    kind = file.suffix.lower()
+    if kind == ".dxf":
+        from .dxf import read_dxf
+
+        return read_dxf(file, reading)
+    if kind == ".svg":
+        from .svg import read_svg
+
+        return read_svg(file, reading)
+    if kind == ".toml":
+        return _from_toml(file, reading)
+    raise ValueError("a part is a .dxf, .svg or .toml file")
+
+
+def _from_toml(file: Path, reading: Reading) -> Drawing:
+    if reading.layers:
+        raise ValueError("a contour in TOML has no layers")
+    curve = read_contour(file)
+    assert isinstance(curve, ArcsAndLines)
+    return Drawing((Drawn(chain_of(curve), "points", ""),))
+
+
+def chain_of(curve: ArcsAndLines) -> Chain:
+    """Chain of a contour of arcs and lines."""
+    lengths, curvature = np.array(curve.elements).T
+    ends = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+    points = np.vstack([curve.point(ends), curve.point(0.0)])
+    return Chain(points, np.tan(lengths * curvature / 4.0))

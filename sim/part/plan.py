@@ -8,16 +8,14 @@ import shapely
 
 from armside.arrays import Array
 
-from ..cut.profile_grid import BoundsAt
-from ..cut.speed_profile import Bends, Profile, profiles
-from ..cut.timing import PathLimits, rest_to_rest
+from ..motion.profile_grid import BoundsAt
+from ..motion.speed_profile import Bends, Profile, profiles
+from ..motion.timing import PathLimits, rest_to_rest
+from .beam_path import CORNER, SMOOTH, Led, compensated, led, smooth
 from .chain import MM, Chain, place
-from .kerf import compensated
-from .kind import Kind
-from .leads import Led, led
+from .curve import Kind
 from .order import order
 from .part import Contour, Part
-from .rounding import CORNER, SMOOTH, smooth
 
 TOGETHER = 64
 """Paths whose speeds are planned at once: memory does not grow with the number of contours."""

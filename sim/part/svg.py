@@ -7,6 +7,7 @@ id. y points down in SVG and up here.
 import re
 from collections import Counter
 from collections.abc import Iterator
+from math import comb
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -14,10 +15,158 @@ from xml.etree import ElementTree
 import numpy as np
 import svgelements
 
-from .chain import place
-from .drawn import Drawing, Drawn, Reading, Unit
-from .svg_paint import invisible, is_background
-from .svg_shapes import chains
+from armside.arrays import Array
+
+from .chain import Chain, arc, fitted, joined, line, place
+from .drawing import Drawing, Drawn, Reading, Unit
+
+ROUND = 1e-9
+"""Relative difference of half axes and of their angle from 90 deg in a circle."""
+
+
+def chains(path: Any, scale: float) -> Iterator[Chain]:
+    """A chain [m] for each part of a path; `scale` in metres per pixel."""
+    pieces: list[Chain] = []
+    for segment in path:
+        if isinstance(segment, svgelements.Move):
+            if pieces:
+                yield _whole(pieces)
+            pieces = []
+            continue
+        chain = _chain(segment, scale)
+        if chain is not None:
+            pieces.append(_from_end(pieces, chain))
+        if isinstance(segment, svgelements.Close):
+            if pieces:
+                yield _whole(pieces)
+            pieces = []
+    if pieces:
+        yield _whole(pieces)
+
+
+def _chain(segment: Any, scale: float) -> Chain | None:
+    """One segment; None for one of zero length, as drawing programs leave them."""
+    start, end = _point(segment.start, scale), _point(segment.end, scale)
+    if isinstance(segment, (svgelements.Line, svgelements.Close)):
+        return None if np.array_equal(start, end) else line(start, end)
+    if isinstance(segment, svgelements.Arc):
+        return _arc(segment, scale)
+    if isinstance(segment, svgelements.QuadraticBezier):
+        control = _point(segment.control, scale)
+        return _bezier(np.array([start, control, end]))
+    if isinstance(segment, svgelements.CubicBezier):
+        controls = [_point(segment.control1, scale), _point(segment.control2, scale)]
+        return _bezier(np.array([start, *controls, end]))
+    raise ValueError(f"{type(segment).__name__} is not known here")
+
+
+def _bezier(control: Array) -> Chain | None:
+    if not np.ptp(control, axis=0).any():
+        return None
+    n = len(control) - 1
+    first, step = np.poly1d([1.0, 0.0]), np.poly1d([-1.0, 1.0])
+    basis = [comb(n, k) * first**k * step ** (n - k) for k in range(n + 1)]
+    slopes = [polynomial.deriv() for polynomial in basis]
+
+    def at(t: float) -> tuple[Array, Array]:
+        return (
+            np.array([b(t) for b in basis]) @ control,
+            np.array([b(t) for b in slopes]) @ control,
+        )
+
+    return fitted(at, [0.0, 1.0])
+
+
+def _arc(segment: Any, scale: float) -> Chain | None:
+    centre = _point(segment.center, scale)
+    first = _point(segment.prx, scale) - centre
+    second = _point(segment.pry, scale) - centre
+    begin, sweep = float(segment.get_start_t()), float(segment.sweep)
+    a, b = np.linalg.norm(first), np.linalg.norm(second)
+    if sweep == 0.0 or a * b == 0.0:
+        return None
+    if abs(a - b) < ROUND * a and abs(first @ second) < ROUND * a * b:
+        turn = np.sign(first[0] * second[1] - first[1] * second[0])
+        angle = np.arctan2(first[1], first[0]) + turn * begin
+        return arc(centre, float(a), float(angle), float(turn * sweep))
+
+    def at(t: float) -> tuple[Array, Array]:
+        direction = np.sign(sweep) * (np.cos(t) * second - np.sin(t) * first)
+        return centre + np.cos(t) * first + np.sin(t) * second, direction
+
+    parts = max(1, int(np.ceil(abs(sweep) / (np.pi / 2))))
+    return fitted(at, (begin + sweep * np.linspace(0.0, 1.0, parts + 1)))
+
+
+def _from_end(pieces: list[Chain], chain: Chain) -> Chain:
+    """The chain from the exact end of the one before."""
+    if not pieces:
+        return chain
+    return Chain(np.vstack([pieces[-1].points[-1:], chain.points[1:]]), chain.bulge)
+
+
+def _whole(pieces: list[Chain]) -> Chain:
+    """Pieces in one; its end is exactly its start where they differ by rounding."""
+    whole = joined(pieces)
+    first, last = whole.points[0], whole.points[-1]
+    near = np.linalg.norm(last - first) < 1e-9 * max(1.0, float(np.abs(whole.points).max()))
+    return whole.ending_at_start if near else whole
+
+
+def _point(point: Any, scale: float) -> Array:
+    return scale * np.array([float(point.x), -float(point.y)])
+
+
+PAGE = 1e-3
+"""Relative difference from the page within which a filled rectangle is its background."""
+
+
+def invisible(shape: Any) -> bool:
+    """Neither stroke nor fill; a shape whose fill is not stated is filled black."""
+    values = shape.values
+    if _number(values.get("opacity", 1.0)) == 0.0:
+        return True
+    return not _stroked(shape) and "fill" in values and not _painted(shape.fill)
+
+
+def is_background(shape: Any, width: float, height: float) -> bool:
+    """A filled rectangle without stroke that covers the page [pixels]."""
+    if _stroked(shape) or invisible(shape):
+        return False
+    box = shape.bbox()
+    if box is None:
+        return False
+    page, size = (0.0, 0.0, width, height), max(width, height)
+    covers = all(abs(a - b) <= PAGE * size for a, b in zip(box, page, strict=True))
+    return covers and _is_box(shape, box, PAGE * size)
+
+
+def _is_box(shape: Any, box: tuple[float, float, float, float], near: float) -> bool:
+    """All points of a shape of lines are corners of its box."""
+    points = [segment.end for segment in shape.segments() if segment.end is not None]
+    if any(type(segment).__name__ not in ("Move", "Line", "Close") for segment in shape.segments()):
+        return False
+    return all(
+        min(abs(point.x - box[0]), abs(point.x - box[2])) <= near
+        and min(abs(point.y - box[1]), abs(point.y - box[3])) <= near
+        for point in points
+    )
+
+
+def _stroked(shape: Any) -> bool:
+    return "stroke" in shape.values and _painted(shape.stroke)
+
+
+def _painted(color: Any) -> bool:
+    return color is not None and color.value is not None and bool(color.alpha)
+
+
+def _number(text: Any) -> float:
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return 1.0
+
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
 """[m], of the units that are lengths; px is one of a screen."""
@@ -109,7 +258,7 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         tag = element.tag.removeprefix(SVG)
         layers.add(layer)
         known = f"#{element.get('id')}" if element.get("id") else "(without id)"
-        said = f"{tag} {known} on layer {layer or '(none)'}"
+        label = f"{tag} {known} on layer {layer or '(none)'}"
         if tag.startswith("{"):  # which no viewer draws
             if not tag.startswith(EDITORS):
                 left_out[f"elements of namespace {tag[1:].split('}')[0]}"] += 1
@@ -118,9 +267,9 @@ def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
         elif hidden:
             left_out["hidden elements"] += 1
         elif tag not in SHAPES:
-            raise ValueError(f"{said} cannot be cut; choose the layers to cut, or remove it")
+            raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
         elif clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-            raise ValueError(f"{said} has a {clip[0]}: {CLIPPED}")
+            raise ValueError(f"{label} has a {clip[0]}: {CLIPPED}")
     return layers
 
 
@@ -149,20 +298,20 @@ def _property(element: Any, name: str) -> str:
 def _metres_per_pixel(root: Any, drawing: Any, chosen: Unit | None) -> float:
     if chosen is not None:
         return chosen.metres / _pixels_per_unit(drawing)
-    said = root.get("width", "").strip()
-    found = re.fullmatch(r"([-+.\deE]+?)\s*([A-Za-z]+)", said)
+    stated = root.get("width", "").strip()
+    found = re.fullmatch(r"([-+.\deE]+?)\s*([A-Za-z]+)", stated)
     unit = found.group(2).lower() if found else ""
     if not found or unit not in UNITS:
         raise ValueError(
-            f"its unit is in doubt: its width is {said or 'not stated'}, which is no length in mm, "
-            "cm or in; say --units mm or --units inch"
+            f"its unit is in doubt: its width is {stated or 'not stated'}, which is no length in "
+            "mm, cm or in; say --units mm or --units inch"
         )
     try:
         width = float(found.group(1)) * UNITS[unit]
     except ValueError as error:
-        raise ValueError(f"its width {said!r} is no length") from error
+        raise ValueError(f"its width {stated!r} is no length") from error
     if not width > 0.0:
-        raise ValueError(f"its width is {said}")
+        raise ValueError(f"its width is {stated}")
     return width / float(drawing.width)
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import UnreachableError
 
-from ..cut.path import Plane
-from ..cut.tool_motion import joint_reference
 from ..laser.rig import Rig, controlled, rig
 from ..laser.setup import Setup
 from ..laser.specification import plane_at
+from ..motion.path import Plane
+from ..motion.tool_motion import joint_reference
 from ..part.chain import place
 from ..part.motion import PartMotion
 from ..part.part import Part

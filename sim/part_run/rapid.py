@@ -5,9 +5,9 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import Limits, Robot
 
-from ..cut.timing import PathLimits, Timing
-from ..moves.instructions import Dynamics, MoveL, Program, Speed, Target
-from ..moves.planner import straight_timing
+from ..motion.instructions import Dynamics, MoveL, Program, Speed, Target
+from ..motion.planner import straight_timing
+from ..motion.timing import PathLimits, Timing
 
 NOWHERE = 1e-6
 """Length of a move that is none [m]."""

@@ -9,8 +9,8 @@ from armside.kinematics import UnreachableError, inverse_path
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
-from ..cut.path import Plane
 from ..laser.setup import Setup
+from ..motion.path import Plane
 from ..part.chain import Chain, place
 from ..part.motion import CutLeg, Leg, PartMotion, on_grid, samples_until
 from ..part.plan import Plan, rapid_moves

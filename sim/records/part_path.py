@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ..cut.path import Plane
-from ..cut.timing import Timing
+from ..motion.path import Plane
+from ..motion.timing import Timing
 from ..part.chain import Chain
-from ..part.kind import Kind
+from ..part.curve import Kind
 from ..part.motion import CutLeg, Leg, PartMotion
 from .summary import plain
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
-from ..cut.path import CuttingPath, Plane
-from ..cut.timing import Timing
-from ..cut.tool_motion import ToolMotion
+from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
+from ..motion.path import CuttingPath, Plane
+from ..motion.timing import Timing
+from ..motion.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from . import part_path
 from .summary import plain

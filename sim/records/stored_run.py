@@ -14,7 +14,7 @@ from .run_folder import FORMAT
 if TYPE_CHECKING:
     import mujoco
 
-    from ..cut.tool_motion import ToolMotion
+    from ..motion.tool_motion import ToolMotion
     from ..part.motion import PartMotion
     from .signals import Signals
 

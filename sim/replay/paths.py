@@ -7,7 +7,7 @@ import numpy as np
 from armside import kinematics
 from armside.arrays import Array
 
-from ..cut.tool_motion import ToolMotion
+from ..motion.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.signals import RecordedRun
 

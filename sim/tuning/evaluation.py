@@ -8,8 +8,8 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.notes import motion_notes
 from ..laser.design import Design
+from ..motion.tool_motion import motion_notes
 from ..notes import Note
 from .action import SIX, Motors, action_of
 from .rules import Decision, Rules

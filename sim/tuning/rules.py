@@ -22,7 +22,7 @@ from ..robot.model import RobotModel
 from ..robot.spread import Drawn, check_applies
 from ..robot_file.find import find_cell
 from ..twin.correction import Corrected
-from ..twin.library import learned, stored_twin
+from ..twin.twin import learned, stored_twin
 from . import task
 from .action import VARIABLES, Motors, design_of
 from .checks import whole
@@ -72,7 +72,7 @@ class Rules:
     """Shape of the contours, or several to draw from."""
     radius: float | Sequence[float] | None = None
     """[m], of the contours, or a range to draw from; that of the shape if None. See
-    `armside.sim.cut.shapes.contour_of`."""
+    `armside.sim.motion.contour.contour_of`."""
     action: str = "design"
     """Meaning of an action: the design of an iteration, or the next correction."""
     basis: str = "b-splines"

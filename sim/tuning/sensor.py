@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from armside import kinematics
 
-from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment
 from ..laser.plant import Pass
+from ..motion.tool_motion import ToolMotion
 
 if TYPE_CHECKING:
     from ..laser.tool_measure import ToolOutput

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..cut.shapes import RADII
+from ..motion.contour import RADII
 
 SMALLEST, LARGEST = 0.001, 0.1
 """[m], of a radius that may be asked for."""
@@ -14,7 +14,7 @@ SMALLEST, LARGEST = 0.001, 0.1
 
 @dataclass(frozen=True)
 class Shapes:
-    """Shapes of an env and their radius, as `armside.sim.cut.shapes.contour_of` has it."""
+    """Shapes of an env and their radius, as `armside.sim.motion.contour.contour_of` has it."""
 
     names: tuple[str, ...] = ("circle",)
     radius: tuple[float, float] | None = None

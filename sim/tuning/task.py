@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 
 from ..cell import CELLS, Cell, ToolPose, pose
-from ..cut.shapes import RADII, contour_of
 from ..instruments.imu import ImuCfg
 from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
+from ..motion.contour import RADII, contour_of
 from ..robot import spread
 from ..robot.individual import Individual
 from ..robot.model import RobotModel
@@ -62,7 +62,7 @@ class Task:
     """Of the tracker's set-up and all noise; the individual's where that is a seed."""
     shape: str = "circle"
     radius: float = RADII["circle"]
-    """[m], as `armside.sim.cut.shapes.contour_of` has it."""
+    """[m], as `armside.sim.motion.contour.contour_of` has it."""
     near: ToolPose | None = None
     """Named pose that a robot of a file was moved from; it may be moved less. None: it may not."""
 

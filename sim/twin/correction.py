@@ -11,9 +11,8 @@ from ..laser.experiment import prepare
 from ..laser.specification import Cut
 from ..part.carried import Motion
 from ..robot.individual import Individual
-from .ensemble import errors
 from .learning import TwinLearning, learn_in_twin
-from .prediction import Evidence, Prediction, predicted
+from .prediction import Evidence, Prediction, errors, predicted
 from .simulation import Design, motor_path
 
 
@@ -28,10 +27,13 @@ class Corrected:
     motor_path: Array = field(repr=False)
     """(N, 6) [rad], arm side: the twin's motors with the correction in use."""
     prediction: Prediction
-    trusted: bool
-    """The twin's correction is used."""
     reason: str | None
-    """Why not; None where it is."""
+    """Why the twin's correction is not used; None where it is."""
+
+    @property
+    def trusted(self) -> bool:
+        """The twin's correction is used."""
+        return self.reason is None
 
 
 LARGEST_FRACTION = 0.3
@@ -54,8 +56,7 @@ def correct(
     plain = replace(cut, individual=None, friction_spread=0.0)
     experiment = prepare(plain, nominal=nominal)
     motion, reference = experiment.motion, experiment.loaded.reference
-    about = design, individual, around
-    return correct_motion(*about, motion, reference, evidence, cfg)
+    return correct_motion(design, individual, around, motion, reference, evidence, cfg)
 
 
 def correct_motion(
@@ -76,9 +77,8 @@ def correct_motion(
     """
     learned = learn_in_twin(design, individual, motion, reference, cfg)
     spread = errors(design, around, motion, reference, learned.correction)
-    rms = float(learned.rms[0]), float(learned.rms.min())
-    prediction = predicted(*rms, spread, evidence)
-    reason = _distrust(prediction)
+    prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, evidence)
+    reason = _objection(prediction)
     used = learned.correction if reason is None else np.zeros_like(learned.correction)
     motors = motor_path(design.run([individual], reference, used)[0])
     return Corrected(
@@ -86,12 +86,11 @@ def correct_motion(
         learned=learned.correction,
         motor_path=motors,
         prediction=prediction,
-        trusted=reason is None,
         reason=reason,
     )
 
 
-def _distrust(prediction: Prediction) -> str | None:
+def _objection(prediction: Prediction) -> str | None:
     if not np.isfinite(prediction.high):
         return "the twin becomes unstable with its correction"
     fraction = prediction.high / prediction.uncorrected

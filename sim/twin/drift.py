@@ -13,7 +13,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .measured import MeasuredCut
+from .recordings import MeasuredCut
 from .simulation import Design
 from .twin import Twin
 

@@ -15,17 +15,15 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..cores import cores
 from ..robot.individual import structure_hinges
-from ..robot.mjcf import N_AXES
-from ..robot.run import cores
-from .held_out import held_out
-from .measured import MeasuredCut
-from .normal_equations import Compared, Solving, compared, together
+from ..robot.six_axes import N_AXES
+from .normal_equations import Compared, Solving, compared, held_out, together
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
+from .recordings import MeasuredCut
 from .sensitivities import Against, Residuals
 from .simulation import Design
-from .tool_sensor import ToolSensor
-from .tracker_residuals import TRACKER
+from .tool_sensor import TRACKER, ToolSensor
 
 _AT_ONCE = 4
 """Cuts at most, whose simulations and equations are under way: what is Python in one goes on while

@@ -20,9 +20,8 @@ from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD
-from .error import twin_error
 from .friction_step import FrictionStep
-from .simulation import Design
+from .simulation import Design, twin_error
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,12 +14,12 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import TOOL_QUATERNION, ToolPose
-from ..cut.contour import Circle, ClosedCurve, hexagon, square
 from ..laser.experiment import prepare
 from ..laser.specification import Cut
-from ..robot.mjcf import N_AXES
+from ..motion.contour import Circle, ClosedCurve, hexagon, square
+from ..robot.six_axes import N_AXES
 from .identification import Identification, parameters_of
-from .measured import MeasuredCut, measured
+from .recordings import MeasuredCut, measured
 from .sensitivities import Against
 from .simulation import Design, motor_path, tool_path
 

@@ -1,4 +1,6 @@
-"""Recorded cuts on disk: tables of the form of `signals.parquet`, made by a robot or by us.
+"""Recorded signals of cuts, which a twin is identified from, and their tables on disk.
+
+No ground truth. A table has the form of `signals.parquet`, whether a robot made it or we:
 
 Columns reference_1..6, motor_angle_1..6 [rad, arm side], motor_torque_1..6 [N m, motor side] at
 250 Hz; correction_1..6 [rad] where there was any; tracker_x, tracker_y, tracker_z [m, base axes] or
@@ -7,26 +9,104 @@ whose time is the sensor's own. Columns of the ground truth are not read.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
 from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
 
-from ..evaluation.recorded_notes import notes_of_signals, notes_of_table
+from ..estimation.relative_path import REST_SAMPLES, relative_to_start
+from ..evaluation.recorded import notes_of_signals, notes_of_table
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
+from ..laser.plant import Pass
 from ..notes import Note
 from ..records.errors import InputError
 from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
-from ..robot.mjcf import AXES
+from ..robot.recording import Recording
+from ..robot.six_axes import AXES
 from ..robot.virtual_robot import LOG_PERIOD
-from .measured import MeasuredCut, tracked
-from .sensors import Measure
+
+_TRACKER_FILTER = 40.0
+"""[Hz], zero-phase low-pass of tracker positions."""
+
+
+SensorName = Literal["tracker", "imu"]
+"""Sensor of the tool that a twin is identified from."""
+
+
+class ImplausibleError(InputError):
+    """A recording that cannot be of this robot, or not in the stated units."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredCut:
+    """Recorded signals of one run at the log rate."""
+
+    name: str
+    reference: Array
+    correction: Array
+    motor_angle: Array
+    """(N, 6) [rad], arm side."""
+    motor_torque: Array
+    """(N, 6) [N m], motor side."""
+    tool: Array | None
+    """(N, 3) [m], displacement of the tool from rest in base axes, by a tracker."""
+    rest: Array | None = None
+    """(3,) [m], position of the tool at rest in base axes, by the tracker."""
+    imu: ImuSamples | None = None
+
+    @property
+    def moving(self) -> np.ndarray:
+        """(N,) bool: the reference moves."""
+        still = (np.diff(self.reference, axis=0) == 0.0).all(axis=1)
+        return ~np.concatenate((still[:1], still))
+
+
+def measured(run: Pass, name: str = "cut") -> MeasuredCut:
+    """The record of a pass, without its ground truth."""
+    return measured_from(run.recording, run.tracker, name, run.imu)
+
+
+def measured_from(
+    log: Recording,
+    tracker: TrackerSamples | None,
+    name: str,
+    imu: ImuSamples | None = None,
+) -> MeasuredCut:
+    """The record of a run and its instruments, without its ground truth.
+
+    Raises ValueError for a beam that was lost.
+    """
+    tool, rest = (None, None) if tracker is None else tracked(log.time, tracker, name)
+    return MeasuredCut(
+        name=name,
+        reference=log.reference,
+        correction=log.correction,
+        motor_angle=log.motor_angle,
+        motor_torque=log.motor_torque,
+        tool=tool,
+        rest=rest,
+        imu=imu,
+    )
+
+
+def tracked(time: Array, samples: TrackerSamples, name: str) -> tuple[Array, Array]:
+    """Low-passed displacement (N, 3) [m] from rest at the log's instants; position (3,) at rest."""
+    if not samples.valid.all():
+        lost = int(np.count_nonzero(~samples.valid))
+        raise ValueError(f"{name}: the tracker lost {lost} of {len(samples.valid)} samples")
+    period = float(samples.time[1] - samples.time[0])
+    smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(samples.position)
+    at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
+    return relative_to_start(smooth[at])[:, :3], smooth[at][:REST_SAMPLES].mean(axis=0)
+
 
 _SIGNALS = "signals.parquet"
 CONFIG = b"armside.config"
@@ -35,7 +115,7 @@ _LOG = ("reference", "motor_angle", "motor_torque")
 _TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 _ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
 _RATE = tuple(f"imu_angular_velocity_{c}" for c in "xyz")
-_SENSORS: Mapping[Measure, tuple[str, ...]] = {
+_SENSORS: Mapping[SensorName, tuple[str, ...]] = {
     "tracker": _TRACKER,
     "imu": (*_ACCELERATION, *_RATE),
 }
@@ -43,7 +123,7 @@ _CLOCK = 1e-6
 """[s], by which instants of the log may differ from its rate."""
 
 
-def read_cut(source: Path, measure: Measure = "tracker") -> MeasuredCut:
+def read_cut(source: Path, measure: SensorName = "tracker") -> MeasuredCut:
     """The first run of a folder of `armside laser`, or of a table of recorded data.
 
     measure: sensor of the tool that is read.
@@ -82,7 +162,7 @@ def _table(source: Path) -> pa.Table:
         raise InputError(f"{source} is no recorded cut: {error}") from error
 
 
-def _cut(table: pa.Table, name: str, measure: Measure) -> MeasuredCut:
+def _cut(table: pa.Table, name: str, measure: SensorName) -> MeasuredCut:
     needed = ["time", *(f"{signal}_{i}" for signal in _LOG for i in AXES), *_SENSORS[measure]]
     if missing := [column for column in needed if column not in table.column_names]:
         raise ValueError(f"it lacks the column {missing[0]}")

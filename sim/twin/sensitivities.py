@@ -15,13 +15,12 @@ import numpy as np
 from armside.arrays import Array
 
 from ..robot.effects import gear_phases
-from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .measured import MeasuredCut
+from ..robot.six_axes import N_AXES
 from .parameters import BENDING, FRICTION, SPRINGS, Parameters
+from .recordings import MeasuredCut
 from .simulation import Design
-from .tool_sensor import Comparison, ToolSensor
-from .tracker_residuals import TRACKER
+from .tool_sensor import TRACKER, Comparison, ToolSensor
 
 _STEP = 0.05
 """Of log factors, compliances and relative amplitudes in difference quotients."""

@@ -1,19 +1,29 @@
-"""Runs of twins: many individuals make the same cut in one rollout."""
+"""Runs of twins: many individuals of a design make the same cut in one rollout."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
+
+import numpy as np
 
 from armside.arrays import Array
 
+from ..cell import CELLS
+from ..cores import cores
 from ..estimation.relative_path import relative_to_start
+from ..evaluation.contour_error import contour_errors
+from ..evaluation.tool_error import tool_error
+from ..part.carried import Motion
+from ..part.motion import PartMotion
+from ..robot.cell_model import cell_model
 from ..robot.effects import available
-from ..robot.individual import Individual, embodied
+from ..robot.individual import Individual, embodied, with_payload
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.run import LoadedReference, cores, run_batch
+from ..robot.run import LoadedReference, run_batch
 from ..robot.statics import Statics
-from ..robot.virtual_robot import VirtualRobot
-from .bending import bent
+from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .bending import bent, with_bending
 
 
 @dataclass(frozen=True)
@@ -58,6 +68,18 @@ class Design:
         return run_batch(loaded, [correction] * n, [None] * n, threads=min(n, cores()))
 
 
+def design_of(robot: str, payload: float | None) -> Design:
+    """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
+    plain = cell_model(CELLS[robot])
+    nominal = plain if payload is None else with_payload(plain, payload)
+    return Design(with_bending(plain), payload=payload, nominal=nominal)
+
+
+def robot_digest(robot: str) -> str:
+    """Digest of the robot's file."""
+    return sha256(CELLS[robot].xml.read_bytes()).hexdigest()[:16]
+
+
 def tool_path(recording: Recording) -> Array:
     """(N, 3) [m], displacement of the tool from rest at the instants of the log."""
     every = round(float(recording.time[1] / recording.truth.time[1]))
@@ -68,3 +90,21 @@ def motor_path(recording: Recording) -> Array:
     """(N, 6) [rad], exact motor angles at the instants of the log."""
     every = round(float(recording.time[1] / recording.truth.time[1]))
     return recording.truth.motor_angle[::every]
+
+
+def twin_error(motion: Motion, run: Recording) -> float:
+    """RMS tool error [m] of a run of a twin: of a cut at 1 kHz, of a part over all its contours.
+
+    Infinite where the run became unstable.
+    """
+    truth = run.truth
+    if not np.isfinite(truth.tool_position).all():
+        return float("inf")
+    period = LOG_PERIOD if isinstance(motion, PartMotion) else 1e-3
+    every = slice(None, None, round(period / float(truth.time[1])))
+    seen = truth.time[every], truth.tool_position[every]
+    if not isinstance(motion, PartMotion):
+        return tool_error(motion, *seen).rms
+    length = [cut.turn.length for cut in motion.cuts]
+    squares = [error.rms**2 for error in contour_errors(motion, *seen)]
+    return float(np.sqrt(np.average(squares, weights=length)))

@@ -1,14 +1,23 @@
-"""Sensors of the tool that a twin is identified from: their residuals, as the solver takes them."""
+"""Sensors of the tool that a twin is identified from, and the laser tracker as one of them.
+
+A sensor gives residuals as the solver takes them; those of a tracker are displacements of the tool
+from rest.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
+
+import numpy as np
 
 from armside.arrays import Array
 
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from .measured import MeasuredCut
+from .kinematic_columns import from_rest, gear_error_columns, jacobians, rigid_path
+from .recordings import ImplausibleError, MeasuredCut
+from .simulation import motor_path, tool_path
 
 
 @dataclass(frozen=True)
@@ -70,3 +79,88 @@ class ToolSensor(Protocol):
     def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
         """Comparison of a cut, which has this sensor, with runs of a design."""
         ...
+
+
+_LARGEST_OFFSET = 0.03
+"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
+it, a flange adapter is more. ESTIMATE."""
+_LARGEST_PATH_ERROR = 2e-3
+"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracker:
+    """Laser tracker as the sensor of identification."""
+
+    noise: float = 10e-6
+    """Least scale of the tool's position [m]."""
+    correlation: float = 3.0
+    """What a model leaves of a path lasts for many samples. ESTIMATE."""
+
+    @property
+    def channels(self) -> tuple[Channels, ...]:
+        return (Channels(slice(0, 3), self.noise, self.correlation),)
+
+    @property
+    def scale(self) -> Scale:
+        return Scale("motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6)
+
+    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
+        if cut.tool is None:
+            raise ImplausibleError(f"{cut.name} has no samples of a laser tracker")
+        if not np.isfinite(cut.tool).all():
+            raise ImplausibleError(f"{cut.name}: tool holds values that are not finite")
+        path = rigid_path(model, cut.motor_angle)
+        off = float(np.abs(cut.tool - from_rest(path)).max())
+        if off > _LARGEST_PATH_ERROR:
+            raise ImplausibleError(
+                f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put "
+                "it: another robot, or another unit"
+            )
+        away = 0.0 if cut.rest is None else float(np.linalg.norm(cut.rest - path[0]))
+        if away > _LARGEST_OFFSET:
+            raise ImplausibleError(
+                f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
+                "it: another flange, or another base frame"
+            )
+
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "TrackerComparison":
+        assert cut.tool is not None
+        return TrackerComparison(model, cut.motor_angle, cut.tool)
+
+
+@dataclass(frozen=True, eq=False)
+class TrackerComparison:
+    """See `Comparison`."""
+
+    model: RobotModel
+    motor_angle: Array
+    tool: Array
+
+    @cached_property
+    def _kinematics(self) -> tuple[Array, Array]:
+        return jacobians(self.model, self.motor_angle)
+
+    def residual(self, run: Recording) -> Array:
+        moved = self._by_motors(self.motor_angle - motor_path(run))
+        return self.tool - tool_path(run) - moved
+
+    def change(self, base: Recording, run: Recording) -> Array:
+        moved = self._by_motors(motor_path(run) - motor_path(base))
+        return tool_path(run) - tool_path(base) - moved
+
+    def by_kinematics(self) -> Mapping[str, Array]:
+        jacobian, geometry = self._kinematics
+        errors = gear_error_columns(self.model, self.motor_angle, jacobian)
+        position, orientation = np.split(from_rest(geometry), 2, axis=2)
+        return {
+            "gear_error": from_rest(errors),
+            "position": position,
+            "orientation": orientation,
+        }
+
+    def _by_motors(self, moved: Array) -> Array:
+        return from_rest(np.einsum("kij,kj->ki", self._kinematics[0], moved))
+
+
+TRACKER = Tracker()

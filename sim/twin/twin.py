@@ -2,11 +2,11 @@
 
 import json
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -19,18 +19,15 @@ from ..part.carried import Motion
 from ..records.errors import InputError
 from ..records.files import check_file
 from ..robot.effects import gear_phases
-from ..robot.individual import Individual, with_payload
-from ..robot.kinematics_check import cell_model
-from ..robot.mjcf import N_AXES
+from ..robot.individual import Individual
 from ..robot.recording import Recording
-from .bending import with_bending
+from ..robot.six_axes import N_AXES
 from .correction import Corrected, correct, correct_motion
-from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
-from .prediction import Evidence
-from .sensors import SENSORS, Measure
-from .simulation import Design
+from .prediction import Evidence, members
+from .recordings import SensorName
+from .simulation import Design, design_of, robot_digest
 
 FORMAT = 2
 """Of the folder; raised when an older one can no longer be read."""
@@ -60,7 +57,7 @@ class Twin:
     """Of the robot's file."""
     payload: float | None
     """Mass of the tool at commissioning [kg]; that of the robot's file if None."""
-    sensor: Measure
+    sensor: SensorName
     """What measured the tool."""
     theta: Array
     """(m,), parameters."""
@@ -105,8 +102,7 @@ class Twin:
         """
         self.check(cut)
         design = self.design_with(cut.payload)
-        about = design, self.individual, self.around
-        return correct(*about, cut, self.evidence)
+        return correct(design, self.individual, self.around, cut, self.evidence)
 
     def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
         """Correction for the first run of a planned motion, such as that of a whole part.
@@ -114,14 +110,22 @@ class Twin:
         reference: (N, 6) [rad]. Raises TwinError as `correction`.
         """
         self.check(setup)
-        about = self.design_with(setup.payload), self.individual, self.around
-        return correct_motion(*about, motion, reference, self.evidence)
+        design = self.design_with(setup.payload)
+        return correct_motion(
+            design, self.individual, self.around, motion, reference, self.evidence
+        )
 
     @property
     def around(self) -> list[Individual]:
         """Individuals that commissioning cannot tell from the twin."""
-        posterior = self.parameters, self.theta, self.covariance, self.gear_phase
-        found = members(*posterior, self.uncertainty, self.sensor)
+        found = members(
+            self.parameters,
+            self.theta,
+            self.covariance,
+            self.gear_phase,
+            self.uncertainty,
+            self.sensor,
+        )
         return [replace(member, friction=self.friction) for member in found]
 
     def run(self, cut: Setup, reference: Array, correction: Array) -> Recording:
@@ -206,8 +210,8 @@ class Twin:
 
     def _nonsense(self) -> str | None:
         """Why these values cannot be those of a twin; None if they can."""
-        if self.sensor not in tuple(SENSORS):
-            return f"its sensor is {self.sensor!r}, not one of {', '.join(SENSORS)}"
+        if self.sensor not in get_args(SensorName):
+            return f"its sensor is {self.sensor!r}, not one of {', '.join(get_args(SensorName))}"
         drives = (self.friction, self.torque_residual)
         if not all(np.isfinite(values).all() for values in (self.theta, self.covariance, *drives)):
             return "it holds values that are not finite"
@@ -245,13 +249,42 @@ def _content(folder: Path) -> dict[str, Any]:
     return content
 
 
-def design_of(robot: str, payload: float | None) -> Design:
-    """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
-    plain = cell_model(CELLS[robot])
-    nominal = plain if payload is None else with_payload(plain, payload)
-    return Design(with_bending(plain), payload=payload, nominal=nominal)
+_TWINS, _CORRECTIONS = 8, 256
+"""Kept at most; a correction of two seconds of motion takes 75 kB."""
 
 
-def robot_digest(robot: str) -> str:
-    """Digest of the robot's file."""
-    return sha256(CELLS[robot].xml.read_bytes()).hexdigest()[:16]
+def digest(folder: str | PathLike[str]) -> str:
+    """Hash of the content of a twin, wherever it is. Raises TwinError for a folder without one."""
+    hashed = sha256()
+    try:
+        for name in FILES:
+            hashed.update(sha256(check_file(Path(folder) / name).read_bytes()).digest())
+    except (ValueError, OSError):
+        Twin.load(folder)  # says what is missing
+        raise TwinError(f"{folder} cannot be read") from None
+    return hashed.hexdigest()
+
+
+def stored_twin(folder: str | PathLike[str]) -> Twin:
+    """The twin of a folder, read once as long as it stays the same. Raises as `Twin.load`."""
+    return _read(Path(folder).absolute(), digest(folder))
+
+
+def learned(twin: Twin, cut: Cut) -> Corrected:
+    """`Twin.correction` of a cut, learned once for all cuts that differ in the robot's state alone.
+
+    Raises as `Twin.correction`.
+    """
+    by_design = {"individual": None, "temperature": None, "without": (), "imu": None}
+    of_robot = {"friction_spread": 0.0, "friction_drift": 0.0}
+    return _learned(twin, replace(cut, **by_design, **of_robot))
+
+
+@lru_cache(_TWINS)
+def _read(folder: Path, _content: str) -> Twin:
+    return Twin.load(folder)
+
+
+@lru_cache(_CORRECTIONS)
+def _learned(twin: Twin, cut: Cut) -> Corrected:
+    return twin.correction(cut)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.moves.instructions import MoveC, MoveJ, MoveL, Wait
-from armside.sim.moves.program_file import read_program
+from armside.sim.motion.instructions import MoveC, MoveJ, MoveL, Wait
+from armside.sim.motion.program_file import read_program
 
 FOLDER = assets.IRB1400_XML.parent / "programs"
 PROGRAMS = sorted(path.name for path in FOLDER.glob("*.toml"))

@@ -10,7 +10,7 @@ import pytest
 from armside.scripts.jobs.point import Point
 from armside.scripts.jobs.resolved import key_of
 from armside.sim.instruments.laser_tracker import LaserTrackerCfg
-from armside.sim.twin import library
+from armside.sim.twin import twin as library
 from armside.sim.twin.twin import Twin
 
 INDIVIDUAL = "2001"  # of the shared twin
@@ -205,7 +205,7 @@ def test_a_twin_does_not_cut_for_another_robot(armside, twin):
 def test_a_failure_of_the_identification_is_not_bad_input(armside, monkeypatch):
     """Only a recording that cannot be of the robot is."""
     from armside.sim.twin import commission
-    from armside.sim.twin.plausible import ImplausibleError
+    from armside.sim.twin.recordings import ImplausibleError
 
     def singular(*_args, **_kwargs):
         raise np.linalg.LinAlgError("Singular matrix")

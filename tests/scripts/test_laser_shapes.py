@@ -12,9 +12,9 @@ from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import kerf as kerf_figure
 from armside.scripts.shell.errors import InputError
-from armside.sim.cut.contour import Circle
 from armside.sim.estimation.springs_file import read_springs
 from armside.sim.evaluation.kerf import Kerf
+from armside.sim.motion.contour import Circle
 
 
 def laser(out, line):

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from armside.ilc.learning import Trial
-from armside.sim.cut.contour import square
-from armside.sim.cut.timing import PathLimits
 from armside.sim.estimation.commissioning import Commissioning, OnFault
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu import prepare as prepare_imu
@@ -17,7 +15,9 @@ from armside.sim.laser.experiment import evaluated
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.notes import notes, pass_notes
 from armside.sim.laser.results import results
-from armside.sim.moves.notes import slower_moves
+from armside.sim.motion.contour import square
+from armside.sim.motion.planner import slower_moves
+from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import Cause, Note, counted, together
 
 

@@ -10,7 +10,6 @@ from armside.assets import LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
-from armside.sim.cut.contour import slot
 from armside.sim.estimation.arm_estimator import Estimate
 from armside.sim.estimation.commissioning import commission
 from armside.sim.estimation.extended_arm import ExtendedArm
@@ -21,6 +20,7 @@ from armside.sim.estimation.plausibility import EstimateError
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread

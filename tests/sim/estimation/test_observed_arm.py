@@ -7,7 +7,6 @@ import pytest
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.ilc.filters import butterworth, recursion
-from armside.sim.cut.timing import PathLimits
 from armside.sim.estimation.arm_filter import arm_filter
 from armside.sim.estimation.arm_identification import prepared, with_nonlinear_residual
 from armside.sim.estimation.imu_health import repaired
@@ -18,6 +17,7 @@ from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.laser import prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.motion.timing import PathLimits
 from armside.sim.robot.model import load_model
 
 from .one_cut import CUT, IMU, assumed, spread

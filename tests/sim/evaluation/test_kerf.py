@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import Circle, hexagon, slot, square
 from armside.sim.evaluation.kerf import kerf
+from armside.sim.motion.contour import Circle, hexagon, slot, square
 
 BEAM = 2e-4
 SCALLOP = BEAM / 2 / 3000

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from armside.arrays import Array
-from armside.sim.cut.contour import hexagon
 from armside.sim.estimation.way import trust
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
@@ -14,6 +13,7 @@ from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.way_measure import PathAlongWay
+from armside.sim.motion.contour import hexagon
 from armside.sim.notes import Cause
 
 pytestmark = pytest.mark.usefixtures("quick_identification")

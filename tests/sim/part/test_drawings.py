@@ -5,9 +5,9 @@ import pytest
 from ezdxf import units
 
 from armside.sim.part.chain import Chain
-from armside.sim.part.drawn import Reading, Unit
-from armside.sim.part.file import read_part
-from armside.sim.part.kind import Kind
+from armside.sim.part.curve import Kind
+from armside.sim.part.drawing import Reading, Unit
+from armside.sim.part.part import read_part
 
 from .drawings import bracket, flange, frame, new, save
 
@@ -37,6 +37,11 @@ INKSCAPE = """<?xml version="1.0" encoding="UTF-8" standalone="no"?>
 
 def read(document, folder, **reading):
     return read_part(save(document, folder), Reading(**reading))
+
+
+def read_inkscape(folder, text=INKSCAPE, layers=("Cut",), unit=None):
+    (folder / "part.svg").write_text(text)
+    return read_part(folder / "part.svg", Reading(layers=layers, unit=unit))
 
 
 def areas(part, kind):
@@ -81,9 +86,7 @@ def test_a_drawing_in_inches_is_read_in_metres(tmp_path):
 
 
 def test_an_svg_of_inkscape_has_its_shapes_the_right_way_up(tmp_path):
-    file = tmp_path / "part.svg"
-    file.write_text(INKSCAPE)
-    part = read_part(file, Reading(layers=("Cut",)))
+    part = read_inkscape(tmp_path)
     rounded = (4.0 - np.pi) / 4.0
     (outline,) = areas(part, Kind.OUTLINE)
     assert outline == pytest.approx(6000.0 - 100.0 * rounded, rel=1e-9)
@@ -94,30 +97,27 @@ def test_an_svg_of_inkscape_has_its_shapes_the_right_way_up(tmp_path):
     small = next(c for c in part.contours if "path4" in c.name).chain
     assert 1e3 * small.points[:, 1].max() < -55.0, "low in the picture, and y points up"
     with pytest.raises(ValueError, match="text #text1 on layer Notes cannot be cut"):
-        read_part(file)
-    file.write_text(INKSCAPE.replace('width="120mm"', 'width="120"'))
+        read_inkscape(tmp_path, layers=())
+    without = INKSCAPE.replace('width="120mm"', 'width="120"')
     with pytest.raises(ValueError, match=r"unit is in doubt: its width is 120, .*--units mm or"):
-        read_part(file, Reading(layers=("Cut",)))
-    again = read_part(file, Reading(layers=("Cut",), unit=Unit.MILLIMETRE))
+        read_inkscape(tmp_path, without)
+    again = read_inkscape(tmp_path, without, unit=Unit.MILLIMETRE)
     assert areas(again, Kind.OUTLINE) == pytest.approx([outline])
 
 
 def test_shapes_without_an_id_have_names_of_their_own(tmp_path):
     circles = "".join(f'<circle cx="{x}" cy="15" r="3" />' for x in (20, 80))
     text = INKSCAPE.replace('<path style="fill', circles + '<path style="fill')
-    (tmp_path / "a.svg").write_text(text)
-    names = [c.name for c in read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).contours]
+    names = [contour.name for contour in read_inkscape(tmp_path, text).contours]
     assert len(set(names)) == len(names) == 7
     assert {"circle 1 (without id)", "circle 2 (without id)"} < set(names)
 
 
 def test_a_shape_of_zero_length_in_an_svg_is_refused_with_its_place(tmp_path):
     point = '<line x1="20" y1="15" x2="20" y2="15" id="dot" />'
-    (tmp_path / "a.svg").write_text(INKSCAPE.replace("<path style", point + "<path style"))
-    with pytest.raises(
-        ValueError, match=r"line #dot on layer Cut: it has zero length at \(30, -25"
-    ):
-        read_part(tmp_path / "a.svg", Reading(layers=("Cut",)))
+    said = r"line #dot on layer Cut: it has zero length at \(30, -25"
+    with pytest.raises(ValueError, match=said):
+        read_inkscape(tmp_path, INKSCAPE.replace("<path style", point + "<path style"))
 
 
 def test_entities_of_one_block_have_names_of_their_own(tmp_path):
@@ -133,13 +133,9 @@ def test_entities_of_one_block_have_names_of_their_own(tmp_path):
 
 def test_elements_of_a_namespace_that_is_not_known_are_said(tmp_path):
     foreign = '<cam:drill xmlns:cam="http://example.org/cam" x="1"/></svg>'
-    (tmp_path / "a.svg").write_text(INKSCAPE.replace("</svg>", foreign))
-    said = read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).notes
-    assert "elements of namespace http://example.org/cam that are not cut: 1" in said
-    (tmp_path / "a.svg").write_text(INKSCAPE)
-    assert not [
-        n for n in read_part(tmp_path / "a.svg", Reading(layers=("Cut",))).notes if "names" in n
-    ]
+    notes = read_inkscape(tmp_path, INKSCAPE.replace("</svg>", foreign)).notes
+    assert "elements of namespace http://example.org/cam that are not cut: 1" in notes
+    assert not [note for note in read_inkscape(tmp_path).notes if "names" in note]
 
 
 def test_a_contour_in_toml_is_a_part(tmp_path):

@@ -6,11 +6,10 @@ from ezdxf.entities import factory
 from ezdxf.entities.dxfgfx import DXFGraphic
 from scipy.integrate import quad
 
-from armside.sim.part.drawn import Reading, Unit
-from armside.sim.part.dxf import drawing_of
-from armside.sim.part.dxf_entities import READERS
-from armside.sim.part.file import read_part
-from armside.sim.part.kind import Kind
+from armside.sim.part.curve import Kind
+from armside.sim.part.drawing import Reading, Unit
+from armside.sim.part.dxf import READERS, drawing_of
+from armside.sim.part.part import read_part
 
 from .drawings import QUARTER, frame, new, save
 
@@ -131,17 +130,7 @@ def test_a_stretched_block_makes_an_ellipse_of_a_circle(tmp_path):
 
 
 IN_R12 = ["POINT", "SOLID", "TRACE", "3DFACE", "TEXT", "SHAPE", "ATTDEF", "DIMENSION", "VIEWPORT"]
-LATER = [
-    "MTEXT",
-    "HATCH",
-    "MPOLYGON",
-    "LEADER",
-    "MLINE",
-    "RAY",
-    "XLINE",
-    "WIPEOUT",
-    "MESH",
-]
+LATER = ["MTEXT", "HATCH", "MPOLYGON", "LEADER", "MLINE", "RAY", "XLINE", "WIPEOUT", "MESH"]
 LATER += ["HELIX", "REGION", "3DSOLID", "BODY", "TOLERANCE", "MULTILEADER", "LIGHT", "SURFACE"]
 LATER += ["PDFUNDERLAY", "DWFUNDERLAY", "DGNUNDERLAY", "OLE2FRAME", "PLANESURFACE"]
 LATER += ["ARC_DIMENSION", "LARGE_RADIAL_DIMENSION"]

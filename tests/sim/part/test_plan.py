@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 import shapely
 
-from armside.sim.part.drawn import Reading
-from armside.sim.part.file import read_part
-from armside.sim.part.kerf import compensated
-from armside.sim.part.kind import Kind
+from armside.sim.part.beam_path import compensated, smooth
+from armside.sim.part.curve import Kind
+from armside.sim.part.drawing import Reading
 from armside.sim.part.order import order, travel
+from armside.sim.part.part import read_part
 from armside.sim.part.plan import Cutting, plan
-from armside.sim.part.rounding import smooth
 
 from .drawings import bracket, frame, new, save
 

@@ -11,10 +11,9 @@ from ezdxf.addons.drawing.properties import RenderContext
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from armside.sim.cut.contour import Circle as Circular
-from armside.sim.part.curve import centred
-from armside.sim.part.file import read_part
-from armside.sim.part.kind import Kind
+from armside.sim.motion.contour import Circle as Circular
+from armside.sim.part.curve import Kind, centred
+from armside.sim.part.part import read_part
 
 from .drawings import flange, new
 

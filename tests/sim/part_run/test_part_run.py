@@ -8,9 +8,8 @@ from armside.sim.laser.learning import trials
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.setup import Setup
 from armside.sim.part.chain import arc, line
-from armside.sim.part.curve import ChainCurve, centred, is_circle
-from armside.sim.part.joining import Joined
-from armside.sim.part.kind import Kind
+from armside.sim.part.curve import ChainCurve, Kind, centred, is_circle
+from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part_run.experiment import Job, prepare

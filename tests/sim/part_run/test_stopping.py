@@ -11,7 +11,7 @@ from armside.ilc.measures.norms import two_norm
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.setup import Setup
 from armside.sim.part.chain import arc, line
-from armside.sim.part.joining import Joined
+from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part_run.experiment import Job, prepare

@@ -12,11 +12,11 @@ import ruckig
 from armside.scripts import cli
 from armside.scripts.commands import measure
 from armside.sim.cell import TOOL_QUATERNION
-from armside.sim.cut import tool_motion
-from armside.sim.cut.contour import Circle, hexagon, slot
-from armside.sim.cut.path import CuttingPath, Plane
 from armside.sim.evaluation.recorded import measure_signals
 from armside.sim.laser import experiment, plant
+from armside.sim.motion import tool_motion
+from armside.sim.motion.contour import Circle, hexagon, slot
+from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.records import read_run
 from armside.sim.records.errors import InputError
 from armside.sim.records.programmed_path import from_json, to_json

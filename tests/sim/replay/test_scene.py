@@ -9,9 +9,9 @@ import pytest
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
 from armside.sim.cell import TOOL_QUATERNION, pose
-from armside.sim.cut.contour import Circle
-from armside.sim.cut.path import CuttingPath, Plane
-from armside.sim.cut.tool_motion import plan_cut
+from armside.sim.motion.contour import Circle
+from armside.sim.motion.path import CuttingPath, Plane
+from armside.sim.motion.tool_motion import plan_cut
 from armside.sim.records.signals import RecordedRun
 from armside.sim.robot.recording import Recording, Truth
 

@@ -18,13 +18,12 @@ from armside.sim.robot.mjcf import N_AXES
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.identification import Identification
-from armside.sim.twin.imu_residuals import ImuSensor
+from armside.sim.twin.imu_sensor import ImuSensor
 from armside.sim.twin.normal_equations import Solving, compared
 from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.sensitivities import Columns, Residuals
-from armside.sim.twin.tool_sensor import ToolSensor
-from armside.sim.twin.tracker_residuals import TRACKER
-from armside.sim.twin.uncertainty import is_identified, standard_deviation
+from armside.sim.twin.tool_sensor import TRACKER, ToolSensor
 
 from .conftest import INDIVIDUAL
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from armside.sim.robot.individual import embodied, structure_hinges
-from armside.sim.twin.measured import measured
+from armside.sim.twin.recordings import measured
 from armside.sim.twin.sensitivities import Against
 
 UNEXPLAINED, UNEXPLAINED_BY_KINEMATICS = 0.35, 0.65

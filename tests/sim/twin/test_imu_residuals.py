@@ -5,18 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.sim.cut.contour import square
 from armside.sim.instruments.imu import ACCELEROMETER, GYROSCOPE, ImuCfg
 from armside.sim.laser import Cut, prepare
+from armside.sim.motion.contour import square
 from armside.sim.robot.effects import gear_phases
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.virtual_robot import LOG_PERIOD
-from armside.sim.twin.imu_kinematics import imu_kinematics
-from armside.sim.twin.imu_residuals import ImuSensor
-from armside.sim.twin.measured import measured
-from armside.sim.twin.plausible import ImplausibleError
+from armside.sim.twin.imu_sensor import ImuSensor, clock_offset
+from armside.sim.twin.kinematic_columns import imu_kinematics
+from armside.sim.twin.recordings import ImplausibleError, measured
 from armside.sim.twin.simulation import Design
-from armside.sim.twin.unit_clock import clock_offset
 
 NOISE_FREE = ImuCfg(
     accelerometer=replace(ACCELEROMETER, noise_density=0.0, bias_walk=0.0),

@@ -1,5 +1,7 @@
 """Recorded cuts in tables: what was written is what is read, whichever sensor was at the tool."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -7,9 +9,11 @@ import pytest
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
+from armside.sim.laser.learning import first_run
+from armside.sim.notes import Cause
 from armside.sim.records.errors import InputError
-from armside.sim.twin.measured import measured
-from armside.sim.twin.recordings import read_cut
+from armside.sim.records.signals import RecordedRun, write_signals
+from armside.sim.twin.recordings import measured, notes_of_first_run, read_cut
 
 START = 3.25
 """[s], of the robot's clock at the first row."""
@@ -69,3 +73,33 @@ def test_lost_samples_of_an_imu_are_missing_rows(run, table, tmp_path):
     read = read_cut(tmp_path / "cut.parquet", "imu")
     assert len(read.imu.time) == len(run.imu.time) - 4
     assert read.imu.time[0] == pytest.approx(run.imu.time[4], abs=1e-12)
+
+
+def test_notes_of_a_run_are_those_of_its_first_iteration(tmp_path):
+    experiment = prepare(Cut(speed=0.1), seed=3)
+    log = first_run(experiment).recording
+    hit = replace(log, limits_hit=(("torque", 2, 0.4),))
+    runs = [RecordedRun(k=k, recording=recording) for k, recording in enumerate((log, hit))]
+    file = tmp_path / "ours.parquet"
+    write_signals(file, runs, config={}, seed=3, motion=experiment.motion)
+    (note,) = notes_of_first_run(file)
+    assert note.cause is Cause.SPEED
+
+
+def test_lost_samples_of_a_table_are_noted(tmp_path):
+    lost = pa.table({"time": [0.0, 0.004], "tracker_valid": [True, False]})
+    pq.write_table(lost, tmp_path / "mine.parquet")
+    (note,) = notes_of_first_run(tmp_path / "mine.parquet")
+    assert note.cause is Cause.BEAM
+
+
+def test_a_run_without_its_truth_is_noted_as_any_other_table(tmp_path):
+    experiment = prepare(Cut(), seed=3)
+    log = first_run(experiment).recording
+    file = tmp_path / "ours.parquet"
+    write_signals(file, [RecordedRun(k=0, recording=log)], config={}, seed=3)
+    table = pq.read_table(file)
+    truth = [name for name in table.column_names if name.startswith("true_")]
+    for taken_out in (["k"], truth):
+        pq.write_table(table.drop_columns(taken_out), file)
+        assert notes_of_first_run(file) == []

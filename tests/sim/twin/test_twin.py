@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.cut.contour import slot, square
 from armside.sim.laser import Cut
 from armside.sim.laser.experiment import true_tool_error
+from armside.sim.motion.contour import slot, square
+from armside.sim.twin.commission import check
 from armside.sim.twin.drift import refreshed
-from armside.sim.twin.library import stored_twin
-from armside.sim.twin.measured import MeasuredCut, measured
 from armside.sim.twin.plan import MOST, plan
-from armside.sim.twin.plausible import ImplausibleError, check
-from armside.sim.twin.tracker_residuals import TRACKER
-from armside.sim.twin.twin import FORMAT, Twin, TwinError
+from armside.sim.twin.recordings import ImplausibleError, MeasuredCut, measured
+from armside.sim.twin.tool_sensor import TRACKER
+from armside.sim.twin.twin import FORMAT, Twin, TwinError, stored_twin
 
 ELSEWHERE = Cut(pose=replace(LARGE_ROBOT_POSES["p2"], position=(1.7, -0.2, 1.5)), speed=0.05)
 

@@ -1,1 +1,0 @@
-"""Motion programs of joint and path moves, and their planner."""

@@ -1,0 +1,181 @@
+"""Path of the beam's centre over a contour: corners rounded, half a beam aside, with leads."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+from armside.arrays import Array
+
+from .chain import MM, Chain, arc, biarc, joined, place
+from .part import SAGITTA
+
+CORNER = 0.5 * MM
+"""Radius with which sharp corners are cut [m]. ESTIMATE"""
+SMOOTH = 1e-4
+"""Largest angle between elements that join smoothly [rad]."""
+BACK = np.radians(175.0)
+"""Angle from which a contour turns back on itself [rad]."""
+UNSEEN = 1e-6
+"""Distance from the drawn corner up to which a larger radius is taken [m]."""
+
+
+def smooth(chain: Chain, corner: float = CORNER) -> Chain:
+    """The chain with arcs of radius `corner` [m] in place of its corners.
+
+    An arc is smaller where the elements beside it are too short, and larger at a slight corner: as
+    large as stays within 1 um of it. An open chain keeps its ends.
+
+    Raises ValueError where the chain turns back on itself.
+    """
+    kinks = np.abs(chain.kinks)
+    sharp = np.flatnonzero(kinks > SMOOTH)
+    if not len(sharp):
+        return chain
+    if kinks.max() > BACK:
+        raise ValueError(f"it turns back on itself at {place(chain.points[kinks.argmax()])}")
+    at, half = chain.ends[sharp], kinks[sharp] / 2.0
+    radius = np.maximum(corner, UNSEEN / (1.0 / np.cos(half) - 1.0))
+    shorter = np.minimum(chain.lengths, np.roll(chain.lengths, 1))[sharp]
+    cut = np.minimum(radius * np.tan(half), 0.49 * shorter)
+    if not chain.closed:
+        return _between(chain, at, cut)
+    # From the middle of the arc at the first corner: turn the chain so that none is at its seam.
+    start = float(at[0] + cut[0] + 0.5 * max(0.0, _free(chain, at, cut)))
+    turned = rotated(chain, start)
+    places = np.mod(at - start, chain.length)
+    order = np.argsort(places)
+    return _between(turned, places[order], cut[order])
+
+
+def rotated(chain: Chain, s: float) -> Chain:
+    """A closed chain that starts at arc length s [m]."""
+    s = float(np.mod(s, chain.length))
+    if s < 1e-9 or chain.length - s < 1e-9:
+        return chain
+    return joined([chain.part(s, chain.length), chain.part(0.0, s)])
+
+
+def _free(chain: Chain, at: Array, cut: Array) -> float:
+    """Length between the arcs at the first two corners [m]."""
+    following = at[1] - cut[1] if len(at) > 1 else at[0] + chain.length - cut[0]
+    return float(following - at[0] - cut[0])
+
+
+def _between(chain: Chain, at: Array, cut: Array) -> Chain:
+    """The chain with arcs `cut` [m] to either side of its corners at arc lengths `at` [m]."""
+    begins = np.concatenate([[0.0], at + cut])
+    ends = np.concatenate([at - cut, [chain.length]])
+    pieces: list[Chain] = []
+    for i, (begin, end) in enumerate(zip(begins, ends, strict=True)):
+        if end - begin > 1e-9:
+            pieces.append(chain.part(float(begin), float(end)))
+        if i < len(at):
+            pieces.append(_corner(chain, float(ends[i]), float(begins[i + 1])))
+    whole = joined(pieces)
+    return whole.ending_at_start if chain.closed else whole
+
+
+def _corner(chain: Chain, before: float, after: float) -> Chain:
+    points, heading = chain.point([before, after]), chain.direction([before, after])
+    along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    return biarc(points[0], along[0], points[1], along[1])
+
+
+ROUNDING = 1e-7
+"""Relative length by which a width of exactly the beam still passes."""
+
+
+def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
+    """The smooth, counter-clockwise chain moved by `half` [m] outwards or inwards, exactly.
+
+    Lines stay lines and arcs stay arcs of the same angle.
+
+    Raises ValueError where an arc or the width between two sides is too small for the beam.
+    """
+    side = half if outwards else -half
+    tight = 1.0 + side * chain.curvature
+    if tight.min() <= ROUNDING:
+        i = int(tight.argmin())
+        middle = chain.point(chain.ends[i] + 0.5 * chain.lengths[i])
+        radius = 1.0 / abs(chain.curvature[i])
+        raise ValueError(
+            f"the beam of {2 * half / MM:g} mm is too wide for the radius of "
+            f"{radius / MM:.3g} mm at {place(middle)}"
+        )
+    normal = np.stack([np.sin(chain.heading), -np.cos(chain.heading)], axis=1)
+    moved = chain.points[:-1] + side * normal
+    path = Chain(np.vstack([moved, moved[:1]]), chain.bulge)
+    _check_width(chain, path, half)
+    return path
+
+
+def _check_width(chain: Chain, path: Chain, half: float) -> None:
+    """Raise ValueError where the path comes nearer to the contour than half of the beam."""
+    drawn = shapely.LinearRing(chain.polygon(SAGITTA))
+    points = path.polygon(SAGITTA)
+    apart = shapely.distance(shapely.points(points), drawn)
+    if apart.min() < half - 4 * SAGITTA:
+        at = place(points[int(apart.argmin())])
+        raise ValueError(f"the beam of {2 * half / MM:g} mm is wider than the slot at {at}")
+
+
+RADIUS = 2.0 * MM
+"""Radius of a lead where there is room [m]. ESTIMATE"""
+SMALLEST = 0.05 * MM
+"""Radius of a lead below which there is none [m]."""
+
+
+@dataclass(frozen=True)
+class Led:
+    """Path of one contour, with its leads."""
+
+    path: Chain = field(repr=False)
+    """Lead-in, one turn, lead-out."""
+    lead: float
+    """Length of each lead [m]."""
+
+
+def led(path: Chain, inwards: bool, obstacles: shapely.STRtree | None = None) -> Led:
+    """Leads at the middle of the longest element, in the scrap.
+
+    inwards: the scrap is inside. obstacles: contours that the leads must not touch. A lead is
+    shortened until it fits; where none fits there is none.
+    """
+    longest = int(np.argmax(path.lengths))
+    turned = rotated(path, float(path.ends[longest] + 0.5 * path.lengths[longest]))
+    ring = shapely.Polygon(path.polygon())
+    radius = RADIUS
+    while radius > SMALLEST:
+        entry, leave = _quarters(turned, radius, inwards)
+        if _fits([entry, leave], ring, inwards, obstacles):
+            return Led(joined([entry, turned, leave]), entry.length)
+        radius *= 0.7
+    return Led(turned, 0.0)
+
+
+def _quarters(path: Chain, radius: float, inwards: bool) -> tuple[Chain, Chain]:
+    """Quarter circles that end and begin where the path starts, tangent to it."""
+    start, heading = path.points[0], float(path.heading[0])
+    side = 1.0 if inwards else -1.0  # the inside is to the left
+    centre = start + side * radius * np.array([-np.sin(heading), np.cos(heading)])
+    at = heading - side * np.pi / 2.0
+    entry = arc(centre, radius, at - side * np.pi / 2.0, side * np.pi / 2.0)
+    leave = arc(centre, radius, at, side * np.pi / 2.0)
+    ends = (np.vstack([entry.points[:-1], start]), np.vstack([start, leave.points[1:]]))
+    return Chain(ends[0], entry.bulge), Chain(ends[1], leave.bulge)
+
+
+def _fits(
+    leads: list[Chain], ring: shapely.Polygon, inwards: bool, obstacles: shapely.STRtree | None
+) -> bool:
+    lines = [shapely.LineString(lead.polygon()) for lead in leads]
+    # Where they touch the path they are tangent to it, on polygons within their sagitta.
+    free = [
+        line.difference(shapely.Point(lead.points[k]).buffer(0.3 * lead.length))
+        for line, lead, k in zip(lines, leads, (-1, 0), strict=True)
+    ]
+    inside = [ring.contains(line) if inwards else ring.disjoint(line) for line in free]
+    if not all(inside):
+        return False
+    return obstacles is None or not len(obstacles.query(lines, predicate="intersects")[0])

@@ -1,0 +1,192 @@
+"""Entities of a drawing that can be cut, joined end to end, and options of reading one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from armside.arrays import Array
+
+from .chain import MM, Chain, joined, place
+
+LARGEST = 20.0
+"""Size of a drawing from which its unit is doubted [m]. ESTIMATE"""
+JOIN = 0.05 * MM
+"""Largest distance between ends that are joined [m]."""
+
+
+class Unit(Enum):
+    """Unit of a drawing."""
+
+    MILLIMETRE = "mm"
+    INCH = "inch"
+
+    @property
+    def metres(self) -> float:
+        return MM if self is Unit.MILLIMETRE else 25.4 * MM
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """Options of reading a drawing."""
+
+    layers: tuple[str, ...] = ()
+    """Layers to cut; all that are visible if empty."""
+    unit: Unit | None = None
+    """Unit of the drawing in place of its own."""
+    join: float = JOIN
+    """Largest distance between ends that are joined [m]."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.join) and self.join > 0.0):
+            raise ValueError(f"the tolerance of joining must be > 0 m, got {self.join}")
+
+    def chooses(self, layer: str, visible: bool = True) -> bool:
+        """Whether a layer is cut; names of layers do not distinguish upper and lower case."""
+        if self.layers:
+            return layer.lower() in {name.lower() for name in self.layers}
+        return visible
+
+    def check_layers(self, existing: Sequence[str]) -> None:
+        """Raise ValueError for a chosen layer that the drawing has not."""
+        known = {name.lower() for name in existing}
+        for name in self.layers:
+            if name.lower() not in known:
+                listed = ", ".join(sorted(existing)) or "none"
+                raise ValueError(f"there is no layer {name!r}. Layers: {listed}")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One entity of a drawing."""
+
+    chain: Chain = field(repr=False)
+    name: str
+    """Type and handle, as in LINE #2F."""
+    layer: str
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Everything of a drawing that is to be cut, and notes of what is not."""
+
+    entities: tuple[Drawn, ...]
+    notes: tuple[str, ...] = ()
+
+
+def check_size(drawing: Drawing) -> None:
+    """Raise ValueError for a drawing of a size that no part has: its unit is in doubt."""
+    points = np.vstack([entity.chain.points for entity in drawing.entities])
+    size = float(np.ptp(points, axis=0).max())
+    if not size <= LARGEST:
+        raise ValueError(
+            f"its unit is in doubt: it is {size / MM:g} mm large; say --units mm or --units inch"
+        )
+
+
+NEAR = 1.0 * MM
+"""Gap up to which two ends that are not joined were meant to meet [m]."""
+SHORTEST = 1e-6
+"""Length from which an entity is not zero [m]."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """Entities one after the other, closed or open."""
+
+    chain: Chain = field(repr=False)
+    names: tuple[str, ...]
+    layer: str
+
+    @property
+    def name(self) -> str:
+        """Its first entity, and how many more there are."""
+        more = len(self.names) - 1
+        return self.names[0] + (f" and {more} more" if more else "")
+
+
+def join(entities: tuple[Drawn, ...], tolerance: float) -> list[Joined]:
+    """Chains of entities whose ends are at most `tolerance` [m] apart.
+
+    Raises ValueError for an entity of zero length, for more than two ends in one place, and for an
+    end that misses another by less than a millimetre: each with its place.
+    """
+    for entity in entities:
+        if entity.chain.length < SHORTEST:
+            raise ValueError(f"{entity.name} has zero length at {place(entity.chain.points[0])}")
+    found = [Joined(e.chain, (e.name,), e.layer) for e in entities if e.chain.closed]
+    loose = [e for e in entities if not e.chain.closed]
+    if not loose:
+        return found
+    ends = np.array([point for e in loose for point in (e.chain.points[0], e.chain.points[-1])])
+    mate = _mates(ends, loose, tolerance)
+    walks = _walks(mate)
+    found += [_joined(walk, closed, loose, ends, mate) for walk, closed in walks]
+    return found
+
+
+def _mates(ends: Array, loose: list[Drawn], tolerance: float) -> list[int]:
+    """Index of the end that meets each end, or -1. Ends 2 i and 2 i + 1 are those of entity i."""
+    from scipy.spatial import KDTree
+
+    tree = KDTree(ends)
+    mate = [-1] * len(ends)
+    for i, j in sorted(tree.query_pairs(tolerance)):
+        if mate[i] >= 0 or mate[j] >= 0:
+            names = sorted({loose[k // 2].name for k in (i, j, mate[i], mate[j]) if k >= 0})
+            raise ValueError(
+                f"more than two ends meet at {place(ends[i])}: those of {', '.join(names)}"
+            )
+        mate[i], mate[j] = j, i
+    single = np.array([k for k, other in enumerate(mate) if other < 0], dtype=int)
+    if len(single) > 1:
+        apart, nearest = map(np.asarray, KDTree(ends[single]).query(ends[single], k=2))
+        worst = int(np.argmin(apart[:, 1]))
+        i, j = int(single[worst]), int(single[nearest[worst, 1]])
+        if apart[worst, 1] < NEAR:
+            raise ValueError(
+                f"the contour is open by {apart[worst, 1] / MM:.3g} mm at {place(ends[i])}, "
+                f"between {loose[i // 2].name} and {loose[j // 2].name}"
+            )
+    return mate
+
+
+def _walks(mate: list[int]) -> list[tuple[list[int], bool]]:
+    """First ends of entities in order along each chain, and whether it is closed."""
+    unused = set(range(len(mate) // 2))
+    single = [k for k, other in enumerate(mate) if other < 0]
+    walks = []
+    for first in [*single, *range(0, len(mate), 2)]:
+        if first // 2 not in unused:
+            continue
+        walk, end = [], first
+        while end >= 0 and end // 2 in unused:
+            unused.remove(end // 2)
+            walk.append(end)
+            end = mate[end ^ 1]
+        walks.append((walk, end >= 0))
+    return walks
+
+
+def _joined(
+    walk: list[int], closed: bool, loose: list[Drawn], ends: Array, mate: list[int]
+) -> Joined:
+    chains = []
+    for end in walk:
+        chain = loose[end // 2].chain
+        chain = chain if end % 2 == 0 else chain.reversed
+        points = chain.points.copy()
+        points[0], points[-1] = _met(end, ends, mate), _met(end ^ 1, ends, mate)
+        chains.append(Chain(points, chain.bulge))
+    whole = joined(chains)
+    assert whole.closed or not closed
+    names = tuple(loose[end // 2].name for end in walk)
+    return Joined(whole, names, loose[walk[0] // 2].layer)
+
+
+def _met(end: int, ends: Array, mate: list[int]) -> Array:
+    """Place of an end: halfway to the one that it meets."""
+    if mate[end] < 0:
+        return ends[end]
+    return 0.5 * (ends[min(end, mate[end])] + ends[max(end, mate[end])])

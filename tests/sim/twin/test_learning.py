@@ -1,0 +1,57 @@
+"""Individuals that run beside each other are those that run alone."""
+
+import numpy as np
+import pytest
+
+from armside.sim.evaluation.tool_error import tool_error
+from armside.sim.laser import Cut, prepare
+from armside.sim.motion.contour import square
+from armside.sim.robot.effects import gear_phases
+from armside.sim.robot.individual import Individual
+from armside.sim.twin.identification import parameters_of
+from armside.sim.twin.learning import TwinLearning, learn_in_twin
+from armside.sim.twin.simulation import design_of
+
+
+def test_what_the_controller_computes_once_serves_every_individual():
+    """Bit for bit: its feedforward knows the nominal robot alone."""
+    design = design_of("large", None)
+    reference = prepare(Cut(speed=0.08, friction_spread=0.0)).loaded.reference
+    zero = np.zeros_like(reference)
+    individuals = [Individual(), Individual(mass=np.full(6, 1.02), friction=np.full(6, 1.1))]
+    together = design.run(individuals, reference, zero)
+    for individual, run in zip(individuals, together, strict=True):
+        (alone,) = design.run([individual], reference, zero)
+        assert np.array_equal(run.motor_torque, alone.motor_torque)
+        assert np.array_equal(run.truth.tool_position, alone.truth.tool_position)
+    first, second = together
+    assert not np.array_equal(first.motor_torque, second.motor_torque)
+
+
+@pytest.fixture(scope="module")
+def largest_deviation():
+    """Largest deviation [m] of a square of 20 mm with corners of 3 mm, learned inside a twin."""
+    design = design_of("large", None)
+    known = parameters_of(design)
+    twin = known.individual(known.mean, gear_phases(design.model))
+
+    def of(pose: str, cfg: TwinLearning) -> float:
+        cut = Cut(pose=pose, contour=square(0.02, 0.003), speed=0.08, friction_spread=0.0)
+        experiment = prepare(cut)
+        motion, reference = experiment.motion, experiment.loaded.reference
+        learned = learn_in_twin(design, twin, motion, reference, cfg)
+        truth = design.run([twin], reference, learned.correction)[0].truth
+        every = slice(None, None, round(1e-3 / float(truth.time[1])))
+        return tool_error(motion, truth.time[every], truth.tool_position[every]).maxdev
+
+    return of
+
+
+@pytest.mark.parametrize("pose", ["p1", "p3"])
+def test_corners_leave_less_than_twenty_micrometres(pose, largest_deviation):
+    assert largest_deviation(pose, TwinLearning()) < 20e-6
+
+
+def test_a_law_of_ten_hertz_leaves_more_at_corners(largest_deviation):
+    narrow, wide = TwinLearning(cutoff=10.0), TwinLearning()
+    assert largest_deviation("p1", narrow) > 1.5 * largest_deviation("p1", wide)
