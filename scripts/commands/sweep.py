@@ -11,13 +11,10 @@ from cyclopts import Parameter
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import summary
 
-from ..jobs.blocks import FAILED
-from ..jobs.cluster import RayCluster
-from ..jobs.dataset import dataset, first_error, noted
-from ..jobs.grid import parse
-from ..jobs.point import run_grid
-from ..jobs.queue import KNOWN_FAILED
-from ..jobs.workers import Workers
+from ..jobs.dataset import Dataset, first_error, noted
+from ..jobs.grid import parse, run_grid
+from ..jobs.queue import FAILED, KNOWN_FAILED
+from ..jobs.workers import RayCluster, Workers
 from ..shell.console import Report, keep
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
@@ -75,7 +72,7 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
             points = list(grid)
         keys = [point.key for point in points]
         name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
-        rows = dataset(cfg.into or RUNS / f"sweep-{name}")
+        rows = Dataset(cfg.into or RUNS / f"sweep-{name}")
         how = {} if common.quiet else {"waiting": _say_waiting}
         try:
             with report.progress("sweeping", total=len(points)) as step:

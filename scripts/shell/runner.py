@@ -3,19 +3,18 @@
 import os
 import sys
 import traceback
-from collections.abc import Mapping
 
 from armside.sim.records.run_folder import PUBLISHED
 
 from .errors import InputError, RunFailed, one_line, printable
 from .interrupts import SIGNALS, exit_status
-from .parser import Load, parse
+from .parser import Commands, Load, parse
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 """Exit status; that of an interruption is in `interrupts`."""
 
 
-def run(tokens: list[str], commands: Mapping[str, str], load: Load) -> int:
+def run(tokens: list[str], commands: Commands, load: Load) -> int:
     """Parse and run a command line; its exit status."""
     try:
         command, bound = parse(tokens, commands, load)

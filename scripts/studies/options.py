@@ -9,7 +9,7 @@ from armside.sim.records.summary import plain
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import FASTEST, SLOWEST
 
-from ..jobs.contents import robot_content
+from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
 from ..shell.options import options
 from .contours import Radius, Shapes, contour_options

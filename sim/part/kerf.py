@@ -1,9 +1,9 @@
 """Compensation of the kerf: the beam's centre runs half its diameter beside the contour."""
 
 import numpy as np
-import shapely
 
 from .chain import MM, Chain, place
+from .geometry import shapely
 from .part import SAGITTA
 
 ROUNDING = 1e-7

@@ -7,12 +7,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import shapely
-from shapely.validation import explain_validity
 
 from armside.arrays import Array
 
 from .chain import MM, Chain, place
+from .geometry import shapely
 from .joining import Joined
 from .kind import Kind
 
@@ -103,7 +102,7 @@ def _contour(chain: Joined, name: str, depth: int) -> Contour:
 def _check_simple(chain: Joined, drawn: Any) -> None:
     if shapely.is_simple(drawn):
         return
-    reason = explain_validity(shapely.Polygon(drawn)) if chain.chain.closed else ""
+    reason = shapely.is_valid_reason(shapely.Polygon(drawn)) if chain.chain.closed else ""
     at = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
     where = f" at {place([float(v) for v in at])}" if len(at) == 2 else _own_crossing(drawn)
     raise ValueError(f"{chain.name} crosses itself{where}")

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import shapely
 
 from armside.arrays import Array
 
@@ -12,6 +11,7 @@ from ..cut.profile_grid import BoundsAt
 from ..cut.speed_profile import Bends, Profile, profiles
 from ..cut.timing import PathLimits, rest_to_rest
 from .chain import MM, Chain, place
+from .geometry import shapely
 from .kerf import compensated
 from .kind import Kind
 from .leads import Led, led
@@ -145,7 +145,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     return Plan(part, cutting, tuple(cuts))
 
 
-def _path(contour: Contour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Led, int]:
+def _path(contour: Contour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
     """Path of the beam's centre, and the number of rounded corners."""
     try:
         corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))

@@ -1,15 +1,26 @@
 """Worker processes: order, exceptions, and a process that dies."""
 
+import importlib
 import math
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from armside.scripts.jobs.workers import WorkerDied, Workers
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def ends(monkeypatch):
+    """A function that takes its process along for a negative number."""
+    monkeypatch.syspath_prepend(HERE)
+    return importlib.import_module("sweep_probe").root_or_end
 
 
 def test_results_come_in_the_order_of_the_items():
@@ -23,15 +34,24 @@ def test_an_exception_is_raised_where_the_results_are_asked_for():
         workers.map(math.sqrt, [1.0, -1.0, 4.0])
 
 
-def test_a_process_that_dies_is_named_and_the_others_have_results():
+def test_items_are_taken_when_they_can_start():
+    taken = []
+
+    def items():
+        for i in range(6):
+            taken.append(i)
+            yield float(i)
+
     with Workers(2) as workers:
-        workers.submit("dies", os._exit, 1)
-        workers.submit("lives", math.sqrt, 4.0)
-        outcomes = {}
-        while workers.busy:
-            outcomes |= dict(workers.collect())
-        assert outcomes["lives"] == 2.0
-        assert isinstance(outcomes["dies"], WorkerDied)
+        for n, _ in enumerate(workers.results(math.sqrt, items()), 1):
+            assert len(taken) <= n + 2
+
+
+def test_a_process_that_dies_is_named_and_the_others_have_results(ends):
+    with Workers(2) as workers:
+        outcomes = dict(workers.results(ends, [4.0, -1.0, 9.0]))
+        assert (outcomes[4.0], outcomes[9.0]) == (2.0, 3.0)
+        assert isinstance(outcomes[-1.0], WorkerDied)
         with pytest.raises(WorkerDied, match="killed"):
             workers.map(os._exit, [1])
         assert workers.map(math.sqrt, [4.0]) == [2.0]
@@ -40,8 +60,8 @@ def test_a_process_that_dies_is_named_and_the_others_have_results():
 def test_an_interruption_does_not_wait_for_tasks_in_flight():
     def interrupted():
         with Workers(1) as workers:
-            workers.submit("long", time.sleep, 600.0)
-            raise KeyboardInterrupt
+            for _ in workers.results(time.sleep, [0.0, 600.0]):
+                raise KeyboardInterrupt
 
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
