@@ -48,7 +48,7 @@ file of this name in `commands`."""
 def load(name: str) -> Callable[..., None]:
     """The function of a command. Only its module is imported, when the command is chosen."""
     if name not in COMMANDS:
-        from .shell.registry import unknown
+        from .shell.errors import unknown
 
         raise unknown("experiment", name, COMMANDS)
     name = name.replace("-", "_")
@@ -62,13 +62,12 @@ def main(tokens: Sequence[str] | None = None) -> int:
     then belong to the command.
     """
     try:
-        from .shell import process
-        from .shell.runner import run
+        from .shell import runner
 
         if tokens is not None:
-            return run(list(tokens), COMMANDS, load)
-        process.begin(debug="--debug" in sys.argv)
-        return run(sys.argv[1:], COMMANDS, load)
+            return runner.run(list(tokens), COMMANDS, load)
+        runner.begin(debug="--debug" in sys.argv)
+        return runner.run(sys.argv[1:], COMMANDS, load)
     except KeyboardInterrupt:  # while Python still imports
         print("armside: interrupted, nothing was kept", file=sys.stderr)
         return 130

@@ -20,8 +20,7 @@ from ..cutting.part import by_twin_of, part_of, plan_entries, planned, prepared,
 from ..cutting.part_options import CutCfg
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
-from ..shell.errors import checking_input
-from ..shell.extras import needs
+from ..shell.errors import checking_input, needs
 from ..shell.options import Common, check_read
 
 Drawing = Annotated[Path | None, Parameter(validator=check_read)]

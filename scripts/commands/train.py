@@ -1,7 +1,7 @@
 """`armside train`: learn a policy for the tuning env with PPO, in minutes on two cores.
 
 Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a small network that
-`armside.sim.tuning.policy` runs with NumPy alone.
+`armside.sim.tuning.evaluation` runs with NumPy alone.
 """
 
 from contextlib import closing
@@ -18,12 +18,11 @@ from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import checking_input
-from ..shell.extras import needs
+from ..shell.errors import checking_input, needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, FileToRead, options, seed_range
-from ..studies.contours import Radius, Shapes, contour_options
-from ..studies.tuned_design import first_action, whole_batches
+from ..studies.options import Radius, Shapes, contour_options
+from ..studies.study import first_action, whole_batches
 
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""

@@ -9,9 +9,8 @@ from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
 from ..shell.console import Report
-from ..shell.errors import checking_input
+from ..shell.errors import checking_input, unknown
 from ..shell.options import Common, options
-from ..shell.registry import unknown
 
 BEYOND = ("nyquist", "why-q", "algorithms", "robustness", "friction")
 FIGURE_NAMES = (*(f"8.{i}" for i in range(3, 13)), *BEYOND)

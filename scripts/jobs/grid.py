@@ -23,9 +23,8 @@ from armside.sim.records.summary import plain
 from ..cutting.learning import run
 from ..cutting.options import LaserCfg
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import InputError, one_line
+from ..shell.errors import InputError, one_line, unknown
 from ..shell.options import Common, read_value
-from ..shell.registry import unknown
 from .dataset import Dataset, Row, measures
 from .queue import FAILED, complete
 from .resolved import Resolver, key_of, resolved

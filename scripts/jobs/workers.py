@@ -15,8 +15,7 @@ from loky.process_executor import BrokenProcessPool
 
 from armside.sim.cores import cores
 
-from ..shell.errors import InputError, RunFailed, one_line
-from ..shell.extras import needs
+from ..shell.errors import InputError, RunFailed, needs, one_line
 from ..shell.interrupts import noticing
 
 Item = TypeVar("Item")

@@ -10,9 +10,8 @@ from typing import Any
 from cyclopts import App, CycloptsError, Group, Parameter
 from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
 
-from .errors import InputError, checking_input, printable
+from .errors import InputError, checking_input, printable, unknown
 from .options import read_value
-from .registry import unknown
 
 FOR_PROGRAMMERS = re.compile(r"(Raises|Returns|Yields)\b|(Args|Arguments|Parameters|Attributes):")
 """Begin of a paragraph of a docstring that help does not show."""

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
 from armside.sim.records.summary import plain
@@ -12,8 +14,22 @@ from armside.sim.tuning.task import FASTEST, SLOWEST
 from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
 from ..shell.options import options
-from .contours import Radius, Shapes, contour_options
 from .proposals import Pruner, Sampler
+
+MM = 1e-3
+_SEVERAL = Parameter(consume_multiple=True)
+Shape = Literal["circle", "square", "slot", "hexagon"]
+Shapes = Annotated[tuple[Shape, ...], _SEVERAL]
+Radius = Annotated[tuple[float, ...], _SEVERAL]
+"""[mm]: none, one, or smallest and largest."""
+
+
+def contour_options(shape: tuple[Shape, ...], radius: tuple[float, ...]) -> dict[str, Any]:
+    """Options of the env, [m]. Raises ValueError for more than two radii."""
+    if len(radius) > 2:
+        raise ValueError(f"radius takes one value, or smallest and largest, got {len(radius)}")
+    ends = tuple(value * MM for value in radius)
+    return {"shape": shape, "radius": None if not ends else ends[0] if len(ends) == 1 else ends}
 
 
 @options

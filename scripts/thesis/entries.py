@@ -8,7 +8,7 @@ sections is loaded.
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from ..shell.registry import unknown
+from ..shell.errors import unknown
 from .report import Part
 
 

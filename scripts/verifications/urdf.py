@@ -21,7 +21,7 @@ from armside.sim.arm_with_masses import arm_with_masses
 from armside.sim.cell_file import is_cell_file
 from armside.sim.evaluation.check import Check, Table, all_hold
 
-from ..shell.extras import needs
+from ..shell.errors import needs
 from .urdf_arms import LEAST_JOINTS, ForeignFile, foreign_files, longest_chain
 from .urdf_pinocchio import PinocchioChain
 

@@ -10,7 +10,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.csv_signal import read_signal
 from armside.ilc.workbench.words import Words
 
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.stored_run import StoredRun
 
 REFERENCE = "reference.csv"

@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from armside.ilc.workbench.csv_signal import CsvSignal
 
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.tables import read_table
 
 PREFIXES = ("correction", "u")

@@ -20,8 +20,7 @@ import pyarrow.parquet as pq
 from armside.arrays import Array
 
 from .atomic import atomic
-from .errors import InputError, reading
-from .files import LARGEST_DATA, check_file, check_n_values
+from .files import LARGEST_DATA, InputError, check_file, check_n_values, reading
 
 Kind = TypeVar("Kind")
 MARK = "# armside "

@@ -14,7 +14,7 @@ from armside.arrays import Array
 
 from ..cell_file import find_cell
 from ..records.atomic import atomic
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from .entities import BLUE, GREY, INK, ORANGE

@@ -11,7 +11,7 @@ from ..cell_file import find_cell
 from ..cut.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
-from ..records.errors import InputError, reading
+from ..records.files import InputError, reading
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from .scene import Scene, write_scenes

@@ -4,7 +4,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..robot.individual import Individual
 from .measured import MeasuredCut
 from .simulation import Design

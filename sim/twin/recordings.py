@@ -20,7 +20,7 @@ from ..evaluation.recorded_notes import notes_of_signals, notes_of_table
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..notes import Note
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
 from ..robot.six_axes import AXES

@@ -16,8 +16,7 @@ from ..cell import CELLS
 from ..laser.setup import Setup
 from ..laser.specification import Cut
 from ..part.carried import Motion
-from ..records.errors import InputError
-from ..records.files import check_file
+from ..records.files import InputError, check_file
 from ..robot.cell_model import cell_model
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual, with_payload

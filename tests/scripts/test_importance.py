@@ -4,7 +4,7 @@ import numpy as np
 import optuna
 import pytest
 
-from armside.scripts.studies.importance import importance
+from armside.scripts.studies.report import importance
 
 
 def _searched(rng, n_trials, n_parameters, objective):

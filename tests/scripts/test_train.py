@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from armside.scripts.studies.tuned_design import whole_batches
-from armside.sim.tuning.policy import Network
+from armside.scripts.studies.study import whole_batches
+from armside.sim.tuning.evaluation import Network
 
 
 def _network(rng):

@@ -7,8 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from ...records.errors import InputError, reading
-from ...records.files import check_file
+from ...records.files import InputError, check_file, reading
 from .messages import Joints, Sample, joints, samples
 from .topics import FRAME, BagTopics, Instrument, choose
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from ...records.errors import InputError
+from ...records.files import InputError
 
 UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 """Parts of the names of Universal Robots' joints, from the base on; their driver publishes them in

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...records.errors import InputError
+from ...records.files import InputError
 from ..motion import MotionRecording, Stream
 from ..repair import repaired
 from .bag import read_messages

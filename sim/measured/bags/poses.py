@@ -14,7 +14,7 @@ from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
-from ...records.errors import InputError
+from ...records.files import InputError
 from ..pose_source import PoseSource
 from .bag import read_messages
 from .messages import BILLION

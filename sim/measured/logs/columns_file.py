@@ -11,8 +11,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ...records.errors import InputError, reading
-from ...records.files import check_file
+from ...records.files import InputError, check_file, reading
 from .form import LogForm
 
 TEXTS = ("time", "time_unit", "angle_unit")

@@ -13,8 +13,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
-from ...records.files import LARGEST_DATA, check_file, check_n_values
+from ...records.files import LARGEST_DATA, InputError, check_file, check_n_values
 
 CHANNEL = re.compile(r"#BEGINCHANNELHEADER(.*?)#ENDCHANNELHEADER", re.DOTALL)
 MOST_CHANNELS = 1000

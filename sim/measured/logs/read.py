@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
-from ...records.files import LARGEST_DATA, check_file
+from ...records.files import LARGEST_DATA, InputError, check_file
 from .columns_file import read_columns
 from .diadem import Diadem, read_diadem
 from .form import ANGLES, DATE, FORMS, TIMES, LogForm

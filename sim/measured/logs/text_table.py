@@ -12,7 +12,7 @@ import pyarrow.csv as pacsv
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
+from ...records.files import InputError
 
 SEPARATORS = ("\t", ";", ",")
 """The first one that the header has is taken."""

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from armside import assets
-from armside.sim.tuning.correction_basis import CorrectionBasis
+from armside.sim.tuning.action import CorrectionBasis
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 

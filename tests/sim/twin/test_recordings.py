@@ -7,7 +7,7 @@ import pytest
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 from armside.sim.twin.measured import measured
 from armside.sim.twin.recordings import read_cut
 
