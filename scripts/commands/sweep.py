@@ -18,7 +18,7 @@ from ..jobs.workers import RayCluster, Workers
 from ..shell.console import Report, keep
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
-from ..shell.options import Common, Folder, options
+from ..shell.options import Common, Count, Folder, options
 
 OF_A_WORKER = Effort(bytes=0.2e9)
 
@@ -35,14 +35,12 @@ class SweepCfg:
     """Processes of this machine, or a Ray cluster."""
     address: str | None = None
     """Address of the Ray cluster, such as 10.0.0.1:6379."""
-    workers: int | None = None
+    workers: Count | None = None
     """Processes of the local engine [default: one for each core]."""
     retry_failed: bool = False
     """Run configurations again that have failed before."""
 
     def __post_init__(self) -> None:
-        if self.workers is not None and self.workers < 1:
-            raise ValueError(f"workers must be >= 1, got {self.workers}")
         if self.workers is not None:
             refuse_absurd(f"{self.workers} workers", OF_A_WORKER * self.workers)
         if self.engine == "ray" and self.address is None:

@@ -13,7 +13,7 @@ from armside.sim.tuning.task import FASTEST, SLOWEST
 
 from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
-from ..shell.options import options
+from ..shell.options import Count, options
 from .proposals import Pruner, Sampler
 
 MM = 1e-3
@@ -55,11 +55,11 @@ class TuneCfg:
     radius: Radius = ()
     """Radius of a circle, half the size of another shape, or the range that each episode draws from
     [mm] [default: 5; slot 15, square and hexagon 10]."""
-    episodes: int = 4
+    episodes: Count = 4
     """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
     iterations: int = 5
     """Learning iterations on each."""
-    trials: int = 50
+    trials: Count = 50
     """Trials that the study shall have in the end, those it has already included. Processes that
     share it end the trial they are in: it may get one more of each."""
     sampler: Sampler = "tpe"
@@ -72,9 +72,6 @@ class TuneCfg:
     """Database of studies, as an SQLAlchemy URL. Processes that share it share the work."""
 
     def __post_init__(self) -> None:
-        for name in ("episodes", "trials"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
         low, high = 1e3 * SLOWEST, 1e3 * FASTEST
         if self.speed is not None and not low <= self.speed <= high:
             raise ValueError(f"speed must be from {low:g} to {high:g} mm/s, got {self.speed:g}")

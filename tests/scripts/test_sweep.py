@@ -52,7 +52,7 @@ def test_an_axis_that_makes_no_sense_is_refused(axes, message):
     [
         ("gamma=1 --engine ray", "needs --address"),
         ("gamma=1 --address 1.2.3.4:5", "engine ray"),
-        ("gamma=1 --workers 0", "workers must be >= 1"),
+        ("gamma=1 --workers 0", '"0" for --workers. Must be >= 1'),
         ("gamma=1 --into file", "file is a file"),
         ("gamma=1 --engine cloud", "engine"),
         ("pose=p1,p9", "Unknown pose 'p9'"),

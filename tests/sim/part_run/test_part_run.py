@@ -14,7 +14,7 @@ from armside.sim.part.kind import Kind
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part_run.experiment import Job, prepare
-from armside.sim.records.part_path import from_json, to_json
+from armside.sim.records.programmed_path import from_json, to_json
 
 
 @pytest.fixture(scope="module")
