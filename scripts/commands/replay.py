@@ -14,7 +14,7 @@ from armside.sim.records.summary import summary
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input
 from ..shell.options import Common, FileToWrite, options
-from ..viewers.display import check_display, show
+from ..viewers.web_viewer import check_display, serve, show
 
 if TYPE_CHECKING:
     from armside.sim.replay.film import Shots
@@ -126,8 +126,6 @@ def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> 
         if cfg.save is not None:
             report.line(f"Replay in {cfg.save}")
         if cfg.web:
-            from ..viewers.web_viewer import serve
-
             serve(file, report.line, port=cfg.port, telemetry=cfg.telemetry)
         elif cfg.save is None:
             show(file, cfg.telemetry)

@@ -10,7 +10,7 @@ from armside.sim.robot.cell_model import cell_model
 
 from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options
-from ..viewers.display import check_display
+from ..viewers.web_viewer import check_display
 
 SERVO = 2.0 * np.pi * 5.0
 """Bandwidth of the sliders' servos [rad/s], far below the resonances of the arm."""
