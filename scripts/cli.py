@@ -7,104 +7,52 @@ that runs is imported, and nothing before Ctrl-C can be answered in one line.
 
 import sys
 from collections.abc import Callable, Sequence
+from importlib import import_module
 
 COMMANDS = {
-    "laser": "Cut a shape with the virtual robot and learn to cut it.",
-    "cut": "Cut a whole part from its drawing and learn to cut it.",
-    "imu": "Predict what an IMU on the moving tool measures.",
-    "identify": "Find the arm's springs from one cut and an IMU.",
-    "commission": "Make a robot's digital twin from a few cuts.",
-    "compare": "Learn from motors, estimate, tracker and ground truth.",
-    "replay": "Watch runs: viewer, browser, picture or film.",
-    "convert": "Write runs, recordings and logs as other files.",
-    "export-correction": "Write the learned correction for a controller.",
-    "measure": "Measure recorded data, a run's or your own.",
-    "gallery": "Make the pictures of the docs again.",
-    "learn": "Compare learning laws on any plant, your own too.",
-    "serve": "Put the virtual robot behind a controller's protocol.",
-    "identify-plant": "Identify a model from your record or an experiment.",
-    "design": "Propose gain, shift and cutoff for a model.",
-    "tune": "Search the design of the learning law with Optuna.",
-    "train": "Learn a policy that chooses designs (extra [learn]).",
-    "sweep": "Run the laser experiment over a grid of its options.",
-    "robot": "Describe, check, show, move or build a robot, or start one.",
-    "export": "Write a robot's equations as code, or it as URDF or MJCF.",
-    "bench": "Time this machine, beside other libraries if installed.",
-    "calibrate-arm": "Calibrate a real arm from measured poses.",
-    "gears": "Find the transmission error of a real arm's gears.",
-    "path-logs": "Compare a real robot's motor logs with the virtual robot.",
-    "calibrate": "Choose the large robot's unknown numbers again.",
-    "verify": "Check a claim over many seeds and write its table.",
-    "reproduce": "Make the figures of the thesis again, with verdicts.",
+    "laser": ("Cut", "Cut a shape with the virtual robot and learn to cut it."),
+    "cut": ("Cut", "Cut a whole part from its drawing and learn to cut it."),
+    "commission": ("Cut", "Make a robot's digital twin from a few cuts."),
+    "compare": ("Cut", "Learn from motors, estimate, tracker and ground truth."),
+    "sweep": ("Cut", "Run the laser experiment over a grid of its options."),
+    "learn": ("Learn", "Compare learning laws on any plant, your own too."),
+    "two-mass": ("Learn", "Regenerate chapter 8: a flexible joint learns."),
+    "identify-plant": ("Learn", "Identify a model from your record or an experiment."),
+    "design": ("Learn", "Propose gain, shift and cutoff for a model."),
+    "tune": ("Learn", "Search the design of the learning law with Optuna."),
+    "train": ("Learn", "Learn a policy that chooses designs (extra [learn])."),
+    "robot": ("Robot", "Check, show or build a robot, or start its robot file."),
+    "model": ("Robot", "Describe a robot: D-H table, reach, singularities."),
+    "export": ("Robot", "Write a robot's equations as code, or it as URDF or MJCF."),
+    "measure": ("Real arm", "Measure recorded data, a run's or your own."),
+    "identify": ("Real arm", "Find the arm's springs from one cut and an IMU."),
+    "imu": ("Real arm", "Predict what an IMU on the moving tool measures."),
+    "calibrate-arm": ("Real arm", "Calibrate a real arm from measured poses."),
+    "gears": ("Real arm", "Find the transmission error of a real arm's gears."),
+    "path-logs": ("Real arm", "Compare a real robot's motor logs with the virtual robot."),
+    "convert": ("Real arm", "Write runs, recordings and logs as other files."),
+    "export-correction": ("Real arm", "Write the learned correction for a controller."),
+    "serve": ("Real arm", "Put the virtual robot behind a controller's protocol."),
+    "replay": ("Look", "Watch runs: viewer, browser, picture or film."),
+    "view": ("Look", "Move a robot by sliders in MuJoCo's own viewer."),
+    "gallery": ("Look", "Make the pictures of the docs again."),
+    "reproduce": ("Reproduce", "Make the figures of the thesis again, with verdicts."),
+    "verify": ("Reproduce", "Check a claim over many seeds and write its table."),
+    "bench": ("Reproduce", "Time this machine, beside other libraries if installed."),
+    "calibrate": ("Reproduce", "Choose the large robot's unknown numbers again."),
 }
-"""Name: one line of help. A new command is one line here and two in `load`."""
+"""Name: group in `armside --help`, and line of help. A command is the function of this name in the
+file of this name in `commands`."""
 
 
 def load(name: str) -> Callable[..., None]:
     """The function of a command. Only its module is imported, when the command is chosen."""
-    match name:
-        case "laser":
-            from .commands.laser import laser as command
-        case "cut":
-            from .shell.extras import needs
+    if name not in COMMANDS:
+        from .shell.errors import unknown
 
-            with needs("parts", "armside cut", "shapely, ezdxf and svgelements"):
-                from .commands.cut import cut as command
-        case "imu":
-            from .commands.imu import imu as command
-        case "identify":
-            from .commands.identify import identify as command
-        case "commission":
-            from .commands.commission import commission as command
-        case "compare":
-            from .commands.compare import compare as command
-        case "replay":
-            from .commands.replay import replay as command
-        case "convert":
-            from .commands.convert import convert as command
-        case "export-correction":
-            from .commands.export_correction import export_correction as command
-        case "measure":
-            from .commands.measure import measure as command
-        case "gallery":
-            from .commands.gallery import gallery as command
-        case "learn":
-            from .commands.learn import learn as command
-        case "serve":
-            from .commands.serve import serve as command
-        case "identify-plant":
-            from .commands.identify_plant import identify_plant as command
-        case "design":
-            from .commands.design import design as command
-        case "tune":
-            from .commands.tune import tune as command
-        case "train":
-            from .commands.train import train as command
-        case "sweep":
-            from .commands.sweep import sweep as command
-        case "robot":
-            from .commands.robot import robot as command
-        case "export":
-            from .commands.export import export as command
-        case "bench":
-            from .commands.bench import bench as command
-        case "calibrate-arm":
-            from .commands.calibrate_arm import calibrate_arm as command
-        case "path-logs":
-            from .commands.path_logs import path_logs as command
-        case "gears":
-            from .commands.gears import gears as command
-        case "calibrate":
-            from .commands.calibrate import calibrate as command
-        case "verify":
-            from .commands.verify import verify as command
-        case "reproduce":
-            from .commands.reproduce import reproduce as command
-        case _:
-            from .shell.registry import unknown
-
-            raise unknown("experiment", name, COMMANDS)
-    return command
+        raise unknown("experiment", name, COMMANDS)
+    name = name.replace("-", "_")
+    return getattr(import_module(f"armside.scripts.commands.{name}"), name)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:
@@ -114,13 +62,12 @@ def main(tokens: Sequence[str] | None = None) -> int:
     then belong to the command.
     """
     try:
-        from .shell import process
-        from .shell.runner import run
+        from .shell import runner
 
         if tokens is not None:
-            return run(list(tokens), COMMANDS, load)
-        process.begin(debug="--debug" in sys.argv)
-        return run(sys.argv[1:], COMMANDS, load)
+            return runner.run(list(tokens), COMMANDS, load)
+        runner.begin(debug="--debug" in sys.argv)
+        return runner.run(sys.argv[1:], COMMANDS, load)
     except KeyboardInterrupt:  # while Python still imports
         print("armside: interrupted, nothing was kept", file=sys.stderr)
         return 130

@@ -5,6 +5,7 @@ import gc
 import importlib.util
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +17,19 @@ from hypothesis import settings
 # Before NumPy is imported, here and in the workers of pytest-xdist: threads of BLAS that wait for a
 # busy core make small matrices a thousand times slower.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# A job in the background and one below nohup ignore signals, and so would all processes that tests
+# start. A signal that a handler drops is as good as ignored here, and has its default there.
+DROPPED = os.environ.setdefault(
+    "ARMSIDE_TESTS_DROP",  # for the workers of pytest-xdist
+    " ".join(
+        str(int(number))
+        for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM)
+        if signal.getsignal(number) is signal.SIG_IGN
+    ),
+)
+for number in map(int, DROPPED.split()):
+    signal.signal(number, lambda *_: None)
 
 # CI asks whether a change is sound, and the same change gets the same answer; whoever works on it
 # draws new examples with every run, and fewer of them.

@@ -10,9 +10,8 @@ from statistics import median
 
 from armside.sim.robot.run import cores
 
-from ..jobs.dataset import dataset
-from ..jobs.grid import Grid, parse
-from ..jobs.point import run_grid
+from ..jobs.dataset import Dataset
+from ..jobs.grid import Grid, parse, run_grid
 from ..jobs.workers import Workers
 from .robot import experiment
 from .timing import Row
@@ -46,7 +45,7 @@ def _swept(folder: Path, n: int) -> float:
     grid = Grid({"seed": range(n * N, (n + 1) * N)})
     start = time.perf_counter()
     with Workers() as workers:
-        run_grid(grid, dataset(folder), workers)
+        run_grid(grid, Dataset(folder), workers)
     return time.perf_counter() - start
 
 

@@ -13,8 +13,8 @@ from armside.sim.records.summary import summary
 
 from ..benchmarks.timing import Row
 from ..shell.console import Report, keep
+from ..shell.errors import unknown
 from ..shell.options import Common
-from ..shell.registry import unknown
 
 BENCHMARKS = (
     *("ilc", "imu", "kinematics", "robot", "scaling", "estimation", "env", "sweep", "start"),

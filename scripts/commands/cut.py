@@ -20,7 +20,7 @@ from ..cutting.part import by_twin_of, part_of, plan_entries, planned, prepared,
 from ..cutting.part_options import CutCfg
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
-from ..shell.errors import checking_input
+from ..shell.errors import checking_input, needs
 from ..shell.options import Common, check_read
 
 Drawing = Annotated[Path | None, Parameter(validator=check_read)]
@@ -39,7 +39,7 @@ def cut(
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
     report, before, start = Report(common), None, None
-    with checking_input():
+    with checking_input(), needs("parts", "armside cut", "shapely, ezdxf and svgelements"):
         check_writable(common.out or RUNS / "cut")
         if of.start is not None:
             cfg, common, before = earlier(of.start, "cut", cfg, common, cfg.iterations)

@@ -25,8 +25,7 @@ from armside.sim.records.summary import summary
 from armside.sim.records.tables import write_table
 
 from ..shell.console import Report, keep
-from ..shell.errors import InputError, checking_input
-from ..shell.extras import needs
+from ..shell.errors import InputError, checking_input, needs
 from ..shell.options import Common, FileToWrite, options
 
 if TYPE_CHECKING:

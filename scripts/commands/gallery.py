@@ -12,9 +12,8 @@ from armside.sim.records.summary import summary
 
 from ..figures.gallery import PICTURES, shrink
 from ..shell.console import Report, keep
-from ..shell.errors import checking_input
+from ..shell.errors import checking_input, unknown
 from ..shell.options import Common, Folder, options
-from ..shell.registry import unknown
 
 IMAGES = Path("docs") / "images"
 

@@ -2,11 +2,11 @@
 
 import tempfile
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
 from armside.sim.records import StoredRun, read_run
 from armside.sim.records.summary import summary
@@ -14,7 +14,7 @@ from armside.sim.records.summary import summary
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input
 from ..shell.options import Common, FileToWrite, options
-from ..viewers.display import check_display, show
+from ..viewers.web_viewer import check_display, serve, show
 
 if TYPE_CHECKING:
     from armside.sim.replay.film import Shots
@@ -27,7 +27,7 @@ class ReplayCfg:
 
     web: bool = False
     """In a browser: serve Rerun's web viewer to this machine only, until Ctrl-C."""
-    port: int = 9090
+    port: Annotated[int, Parameter(validator=Number(gte=0, lte=65535))] = 9090
     """Port of the web viewer; 0 takes any free one."""
     save: FileToWrite = None
     """Write the replay to this file (.rrd) instead of showing it."""
@@ -36,16 +36,12 @@ class ReplayCfg:
     below each other."""
     video: FileToWrite = None
     """Write a film of the runs to this file (.gif, .webp; .mp4 with ffmpeg), without a window."""
-    magnification: float | None = None
+    magnification: Annotated[float | None, Parameter(validator=Number(gt=0))] = None
     """Factor on deviations from the path [default: 50, or less if the drawing would not fit]."""
     telemetry: bool = False
     """Let the viewer send usage statistics to its makers, as their settings say."""
 
     def __post_init__(self) -> None:
-        if self.magnification is not None and not 0.0 < self.magnification < inf:
-            raise ValueError(f"magnification must be > 0, got {self.magnification:g}")
-        if not 0 <= self.port <= 65535:
-            raise ValueError(f"port must be in [0, 65535], got {self.port}")
         for name, suffix in (("save", ".rrd"), ("png", ".png"), ("video", "")):
             if (file := getattr(self, name)) is None:
                 continue
@@ -130,8 +126,6 @@ def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> 
         if cfg.save is not None:
             report.line(f"Replay in {cfg.save}")
         if cfg.web:
-            from ..viewers.web_viewer import serve
-
             serve(file, report.line, port=cfg.port, telemetry=cfg.telemetry)
         elif cfg.save is None:
             show(file, cfg.telemetry)

@@ -11,8 +11,7 @@ from armside.sim.records.atomic import write_whole
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import dumps, summary
 
-from ..jobs.batch import missing, run_batch
-from ..jobs.store import Store
+from ..jobs.store import Store, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input

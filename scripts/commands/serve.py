@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
-from ..shell.errors import RunFailed, checking_input
-from ..shell.extras import needs
+from ..shell.errors import RunFailed, checking_input, needs
 from ..shell.options import Common, options
 from ..workbench.controllers import PORTS, whole_port
 

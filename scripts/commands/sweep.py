@@ -11,17 +11,14 @@ from cyclopts import Parameter
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import summary
 
-from ..jobs.blocks import FAILED
-from ..jobs.cluster import RayCluster
-from ..jobs.dataset import dataset, first_error, noted
-from ..jobs.grid import parse
-from ..jobs.point import run_grid
-from ..jobs.queue import KNOWN_FAILED
-from ..jobs.workers import Workers
+from ..jobs.dataset import Dataset, first_error, noted
+from ..jobs.grid import parse, run_grid
+from ..jobs.queue import FAILED, KNOWN_FAILED
+from ..jobs.workers import RayCluster, Workers
 from ..shell.console import Report, keep
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
-from ..shell.options import Common, Folder, options
+from ..shell.options import Common, Count, Folder, options
 
 OF_A_WORKER = Effort(bytes=0.2e9)
 
@@ -38,14 +35,12 @@ class SweepCfg:
     """Processes of this machine, or a Ray cluster."""
     address: str | None = None
     """Address of the Ray cluster, such as 10.0.0.1:6379."""
-    workers: int | None = None
+    workers: Count | None = None
     """Processes of the local engine [default: one for each core]."""
     retry_failed: bool = False
     """Run configurations again that have failed before."""
 
     def __post_init__(self) -> None:
-        if self.workers is not None and self.workers < 1:
-            raise ValueError(f"workers must be >= 1, got {self.workers}")
         if self.workers is not None:
             refuse_absurd(f"{self.workers} workers", OF_A_WORKER * self.workers)
         if self.engine == "ray" and self.address is None:
@@ -75,7 +70,7 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
             points = list(grid)
         keys = [point.key for point in points]
         name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
-        rows = dataset(cfg.into or RUNS / f"sweep-{name}")
+        rows = Dataset(cfg.into or RUNS / f"sweep-{name}")
         how = {} if common.quiet else {"waiting": _say_waiting}
         try:
             with report.progress("sweeping", total=len(points)) as step:

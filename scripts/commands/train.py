@@ -1,7 +1,7 @@
 """`armside train`: learn a policy for the tuning env with PPO, in minutes on two cores.
 
 Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a small network that
-`armside.sim.tuning.policy` runs with NumPy alone.
+`armside.sim.tuning.evaluation` runs with NumPy alone.
 """
 
 from contextlib import closing
@@ -18,12 +18,11 @@ from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import checking_input
-from ..shell.extras import needs
+from ..shell.errors import checking_input, needs
 from ..shell.interrupts import noticing
-from ..shell.options import Common, FileToRead, options, seed_range
-from ..studies.contours import Radius, Shapes, contour_options
-from ..studies.tuned_design import first_action, whole_batches
+from ..shell.options import Common, Count, FileToRead, options, seed_range
+from ..studies.options import Radius, Shapes, contour_options
+from ..studies.study import first_action, whole_batches
 
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""
@@ -54,9 +53,9 @@ class TrainCfg:
     radius: Radius = ()
     """Radius of a circle, half the size of another shape, or the range that each episode draws from
     [mm] [default: 5; slot 15, square and hexagon 10]."""
-    robots: int = 64
+    robots: Count = 64
     """Robot cells that learn at the same time."""
-    steps: int = 12800
+    steps: Count = 12800
     """Learning iterations of ILC over all cells; rounded up to whole episodes of every cell, 5
     iterations each."""
     start: FileToRead = None
@@ -64,9 +63,6 @@ class TrainCfg:
     ranges]."""
 
     def __post_init__(self) -> None:
-        for name in ("robots", "steps"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
         if self.action == "correction" and self.start is not None:
             raise ValueError("start names a design, and actions are corrections: leave it out")
         self.first  # noqa: B018 - raises ValueError

@@ -13,13 +13,12 @@ from armside.sim.tuning.sensor import RewardSensor
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import RunFailed, checking_input
-from ..shell.extras import needs
+from ..shell.errors import RunFailed, checking_input, needs
 from ..shell.interrupts import noticing
 from ..shell.options import Common, seed_range
 from ..studies import study as studies
 from ..studies.options import TuneCfg
-from ..studies.report import new_best, tables
+from ..studies.report import new_best, results, tables
 from ..studies.search import evaluate, search
 from ..studies.storage import redacted, using
 
@@ -65,7 +64,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
                 step=step,
                 new_best=lambda trial: new_best(report, trial, sensor),
             )
-        outcomes, found = studies.outcomes(study), studies.results(study)
+        outcomes, found = studies.outcomes(study), results(study)
         found["notes"] = [*objective.notes, *studies.notes_of_best(study)]
     outcome = summary("tune", replace(cfg, storage=redacted(cfg.storage)), common, **found)
     if not outcome["bests"]:

@@ -15,9 +15,8 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, keep
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import RunFailed, checking_input
+from ..shell.errors import RunFailed, checking_input, unknown
 from ..shell.options import Common, Folder, options, seed_range
-from ..shell.registry import unknown
 from ..thesis.pages import claim_page
 from ..verifications.claims import CLAIMS
 

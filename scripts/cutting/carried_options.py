@@ -5,7 +5,7 @@ from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar, get_type_hints
 
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 
 Cfg = TypeVar("Cfg")
 

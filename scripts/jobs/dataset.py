@@ -1,26 +1,110 @@
-"""The dataset of a sweep: one row for each configuration of `armside laser`."""
+"""The dataset of a sweep: one row for each configuration of `armside laser`.
 
+    FOLDER/.rows/AB/KEY.json    rows as they come, a file each, AB the first digits of the key
+    FOLDER/part-0.parquet        all rows, gathered at the end of a sweep and every few minutes
+
+Rows stay where they came, and the Parquet file is made of them: whatever happens to a process, the
+next one to gather has all of them.
+"""
+
+import json
+import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import fields
+from functools import cache, cached_property
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.dataset as ds
+import pyarrow.parquet as pq
+
+from armside.sim.records.atomic import atomic, write_whole
 
 from ..cutting.options import LaserCfg
-from .blocks import FAILED, Blocks, Row
+from ..shell.errors import RunFailed, one_line
+from .queue import FAILED
 
+Row = dict[str, Any]
+"""Values by column, `key` and `status` among them."""
+
+EVERY = 300.0
+"""[s], from one gathering of rows to the next while a sweep runs."""
+_CHUNK = 16
 _PER_RUN = ("arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true")
 _PER_MOTOR = ("motor_inf", "motor_two")
 
 
-def dataset(folder: Path) -> Blocks:
-    """The dataset in a folder: 256 blocks."""
-    return Blocks(folder, schema())
+class Dataset:
+    """Rows by key in a folder that several processes may add to; made with the first row."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._gathered = time.monotonic()
+
+    def read(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Rows that were gathered, sorted by key; all columns if None. Those that an older version
+        lacks are empty. Raises RunFailed for a file that cannot be read."""
+        return _read(self._parts()).select(schema().names if columns is None else list(columns))
+
+    def keys(self) -> set[str]:
+        """Keys of all rows, while others may write. Raises as `read`."""
+        return {file.stem for file in self._files()} | set(self.read()["key"].to_pylist())
+
+    def status(self, key: str) -> str | None:
+        """Status of a row; None where there is none. Raises as `read`."""
+        row = _row(self._file(key))
+        return self._before.get(key) if row is None else row["status"]
+
+    def add(self, row: Row) -> None:
+        """Store a row: once this returns, a killed process does not lose it.
+
+        Raises ValueError for a row that the schema cannot hold, and OSError, such as on a full
+        disk.
+        """
+        try:
+            pa.Table.from_pylist([row], schema=schema())
+        except (pa.ArrowException, TypeError, OverflowError, UnicodeError) as error:
+            raise ValueError(f"a result cannot be kept: {one_line(error)}") from error
+        file = self._file(row["key"])
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(file, json.dumps(row))
+        if time.monotonic() > self._gathered + EVERY:
+            self.gather()
+
+    def gather(self) -> None:
+        """Bring the Parquet file up to all rows. Raises OSError, and as `read`."""
+        if not (files := self._files()):
+            return
+        target, before = self.folder / "part-0.parquet", self._parts()
+        older, rows = _read(before), _table(files)
+        older = older.filter(pc.invert(pc.is_in(older["key"], rows["key"])))  # pyright: ignore[reportAttributeAccessIssue]
+        with atomic(target) as partial:
+            pq.write_table(pa.concat_tables([rows, older]).sort_by("key"), partial)
+        for part in set(before) - {target}:  # of an older version
+            part.unlink()
+        self._gathered = time.monotonic()
+
+    @cached_property
+    def _before(self) -> dict[str, str]:
+        """Status of the gathered rows when it was first asked for."""
+        found = self.read(["key", "status"])
+        return dict(zip(found["key"].to_pylist(), found["status"].to_pylist(), strict=True))
+
+    def _parts(self) -> list[Path]:
+        return sorted(self.folder.glob("part-*.parquet"))
+
+    def _file(self, key: str) -> Path:
+        return self.folder / ".rows" / key[:2] / f"{key}.json"
+
+    def _files(self) -> list[Path]:
+        return sorted(self.folder.glob(".rows/*/*.json"))
 
 
+@cache
 def schema() -> pa.Schema:
     """Key, outcome, the options of `armside laser`, error that a twin predicts of the first run,
     and a list over the runs for each measure."""
@@ -55,17 +139,17 @@ def measures(results: Mapping[str, Any]) -> Row:
     }
 
 
-def first_error(rows: Blocks, keys: Iterable[str]) -> str | None:
+def first_error(rows: Dataset, keys: Iterable[str]) -> str | None:
     """Error of the first of these configurations that has failed; None if none has. Raises as
-    `Blocks.read`."""
+    `Dataset.read`."""
     found = rows.read(["key", "status", "error"]).to_pylist()
     errors = {row["key"]: row["error"] for row in found if row["status"] == FAILED}
     return next((errors[key] for key in keys if key in errors), None)
 
 
-def noted(rows: Blocks, keys: Collection[str]) -> tuple[int, str]:
+def noted(rows: Dataset, keys: Collection[str]) -> tuple[int, str]:
     """Number of these configurations that have notes, and the most common first note; "" if none
-    has. Raises as `Blocks.read`."""
+    has. Raises as `Dataset.read`."""
     found = rows.read(["key", "notes"]).to_pylist()
     firsts = Counter(row["notes"][0] for row in found if row["key"] in keys and row.get("notes"))
     return firsts.total(), next((text for text, _ in firsts.most_common(1)), "")
@@ -84,3 +168,29 @@ def _arrow(hint: Any) -> pa.DataType:
     if origin is Literal:
         return _arrow(type(inner[0]))
     return {float: pa.float64(), int: pa.int64(), bool: pa.bool_()}.get(hint, pa.string())
+
+
+def _row(file: Path) -> Row | None:
+    """The row of a file; None where there is none, or a damaged one: it is computed again."""
+    try:
+        row = json.loads(file.read_bytes())
+        return row if row["key"] == file.stem and row["status"] else None
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def _table(files: list[Path]) -> pa.Table:
+    """Rows of files, of which only a few are in memory as Python's objects at a time."""
+    some = (map(_row, files[i : i + _CHUNK]) for i in range(0, len(files), _CHUNK))
+    rows = ([row for row in chunk if row is not None] for chunk in some)
+    return pa.concat_tables(pa.Table.from_pylist(chunk, schema=schema()) for chunk in rows)
+
+
+def _read(parts: list[Path]) -> pa.Table:
+    """Rows of Parquet files, sorted by key. Raises RunFailed for a damaged one."""
+    try:
+        whole = ds.dataset(list(map(str, parts)), schema(), format="parquet").to_table()
+    except (pa.ArrowException, OSError) as error:
+        again = "remove it, and its rows are gathered or computed again"
+        raise RunFailed(f"a Parquet file is damaged: {one_line(error)}; {again}") from error
+    return whole.sort_by("key")

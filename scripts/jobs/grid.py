@@ -5,8 +5,11 @@ An axis is written `option=value,value`; whole numbers also `first:last+1`, valu
 """
 
 import re
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -15,13 +18,18 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from cyclopts import CycloptsError, Token
 
+from armside.sim.records.summary import plain
+
+from ..cutting.learning import run
 from ..cutting.options import LaserCfg
 from ..shell.effort import Effort, refuse_absurd
-from ..shell.errors import InputError, one_line
+from ..shell.errors import InputError, one_line, unknown
 from ..shell.options import Common, read_value
-from ..shell.registry import unknown
-from .point import Point
-from .resolved import Resolver
+from .dataset import Dataset, Row, measures
+from .queue import FAILED, complete
+from .resolved import Resolver, key_of, resolved
+from .store import code_fingerprint
+from .workers import Engine, WorkerDied
 
 SEED, ROBOT = "seed", "robot"
 TYPES: Mapping[str, Any] = get_type_hints(LaserCfg) | {SEED: int}
@@ -30,6 +38,48 @@ OF_A_POINT = Effort(0.5, 5e3)
 Item = tuple[str, Hashable]
 """An option and one of its values."""
 _RANGE = re.compile(r"(-?\d+):(-?\d+)")
+
+
+@dataclass(frozen=True)
+class Point:
+    """Options of `armside laser` and a seed."""
+
+    key: str
+    """Hash of the whole configuration: resolved options, content of files, and seed."""
+    options: Mapping[str, Any]
+    """Options, typed; those left out have their defaults."""
+    seed: int
+
+    @property
+    def cost(self) -> float:
+        """Equal: a grid is run in its order."""
+        return 1.0
+
+    def run(self) -> Row:
+        """The row of its run. An exception becomes the row of a failure."""
+        try:
+            outcome = run(LaserCfg(**self.options), self.seed)
+            if key_of(self.options, self.seed) != self.key:
+                error = "a file of its options is not what it was when the sweep began"
+                return self._row(status=FAILED, error=error)
+            return self._row(status=outcome["status"], **measures(outcome))
+        except Exception as error:
+            return self.failed(error)
+
+    def failed(self, error: Exception) -> Row:
+        """Its row without a result."""
+        kind = "" if isinstance(error, WorkerDied) else f"{type(error).__name__}: "
+        return self._row(status=FAILED, error=kind + one_line(error))
+
+    def _row(self, **columns: Any) -> Row:
+        try:
+            options = resolved(LaserCfg(**self.options))
+        except (ValueError, OSError):
+            options = plain(self.options)
+            if options.get("individual") is not None:
+                options["individual"] = str(options["individual"])
+        made_with = {"version": version("armside"), "code": code_fingerprint()[:12]}
+        return {"key": self.key, "seed": self.seed, **options, **made_with, **columns}
 
 
 @dataclass(frozen=True)
@@ -154,3 +204,56 @@ def _refuse_impossible(grid: Grid, written: Mapping[Item, str]) -> None:
         all_are = unproven == everything
         what = "no configuration of the grid can be run" if all_are else written[impossible[0]]
         raise InputError(f"{what}: {reasons[impossible[0]]}")
+
+
+def run_grid(
+    points: Iterable[Point],
+    rows: Dataset,
+    engine: Engine,
+    step: Callable[[], None] = lambda: None,
+    *,
+    retry_failed: bool = False,
+    waiting: Callable[[int], None] = lambda n: None,
+) -> Counter[str]:
+    """Bring a dataset up to all points of a grid; `step` is called for each that has a row.
+
+    The rest, the returned counts and the errors are those of `queue.complete`.
+    """
+    jobs = {point.key: point for point in points}
+    try:
+        return complete(
+            jobs,
+            _Rows(rows, jobs),
+            engine,
+            done=lambda _: step(),
+            retry_failed=retry_failed,
+            waiting=waiting,
+        )
+    finally:
+        rows.gather()
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """A dataset as a folder of results: of a point that fails, that is the result."""
+
+    dataset: Dataset
+    points: Mapping[str, Point]
+
+    @property
+    def folder(self) -> Path:
+        return self.dataset.folder
+
+    def status(self, key: str) -> str | None:
+        return self.dataset.status(key)
+
+    def keep(self, key: str, outcome: Row | Exception) -> str:
+        if not isinstance(outcome, Exception):
+            try:
+                self.dataset.add(outcome)
+                return outcome["status"]
+            except ValueError as error:  # it fits no dataset, and fails alone
+                outcome = error
+        with suppress(ValueError):
+            self.dataset.add(self.points[key].failed(outcome))
+        return FAILED

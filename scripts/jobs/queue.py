@@ -1,150 +1,146 @@
-"""Jobs on their way to rows in a folder: the one queue of sweep and reproduce."""
+"""Jobs on their way to one result a file in a folder, which several processes may share."""
 
+import fcntl
+import os
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any, Protocol
 
-from .blocks import FAILED, Block, Blocks, Row
-from .store import Job
+from .workers import Engine
 
 POLL = 0.2
-"""[s], between two looks at blocks that another process holds."""
+"""[s], between two looks at jobs that another process has claimed."""
+DONE, FAILED = "done", "failed"
+"""Status of a result, and of a job without one."""
 KNOWN, KNOWN_FAILED = "known", "known (failed)"
-"""Outcomes of jobs whose rows were there before."""
+"""Outcomes of jobs whose results were there before."""
 
 
-class Engine(Protocol):
-    """Runs tasks, some at a time, and returns their outcomes in any order."""
-
-    @property
-    def room(self) -> int:
-        """Tasks that can start now. No more are taken on: they may be left to another process."""
-        ...
+class Job(Protocol):
+    """A frozen dataclass that can run itself, in any process."""
 
     @property
-    def busy(self) -> bool:
-        """Tasks are under way."""
+    def cost(self) -> float:
+        """Relative; for the order of jobs and the time left."""
         ...
 
-    def submit(self, tag: Hashable, function: Callable[[Any], Any], item: Any) -> None:
-        """Start function(item)."""
+    def run(self) -> Any:
+        """Its result: arrays for a `Store`, a row for a sweep."""
 
-    def collect(self) -> list[tuple[Any, Any]]:
-        """Wait for tasks under way; the tag of each with its result or the exception that it
-        raised. At least one, or none while the engine recovers."""
+
+class Results(Protocol):
+    """A folder with one result a file. What it holds under a key is never half of a result."""
+
+    @property
+    def folder(self) -> Path: ...
+
+    def status(self, key: str) -> str | None:
+        """Status of a stored result; None where there is none, or a damaged one."""
         ...
+
+    def keep(self, key: str, outcome: Any) -> str:
+        """Store the outcome of a job, its result or an exception, and return its status. A killed
+        process does not lose what was stored. Raises OSError, such as on a full disk."""
+        ...
+
+
+class Claims:
+    """Jobs that this process works on: a lock (flock) each, which the kernel releases when the
+    process dies. On a file system without locks everybody has every job, to the same result."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._locks = folder / ".claims", dict[str, int]()
+
+    def take(self, key: str) -> bool:
+        """Claim a job, unless another process has it. Raises OSError where the folder cannot be
+        written to."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(self._folder / key, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(lock)
+            return False
+        except OSError:  # no locks here
+            pass
+        self._locks[key] = lock
+        return True
+
+    def drop(self, key: str) -> None:
+        """Let others have a job."""
+        (self._folder / key).unlink(missing_ok=True)
+        os.close(self._locks.pop(key))
 
     def close(self) -> None:
-        """Stop; the outcomes of what is under way are dropped."""
+        """Let others have all jobs."""
+        for key in list(self._locks):
+            self.drop(key)
 
 
-def run(job: Job) -> Any:
+def complete(
+    jobs: Mapping[str, Job],
+    results: Results,
+    engine: Engine,
+    *,
+    done: Callable[[str], None] = lambda key: None,
+    retry_failed: bool = False,
+    waiting: Callable[[int], None] = lambda n: None,
+) -> Counter[str]:
+    """Bring a folder up to all jobs, by key, started in their order.
+
+    Args:
+        done: called with the key of each job that has an outcome.
+        retry_failed: run jobs again that have failed before.
+        waiting: called once nothing is left to do but to wait for others, with the number of jobs
+            that they have claimed.
+
+    Returns:
+        The number of jobs by status: that of their new results, and `known` or `known (failed)`
+        for those that were there before.
+
+    Raises OSError where the folder cannot be written to. What was stored before stays.
+    """
+    counts, claims, told = Counter[str](), Claims(results.folder), False
+    left, held = dict(jobs), dict[str, Job]()
+
+    def known(key: str) -> bool:
+        status = results.status(key)
+        if status is None or (retry_failed and status == FAILED):
+            return False
+        counts[KNOWN_FAILED if status == FAILED else KNOWN] += 1
+        done(key)
+        return True
+
+    def ours() -> Iterator[tuple[str, Job]]:
+        for key, job in left.items():
+            if known(key):
+                continue
+            if not claims.take(key):
+                held[key] = job
+            elif known(key):  # another process has finished it in between
+                claims.drop(key)
+            else:
+                yield key, job
+
+    try:
+        while left:
+            for (key, _), outcome in engine.results(run, ours()):
+                counts[results.keep(key, outcome)] += 1
+                claims.drop(key)
+                done(key)
+            if held and not told:
+                waiting(len(held))
+                told = True
+            if held:
+                time.sleep(POLL)
+            left, held = held, {}
+    finally:
+        claims.close()
+    return counts
+
+
+def run(pair: tuple[str, Job]) -> Any:
     """The result of a job."""
-    return job.run()
-
-
-@dataclass(kw_only=True)
-class Queue:
-    """Jobs on their way through an engine into the blocks of a folder."""
-
-    blocks: Blocks
-    engine: Engine
-    row: Callable[[str, Any], Row | None]
-    """The row that a key and the outcome of its job become; None keeps nothing."""
-    done: Callable[[str], None] = lambda key: None
-    """Called with the key of each job that has an outcome."""
-    retry_failed: bool = False
-    waiting: Callable[[int], None] = lambda n: None
-    """Called once nothing is left to do but to wait for others, with the number of jobs that they
-    have claimed."""
-
-    def complete(self, jobs: Mapping[str, Job]) -> Counter[str]:
-        """Bring the folder up to all jobs, by key, started in their order.
-
-        Returns:
-            The number of jobs by status: that of their new rows, `failed` where there is none, and
-            `known` or `known (failed)` for rows that were there before.
-
-        Raises:
-            RunFailed: the folder's file system has no locks, or a part is damaged and not
-                expendable.
-            OSError: the folder cannot be written to. The rows before are kept.
-        """
-        self._jobs: dict[str, dict[str, Job]] = {}
-        for key, job in jobs.items():
-            self._jobs.setdefault(self.blocks.name(key), {})[key] = job
-        self._unclaimed, self._held_elsewhere = deque(self._jobs), deque[str]()
-        self._ready = deque[tuple[str, Job]]()
-        self._ours: dict[str, Block] = {}
-        self._left, self._counts = Counter[str](), Counter[str]()
-        told = False
-        try:
-            while self._unclaimed or self._held_elsewhere or self._ready or self.engine.busy:
-                self._fill()
-                # Only now: writing a part takes time in which workers would have nothing to do.
-                self._close_finished()
-                if self.engine.busy:
-                    for key, outcome in self.engine.collect():
-                        self._keep(key, outcome)
-                elif self._held_elsewhere:
-                    if not told:
-                        self.waiting(sum(len(self._jobs[name]) for name in self._held_elsewhere))
-                        told = True
-                    time.sleep(POLL)
-                if not (self._unclaimed or self._ready):
-                    self._unclaimed, self._held_elsewhere = self._held_elsewhere, deque()
-        finally:
-            for block in self._ours.values():
-                block.close()
-        return self._counts
-
-    def _fill(self) -> None:
-        """Give the engine what it can start now. A block is claimed when its turn has come: until
-        then another process may have it."""
-        while self.engine.room > 0 and (self._ready or self._unclaimed):
-            if self._ready:
-                key, job = self._ready.popleft()
-                self.engine.submit(key, run, job)
-            else:
-                self._claim(self._unclaimed.popleft())
-
-    def _claim(self, name: str) -> None:
-        block = self.blocks.claim(name, retry_failed=self.retry_failed)
-        if block is None:
-            self._held_elsewhere.append(name)
-            return
-        self._ours[name] = block
-        for key, job in self._jobs[name].items():
-            if key in block.done:
-                self._count(key, KNOWN_FAILED if key in block.failed else KNOWN)
-            else:
-                self._ready.append((key, job))
-                self._left[name] += 1
-        if not self._left[name]:
-            self._ours.pop(name).close()
-
-    def _keep(self, key: str, outcome: Any) -> None:
-        row = self._added(key, self.row(key, outcome))
-        if isinstance(row, ValueError):  # it fits no dataset, and fails alone
-            row = self._added(key, self.row(key, row))
-        self._left[self.blocks.name(key)] -= 1
-        self._count(key, row["status"] if isinstance(row, dict) else FAILED)
-
-    def _added(self, key: str, row: Row | None) -> Row | ValueError | None:
-        """A row that is kept now, or why it cannot be."""
-        try:
-            if row is not None:
-                self._ours[self.blocks.name(key)].add(row)
-        except ValueError as error:
-            return error
-        return row
-
-    def _count(self, key: str, status: str) -> None:
-        self._counts[status] += 1
-        self.done(key)
-
-    def _close_finished(self) -> None:
-        for name in [name for name in self._ours if not self._left[name]]:
-            self._ours.pop(name).close()
+    return pair[1].run()

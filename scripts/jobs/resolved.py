@@ -4,6 +4,7 @@ Options that mean the same run have the same key, whichever way they were writte
 another content is another configuration, wherever it is.
 """
 
+import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import cache, lru_cache
@@ -12,18 +13,19 @@ from typing import Any, NamedTuple
 
 import mujoco
 
+from armside.kinematics.robot_file import read_toml
 from armside.sim.cell import CELLS, ToolPose
+from armside.sim.cell_file import find_cell, read_cell
+from armside.sim.records.files import check_file
 from armside.sim.records.summary import plain
+from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.effects import Effect, available
-from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.mjcf import ModelError, scalar
 from armside.sim.robot.model import load_model
-from armside.sim.robot_file.find import find_cell
 
 from ..cutting.options import LaserCfg
 from ..cutting.specification import MM, cut, dimensions, tool_pose
-from ..shell.errors import one_line
-from .contents import digest_of_file, model_content, robot_content
+from ..shell.errors import InputError, one_line
 from .store import digest_of
 
 FILES = ("contour", "model", "identification", "individual", "twin", "gears")
@@ -41,7 +43,7 @@ def content_of(name: str, path: Path) -> str:
     file that cannot be read.
     """
     if name == "twin":
-        from armside.sim.twin.twin import digest
+        from armside.sim.twin.library import digest
 
         return digest(path)
     if name == "identification":
@@ -140,7 +142,7 @@ class Resolver:
                 if wrong := self._wrong_geometry(known.cfg):
                     return wrong
                 if known.cfg.twin is not None:
-                    from armside.sim.twin.twin import stored_twin
+                    from armside.sim.twin.library import stored_twin
 
                     stored_twin(known.cfg.twin).check(asked)
             except (ValueError, OSError) as error:
@@ -200,3 +202,35 @@ def _geometry_error(robot: str, source: Path, content: str) -> str:
     except ModelError as error:
         return one_line(error)
     return ""
+
+
+def digest_of_file(file: Path) -> str:
+    """Raises ValueError or OSError for a file that cannot be read."""
+    return hashlib.sha256(check_file(file).read_bytes()).hexdigest()
+
+
+def model_content(file: Path) -> str:
+    """Hash of an MJCF and of the files that it includes. Raises InputError for one that is none."""
+    check_file(file)
+    try:
+        parts = mujoco.mju_getXMLDependencies(str(file))
+    except mujoco.FatalError as error:
+        raise InputError(f"{file} is not a usable MJCF model: {error}") from error
+    return _together([digest_of_file(file), *sorted(digest_of_file(Path(part)) for part in parts)])
+
+
+def robot_content(file: str | Path) -> str:
+    """Hash of a robot file, and of the MJCF and URDF that it names.
+
+    Raises ValueError or OSError for a file that is none, or names none.
+    """
+    file = Path(file)
+    xml, urdf = read_cell(file).xml, read_toml(file, lambda data: data.get("urdf"))
+    parts = [digest_of_file(file), model_content(xml)]
+    if urdf is not None:
+        parts.append(digest_of_file(file.parent / str(urdf).partition("#")[0]))
+    return _together(parts)
+
+
+def _together(digests: list[str]) -> str:
+    return hashlib.sha256("".join(digests).encode()).hexdigest()

@@ -5,24 +5,26 @@ other code, another version of the physics or another configuration is never tak
 """
 
 import hashlib
-import io
 import json
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 import armside
+from armside.sim.records.atomic import atomic
 from armside.sim.records.summary import plain
 
-from .blocks import Block, Blocks, Row
+from ..shell.errors import RunFailed, one_line
+from .queue import DONE, FAILED, complete
+from .queue import Job as Job
+from .workers import Engine, WorkerDied
 
 Result = dict[str, NDArray[Any]]
 """Small named arrays."""
@@ -32,62 +34,61 @@ PACKAGES = ("assets", "kinematics", "ilc", "sim", "scripts")
 _SUFFIXES = (".py", ".xml", ".toml", ".json", ".npz")
 """Of code, robots, motion programs, designs and policies."""
 _DIGITS = 24
-_SCHEMA = pa.schema([("key", pa.string()), ("status", pa.string()), ("arrays", pa.binary())])
-
-
-class Job(Protocol):
-    """A frozen dataclass that can run itself, in any process."""
-
-    @property
-    def cost(self) -> float:
-        """Relative; for the order of jobs and the time left."""
-        ...
-
-    def run(self) -> Any:
-        """Its result: arrays for a `Store`, a row for a sweep."""
+_UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile)
 
 
 class Store:
-    """Results of jobs in one folder, made when the first is saved: blocks of one row each."""
+    """Results of jobs in one folder, made when the first is saved: a file DIGEST.npz each."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.blocks = Blocks(folder, _SCHEMA, digits=_DIGITS, expendable=True)
+        self.errors = dict[str, Exception]()
+        """Of the jobs that failed in this process, by key."""
 
     def file(self, job: Job) -> Path:
         """Where the result of a job is, or will be."""
-        return self.blocks.part(digest(job))
+        return self._file(digest(job))
 
     def holds(self, job: Job) -> bool:
         """A complete result is there; a damaged file counts as none, wherever it is damaged."""
-        try:
-            self.load(job)
-        except (OSError, ValueError, pa.ArrowException, BadZipFile):
-            return False
-        return True
+        return self.status(digest(job)) is not None
 
     def load(self, job: Job) -> Result:
         """The result of a job that is held."""
-        (packed,) = pq.read_table(self.file(job), columns=["arrays"])["arrays"].to_pylist()
-        with np.load(io.BytesIO(packed), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return _arrays(self.file(job))
 
     def save(self, job: Job, result: Result) -> None:
-        """Write a result whole, unless another process is just doing so. Raises OSError, e.g. on a
-        full disk, leaving no part of it."""
-        block: Block | None = self.blocks.claim(digest(job))
-        if block is not None:
-            try:
-                block.add(row(digest(job), result))
-            finally:
-                block.close()
+        """Write a result whole. Raises OSError, e.g. on a full disk, leaving no part of it."""
+        self._write(digest(job), result)
+
+    def status(self, key: str) -> str | None:
+        """See `queue.Results`."""
+        try:
+            _arrays(self._file(key))
+        except _UNREADABLE:
+            return None
+        return DONE
+
+    def keep(self, key: str, outcome: Any) -> str:
+        """See `queue.Results`; of an exception nothing is stored."""
+        if isinstance(outcome, Exception):
+            self.errors[key] = outcome
+            return FAILED
+        self._write(key, outcome)
+        return DONE
+
+    def _file(self, key: str) -> Path:
+        return self.folder / f"{key}.npz"
+
+    def _write(self, key: str, result: Result) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with atomic(self._file(key)) as partial, open(partial, "wb") as file:
+            np.savez(file, **result)  # type: ignore[arg-type]
 
 
-def row(key: str, result: Result) -> Row:
-    """The row of a result in the blocks of a store."""
-    packed = io.BytesIO()
-    np.savez(packed, **result)  # type: ignore[arg-type]
-    return {"key": key, "status": "done", "arrays": packed.getvalue()}
+def _arrays(file: Path) -> Result:
+    with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files}
 
 
 def digest(job: Job) -> str:
@@ -121,3 +122,37 @@ def code_fingerprint(module: str = armside.__name__) -> str:
     for name in ("armside", "mujoco", "numpy"):
         hashed.update(f"{name} {version(name)}".encode())
     return hashed.hexdigest()
+
+
+def missing(jobs: Iterable[Job], store: Store) -> list[Job]:
+    """Jobs without a result, each once, the longest first: so that no core waits at the end."""
+    distinct = {digest(job): job for job in jobs if not store.holds(job)}
+    return sorted(distinct.values(), key=lambda job: -job.cost)
+
+
+def run_batch(
+    jobs: list[Job],
+    store: Store,
+    *,
+    workers: Engine,
+    done: Callable[[float], None] = lambda cost: None,
+) -> None:
+    """Run jobs that no other process has run or is running; `done` gets the cost of each.
+
+    Raises:
+        RunFailed: a worker was killed, or jobs failed. Everything that finished is stored.
+        OSError: a result could not be written. Those before it are stored.
+    """
+    by_key = {digest(job): job for job in jobs}
+    complete(by_key, store, workers, done=lambda key: done(by_key[key].cost))
+    failed = {key: error for key, error in store.errors.items() if key in by_key}
+    if not failed:
+        return
+    n, n_failed, (key, error) = len(jobs), len(failed), next(iter(failed.items()))
+    where = f"{n - n_failed} of {n} experiments finished and are kept in {store.folder.parent}"
+    if isinstance(error, WorkerDied):
+        raise RunFailed(f"{error}; {where}") from error
+    raise RunFailed(
+        f"{n_failed} of {n} experiments failed, the first with "
+        f"{type(error).__name__}: {one_line(error)} ({by_key[key]}); {where}"
+    ) from error

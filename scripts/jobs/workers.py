@@ -1,42 +1,59 @@
-"""Independent work on the processes of this machine. One that dies takes only its own job along."""
+"""Engines that run independent tasks: processes of this machine, or a Ray cluster."""
 
-import multiprocessing
 import os
 import signal
+import socket
 import threading
-from collections import deque
-from collections.abc import Callable, Hashable, Iterable
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from typing import Any, NamedTuple, TypeVar
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from functools import partial
+from typing import Any, Protocol, TypeVar
+
+from loky import ProcessPoolExecutor
+from loky.process_executor import BrokenProcessPool
 
 from armside.sim.robot.run import cores
 
-from ..shell.errors import RunFailed
+from ..shell.errors import InputError, RunFailed, needs, one_line
 from ..shell.interrupts import noticing
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+RETRIES = 3
+"""Of a task whose node of a cluster went away."""
+TIMEOUT = 10.0
+"""[s], for a cluster to accept a connection."""
+LOOK = 1.0
+"""[s], between two looks of a worker whether its parent still lives."""
+
+
+class Engine(Protocol):
+    """Runs tasks, some at a time."""
+
+    def results(
+        self, function: Callable[[Item], Any], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Any]]:
+        """Each item as it is done, with function(item) or the exception that was raised.
+
+        Items are taken when they can start: until then, another process may have them.
+        """
+        ...
+
+    def close(self) -> None:
+        """Stop; what is under way is dropped."""
+
 
 class WorkerDied(RunFailed):
-    """The process that ran a job was killed, alone and for the second time."""
+    """The process that ran a task was killed, alone and for the second time."""
 
     def __init__(self) -> None:
         super().__init__("a worker process was killed (out of memory?)")
 
 
-class _Task(NamedTuple):
-    tag: Hashable
-    function: Callable[[Any], Any]
-    item: Any
-
-
 class Workers:
-    """Worker processes, started by the first task and stopped at the end of the block.
-
-    An engine of `queue.Queue`; `map` serves work that is not stored.
-    """
+    """The engine of this machine: processes that the first task starts and `close` stops."""
 
     def __init__(self, count: int | None = None) -> None:
         """count: number of processes, all cores if None."""
@@ -44,112 +61,149 @@ class Workers:
         if self.count < 1:
             raise ValueError(f"workers must be >= 1, got {self.count}")
         self._pool: ProcessPoolExecutor | None = None
-        self._running: dict[Future[Any], _Task] = {}
-        self._suspects: deque[_Task] = deque()
-        """Under way when a process died, to be run again."""
 
     def __enter__(self) -> "Workers":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None and issubclass(kind, KeyboardInterrupt):
-            _kill()  # outcomes of tasks in flight would be dropped after minutes
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def room(self) -> int:
-        return 0 if self._suspects else self.count - len(self._running)
-
-    @property
-    def busy(self) -> bool:
-        return bool(self._running or self._suspects)
-
-    def submit(self, tag: Hashable, function: Callable[[Any], Any], item: Any) -> None:
-        if self._pool is None:
-            # Forked threads are unsafe: workers are started afresh.
-            context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-            self._pool = ProcessPoolExecutor(
-                self.count, mp_context=context, initializer=_begin_worker
-            )
-        task = _Task(tag, function, item)
+    def results(
+        self, function: Callable[[Item], Any], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Any]]:
+        """See `Engine`. Which task has killed a process is not known: those that were under way
+        are run again at the end, one at a time, and one that is killed again is `WorkerDied`."""
+        waiting, suspects = iter(items), list[Item]()
+        running = dict[Future[Any], Item]()
         try:
-            with noticing(lambda: ""):  # a pool that is half started could not be stopped
-                self._running[self._pool.submit(function, item)] = task
-        except BrokenProcessPool:
-            self._suspects.append(task)
-            self._stop()
-
-    def collect(self) -> list[tuple[Any, Any]]:
-        """A process that died breaks the pool, and the task that killed it is not known: all that
-        were under way are run again, one at a time, until each has a result or is guilty."""
-        alone = not self._running
-        if alone:
-            self.submit(*self._suspects.popleft())
-        done, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        outcomes: list[tuple[Any, Any]] = []
-        broken = False
-        for future in done:
-            task = self._running.pop(future)
-            try:
-                outcomes.append((task.tag, future.result()))
-            except BrokenProcessPool:
-                broken = True
-                if alone:
-                    outcomes.append((task.tag, WorkerDied()))
-                else:
-                    self._suspects.append(task)
-            except Exception as error:
-                outcomes.append((task.tag, error))
-        if broken:
-            self._suspects.extend(self._running.values())
-            self._running.clear()
-            self._stop()
-        return outcomes
+            while _fill(running, self.count, waiting, partial(self._submit, function)):
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    item, outcome = running.pop(future), _outcome(future)
+                    if isinstance(outcome, BrokenProcessPool):
+                        suspects.append(item)
+                    else:
+                        yield item, outcome
+            for item in suspects:
+                running = {self._submit(function, item): item}
+                outcome = _outcome(next(iter(running)))
+                running.clear()
+                yield item, WorkerDied() if isinstance(outcome, BrokenProcessPool) else outcome
+        finally:
+            if running:
+                self.close()
 
     def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
         """function(item) of each item, in order; the first exception of any is raised here."""
-        waiting, found = deque(enumerate(items)), dict[int, Result]()
-        while waiting or self.busy:
-            while waiting and self.room > 0:
-                index, item = waiting.popleft()
-                self.submit(index, function, item)
-            for index, outcome in self.collect():
-                if isinstance(outcome, Exception):
-                    self.close()
-                    raise outcome
-                found[index] = outcome
+        found = dict[int, Result]()
+        for (index, _), outcome in self.results(partial(_of_pair, function), enumerate(items)):
+            if isinstance(outcome, Exception):
+                self.close()
+                raise outcome
+            found[index] = outcome
         return [found[index] for index in sorted(found)]
 
     def close(self) -> None:
-        """Stop once the tasks in flight have ended; their outcomes are dropped.
-
-        A signal meanwhile kills them, and is raised when they have ended.
-        """
-        self._suspects.clear()
-        self._running.clear()
-        self._stop()
-
-    def _stop(self) -> None:
         pool, self._pool = self._pool, None
         if pool is not None:
-            with noticing(lambda: "", at_once=_kill):
-                pool.shutdown(cancel_futures=True)
+            with noticing(lambda: ""):
+                pool.shutdown(kill_workers=True)
+
+    def _submit(self, function: Callable[[Item], Any], item: Item) -> Future[Any]:
+        with noticing(lambda: ""):  # a pool that is half started could not be stopped
+            try:
+                return self._started().submit(function, item)
+            except BrokenProcessPool:
+                self.close()
+                return self._started().submit(function, item)
+
+    def _started(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                self.count, initializer=_begin_worker, initargs=(os.getpid(),)
+            )
+        return self._pool
 
 
-def _kill() -> None:
-    for worker in multiprocessing.active_children():
-        worker.kill()
+class RayCluster:
+    """The engine of a cluster whose nodes have armside installed. Tasks of lost nodes are run
+    again."""
+
+    def __init__(self, address: str) -> None:
+        """Raises InputError when Ray is not installed or the cluster does not answer."""
+        with needs("cluster", "the engine ray", "Ray"):
+            import ray  # pyright: ignore[reportMissingImports]
+        self._ray = ray
+        try:
+            _knock(address)
+            ray.init(address=address, log_to_driver=False, logging_level="ERROR")
+        except (ConnectionError, RuntimeError, ValueError, OSError) as error:
+            raise InputError(f"no Ray cluster answers at {address}: {one_line(error)}") from error
+        self._call = ray.remote(num_cpus=1, max_retries=RETRIES)(_call)
+
+    def results(
+        self, function: Callable[[Item], Any], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Any]]:
+        """See `Engine`."""
+        waiting, running = iter(items), dict[Any, Item]()
+        while _fill(running, self._size(), waiting, partial(self._call.remote, function)):
+            for reference in self._ray.wait(list(running), num_returns=1)[0]:
+                try:
+                    outcome = self._ray.get(reference)
+                except self._ray.exceptions.RayError as error:
+                    outcome = error
+                yield running.pop(reference), outcome
+
+    def close(self) -> None:
+        self._ray.shutdown()
+
+    def _size(self) -> int:
+        return max(1, int(self._ray.cluster_resources().get("CPU", 1)))
 
 
-def _begin_worker() -> None:
+def _fill(
+    running: dict[Any, Item], room: int, waiting: Iterator[Item], submit: Callable[[Item], Any]
+) -> bool:
+    """Start what can start; whether anything is under way."""
+    while len(running) < room:
+        try:
+            item = next(waiting)
+        except StopIteration:
+            break
+        running[submit(item)] = item
+    return bool(running)
+
+
+def _outcome(future: Future[Any]) -> Any:
+    """Result of a task, or the exception that it raised."""
+    try:
+        return future.result()
+    except Exception as error:
+        return error
+
+
+def _of_pair(function: Callable[[Item], Result], pair: tuple[int, Item]) -> Result:
+    return function(pair[1])
+
+
+def _call(function: Callable[[Any], Any], item: Any) -> Any:
+    return function(item)
+
+
+def _knock(address: str) -> None:
+    """Raise OSError when nobody listens at host:port; Ray itself would try for minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if host and port.isdigit():
+        socket.create_connection((host, int(port)), TIMEOUT).close()
+
+
+def _begin_worker(parent: int) -> None:
     """Ctrl-C reaches every process of a terminal, and the parent decides what ends; where the
     parent is killed, its workers would wait for ever."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(LOOK)
+    os._exit(1)

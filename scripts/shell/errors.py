@@ -6,10 +6,11 @@ while options are parsed, files read and configurations built, and any `InputErr
 accepted.
 """
 
-from collections.abc import Iterator
+import difflib
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from armside.sim.records.errors import InputError as InputError
+from armside.sim.records.files import InputError as InputError
 
 LONGEST = 500
 """Characters of a message; the middle of a longer one is left out."""
@@ -55,3 +56,30 @@ def printable(text: str) -> str:
     if len(line) <= LONGEST:
         return line
     return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
+
+
+def install(extra: str) -> str:
+    """The command line that installs an extra."""
+    return f"pip install 'armside[{extra}]'"
+
+
+@contextmanager
+def needs(extra: str, user: str, package: str) -> Iterator[None]:
+    """Import packages of an extra in this block; InputError where one of them is not installed.
+
+    user: what cannot do without, such as "armside tune". package: as people write it: "Optuna".
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if str(error.name).split(".")[0] == "armside":
+            raise
+        raise InputError(f"{user} needs {package}: {install(extra)}") from error
+
+
+def unknown(kind: str, given: str, names: Iterable[str]) -> InputError:
+    """The error for a name that does not exist: what does, and what is near."""
+    names = list(names)
+    near = difflib.get_close_matches(given, names, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    return InputError(f"Unknown {kind} {given!r}.{hint} It can be: {', '.join(names)}")

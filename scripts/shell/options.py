@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Group, Parameter, Token, convert
+from cyclopts.validators import Number
 
 from armside.sim.records.files import check_file, check_file_to_write, check_name
 from armside.sim.records.run_folder import check_destination, check_shared_folder, check_writable
@@ -73,6 +74,8 @@ def _check_write(_type: Any, given: Path | None) -> None:
         check_file_to_write(given)
 
 
+Count = Annotated[int, Parameter(validator=Number(gte=1))]
+"""Type of an option that is a number of things, of which there is at least one."""
 FileToRead = Annotated[Path | None, Parameter(validator=check_read)]
 """Type of an option that names a file to be parsed: it must be there, and of a sane size."""
 Folder = Annotated[Path, Parameter(validator=_check_folder)]

@@ -1,21 +1,21 @@
-"""A command line carried out: parsed, run, and ended with one line and a status."""
+"""A command line carried out: parsed, run, and ended with one line and a status, in a process that
+it may have for itself."""
 
 import os
 import sys
 import traceback
-from collections.abc import Mapping
 
 from armside.sim.records.run_folder import PUBLISHED
 
 from .errors import InputError, RunFailed, one_line, printable
 from .interrupts import SIGNALS, exit_status
-from .parser import Load, parse
+from .parser import Commands, Load, parse
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 """Exit status; that of an interruption is in `interrupts`."""
 
 
-def run(tokens: list[str], commands: Mapping[str, str], load: Load) -> int:
+def run(tokens: list[str], commands: Commands, load: Load) -> int:
     """Parse and run a command line; its exit status."""
     try:
         command, bound = parse(tokens, commands, load)
@@ -69,3 +69,38 @@ def _drop_unwritten(stream: object) -> None:
         stream.flush()  # type: ignore[attr-defined]
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # type: ignore[attr-defined]
+
+
+def begin(*, debug: bool) -> None:
+    """Prepare the process of a command line.
+
+    Streams that the caller has closed lead nowhere: a file must not take their place. What stdout
+    cannot encode is escaped. Warnings and log records of libraries are for those who debug.
+    """
+    for descriptor in range(3):
+        _open(descriptor)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    sys.stderr.reconfigure(line_buffering=True)  # type: ignore[union-attr]
+    if not debug:
+        _silence_libraries()
+    SIGNALS.handle()
+
+
+def _open(descriptor: int) -> None:
+    try:
+        os.fstat(descriptor)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_RDWR), descriptor)
+
+
+def _silence_libraries() -> None:
+    import logging
+    import warnings
+
+    logging.lastResort = logging.NullHandler()  # pyright: ignore[reportAttributeAccessIssue]
+    if not sys.warnoptions:  # which `python -W` sets
+        warnings.simplefilter("ignore")
+        os.environ.setdefault("PYTHONWARNINGS", "ignore")  # for worker processes

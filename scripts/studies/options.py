@@ -2,18 +2,34 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
 from armside.sim.records.summary import plain
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import FASTEST, SLOWEST
 
-from ..jobs.contents import robot_content
+from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
-from ..shell.options import options
-from .contours import Radius, Shapes, contour_options
+from ..shell.options import Count, options
 from .proposals import Pruner, Sampler
+
+MM = 1e-3
+_SEVERAL = Parameter(consume_multiple=True)
+Shape = Literal["circle", "square", "slot", "hexagon"]
+Shapes = Annotated[tuple[Shape, ...], _SEVERAL]
+Radius = Annotated[tuple[float, ...], _SEVERAL]
+"""[mm]: none, one, or smallest and largest."""
+
+
+def contour_options(shape: tuple[Shape, ...], radius: tuple[float, ...]) -> dict[str, Any]:
+    """Options of the env, [m]. Raises ValueError for more than two radii."""
+    if len(radius) > 2:
+        raise ValueError(f"radius takes one value, or smallest and largest, got {len(radius)}")
+    ends = tuple(value * MM for value in radius)
+    return {"shape": shape, "radius": None if not ends else ends[0] if len(ends) == 1 else ends}
 
 
 @options
@@ -39,11 +55,11 @@ class TuneCfg:
     radius: Radius = ()
     """Radius of a circle, half the size of another shape, or the range that each episode draws from
     [mm] [default: 5; slot 15, square and hexagon 10]."""
-    episodes: int = 4
+    episodes: Count = 4
     """Jobs and robot individuals that a design is tried on, with seeds from --seed on."""
     iterations: int = 5
     """Learning iterations on each."""
-    trials: int = 50
+    trials: Count = 50
     """Trials that the study shall have in the end, those it has already included. Processes that
     share it end the trial they are in: it may get one more of each."""
     sampler: Sampler = "tpe"
@@ -56,9 +72,6 @@ class TuneCfg:
     """Database of studies, as an SQLAlchemy URL. Processes that share it share the work."""
 
     def __post_init__(self) -> None:
-        for name in ("episodes", "trials"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be >= 1, got {getattr(self, name)}")
         low, high = 1e3 * SLOWEST, 1e3 * FASTEST
         if self.speed is not None and not low <= self.speed <= high:
             raise ValueError(f"speed must be from {low:g} to {high:g} mm/s, got {self.speed:g}")

@@ -8,8 +8,7 @@ from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import WORST, Objective, Ratio
 
 from . import study as studies
-from .processes import own_mark
-from .storage import PROCESS
+from .storage import PROCESS, own_mark
 
 if TYPE_CHECKING:
     import optuna

@@ -5,8 +5,8 @@ Optuna is imported here only where it is used: it takes half a second.
 """
 
 import logging
+import os
 import random
-import re
 import sys
 import threading
 import time
@@ -15,11 +15,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import unquote
+from urllib.parse import quote
 
-from ..shell.errors import InputError, RunFailed, one_line
-from ..shell.extras import install
-from .processes import is_dead
+from ..shell.errors import InputError, RunFailed, install, one_line
 
 if TYPE_CHECKING:
     import optuna
@@ -50,6 +48,7 @@ PROCESS = "process"
 """User attribute of a trial: the mark of the process that runs it."""
 ATTEMPTS = 5
 """At making the tables of a new database, which others may be making too."""
+PROC = Path("/proc")
 
 
 @contextmanager
@@ -136,29 +135,17 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
 
 def redacted(storage: str) -> str:
     """The URL with *** for its password and for all entries of its query that may be secret."""
-    scheme, mark, rest = storage.partition("://")
-    if not mark:  # no URL: what stands before an @ may be anything
-        scheme, _, rest = storage.partition(":")
-        return f"{scheme}:***" if "@" in rest else _without_secrets(storage)
-    address, question, query = rest.partition("?")
-    if "@" in query and "@" not in address:  # of a password with a question mark
-        return f"{scheme}://***"
-    user, at, host = address.rpartition("@")
-    name, colon, _ = user.partition(":")
-    user = f"{name}:***" if colon else name
-    return f"{scheme}://{user}{at}{host}{_without_secrets(question + query)}"
+    from sqlalchemy.engine import make_url
+    from sqlalchemy.exc import ArgumentError
 
-
-def _without_secrets(query: str) -> str:
-    """A query in which only entries that are known to be harmless have their values."""
-
-    def entry(found: re.Match[str]) -> str:
-        name = unquote(found["name"]).lower()
-        if found["value"] is None:
-            return f"{found['mark']}***"
-        return found[0] if name in SHOWN else f"{found['mark']}{found['name']}=***"
-
-    return re.sub(r"(?P<mark>[?&])(?P<name>[^=&]*)(=(?P<value>[^&]*))?", entry, query)
+    try:
+        url = make_url(storage)
+    except (ArgumentError, ValueError):  # no URL: what has an @ or a = may be anything
+        return "***" if set("@=") & set(storage) else storage
+    query = {name: text if name.lower() in SHOWN else "***" for name, text in url.query.items()}
+    host = url.host and url.host.rpartition("@")[2]  # of a password with an @
+    shown = url.set(query=query, host=host).render_as_string(hide_password=True)
+    return shown.replace(quote("***"), "***")
 
 
 def fail_silent(study: "optuna.Study") -> None:
@@ -295,3 +282,36 @@ def _reason(error: BaseException) -> str:
         error = error.__cause__
     cause = getattr(error, "orig", None) or error
     return one_line(cause).split(" Is the server running")[0]
+
+
+def own_mark() -> str:
+    """Mark of this process: machine and process space, number, time of its start. Empty where the
+    system does not tell them."""
+    pid = os.getpid()
+    started = _start(pid)
+    return f"{_machine()} {pid} {started}" if started else ""
+
+
+def is_dead(mark: str) -> bool:
+    """The process of a mark has run on this machine, and runs no more."""
+    machine, _, process = mark.partition(" ")
+    pid, _, started = process.partition(" ")
+    return pid.isdigit() and machine == _machine() and _start(int(pid)) != started
+
+
+def _machine() -> str:
+    """Name of this machine since it was switched on, and of the numbering of its processes."""
+    try:
+        boot = (PROC / "sys/kernel/random/boot_id").read_text().strip()
+        return f"{boot}/{(PROC / 'self/ns/pid').readlink()}"
+    except OSError:
+        return "unknown"
+
+
+def _start(pid: int) -> str:
+    """Time of a process's start, in ticks since the machine's; empty for none."""
+    try:
+        fields = (PROC / f"{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return ""
+    return "" if fields[0] == "Z" else fields[19]

@@ -3,20 +3,23 @@
 Optuna is imported here only where it is used: it takes half a second.
 """
 
+import json
 import logging
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from armside.sim.laser.design import Design
 from armside.sim.notes import Cause, Note
-from armside.sim.tuning.action import SIX, VARIABLES, Motors, Scale
+from armside.sim.tuning.action import SIX, VARIABLES, Motors, Scale, action_of
 from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
-from .importance import importance
 from .proposals import Pruner, Sampler, new_pruner, new_sampler
 from .storage import PROCESS, SILENCE, connect, fail_dead, fail_silent, reaching
 
@@ -213,24 +216,47 @@ def notes_of_best(study: "optuna.Study") -> list[Note]:
     ]
 
 
-def results(study: "optuna.Study") -> dict[str, Any]:
-    """Trials, best designs and importances of a study, as summary.json has them."""
-    from optuna.trial import TrialState
-
-    states = [trial.state for trial in study.get_trials(deepcopy=False)]
-    best = [
-        {"trial": t.number, "ratio": t.value, TRUE: t.user_attrs.get(TRUE), **t.params}
-        for t in bests(study)
-    ]
-    return {
-        "trials": {state.name.lower(): states.count(state) for state in TrialState},
-        "bests": best,
-        "best": best[-1] if best else None,
-        "importance": {name: found._asdict() for name, found in importance(study).items()},
-    }
-
-
 def value(trial: "optuna.trial.FrozenTrial") -> float:
     """The objective of a finished trial, or what it last reported when it was given up."""
     assert trial.value is not None
     return trial.value
+
+
+def load_design(file: Path) -> Design:
+    """The best design of a search: shared by all motors, or one for each.
+
+    Raises ValueError for a file that does not exist, is no summary of `armside tune`, or found no
+    design.
+    """
+    try:
+        best = json.loads(file.read_text(encoding="utf-8"))["best"]
+        names = {
+            v.name: [v.name] if v.name in best else _of_motors(best, v.name) for v in VARIABLES
+        }
+        values = {name: tuple(best[i] for i in of) for name, of in names.items()}
+    except FileNotFoundError:
+        raise ValueError(f"{file} does not exist") from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{file} is no summary.json of armside tune") from error
+    return Design(**values)
+
+
+def _of_motors(best: Mapping[str, Any], variable: str) -> list[str]:
+    """Names of a variable's values, one for each motor."""
+    n_axes = sum(name.startswith(f"{variable}_") for name in best)
+    return parameter_names(variable, max(n_axes, 1))
+
+
+def first_action(file: Path | None, motors: Motors, n_axes: int = SIX) -> np.ndarray:
+    """Action of the design in a file, (3,) or (3 n,); without one, of the middle of the ranges.
+
+    Raises ValueError as `load_design`, and for a design out of the ranges.
+    """
+    if file is None:
+        return np.zeros(len(VARIABLES) * motors.count(n_axes), np.float32)
+    return action_of(load_design(file), motors, n_axes)
+
+
+def whole_batches(steps: int, batch: int) -> int:
+    """Steps rounded up to whole batches: the network is updated after each."""
+    return -(-steps // batch) * batch

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from armside.sim.evaluation.check import Table
 
-from ..shell.registry import unknown
+from ..shell.errors import unknown
 
 Function = Callable[[Sequence[int]], Table]
 """Called with the seeds."""

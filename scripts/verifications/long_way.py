@@ -15,8 +15,7 @@ from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.notes import Tally
 from armside.sim.records.run_folder import RUNS
 
-from ..jobs.batch import run_batch
-from ..jobs.store import Store
+from ..jobs.store import Store, run_batch
 from ..jobs.workers import Workers
 from .long_way_cut import TASKS, Found, WayJob, found_of
 

@@ -12,9 +12,8 @@ from pathlib import Path
 
 from armside.sim.evaluation.check import Table, all_hold
 
-from ..jobs.dataset import dataset
-from ..jobs.grid import Grid, parse
-from ..jobs.point import run_grid
+from ..jobs.dataset import Dataset
+from ..jobs.grid import Grid, parse, run_grid
 from ..jobs.queue import KNOWN, KNOWN_FAILED
 from ..jobs.workers import Workers
 from ..shell.errors import RunFailed
@@ -38,17 +37,17 @@ def sweep(seeds: Iterable[int]) -> Table:
         start = time.perf_counter()
         process.wait()
         duration = time.perf_counter() - start
-        whole = dataset(Path(folder) / "whole").read()
+        whole = Dataset(Path(folder) / "whole").read()
         rows = []
         for seed in seeds:
             killed = Path(folder) / str(seed)
             delay = random.Random(seed).uniform(0.0, duration)
             kept = _kill(killed, delay)
             with Workers() as workers:
-                counts = run_grid(grid, dataset(killed), workers)
+                counts = run_grid(grid, Dataset(killed), workers)
             known = counts[KNOWN] + counts[KNOWN_FAILED]
             now = counts.total() - known
-            rows.append((seed, delay, kept, known, now, dataset(killed).read().equals(whole)))
+            rows.append((seed, delay, kept, known, now, Dataset(killed).read().equals(whole)))
     n, found = len(grid), all(row[2] == row[3] for row in rows)
     return Table(
         "Sweeps killed at random moments and run again",
@@ -82,7 +81,7 @@ def memory(seeds: Iterable[int]) -> Table:
             rows.append((n, _resident(os.getpid()), max(workers, default=0.0)))
 
     with tempfile.TemporaryDirectory() as folder, Workers() as ours:
-        counts = run_grid(grid, dataset(Path(folder)), ours, step)
+        counts = run_grid(grid, Dataset(Path(folder)), ours, step)
     pairs = zip(rows[0][1:], rows[-1][1:], strict=True)
     flat = f"memory after all is at most {FLAT} times that after the first tenth"
     return Table(
@@ -120,7 +119,7 @@ def _begun(folder: Path) -> subprocess.Popen[bytes]:
     here, silent = Path(__file__).parents[2], subprocess.DEVNULL
     # It says at its end that some configurations have failed, which they should.
     process = subprocess.Popen([*command, "--quiet"], cwd=here, stderr=silent)
-    while not dataset(folder).keys():
+    while not Dataset(folder).keys():
         if process.poll() is not None:
             raise RunFailed("the sweep ended without a result")
         time.sleep(LOOK)
@@ -135,4 +134,4 @@ def _kill(folder: Path, delay: float) -> int:
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGKILL)
         process.wait()
-    return len(dataset(folder).keys())
+    return len(Dataset(folder).keys())

@@ -16,12 +16,11 @@ from armside.sim.laser.design import THESIS, Design
 from armside.sim.notes import Note, counted
 from armside.sim.robot.run import cores
 from armside.sim.tuning.action import VARIABLES, Motors
-from armside.sim.tuning.evaluation import Episode, Policy, always, evaluate
-from armside.sim.tuning.policy import Network
+from armside.sim.tuning.evaluation import Episode, Network, Policy, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 
-from ..studies.tuned_design import load_design
+from ..studies.study import load_design
 
 TUNED = Path(__file__).parents[1] / "studies" / "tuned"
 DATA_SEED = 1  # seed of the experiments that models are identified from

@@ -20,7 +20,7 @@ from armside.kinematics.equations import dynamics, forward_kinematics
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.robot_file.find import is_cell_file, load_robot
 
-from ..shell.extras import needs
+from ..shell.errors import needs
 from .urdf_arms import LEAST_JOINTS, ForeignFile, foreign_files, longest_chain
 from .urdf_pinocchio import PinocchioChain
 

@@ -1,8 +1,8 @@
-"""Rerun's web viewer on this machine only, and cut off from all others.
+"""Rerun's viewers: in a window, or in a browser on this machine, cut off from all others.
 
-The viewer is a page with a program (WebAssembly) that ships inside Rerun. As shipped it also asks
-for fonts, looks for new releases and reports its use. Here it is served with a content security
-policy that lets it talk to this server and to nothing else, unless that is wished for.
+The web viewer is a page with a program (WebAssembly) that ships inside Rerun. As shipped it also
+asks for fonts, looks for new releases and reports its use. Here it is served with a content
+security policy that lets it talk to this server and to nothing else, unless that is wished for.
 """
 
 import os
@@ -200,3 +200,26 @@ def _query(origin: str, given: str) -> str:
     """Path of the viewer with the replay; `given` is passed on, e.g. renderer=webgl."""
     also = f"&{given}" if given else ""
     return f"/?url={quote(origin + '/replay.rrd', safe='')}&persist=0{also}"
+
+
+def check_display(instead: str) -> None:
+    """Raise InputError where no window can be opened; `instead` names a way without one."""
+    if sys.platform == "linux" and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        raise InputError(f"no display here (neither DISPLAY nor WAYLAND_DISPLAY is set); {instead}")
+
+
+def show(file: Path, telemetry: bool) -> None:
+    """Show a replay in Rerun's native viewer until its window is closed.
+
+    Raises RunFailed where the viewer fails.
+    """
+    command = [rerun_program(), str(file), "--bind", LOOPBACK, "--port", "auto"]
+    with private_environment(telemetry) as env:
+        try:
+            status = subprocess.run(command, env=env, check=False).returncode
+        except KeyboardInterrupt:
+            return
+    if status:
+        raise RunFailed(f"the viewer ended with status {status}; --web shows it in a browser")

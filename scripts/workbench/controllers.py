@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from armside.ilc.workbench.words import Words, number, unknown_name
 
-from ..shell.extras import needs
+from ..shell.errors import needs
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task

@@ -10,7 +10,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.csv_signal import CsvSignal, read_signal
 from armside.ilc.workbench.words import Words
 
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.stored_run import StoredRun
 from ..records.tables import float_columns, read_table
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records.errors import InputError
-from ..records.files import check_file
+from ..records.files import InputError, check_file
 from .arm_springs import Springs
 
 _KEYS = ("stiffness", "damping", "clock_offset", "distrust", "mounting")

@@ -18,9 +18,8 @@ from armside.arrays import Array
 from ..records.atomic import atomic
 from ..records.signals import RecordedRun
 from ..replay.blueprint import LEGEND, panels
-from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies
-from ..replay.geoms import shapes
-from ..replay.recording import recording
+from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies, shapes
+from ..replay.scene import recording
 from .evaluation import Evaluation
 from .experiment import ImuResult
 

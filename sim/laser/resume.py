@@ -8,7 +8,7 @@ from armside.arrays import Array
 from armside.ilc.learning import LoopState, Trial
 from armside.ilc.workbench.compare import RunState, states_of
 
-from ..records.errors import InputError
+from ..records.files import InputError
 from .measures import Output
 from .plant import CuttingPlant, Pass
 

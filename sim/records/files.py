@@ -1,12 +1,31 @@
 """Checks of files before they are read or written, so that a wrong one costs neither time nor
-memory, and nothing is begun whose results could not be kept."""
+memory, and nothing is begun whose results could not be kept.
+"""
 
 import os
 import secrets
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import InputError
+
+class InputError(ValueError):
+    """Bad input. The message names the given and the allowed values."""
+
+
+@contextmanager
+def reading(file: Path) -> Iterator[None]:
+    """Read a file: whatever a damaged or foreign one raises becomes InputError, with its name."""
+    try:
+        yield
+    except InputError:
+        raise
+    except KeyError as error:
+        raise InputError(f"{file} lacks the entry {error}") from error
+    except Exception as error:  # libraries raise many kinds for a damaged file
+        raise InputError(f"{file} cannot be read: {str(error) or type(error).__name__}") from error
+
 
 LARGEST_TEXT = 64_000_000
 """[bytes], of a file that is parsed as a whole: a model, a drawing, a summary."""

@@ -1,7 +1,7 @@
 """The programmed tool motion as JSON, and back bit for bit, without planning.
 
-Stored are the contour, its plane, the leads and the phases of the timing, as they were planned. The
-samples at the log rate are evaluated from them.
+Stored are the contour, its plane, the leads and the phases of the timing, as they were planned, and
+of a part those of each leg. The samples at the log rate are evaluated from them.
 """
 
 from collections.abc import Mapping
@@ -10,22 +10,24 @@ from typing import Any
 
 import numpy as np
 
-from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
-from ..motion.path import CuttingPath, Plane
-from ..motion.timing import Timing
-from ..motion.tool_motion import ToolMotion
-from ..part.motion import PartMotion
-from . import part_path
+from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
+from ..cut.path import CuttingPath, Plane
+from ..cut.timing import Timing
+from ..cut.tool_motion import ToolMotion
+from ..part.chain import Chain
+from ..part.kind import Kind
+from ..part.motion import CutLeg, Leg, PartMotion
 from .summary import plain
 
 LEADS = ("lead_in", "lead_out", "spiral")
+OF_A_PART = ("middle", "tool_quaternion", "n_samples", "step", "rest_before", "limits_hit")
 SPEEDS = ("programmed_speed", "reached_speed", "rest_before")
 
 
 def to_json(motion: ToolMotion | PartMotion) -> dict[str, Any]:
     """Block of JSON values. Raises ValueError for a contour that is no Circle or ArcsAndLines."""
     if isinstance(motion, PartMotion):
-        return part_path.to_json(motion)
+        return _of_part(motion)
     path = motion.path
     if not isinstance(path.curve, (Circle, ArcsAndLines)):
         given = type(path.curve).__name__
@@ -47,7 +49,7 @@ def to_json(motion: ToolMotion | PartMotion) -> dict[str, Any]:
 def from_json(block: Mapping[str, Any]) -> ToolMotion | PartMotion:
     """Motion of a block written by `to_json`. Raises KeyError for another block."""
     if "legs" in block:
-        return part_path.from_json(block)
+        return _part_motion(block)
     path = CuttingPath(
         curve=_curve(block["contour"]),
         plane=Plane(**{name: np.array(value) for name, value in block["plane"].items()}),
@@ -77,3 +79,44 @@ def _curve(block: Mapping[str, Any]) -> ClosedCurve:
         return Circle(block["radius"])
     elements = tuple((length, curvature) for length, curvature in block["elements"])
     return ArcsAndLines((block["start"][0], block["start"][1]), elements)
+
+
+def _of_part(motion: PartMotion) -> dict[str, Any]:
+    block: dict[str, Any] = {name: getattr(motion, name) for name in OF_A_PART}
+    plane = {"origin": motion.plane.origin, "axes": motion.plane.axes}
+    return plain(block | {"plane": plane, "legs": [_of_leg(leg) for leg in motion.legs]})
+
+
+def _of_leg(leg: Leg) -> dict[str, Any]:
+    timing = leg.timing
+    block: dict[str, Any] = {
+        "path": {"points": leg.path.points, "bulge": leg.path.bulge},
+        "timing": {"start": timing.start, "state": timing.state, "duration": timing.duration},
+        "start": leg.start,
+    }
+    if isinstance(leg, CutLeg):
+        block |= {"name": leg.name, "kind": leg.kind}
+        block |= {"lead": leg.lead, "asked_speed": leg.asked_speed}
+    return block
+
+
+def _part_motion(block: Mapping[str, Any]) -> PartMotion:
+    scalars = {name: block[name] for name in OF_A_PART}
+    for name in ("middle", "tool_quaternion"):
+        scalars[name] = tuple(scalars[name])
+    scalars["limits_hit"] = tuple((a, b, c) for a, b, c in scalars["limits_hit"])
+    plane = Plane(**{name: np.array(value) for name, value in block["plane"].items()})
+    return PartMotion(legs=tuple(_leg(leg) for leg in block["legs"]), plane=plane, **scalars)
+
+
+def _leg(block: Mapping[str, Any]) -> Leg:
+    timing = block["timing"]
+    common: dict[str, Any] = {
+        "path": Chain(**{name: np.array(value) for name, value in block["path"].items()}),
+        "timing": Timing(np.array(timing["start"]), np.array(timing["state"]), timing["duration"]),
+        "start": block["start"],
+    }
+    if "kind" not in block:
+        return Leg(**common)
+    own = {name: block[name] for name in ("name", "lead", "asked_speed")}
+    return CutLeg(kind=Kind(block["kind"]), **common, **own)

@@ -10,8 +10,7 @@ from itertools import count
 from pathlib import Path
 
 from .atomic import remove_stale, staged
-from .errors import InputError
-from .files import check_can_write, check_name
+from .files import InputError, check_can_write, check_name
 
 RUNS = Path("runs")
 PUBLISHED: list[Path] = []

@@ -29,6 +29,7 @@ from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
 from .programmed_path import from_json, to_json
+from .tables import floats
 
 XYZ = tuple("xyz")
 LOG = dict.fromkeys(("reference", "correction", "motor_angle"), "rad") | {"motor_torque": "N m"}
@@ -229,8 +230,8 @@ def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) ->
     signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()}
     # The gear error is part of the stored angles already.
     angles = {"gear_angle": stored.pop("motor_angle"), "spring_angle": stored.pop("flex_angle")}
-    truth = Truth(time=_numbers(true, "time"), gear_error=EXACT, **angles, **stored)
-    time = _numbers(log, "time")
+    truth = Truth(time=floats(true, "time"), gear_error=EXACT, **angles, **stored)
+    time = floats(log, "time")
     hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit)
     recording = Recording(time=time, truth=truth, limits_hit=hits, **signals)
     return RecordedRun(k=k, recording=recording, tracker=_tracker(table))
@@ -241,12 +242,8 @@ def _tracker(table: pa.Table) -> TrackerSamples | None:
     if samples.num_rows == 0:
         return None
     position, valid = _stack(samples, "tracker", XYZ), samples["tracker_valid"].to_numpy()
-    return TrackerSamples(time=_numbers(samples, "time"), position=position, valid=valid)
-
-
-def _numbers(table: pa.Table, name: str) -> Array:
-    return np.array(table[name].to_numpy(), dtype=np.float64)
+    return TrackerSamples(time=floats(samples, "time"), position=position, valid=valid)
 
 
 def _stack(table: pa.Table, prefix: str, suffixes: Sequence[str]) -> Array:
-    return np.stack([_numbers(table, f"{prefix}_{s}") for s in suffixes], axis=1)
+    return np.stack([floats(table, f"{prefix}_{s}") for s in suffixes], axis=1)

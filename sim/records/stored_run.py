@@ -7,8 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .errors import InputError, reading
-from .files import LARGEST_DATA, check_file
+from .files import LARGEST_DATA, InputError, check_file, reading
 from .run_folder import FORMAT
 
 if TYPE_CHECKING:

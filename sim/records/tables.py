@@ -20,8 +20,7 @@ import pyarrow.parquet as pq
 from armside.arrays import Array
 
 from .atomic import atomic
-from .errors import InputError, reading
-from .files import LARGEST_DATA, check_file, check_n_values
+from .files import LARGEST_DATA, InputError, check_file, check_n_values, reading
 
 Kind = TypeVar("Kind")
 MARK = "# armside "
@@ -127,10 +126,13 @@ def _read_csv(file: Path) -> pa.Table:
     return _table({name: table[name].combine_chunks() for name in table.column_names}, metadata)
 
 
+def floats(table: pa.Table, name: str) -> Array:
+    """(n,), a column of numbers, NaN for missing values. Raises ValueError for other columns."""
+    return np.array(table[name].cast(pa.float64()).to_numpy(zero_copy_only=False))
+
+
 def _as_floats(table: pa.Table) -> dict[str, Array]:
-    """Columns with NaN for missing values."""
-    floats = {name: table[name].cast(pa.float64()) for name in table.column_names}
-    return {name: column.to_numpy(zero_copy_only=False) for name, column in floats.items()}
+    return {name: floats(table, name) for name in table.column_names}
 
 
 def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: Path) -> pa.Table:

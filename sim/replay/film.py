@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 from armside.arrays import Array
 
 from ..records.atomic import atomic
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from ..robot_file.find import find_cell

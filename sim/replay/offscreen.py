@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..records.errors import InputError
+from ..records.files import InputError
 
 Image = NDArray[np.uint8]
 

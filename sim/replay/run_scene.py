@@ -10,7 +10,7 @@ import numpy as np
 from ..cut.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..records.atomic import write_bytes
-from ..records.errors import InputError, reading
+from ..records.files import InputError, reading
 from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from ..robot_file.find import find_cell

@@ -4,24 +4,30 @@ Two timelines. `time` lays the runs one after the other; `iteration` holds the l
 so its slider compares the paths learned. A file is written; nothing is shown or sent anywhere.
 """
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
+from shutil import copyfileobj
+from threading import Thread
 
 import mujoco
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from armside import kinematics
 from armside.arrays import Array
 
 from ..motion.tool_motion import ToolMotion
 from ..part.motion import PartMotion
+from ..records.atomic import atomic
 from ..records.signals import RecordedRun
 from . import entities
 from .blueprint import Layout, blueprint
 from .paths import Contour, fitting_magnification
-from .recording import recording
 
 WORST_SHOWN = 3.0
 """Largest error shown by a learning curve, relative to the first run's."""
@@ -118,3 +124,50 @@ def _send_scene(
         entities.send_contour(to, run.k, contour, start)
         entities.send_series(to, run, contour, start)
         entities.send_spectrum(to, run.k, contour, start)
+
+
+@contextmanager
+def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
+    """Stream whose content becomes the file when the block ends without an error.
+
+    Raises OSError, such as on a full disk.
+    """
+    stream = rr.RecordingStream("armside", send_properties=False)
+    with atomic(path) as partial, _copied_to(partial) as pipe:
+        try:
+            # As the default blueprint of the file: one that is sent is not shown by the viewer.
+            stream.save(pipe, default_blueprint=blueprint)
+            yield stream
+            stream.flush()
+        finally:
+            stream.disconnect()
+
+
+@contextmanager
+def _copied_to(file: Path) -> Iterator[str]:
+    """Name of a pipe whose content is written to a file.
+
+    Rerun's own writer, on a full disk, waits for ever or ends the process without an error.
+    """
+    source, sink = os.pipe()
+    failures: list[OSError] = []
+    copying = Thread(target=_copy, args=(source, file, failures))
+    copying.start()
+    try:
+        yield f"/dev/fd/{sink}"
+    finally:
+        os.close(sink)
+        copying.join()
+    for failure in failures:
+        raise failure
+
+
+def _copy(source: int, file: Path, failures: list[OSError]) -> None:
+    with open(source, "rb") as content:
+        try:
+            with file.open("wb") as out:
+                copyfileobj(content, out)
+        except OSError as error:
+            failures.append(error)
+            while content.read(1 << 20):  # or whoever writes into the pipe would wait
+                pass

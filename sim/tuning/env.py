@@ -1,15 +1,11 @@
 """`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
 
 import copy
-from collections.abc import Sequence
-from os import PathLike
 from typing import Any
 
 import gymnasium
 import numpy as np
 
-from ..robot.individual import Individual
-from ..robot.spread import Drawn
 from .picture import Picture
 from .rules import Rules, Step
 from .situation import Situation
@@ -30,7 +26,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     With action="correction" it is the next correction itself, for learning algorithms that stand
     beside laws: (n m,), m coefficients of axis 1, then of axis 2 and so on. Each multiplies one of
     m B-splines or sines over the record, which are zero at both ends, and five times the RMS of the
-    axis's error before learning (`armside.sim.tuning.correction_basis`).
+    axis's error before learning (`armside.sim.tuning.action`).
 
     Observation: (8 n + 2,) float32, signals of a robot cell with n axes after a run, without the
     tool's position. With six axes:
@@ -65,59 +61,17 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     metadata = {"render_modes": ["rgb_array"], "render_fps": 1}  # noqa: RUF012 - of Gymnasium
 
     def __init__(
-        self,
-        *,
-        robot: str | PathLike[str] = "large",
-        motors: str = "shared",
-        reward: str = "tracker",
-        iterations: int = 5,
-        sealed: bool = False,
-        individual: int | Drawn | Individual | None = None,
-        twin: str | PathLike[str] | None = None,
-        shape: str | Sequence[str] = "circle",
-        radius: float | Sequence[float] | None = None,
-        action: str = "design",
-        basis: str = "b-splines",
-        functions: int = 12,
-        render_mode: str | None = None,
-        picture: str = "drawing",
+        self, *, render_mode: str | None = None, picture: str = "drawing", **options: Any
     ) -> None:
         """
         Args:
-            robot: large, irb1400, or a robot file (.toml).
-            motors: shared, one design for all motors, or each.
-            reward: the sensor that the reward is computed from: tracker, estimate or motor.
-            iterations: learning iterations of an episode, 1 to 10.
-            sealed: take the sealed test seeds, and only those.
-            individual: the robot of every episode, as the option of `reset`; drawn if None.
-            twin: folder of `armside commission` for that individual: the first run of an episode is
-                corrected by it, and learning goes on around its correction.
-            shape: circle, square, slot or hexagon, or several, one of which each episode draws.
-            radius: [m] of a circle, half the side of a square, the width of a hexagon or the length
-                of a slot; or a range (low, high) that each episode draws from. By default 5 mm, for
-                a slot 15 and for the others 10.
-            action: design, or correction: the next correction itself.
-            basis: b-splines or harmonics, of which corrections are made.
-            functions: of the basis, of each axis: 2 to 60.
             render_mode: rgb_array or None.
             picture: drawing (contour and errors, no GL needed) or mujoco (the robot).
+            options: fields of `armside.sim.tuning.rules.EnvCfg`.
 
         Raises ValueError for a value that does not exist; the message lists those that do.
         """
-        self.rules = Rules(
-            robot=robot,
-            motors=motors,
-            reward=reward,
-            iterations=iterations,
-            sealed=sealed,
-            individual=individual,
-            twin=twin,
-            shape=shape,
-            radius=radius,
-            action=action,
-            basis=basis,
-            functions=functions,
-        )
+        self.rules = Rules(**options)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
         self.render_mode = render_mode

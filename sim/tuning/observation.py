@@ -11,10 +11,9 @@ from armside.arrays import Array
 from armside.ilc.measures.norms import two_norm
 
 from ..robot.virtual_robot import LOG_PERIOD
-from .action import SIX
-from .correction_basis import CorrectionBasis
-from .shapes import LARGEST, SMALLEST, Shapes
+from .action import SIX, CorrectionBasis
 from .situation import Situation
+from .task import LARGEST, SMALLEST, Shapes
 
 
 @dataclass(frozen=True)

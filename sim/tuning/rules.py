@@ -13,25 +13,23 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
+from ..cell_file import find_cell
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
+from ..robot.applicable import check_applies
+from ..robot.cell_model import cell_model
 from ..robot.individual import Individual
-from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
-from ..robot.spread import Drawn, check_applies
-from ..robot_file.find import find_cell
+from ..robot.spread import Drawn
 from ..twin.correction import Corrected
-from ..twin.twin import learned, stored_twin
+from ..twin.library import learned, stored_twin
 from . import task
-from .action import VARIABLES, Motors, design_of
-from .checks import whole
-from .correction_basis import LARGEST_COUNT, Coefficients, CorrectionBasis
+from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
 from .observation import Layout
 from .sensor import RewardSensor, Sensor
-from .shapes import Shapes, shapes_of
 from .situation import Situation, advance, begin
-from .task import TEST_SEEDS, Task
+from .task import TEST_SEEDS, Shapes, Task, shapes_of, whole
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
 
@@ -52,33 +50,46 @@ class Score(NamedTuple):
     """The same within bounds, or the reward of a run that diverged."""
 
 
-@dataclass(frozen=True)
-class Rules:
-    """Configuration common to all episodes. Safe to use from several threads."""
+@dataclass(frozen=True, kw_only=True)
+class EnvCfg:
+    """Options of the envs, of which `gymnasium.make` takes each as a keyword."""
 
     robot: str | PathLike[str] = "large"
-    """Name of a cell, or a robot file."""
+    """large, irb1400, or a robot file (.toml)."""
     motors: str = "shared"
+    """shared, one design for all motors, or each."""
     reward: str = "tracker"
+    """Sensor that the reward is computed from: tracker, estimate or motor."""
     iterations: int = 5
-    """Learning iterations of an episode: the budget of the thesis."""
+    """Learning iterations of an episode, 1 to 10: the budget of the thesis."""
     sealed: bool = False
-    """Episodes are those of TEST_SEEDS, which are refused otherwise."""
+    """Take the sealed test seeds, TEST_SEEDS, and only those; they are refused otherwise."""
     individual: int | Drawn | Individual | None = None
-    """The robot of every episode, or its seed; drawn if None."""
+    """The robot of every episode, as the option of `reset`; drawn if None."""
     twin: str | PathLike[str] | None = None
-    """Folder of the twin of that individual, which corrects the first run of every episode."""
+    """Folder of `armside commission` for that individual: the first run of an episode is corrected
+    by it, and learning goes on around its correction."""
     shape: str | Sequence[str] = "circle"
-    """Shape of the contours, or several to draw from."""
+    """circle, square, slot or hexagon, or several, one of which each episode draws."""
     radius: float | Sequence[float] | None = None
-    """[m], of the contours, or a range to draw from; that of the shape if None. See
-    `armside.sim.motion.contour.contour_of`."""
+    """[m] of a circle, half the side of a square, the width of a hexagon or the length of a slot;
+    or a range (low, high) that each episode draws from. By default 5 mm, for a slot 15 and for the
+    others 10."""
     action: str = "design"
-    """Meaning of an action: the design of an iteration, or the next correction."""
+    """design, or correction: the next correction itself."""
     basis: str = "b-splines"
-    """Functions that corrections are made of: b-splines or harmonics."""
+    """b-splines or harmonics, of which corrections are made."""
     functions: int = 12
-    """Functions of each axis."""
+    """Functions of the basis, of each axis: 2 to 60."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rules(EnvCfg):
+    """Rules common to all episodes of a configuration. Safe to use from several threads.
+
+    Raises ValueError for a value that does not exist; the message lists those that do.
+    """
+
     cell: Cell = field(init=False, repr=False)
     """The robot's cell."""
     layout: Layout = field(init=False, repr=False)

@@ -18,7 +18,7 @@ from ..laser.plant import Pass
 from ..notes import Note
 from ..robot.recording import saturation
 from ..twin.correction import Corrected
-from .correction_basis import REACH, Coefficients
+from .action import REACH, Coefficients
 from .sensor import Reading, Sensor
 from .task import Task
 

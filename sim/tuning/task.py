@@ -6,7 +6,7 @@
 | speed | uniform in [20, 60] mm/s |
 | payload | mass of the tool, uniform in [20, 80] kg for the large robot; others keep their own |
 | individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.spread.Spread()` |
-| shape, radius | a circle of 5 mm, or as the env was made: `sim.tuning.shapes.Shapes` |
+| shape, radius | a circle of 5 mm, or as the env was made: `Shapes` |
 
 A robot of a file may not reach 50 mm beside its poses. Its draws stay in the directions in which
 its tool can move, and are halved until the contour can be cut.
@@ -15,11 +15,15 @@ The ranges are an ESTIMATE of what a cell meets in a year. The controller knows 
 and nothing of the individual.
 """
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
 
 from ..cell import CELLS, Cell, ToolPose, pose
 from ..instruments.imu import ImuCfg
@@ -30,9 +34,100 @@ from ..robot import spread
 from ..robot.individual import Individual
 from ..robot.model import RobotModel
 from ..robot.spread import Drawn
-from .checks import whole
-from .reach import candidates
-from .shapes import Shapes, check_radius, check_shape
+
+SMALLEST, LARGEST = 0.001, 0.1
+"""[m], of a radius that may be asked for."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Shapes of an env and their radius, as `armside.sim.cut.shapes.contour_of` has it."""
+
+    names: tuple[str, ...] = ("circle",)
+    radius: tuple[float, float] | None = None
+    """Smallest and largest [m]; that of each shape's default if None."""
+
+    @property
+    def are_drawn(self) -> bool:
+        """Contours differ between episodes."""
+        low, high = self.radius or (0.0, 0.0)
+        return len(self.names) > 1 or low < high
+
+    def draw(self, rng: np.random.Generator) -> tuple[str, float | None]:
+        """Shape and radius [m], None for the shape's default; draws nothing that is fixed."""
+        name = self.names[0 if len(self.names) == 1 else int(rng.integers(len(self.names)))]
+        if self.radius is None:
+            return name, None
+        low, high = self.radius
+        return name, low if low == high else float(rng.uniform(low, high))
+
+
+def shapes_of(shape: Any, radius: Any) -> Shapes:
+    """Shapes of one name or several, and a radius [m] or a range of it.
+
+    Raises ValueError for an unknown shape, or a radius out of range.
+    """
+    several = isinstance(shape, Sequence) and not isinstance(shape, str)
+    names = tuple(check_shape(name) for name in (shape if several else (shape,)))
+    if not names or len(set(names)) < len(names):
+        raise ValueError(f"shape must be one or several different ones, got {shape!r}")
+    if radius is None:
+        return Shapes(names)
+    ends = tuple(radius) if isinstance(radius, Sequence | np.ndarray) else (radius, radius)
+    if len(ends) != 2:
+        raise ValueError(f"radius must be a number or a range of two, got {radius!r}")
+    low, high = (check_radius(end) for end in ends)
+    if low > high:
+        raise ValueError(f"radius must be a range from low to high, got {radius!r}")
+    return Shapes(names, (low, high))
+
+
+def check_shape(value: Any) -> str:
+    """A known shape. Raises ValueError for any other."""
+    if not isinstance(value, str) or value not in RADII:
+        raise ValueError(f"Unknown shape {value!r}. It can be: {', '.join(RADII)}")
+    return value
+
+
+def check_radius(value: Any) -> float:
+    """A radius [m]. Raises ValueError for what is no number in range."""
+    numbers = int | float | np.integer | np.floating
+    number = isinstance(value, numbers) and not isinstance(value, bool)
+    if not (number and SMALLEST <= value <= LARGEST):
+        limits = f"from {SMALLEST:g} to {LARGEST:g} m"
+        raise ValueError(f"radius must be a number {limits}, got {value!r}")
+    return float(value)
+
+
+FRACTIONS = (1.0, 0.5, 0.25, 0.125, 0.0)
+"""Of the offset, in the order in which they are tried."""
+IMMOVABLE = 1e-6
+"""Singular values of the Jacobian below this part of the largest are directions without motion."""
+
+
+def candidates(cell: Cell, near: ToolPose, drawn: ToolPose) -> Iterator[ToolPose]:
+    """The drawn pose, moved ever closer to the named one, which comes last.
+
+    Where the tool's orientation is free, offsets keep to the directions in which the tool moves: an
+    arm in a plane stays in it.
+    """
+    offset = np.array(drawn.position) - np.array(near.position)
+    if cell.free_rotation:
+        offset = movable(cell, near) @ offset
+    for fraction in FRACTIONS:
+        x, y, z = (np.array(near.position) + fraction * offset).tolist()
+        yield replace(near, position=(x, y, z))
+
+
+def movable(cell: Cell, pose: ToolPose) -> Array:
+    """Projection (3, 3) on the directions in which the tool moves at a pose."""
+    start = np.zeros(cell.robot.n_joints) if cell.home is None else np.array(cell.home)
+    target = np.array([pose.position])
+    phi = kinematics.inverse_numeric_path(cell.robot, target, start, limits=cell.limits)[0]
+    U, size, _ = np.linalg.svd(kinematics.compile(cell.robot).jacobian(phi)[:3])
+    moved = U[:, : len(size)][:, size > IMMOVABLE * size[0]]
+    return moved @ moved.T
+
 
 POSE_SPREAD = 0.050  # [m]
 SPEEDS = (0.020, 0.060)
@@ -175,3 +270,18 @@ def within_reach(
         except ValueError:
             continue
     return last, experiment(robot, nominal, last, imu)
+
+
+def whole(name: str, value: Any, low: int, high: int | None = None) -> int:
+    """A whole number from `low` to `high`, of Python or NumPy.
+
+    Raises ValueError for anything else, True and False among it.
+    """
+    try:
+        number = None if isinstance(value, bool | np.bool_) else operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or number < low or (high is not None and number > high):
+        limits = f">= {low}" if high is None else f"in {low} .. {high}"
+        raise ValueError(f"{name} must be a whole number {limits}, got {value!r}")
+    return number

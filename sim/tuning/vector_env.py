@@ -8,7 +8,6 @@ Records differ in length with the speed: one common rollout would pad all to the
 import copy
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from os import PathLike
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,14 +15,12 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from ..cores import cores
 from ..cut.notes import motion_notes
 from ..notes import Note, Tally
-from ..robot.individual import Individual
-from ..robot.run import cores
-from ..robot.spread import Drawn
-from .checks import whole
 from .rules import Decision, Rules, Step
 from .situation import Situation
+from .task import whole
 
 Result = TypeVar("Result")
 
@@ -43,51 +40,28 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self,
         num_envs: int = 1,
         *,
-        robot: str | PathLike[str] = "large",
-        motors: str = "shared",
-        reward: str = "tracker",
-        iterations: int = 5,
-        sealed: bool = False,
-        individual: int | Drawn | Individual | None = None,
-        twin: str | PathLike[str] | None = None,
-        shape: str | Sequence[str] = "circle",
-        radius: float | Sequence[float] | None = None,
-        action: str = "design",
-        basis: str = "b-splines",
-        functions: int = 12,
         threads: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: None = None,
+        **options: Any,
     ) -> None:
         """
         Args:
             threads: robots that run at the same time; all cores if None.
             autoreset_mode: NextStep, SameStep or Disabled; sealed episodes, whose seeds are given,
                 need Disabled.
+            options: fields of `armside.sim.tuning.rules.EnvCfg`.
 
-        The others are those of the single env. Raises ValueError as it does.
+        Raises ValueError as the single env does.
         """
         self.num_envs = whole("num_envs", num_envs, 1)
         self.threads = cores() if threads is None else whole("threads", threads, 1)
         if render_mode is not None:
             raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
-        self.rules = Rules(
-            robot=robot,
-            motors=motors,
-            reward=reward,
-            iterations=iterations,
-            sealed=sealed,
-            individual=individual,
-            twin=twin,
-            shape=shape,
-            radius=radius,
-            action=action,
-            basis=basis,
-            functions=functions,
-        )
+        self.rules = Rules(**options)
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
-        if sealed and self.autoreset_mode is not AutoresetMode.DISABLED:
+        if self.rules.sealed and self.autoreset_mode is not AutoresetMode.DISABLED:
             raise ValueError(
                 "a sealed env cannot start episodes by itself: give autoreset_mode='Disabled'"
             )

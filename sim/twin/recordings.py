@@ -26,7 +26,7 @@ from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..laser.plant import Pass
 from ..notes import Note
-from ..records.errors import InputError
+from ..records.files import InputError
 from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
 from ..robot.recording import Recording

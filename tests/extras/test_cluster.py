@@ -30,7 +30,7 @@ NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20}
 from ray.cluster_utils import Cluster
 
 from armside.scripts.jobs.cluster import RayCluster
-from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse
 from armside.scripts.jobs.point import run_grid
 from armside.scripts.jobs.workers import Workers
@@ -42,7 +42,7 @@ def main():
     cluster.wait_for_nodes()
     assert cluster.address.startswith("127.0.0.1:"), cluster.address
     grid = parse(axes, 0)
-    on_ray, local = dataset(folder / "ray"), dataset(folder / "local")
+    on_ray, local = Dataset(folder / "ray"), Dataset(folder / "local")
     engine = RayCluster(cluster.address)
     done = 0
 

@@ -11,8 +11,7 @@ import pytest
 import armside.sim.tuning  # noqa: F401 - registers the env
 from armside import assets
 from armside.scripts import cli
-from armside.sim.tuning.evaluation import run_episode
-from armside.sim.tuning.policy import Network
+from armside.sim.tuning.evaluation import Network, run_episode
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 

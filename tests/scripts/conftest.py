@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from armside.scripts import cli
-from armside.scripts.jobs.dataset import dataset
-from armside.scripts.jobs.grid import parse
-from armside.scripts.jobs.point import run_grid
+from armside.scripts.jobs.dataset import Dataset
+from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.studies import storage
 from armside.scripts.thesis.report import Section
 
@@ -25,7 +24,7 @@ import sys
 sys.path.insert(0, {str(HERE)!r})
 from armside.scripts import cli
 from probe_experiment import load
-cli.COMMANDS["probe"], cli.load = "End as told to.", load
+cli.COMMANDS["probe"], cli.load = ("Look", "End as told to."), load
 sys.exit(cli.main())
 """
 
@@ -41,7 +40,7 @@ def armside(monkeypatch, tmp_path, capsys):
     """Runs a command line in this process, in an empty working folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(HERE)
-    monkeypatch.setitem(cli.COMMANDS, "probe", "End as told to.")
+    monkeypatch.setitem(cli.COMMANDS, "probe", ("Look", "End as told to."))
     monkeypatch.setattr(cli, "load", importlib.import_module("probe_experiment").load)
 
     def run(line: str) -> Outcome:
@@ -106,10 +105,10 @@ def whole(made_once):
     """The dataset of AXES, computed in one process without any disturbance."""
 
     def make(folder):
-        counts = run_grid(parse(AXES, 0), dataset(folder), Serial())
+        counts = run_grid(parse(AXES, 0), Dataset(folder), Serial())
         assert counts == {"done": 4, "failed": 4}
 
-    return dataset(made_once("whole", make)).read()
+    return Dataset(made_once("whole", make)).read()
 
 
 @pytest.fixture(scope="session")

@@ -5,8 +5,8 @@ import sys
 import time
 from pathlib import Path
 
-from armside.scripts.jobs.dataset import dataset
-from armside.scripts.jobs.point import Point
+from armside.scripts.jobs.dataset import Dataset
+from armside.scripts.jobs.grid import Point
 
 PLACES = "position=1316.6/1.4/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.9", PLACES, "speed=60", "iterations=1", "seed=0:2")
@@ -15,30 +15,19 @@ ROOT = Path(__file__).parent.parent.parent
 
 
 class Serial:
-    """An engine that runs a point when it is asked for results, by a function in place of its own
+    """An engine that runs a point when its result is asked for, by a function in place of its own
     `run` if one is given."""
 
     def __init__(self, function=Point.run):
-        self.function, self.queue, self.ran = function, [], []
+        self.function, self.ran = function, []
 
-    @property
-    def room(self):
-        return 2 - len(self.queue)
-
-    @property
-    def busy(self):
-        return bool(self.queue)
-
-    def submit(self, key, _run, point):
-        self.queue.append((key, point))
-
-    def collect(self):
-        key, point = self.queue.pop(0)
-        self.ran.append(key)
-        return [(key, self.function(point))]
+    def results(self, _run, items):
+        for key, point in items:
+            self.ran.append(key)
+            yield (key, point), self.function(point)
 
     def close(self):
-        self.queue.clear()
+        pass
 
 
 def failed(point, error):
@@ -72,5 +61,5 @@ def start(folder, **options):
 def wait_for(folder, n):
     """Wait until a dataset has so many rows."""
     deadline = time.monotonic() + 60
-    while len(dataset(folder).keys()) < n and time.monotonic() < deadline:
+    while len(Dataset(folder).keys()) < n and time.monotonic() < deadline:
         time.sleep(0.02)

@@ -1,11 +1,17 @@
 """Points of a sweep that do not run an experiment, for worker processes to import."""
 
+import math
 import os
 import signal
 from dataclasses import dataclass
 from typing import Any
 
-from armside.scripts.jobs.point import Point
+from armside.scripts.jobs.grid import Point
+
+
+def root_or_end(value: float) -> float:
+    """Square root; the process ends where there is none."""
+    return math.sqrt(value) if value >= 0.0 else os._exit(1)
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,19 @@ import resource
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
-from armside.scripts import cli
+from armside.scripts import cli, commands
 from armside.scripts.shell.errors import InputError
 
 
 def test_help_lists_every_experiment_with_its_line(armside):
     status, out, err = armside("--help")
     assert (status, err) == (0, "")
-    for name, line in cli.COMMANDS.items():
+    for name, (group, line) in cli.COMMANDS.items():
+        assert f" {group} ─" in out
         assert name in out
         assert line in out
 
@@ -36,7 +38,14 @@ def test_every_experiment_has_the_common_options(armside, name):
 
 def test_help_shows_units_and_defaults(armside):
     _, out, _ = armside("probe --help")
-    assert "Radius [mm]. [default: 5.0]" in " ".join(out.split())
+    assert "Radius [mm]. [default: 5]" in " ".join(out.split())
+
+
+@pytest.mark.parametrize("name", cli.COMMANDS)
+def test_help_shows_no_python(armside, name):
+    out = " ".join(armside(f"{name} --help").out.replace("│", " ").split())
+    for default in re.findall(r"default: ([^\]]*)\]", out):
+        assert not re.search(r"^[(\[{'\"<]|None|True|False|\w\.[A-Z_]+$", default), default
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
@@ -53,6 +62,8 @@ def test_a_section_for_programmers_ends_with_its_paragraph(armside):
 
 
 def test_a_command_is_a_function_of_its_own_module():
+    files = Path(commands.__file__).parent.glob("[a-z]*.py")
+    assert {file.stem.replace("_", "-") for file in files} == set(cli.COMMANDS)
     for name in cli.COMMANDS:
         command = cli.load(name)
         assert command.__module__ == f"armside.scripts.commands.{name.replace('-', '_')}"

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from armside.scripts.jobs.point import Point
+from armside.scripts.jobs.grid import Point
 from armside.scripts.jobs.resolved import key_of
 from armside.sim.instruments.laser_tracker import LaserTrackerCfg
 from armside.sim.twin import twin as library

@@ -11,7 +11,7 @@ from armside.scripts.cli import main
 from armside.scripts.cutting.comparison import CompareCfg, cases_of
 from armside.scripts.cutting.earlier_comparison import earlier_comparison
 from armside.scripts.shell.options import Common
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 
 WAYS = ["motor", "estimate", "tracker", "oracle"]
 ROBOT = str(assets.IRB1400_XML.parent / "two_link.toml")

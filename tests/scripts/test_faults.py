@@ -60,7 +60,7 @@ def test_ctrl_c_while_python_imports_is_one_line(tmp_path):
 
 SWALLOWED = """
 import ctypes, os, signal, sys
-from armside.scripts.shell import process
+from armside.scripts.shell import runner as process
 process.begin(debug=False)
 called = ctypes.CFUNCTYPE(None)(lambda: os.kill(os.getpid(), signal.SIGINT))
 called()  # what is raised in a function that compiled code calls is lost

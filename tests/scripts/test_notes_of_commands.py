@@ -17,7 +17,7 @@ from armside.sim.calibration import experiments, search
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.notes import Cause, Note
 from armside.sim.robot.effects import Effect
-from armside.sim.tuning.policy import Network
+from armside.sim.tuning.evaluation import Network
 
 HIT = Note(cause=Cause.SATURATION, text="drives saturate: torque limit of axis 2")
 LINE = "Note: drives saturate: torque limit of axis 2 (in"

@@ -161,7 +161,7 @@ def test_a_port_in_use_is_one_line(run, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--magnification 0 --web", "magnification must be > 0"),
+        ("--magnification 0 --web", "--magnification. Must be > 0"),
         ("--port 70000 --web", "port"),
         ("--save replay.txt", ".rrd"),
         ("--save missing/replay.rrd", "missing is no folder"),

@@ -16,7 +16,7 @@ import pytest
 
 from armside.scripts.commands import reproduce
 from armside.scripts.jobs import store as store_module
-from armside.scripts.jobs.point import Point
+from armside.scripts.jobs.grid import Point
 from armside.scripts.jobs.store import Store, code_fingerprint
 from armside.scripts.shell.console import Report
 from armside.scripts.shell.errors import InputError
@@ -42,29 +42,24 @@ sys.exit(cli.main())
 class Serial:
     """In place of worker processes, where these are not what a test is about."""
 
-    room, busy = 1, False
-
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         pass
 
-    def submit(self, tag, function, item):
-        self.task, self.busy, self.room = (tag, function, item), True, 0
-
-    def collect(self):
-        self.busy, self.room = False, 1
-        tag, function, item = self.task
-        try:
-            return [(tag, function(item))]
-        except Exception as error:
-            return [(tag, error)]
+    def results(self, function, items):
+        for item in items:
+            try:
+                outcome = function(item)
+            except Exception as error:
+                outcome = error
+            yield item, outcome
 
 
 def parts(folder: Path) -> list[Path]:
     """Files of finished results in the folder of a report."""
-    return sorted((folder / "results").glob("part-*.parquet"))
+    return sorted((folder / "results").glob("*.npz"))
 
 
 @pytest.fixture
@@ -202,7 +197,7 @@ def test_kill_9_loses_at_most_what_was_under_way(tmp_path):
     running.kill()
     running.wait()
     running.communicate()  # the pipe closes when the workers have ended too
-    kept = len(Store(tmp_path / "report" / "results").blocks.keys())
+    kept = len(parts(tmp_path / "report"))
     assert 3 <= kept < 12
     begun = len((tmp_path / "ran.log").read_text().split())
     assert begun - kept <= len(os.sched_getaffinity(0)) + 1  # one may be queued beyond the cores

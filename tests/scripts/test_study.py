@@ -16,12 +16,13 @@ from pathlib import Path
 import optuna
 import pytest
 from optuna.storages._heartbeat import get_heartbeat_thread
+from sqlalchemy.exc import OperationalError
 
 from armside.scripts.commands import tune
 from armside.scripts.shell.errors import InputError
 from armside.scripts.studies import storage as study_storage
 from armside.scripts.studies import study as studies
-from armside.scripts.studies.storage import redacted
+from armside.scripts.studies.storage import redacted, using
 from armside.scripts.studies.study import Outcome, open_study, suggest
 from armside.sim.tuning.action import Motors
 
@@ -242,9 +243,15 @@ def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeyp
             "postgresql+psycopg://user:***@host:1/none",
         ),
         ("postgresql://user:sec/r@et@host/b", "postgresql://user:***@host/b"),
-        ("postgresql://a@/b?host=/tmp&PassWord=secret", "postgresql://a@/b?host=/tmp&PassWord=***"),
-        ("mysql://a/b?p%61sswd=secret&charset=utf8", "mysql://a/b?p%61sswd=***&charset=utf8"),
+        (
+            "postgresql://a@/b?host=/tmp&PassWord=secret",
+            "postgresql://a@/b?PassWord=***&host=%2Ftmp",
+        ),
+        ("mysql://a/b?p%61sswd=secret&charset=utf8", "mysql://a/b?charset=utf8&passwd=***"),
         ("mssql:///?odbc_connect=UID=a;PWD=secret", "mssql:///?odbc_connect=***"),
+        ("postgresql://user:sec?ret@host/b", "postgresql://user:***@host/b"),
+        ("postgresql:user:secret@host/b", "***"),
+        ("runs/a.db", "runs/a.db"),
         ("postgresql://[::1]:5432/b", "postgresql://[::1]:5432/b"),
         ("sqlite:///runs/a:b.db", "sqlite:///runs/a:b.db"),
     ],
@@ -349,3 +356,37 @@ def test_a_server_that_goes_away_in_mid_study_is_one_line(postgres, tmp_path):
     assert last.startswith("armside: ")
     assert last.endswith("it keeps finished trials")
     assert all(line.startswith("armside: waiting") for line in err.splitlines()[:-1])
+
+
+def test_a_mode_that_sqlite_would_not_see_is_refused_and_nothing_is_made(bad_input):
+    said = "?mode= is part of an SQLite URI: sqlite:///file:a.db?mode=ro&uri=true"
+    bad_input(f"tune {QUICK} --storage sqlite:///a.db?mode=ro", said)
+
+
+def test_a_pool_that_loses_its_server_prints_no_traceback(tmp_path):
+    code = f"""
+import logging
+from armside.scripts.studies.storage import connect
+connect("sqlite:///{tmp_path}/a.db")
+logging.getLogger("sqlalchemy.pool.impl.QueuePool").error("Exception during reset or similar")
+"""
+    command = [sys.executable, "-c", code]
+    assert subprocess.run(command, capture_output=True, check=True).stderr == b""
+
+
+@pytest.mark.parametrize(
+    ("error", "printed"), [(OperationalError("", {}, OSError()), False), (KeyError("ours"), True)]
+)
+def test_a_heartbeat_that_loses_its_server_prints_no_traceback(error, printed, monkeypatch):
+    seen = []
+    monkeypatch.setattr(threading, "excepthook", seen.append)
+
+    def beat():
+        raise error
+
+    with using("sqlite:///a.db"):
+        heartbeat = threading.Thread(target=beat)
+        heartbeat.start()
+        heartbeat.join()
+    assert len(seen) == printed
+    assert threading.excepthook == seen.append

@@ -1,6 +1,7 @@
 """`armside sweep`: what is asked for is there once, and what went wrong is said."""
 
 import json
+import shutil
 import sys
 
 import pyarrow.parquet as pq
@@ -8,8 +9,9 @@ import pytest
 
 from armside.scripts.cutting.learning import run
 from armside.scripts.cutting.options import LaserCfg
-from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse
+from armside.scripts.jobs.queue import Claims
 from armside.scripts.shell.errors import InputError
 
 from .sweep_engine import Serial, failing_with, quick, start
@@ -50,7 +52,7 @@ def test_an_axis_that_makes_no_sense_is_refused(axes, message):
     [
         ("gamma=1 --engine ray", "needs --address"),
         ("gamma=1 --address 1.2.3.4:5", "engine ray"),
-        ("gamma=1 --workers 0", "workers must be >= 1"),
+        ("gamma=1 --workers 0", '"0" for --workers. Must be >= 1'),
         ("gamma=1 --into file", "file is a file"),
         ("gamma=1 --engine cloud", "engine"),
         ("pose=p1,p9", "Unknown pose 'p9'"),
@@ -132,7 +134,7 @@ def test_limits_are_counted_at_the_end_and_noted_in_the_rows(armside, tmp_path, 
     assert said in out
     _, out, _ = armside("sweep delta=1:4 --into there --json")
     assert json.loads(out)["notes"] == [{"text": "the speed is lowered", "configurations": 2}]
-    assert sorted(map(len, dataset(tmp_path / "there").read()["notes"].to_pylist())) == [0, 1, 1]
+    assert sorted(map(len, Dataset(tmp_path / "there").read()["notes"].to_pylist())) == [0, 1, 1]
     _, out, _ = armside("sweep delta=1 --into there")
     assert "Note" not in out
 
@@ -140,8 +142,10 @@ def test_limits_are_counted_at_the_end_and_noted_in_the_rows(armside, tmp_path, 
 def test_a_dataset_of_before_notes_is_read_and_added_to(armside, tmp_path, monkeypatch):
     monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(noted))
     assert armside("sweep delta=1:4 --into there").status == 0
-    for part in (tmp_path / "there").glob("part-*"):
-        pq.write_table(pq.read_table(part).drop_columns(["notes"]), part)
+    (part,) = (tmp_path / "there").glob("part-*")
+    pq.write_table(pq.read_table(part).drop_columns(["notes"]), part.with_name("part-ab.parquet"))
+    part.unlink()
+    shutil.rmtree(tmp_path / "there" / ".rows")  # which that version had none of
     status, out, _ = armside("sweep delta=1:5 --into there")
     assert (status, "1 done, 3 known" in out) == (0, True)
     assert "limits changed 1 of them" in out
@@ -157,20 +161,17 @@ def test_ctrl_c_says_what_is_kept(armside, tmp_path, monkeypatch):
     status, _, err = armside("sweep delta=3 --into there")
     assert (status, err) == (130, "armside: interrupted, nothing was kept\n")
     status, _, err = armside("sweep delta=1:9 --into there")
-    kept = len(dataset(tmp_path / "there").read())
+    kept = len(Dataset(tmp_path / "there").read())
     assert 0 < kept < 8
     assert status == 130
     assert f"{kept} of 8 configurations are kept in there, repeat the command to go on" in err
 
 
 def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatch):
-    monkeypatch.setattr("armside.scripts.jobs.queue.POLL", 0.01)
-    grid = list(parse(("delta=1:4",), 0))
-    store = dataset(tmp_path / "there")
-    theirs = store.claim(dataset(tmp_path).name(grid[0].key))
-    n_theirs = sum(dataset(tmp_path).name(point.key) == theirs.name for point in grid)
+    keys = [point.key for point in parse(("delta=1:4",), 0)]
+    theirs, looks = Claims(tmp_path / "there"), []
+    assert theirs.take(keys[1])
     monkeypatch.setattr("armside.scripts.commands.sweep.Workers", lambda _: Serial(quick))
-    looks = []
 
     def sleep(_):
         looks.append(None)
@@ -179,11 +180,11 @@ def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatc
 
     monkeypatch.setattr("armside.scripts.jobs.queue.time.sleep", sleep)
     status, _, err = armside("sweep delta=1:4 --into there")
-    said = f"armside: waiting for {n_theirs} configurations that another sweep has claimed\n"
+    said = "armside: waiting for 1 configurations that another sweep has claimed\n"
     assert (status, err, len(looks)) == (0, said, 3)
 
 
 def test_two_sweeps_into_one_folder_share_the_work(tmp_path, whole):
     both = [start(tmp_path) for _ in range(2)]
     assert [process.wait(120) for process in both] == [1, 1]  # half of it cannot be done
-    assert dataset(tmp_path).read().equals(whole)
+    assert Dataset(tmp_path).read().equals(whole)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.scripts.shell.console import Report
+from armside.scripts.shell.console import Report, cell
 from armside.scripts.shell.options import Common
-from armside.scripts.shell.tables import cell
 
 WIDTHS = (40, 60, 80, 200)
 

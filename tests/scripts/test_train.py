@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from armside.scripts.studies.tuned_design import whole_batches
-from armside.sim.tuning.policy import Network
+from armside.scripts.studies.study import whole_batches
+from armside.sim.tuning.evaluation import Network
 
 
 def _network(rng):
@@ -71,7 +71,7 @@ def test_a_folder_that_cannot_be_made_is_found_before_learning(armside, monkeypa
     ("options", "message"),
     [
         ("--seed 899999990", "sealed test seeds"),
-        ("--robots 0", "robots must be >= 1"),
+        ("--robots 0", '"0" for --robots. Must be >= 1'),
     ],
 )
 def test_bad_input_is_one_line(armside, options, message):

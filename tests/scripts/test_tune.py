@@ -139,7 +139,7 @@ def test_other_samplers_propose_designs(armside, sampler):
         ("--payload=-1", "payload must be >= 0 kg"),
         ("--payload 5000", "cannot carry its load"),
         ("--study=", "study must have a name"),
-        ("--trials 0", "trials must be >= 1"),
+        ("--trials 0", '"0" for --trials. Must be >= 1'),
         ("--sampler genius", "sampler"),
         ("--seed 900000000", "sealed test seeds"),
     ],

@@ -12,6 +12,7 @@ from armside.scripts.shell import console
 from armside.scripts.shell.options import Common
 from armside.scripts.studies import report as tune_report
 from armside.scripts.studies import study as studies
+from armside.scripts.studies.report import importance
 from armside.scripts.studies.search import search
 from armside.scripts.studies.study import Outcome, open_study
 from armside.sim.laser.design import THESIS
@@ -142,3 +143,33 @@ def test_limits_that_the_best_design_touches_are_noted():
     (note,) = studies.notes_of_best(study)
     assert note.line == "with the best design speed limit is reached"
     assert studies.notes_of_best(optuna.create_study()) == []
+
+
+def _searched(rng, n_trials, n_parameters, objective):
+    """A random search in which `objective` says what a point is worth."""
+    unit = optuna.distributions.FloatDistribution(0.0, 1.0)
+    study = optuna.create_study()
+    for x in rng.uniform(size=(n_trials, n_parameters)):
+        params = {f"x{i}": value for i, value in enumerate(x.tolist())}
+        kinds = dict.fromkeys(params, unit)
+        study.add_trial(
+            optuna.trial.create_trial(params=params, distributions=kinds, value=objective(x))
+        )
+    return study
+
+
+@pytest.mark.parametrize(("n_parameters", "n_trials"), [(3, 60), (18, 100)])
+def test_importances_name_what_matters(n_parameters, n_trials):
+    rng = np.random.default_rng(0)
+    found = importance(_searched(rng, n_trials, n_parameters, lambda x: (x[1] - 0.3) ** 2))
+    assert next(iter(found)) == "x1"
+    assert [name for name, one in found.items() if one.share > one.by_chance] == ["x1"]
+    assert sum(one.share for one in found.values()) == pytest.approx(1.0)
+
+
+def test_noise_is_not_told_from_chance_and_few_trials_are_not_asked():
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        found = importance(_searched(rng, 20, 3, lambda x: rng.normal()))
+        assert all(one.share <= one.by_chance for one in found.values())
+    assert importance(_searched(rng, 9, 3, lambda x: (x[1] - 0.3) ** 2)) == {}

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
 
-from armside.scripts.studies.tuned_design import first_action, load_design
+from armside.scripts.studies.study import first_action, load_design
 from armside.scripts.verifications import env as verify_env
 from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
-from armside.sim.tuning.evaluation import always, evaluate
-from armside.sim.tuning.policy import Network
+from armside.sim.tuning.evaluation import Network, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS, draw
 

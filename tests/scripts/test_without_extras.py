@@ -31,6 +31,7 @@ class Nothing:
 sys.meta_path.insert(0, Nothing())
 """
 
+MAIN = "from armside.scripts.cli import main\nsys.exit(main(sys.argv[1:]))"
 QUICK = """
 from armside.ilc.estimation import prediction_error
 prediction_error._FIRST_STEPS, prediction_error._STEPS, prediction_error._KEPT = 3, 5, 1
@@ -46,9 +47,15 @@ def run(code: str, *words: str, cwd=None) -> str:
     return done.stdout
 
 
-def test_every_command_but_that_of_drawings_loads_without_extras():
-    others = [name for name in COMMANDS if name != "cut"]
-    run(f"from armside.scripts.cli import load\nfor name in {others}: load(name)")
+def test_every_command_shows_its_help_without_extras():
+    shown = f"assert not any(main([name, '--help']) for name in {list(COMMANDS)})"
+    run(f"from armside.scripts.cli import main\n{shown}")
+
+
+def test_a_part_without_the_extra_is_one_line(tmp_path):
+    (tmp_path / "part.dxf").touch()
+    with pytest.raises(AssertionError, match=r"cut needs shapely.*install 'armside\[parts\]'"):
+        run(MAIN, "cut", "part.dxf", cwd=tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -64,6 +71,5 @@ def test_every_command_but_that_of_drawings_loads_without_extras():
 )
 def test_a_run_works_without_extras(words, tmp_path):
     quick = "" if os.environ.get("ARMSIDE_CI") else QUICK
-    code = quick + "from armside.scripts.cli import main\nsys.exit(main(sys.argv[1:]))"
     out = () if words[0] == "robot" else ("--out", "run")
-    assert run(code, *words, *out, cwd=tmp_path)
+    assert run(quick + MAIN, *words, *out, cwd=tmp_path)

@@ -9,7 +9,7 @@ from armside.sim.laser.learning import iterate
 from armside.sim.laser.resume import state_after
 from armside.sim.laser.tool_measure import Source, ToolPath
 from armside.sim.part.carried import carried, follows
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 
 CUT = Cut(radius=0.003, speed=0.060)
 MEASURE = ToolPath(source=Source.TRACKER)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ...records.errors import InputError
+from ...records.files import InputError
 
 NONE = "none"
 """Given in place of a topic: the instrument is not read."""

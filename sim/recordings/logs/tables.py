@@ -12,8 +12,7 @@ import pyarrow.csv as pacsv
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
-from ...records.files import LARGEST_DATA, check_file, check_n_values
+from ...records.files import LARGEST_DATA, InputError, check_file, check_n_values
 
 SEPARATORS = ("\t", ";", ",")
 """The first one that the header has is taken."""

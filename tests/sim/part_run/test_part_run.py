@@ -13,7 +13,7 @@ from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.part_run.experiment import Job, prepare
-from armside.sim.records.part_path import from_json, to_json
+from armside.sim.records.programmed_path import from_json, to_json
 
 
 @pytest.fixture(scope="module")

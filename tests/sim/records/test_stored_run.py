@@ -18,7 +18,7 @@ from armside.sim.motion import tool_motion
 from armside.sim.motion.contour import Circle, hexagon, slot
 from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.records import read_run
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 from armside.sim.records.programmed_path import from_json, to_json
 from armside.sim.replay import film
 from armside.sim.replay.run_scene import read_replay

@@ -172,7 +172,7 @@ def test_it_is_small_and_carries_a_blueprint(file):
 
 
 def test_every_kind_of_visible_geom_is_drawn_once():
-    from armside.sim.replay.geoms import shapes
+    from armside.sim.replay.entities import shapes
 
     drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
     assert {name.removeprefix("robot/") for name in drawn} == {
@@ -193,7 +193,7 @@ def test_every_kind_of_visible_geom_is_drawn_once():
 
 
 def test_geoms_are_turned_and_coloured_as_in_the_model():
-    from armside.sim.replay.geoms import shapes
+    from armside.sim.replay.entities import shapes
 
     drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
     box, sphere = drawn["robot/thing/box"], drawn["robot/thing/sphere"]
@@ -204,7 +204,7 @@ def test_geoms_are_turned_and_coloured_as_in_the_model():
 
 
 def test_a_mesh_is_drawn_where_the_physics_has_it():
-    from armside.sim.replay.geoms import shapes
+    from armside.sim.replay.entities import shapes
 
     mj = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
     data = mujoco.MjData(mj)

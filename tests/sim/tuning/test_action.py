@@ -2,15 +2,19 @@
 
 import re
 
+import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 from hypothesis import given
 from hypothesis import strategies as st
 
+from armside import assets
 from armside.sim.laser.design import THESIS, Design
-from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
+from armside.sim.tuning.action import VARIABLES, CorrectionBasis, Motors, action_of, design_of
 from armside.sim.tuning.env import IlcTuningEnv
 from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 ROUNDING = 1e-6
 """Relative, of a float32 action."""
@@ -87,3 +91,89 @@ def test_an_action_that_is_none_is_refused_with_its_place(action, message):
 def test_a_design_outside_of_the_ranges_is_no_action():
     with pytest.raises(ValueError, match=r"gamma must be in \[0.1, 1.5\]"):
         action_of(Design(gamma=(2.0,), delta=(3,), cutoff=(10.0,)), Motors.SHARED)
+
+
+ID = "armside:armside/IlcTuning-v0"
+TWO_LINK = str(assets.LARGE_ROBOT_XML.with_name("two_link.toml"))
+HOW = {"robot": TWO_LINK, "action": "correction", "functions": 8}
+
+
+@pytest.fixture(scope="module")
+def before():
+    rules = Rules(**HOW, iterations=3)
+    return rules, rules.begin(rules.draw(np.random.default_rng(0)))
+
+
+@pytest.mark.parametrize("kind", ["b-splines", "harmonics"])
+def test_corrections_begin_and_end_at_zero_and_are_fitted_again(kind):
+    basis, size = CorrectionBasis(kind, 6), np.array([1e-3, 2e-3])
+    values = np.linspace(-1.0, 1.0, 12)
+    u = basis.decoded(values, 2).correction(300, size)
+    assert not u[[0, -1]].any()
+    np.testing.assert_allclose(basis.fit(u, size).ravel(), values, atol=1e-12)
+
+
+def test_the_spaces_follow_axes_and_functions(before):
+    rules, situation = before
+    assert rules.action_space.shape == (2 * 8,)
+    assert rules.observation_space.shape == (8 * 2 + 2 + 2 * 2 * 8,)
+    assert rules.observe(situation) in rules.observation_space
+
+
+@pytest.mark.parametrize("basis", ["b-splines", "harmonics"])
+def test_the_env_checker_has_nothing_to_say(basis):
+    check_env(
+        gymnasium.make(ID, iterations=2, basis=basis, **HOW).unwrapped, skip_render_check=True
+    )
+
+
+def test_the_same_action_is_the_same_correction_and_zero_is_none(before):
+    rules, situation = before
+    action = np.random.default_rng(1).uniform(-0.2, 0.2, 16)
+    after = rules.advance(situation, rules.decision(action))
+    seen = rules.observe(after)[-16:]
+    np.testing.assert_allclose(seen, action, atol=1e-6)
+    none = rules.advance(after, rules.decision(np.zeros(16)))
+    assert not none.correction.any()
+
+
+def test_adding_the_observed_error_is_learning(before):
+    """The simplest law there is, u + e in the basis, by what the observation holds."""
+    rules, situation = before
+    first = situation.two_norm
+    for _ in range(2):
+        seen = rules.observe(situation)
+        error, correction = seen[-32:-16], seen[-16:]
+        action = np.clip(correction + 0.7 * error, -1.0, 1.0)
+        situation = rules.advance(situation, rules.decision(action))
+    assert (situation.two_norm < 0.7 * first).all()
+
+
+def test_rows_of_the_vector_env_are_those_of_the_single_env():
+    one = gymnasium.make(ID, iterations=1, **HOW)
+    many = IlcTuningVectorEnv(2, iterations=1, threads=1, **HOW)
+    action = np.full((2, 16), 0.1, np.float32)
+    many.reset(seed=3)
+    one.reset(seed=3)
+    np.testing.assert_array_equal(many.step(action)[0][0], one.step(action[0])[0])
+    many.close()
+
+
+@pytest.mark.parametrize(
+    ("action", "said"),
+    [
+        (np.zeros(3), r"shape \(16,\)"),
+        (np.full(16, np.nan), r"function 1 of axis 1"),
+        (np.r_[np.zeros(9), 2.0, np.zeros(6)], r"function 2 of axis 2"),
+        ("none", "must be 16 numbers"),
+    ],
+)
+def test_an_action_that_is_none_is_refused(action, said, before):
+    with pytest.raises(ValueError, match=said):
+        before[0].decision(action)
+
+
+@pytest.mark.parametrize("how", [{"basis": "wavelets"}, {"functions": 1}, {"action": "u"}])
+def test_options_that_do_not_exist_are_refused(how):
+    with pytest.raises(ValueError, match=r"basis|functions|action"):
+        Rules(**(HOW | how))

@@ -10,10 +10,8 @@ from armside.sim.cut.shapes import RADII
 from armside.sim.robot_file.find import read_cell
 from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
 from armside.sim.tuning.evaluation import always, run_episode
-from armside.sim.tuning.reach import candidates, movable
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.shapes import Shapes, shapes_of
-from armside.sim.tuning.task import OPTIONS, draw
+from armside.sim.tuning.task import OPTIONS, Shapes, candidates, draw, movable, shapes_of
 
 ID = "armside/IlcTuning-v0"
 TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")
