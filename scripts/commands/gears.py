@@ -9,7 +9,7 @@ from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
 from armside.sim.cell_file import find_cell
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.specification import Cut
 from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
@@ -132,7 +132,7 @@ def _recordings(
         raise ValueError(f"give recordings of {cfg.robot}: only {runnable} can be run")
     cell = find_cell(cfg.robot)
     pose = cfg.pose or [*cell.poses, "p1"][1]
-    setup = Setup(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
+    setup = Cut(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
     made: list[MotionRecording] = []
     runs = RUNS if cfg.runs is None else cfg.runs
     with report.progress("running", total=runs) as step:

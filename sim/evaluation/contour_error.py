@@ -12,19 +12,16 @@ from ..part.motion import ContourPlace, PartMotion
 from .corners import corner_error
 from .kerf import kerf
 from .path_accuracy import path_measures
-from .tool_error import tool_error
+from .tool_error import ToolError, tool_error
 
 REST = 0.1
 """Time over which the position at rest before the part is averaged [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContourError:
+class ContourError(ToolError):
     """Errors of one contour in one run [m]; NaN where samples are missing."""
 
-    rms: float
-    maxdev: float
-    """Of the shape, (9.6) and (9.7): after a best fit to the programmed contour."""
     position: float
     """Distance of its middle from its programmed place, counted from the tool at rest."""
     path_accuracy: float
@@ -33,8 +30,6 @@ class ContourError:
     """Of the edge of a round hole that a beam leaves; NaN for any other contour."""
     corner: float
     """Largest deviation of the shape in corners; NaN where there are none."""
-    path: Array
-    """(M, 2), fitted to the contour, around its middle."""
 
 
 def contour_errors(

@@ -13,8 +13,7 @@ from armside import kinematics
 from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
-from ..laser.experiment import Experiment
-from ..laser.plant import Pass
+from ..laser.experiment import Experiment, Pass
 
 if TYPE_CHECKING:
     from ..laser.tool_measure import ToolOutput

@@ -13,7 +13,7 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..estimation.relative_path import REST_SAMPLES, relative_to_start
 from ..instruments.imu import ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
-from ..laser.plant import Pass
+from ..laser.experiment import Pass
 from ..robot.recording import Recording
 
 _TRACKER_FILTER = 40.0

@@ -10,9 +10,8 @@ from armside.sim.cut.contour import hexagon
 from armside.sim.estimation.way import trust
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.laser.experiment import Experiment, Iteration, Pass
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.plant import Pass
 from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Cause
 

@@ -16,7 +16,8 @@ from armside.sim.cut import tool_motion
 from armside.sim.cut.contour import Circle, hexagon, slot
 from armside.sim.cut.path import CuttingPath, Plane
 from armside.sim.evaluation.recorded import measure_signals
-from armside.sim.laser import experiment, plant
+from armside.sim.laser import experiment
+from armside.sim.laser import experiment as plant
 from armside.sim.records import read_run
 from armside.sim.records.errors import InputError
 from armside.sim.records.programmed_path import from_json, to_json

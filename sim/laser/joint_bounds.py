@@ -21,11 +21,11 @@ from armside.kinematics.rotation import from_quaternion
 
 from ..cut.path import Plane
 from ..cut.profile_grid import Bounds, BoundsAt
-from ..laser.setup import Setup
 from ..moves.instructions import Dynamics
 from ..part.chain import Chain, place
 from ..robot.drives import Drives
 from ..robot.statics import Statics
+from .specification import Setup
 
 SPACING, TURN = 5e-3, 0.1
 """Largest distance [m] and angle [rad] between the places at which the arm is evaluated; limits are
