@@ -4,12 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.chain import MM, Chain, arc, joined, line
 from armside.sim.part.drawing import Joined
 from armside.sim.part.part import Part, part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.part_run.experiment import Job, planned
 
 from .timing import Row, interleaved
 
@@ -24,8 +23,8 @@ SPEED, POSE = 0.100, "p1"
 def parts() -> Sequence[Row]:
     """A part of 500 entities, within the limits of joints and drives."""
     part = sheet(ENTITIES)
-    job = Job(part=part, cutting=Cutting(speed=SPEED), setup=Setup(pose=POSE))
-    (seconds,) = interleaved([lambda: planned(job)], repeats=1)
+    cut = PartCut(part=part, cutting=Cutting(speed=SPEED), pose=POSE)
+    (seconds,) = interleaved([lambda: cut.plan], repeats=1)
     name = f"plan of {ENTITIES} entities, {len(part.contours)} contours, at {POSE}"
     return [Row(name, seconds)]
 

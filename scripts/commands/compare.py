@@ -5,22 +5,27 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from armside.sim.laser.comparison import COMPARED, Case, rms
+from armside.ilc.workbench.state import RunState
+from armside.sim.laser.comparison import COMPARED, Case, compared, rms
 from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import Begin, iterate
+from armside.sim.laser.learning import Start, iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.notes import notes
-from armside.sim.laser.ways import Way, compared
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin.twin import stored_twin
 
-from ..cutting.comparison import CompareCfg, cases_of, refuse_absurd_comparison
-from ..cutting.earlier import FromCfg
-from ..cutting.earlier_comparison import earlier_comparison, save_all
-from ..cutting.learning import Prepared
+from ..cutting.comparison import (
+    CompareCfg,
+    cases_of,
+    refuse_absurd_comparison,
+    save_states_of,
+    starts_of,
+)
+from ..cutting.earlier import FromCfg, earlier
+from ..cutting.learning import Ready
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common
@@ -42,26 +47,25 @@ def compare(
     with checking_input():
         check_writable(common.out or RUNS / "compare")
         if of.start is not None:
-            cfg, common, before = earlier_comparison(of.start, cfg, common, cases_of)
+            cfg, common, before = earlier(of.start, "compare", cfg, common)
         todo = cases_of(cfg, common.seed)
         refuse_absurd_comparison(cfg, len(todo))
-        begins = [{} if before is None else before.begins(*each) for each in enumerate(todo)]
+        starts = [{} if before is None else starts_of(before, *each) for each in enumerate(todo)]
         for case in todo[:1]:
             case.experiment()  # an individual may not fit the robot
         if cfg.twin is not None:
             stored_twin(cfg.twin).check(todo[0].cut)
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
-    ways: list[dict[str, Way]] = []
+    found: list[dict[str, list[Iteration]]] = []
     with report.progress("comparing", total=len(todo)) as step:
-        for case, begin in zip(todo, begins, strict=True):
-            learned = compared(case, cfg.iterations, measure, begin)
+        for case, start in zip(todo, starts, strict=True):
+            learned = compared(case, cfg.iterations, measure, start)
             if cfg.twin is not None:
-                learned["twin"] = _by_twin(case, cfg.twin, cfg.iterations, begin.get("twin"))
-            ways.append(learned)
+                learned["twin"] = _by_twin(case, cfg.twin, cfg.iterations, start.get("twin"))
+            found.append(learned)
             step()
-    found = [{name: way.iterations for name, way in each.items()} for each in ways]
-    rows = [row for case, each in zip(todo, ways, strict=True) for row in _rows(case, each)]
+    rows = [row for case, each in zip(todo, found, strict=True) for row in _rows(case, each)]
     said = together(_notes(todo, found))
     counted = [each.k for each in max((m for of in found for m in of.values()), key=len)]
     started = None if before is None else before.entry
@@ -69,7 +73,7 @@ def compare(
         "compare", cfg, common, comparisons=rows, k=counted, notes=said, started_from=started
     )
     with run_folder(outcome, common) as folder:
-        save_all(folder, [{name: way.state for name, way in each.items()} for each in ways])
+        save_states_of(folder, found)
         figures.learned(folder / "compare.png", todo, found)
         figures.write_replay(folder / "replay.rrd", todo[0], found[0])
         if cfg.imu:
@@ -84,14 +88,13 @@ def compare(
     report.results(outcome, folder.path)
 
 
-def _by_twin(case: Case, folder: Path, iterations: int, begin: Begin | None) -> Way:
+def _by_twin(case: Case, folder: Path, iterations: int, before: Start | None) -> list[Iteration]:
     """First run by a twin's correction; learning goes on from the motor angles."""
-    measure, experiment = MotorAngles(default_design(case.cut.cell)), case.experiment()
-    job = Prepared.of(experiment, measure).by_twin_of(folder)
-    resume = None if begin is None else begin.resume
-    begin = Begin(start=job.start, resume=resume)
-    runs = iterate(experiment, job.set_up, iterations, start=job.start, resume=resume)
-    return Way.of(list(runs), experiment, begin.first_correction)
+    measure = MotorAngles(default_design(case.cut.cell))
+    made = Ready(experiment=case.experiment(), measure=measure).corrected_by(folder)
+    if isinstance(before, RunState):
+        made = replace(made, start=before)
+    return list(made.iterations(iterations))
 
 
 def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
@@ -106,19 +109,19 @@ def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterato
                 yield replace(note, text=f"{where}: {note.text}")
 
 
-def _rows(case: Case, found: dict[str, Way]) -> Iterator[dict[str, Any]]:
-    experiment = case.experiment()
-    uncorrected = found["motor"].iterations[0].tool.rms
-    if found["motor"].state.start is not None:
+def _rows(case: Case, found: dict[str, list[Iteration]]) -> Iterator[dict[str, Any]]:
+    experiment, motors = case.experiment(), found["motor"]
+    uncorrected = motors[0].tool.rms
+    if motors[0].correction.any():
         without = MotorAngles(default_design(case.cut.cell)).prepare(experiment)
         uncorrected = next(iterate(experiment, without, 0)).tool.rms
-    for measure, way in found.items():
+    for measure, iterations in found.items():
         yield {
             "pose": case.cut.pose,
             "programmed_speed": case.cut.speed,
             "reached_speed": experiment.motion.reached_speed,
             "measure": measure,
-            "arm_rms": rms(way.iterations),
+            "arm_rms": rms(iterations),
             "uncorrected": uncorrected,
-            "diverged": way.iterations[-1].diverged,
+            "diverged": iterations[-1].diverged,
         }

@@ -1,18 +1,14 @@
 """`armside laser`: a robot cuts a contour, ILC improves it, a laser tracker measures it."""
 
-from dataclasses import replace
-
-from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.plant import Pass
-from armside.sim.laser.results import iteration_row, quality
+from armside.sim.laser.experiment import Iteration, Pass
+from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import summary
 
-from ..cutting import first_cut
-from ..cutting.earlier import FromCfg, earlier, kept_state, save_state, show_transfer
-from ..cutting.endings import fail_unless_done
-from ..cutting.learning import prepared
+from ..cutting.earlier import FromCfg, earlier, save_state
+from ..cutting.learning import fail_unless_done, ready
 from ..cutting.options import LaserCfg
+from ..cutting.specification import cut, measure
 from ..figures.laser_results import show, write
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -31,41 +27,30 @@ def laser(
     with checking_input():
         check_writable(common.out or RUNS / "laser")
         if of.start is not None:
-            cfg, common, before = earlier(of.start, "laser", cfg, common, cfg.iterations)
-        job = replace(prepared(cfg, common.seed), earlier=before)
-        started = job.start
-    if cfg.twin is not None:
-        job = job.by_twin_of(cfg.twin)
-        started = job.start
-    experiment, by_twin = job.experiment, job.by_twin
+            cfg, common, before = earlier(of.start, "laser", cfg, common)
+        made = ready(cut(cfg), measure(cfg), common.seed, before)
+    made = made.corrected_by(cfg.twin)
+    experiment, iterations, repeated = made.experiment, list[Iteration](), list[Pass]()
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
-        iterations = list[Iteration]()
-        for iteration in job.iterations(cfg.iterations):
+        for iteration in made.iterations(cfg.iterations):
             iterations.append(iteration)
             step()
-        state = kept_state(iterations[-1].state, experiment.plant, started)
-        last, repeated = iterations[-1], list[Pass]()
+        last = iterations[-1]
         for _ in range(0 if last.diverged else cfg.repetitions):
             repeated.append(experiment.plant.run(last.correction))
             step()
-    found = job.results(iterations) | quality(experiment, iterations, repeated, cfg.beam)
-    uncorrected = job.uncorrected
-    if before is not None:
-        found |= {"started_from": before.entry}
-        if uncorrected is not None:
-            found["started_from"]["uncorrected"] = iteration_row(uncorrected)
-    if by_twin is not None and before is None:
-        more, notes = first_cut.outcome(by_twin, iterations[0].run, cfg)
-        found |= more | {"notes": [*found["notes"], *notes]}
+    found = results(experiment, iterations, of_tool=cfg.measure != "motor")
+    found |= quality(experiment, iterations, repeated, cfg.beam)
+    entries, notes = made.entries()
+    if "predicted" in entries and made.by_twin is not None:
+        shown, more = made.by_twin.shown_by(iterations[0].run, cfg.payload)
+        entries, notes = entries | {"twin": {"folder": cfg.twin, **shown}}, [*notes, *more]
+    found |= entries | {"notes": [*found["notes"], *notes]}
     outcome = summary("laser", cfg, common, **found)
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         write(folder, experiment, iterations, outcome)
-        save_state(folder, state)
+        save_state(folder, last.state)
     report.notes(found["notes"])
-    if before is not None:
-        without = None if uncorrected is None else uncorrected.tool.rms
-        show_transfer(report, before, without, outcome["iterations"])
-    if "predicted" in outcome:
-        report.line(first_cut.line(outcome["predicted"], outcome["iterations"]))
+    made.show(report, outcome)
     show(report, outcome, folder.path)
     fail_unless_done(outcome)

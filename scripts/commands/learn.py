@@ -11,8 +11,8 @@ from armside.sim.records.summary import summary
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common
-from ..workbench.earlier import Earlier, earlier
 from ..workbench.options import LearnCfg
+from ..workbench.starts import Starts, starts
 
 if TYPE_CHECKING:
     from armside.arrays import Array
@@ -35,7 +35,7 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     try:
         with checking_input():
             check_writable(common.out or RUNS / "learn")
-            cfg, common, before = earlier(cfg, common)
+            cfg, common, before = starts(cfg, common)
             by_hand = is_folder(cfg)
             followed = None if before is None else before.followed
             task = None if by_hand else named_task(cfg, common.seed, followed)
@@ -62,7 +62,7 @@ def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
     return {law: each for law, each in found.items() if each is not None}
 
 
-def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
+def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:
     """Build each law once before any work is done."""
     from armside.ilc.workbench.compare import setting_of
     from armside.ilc.workbench.laws import build_law
@@ -73,12 +73,10 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Earlier | None) -> None:
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
-        if before is not None and before.continues and cfg.iterations < 1:
-            raise ValueError("a run that is continued needs at least one iteration")
 
 
 def _runs(
-    cfg: LearnCfg, common: Common, task: "Task", before: Earlier | None, report: Report
+    cfg: LearnCfg, common: Common, task: "Task", before: Starts | None, report: Report
 ) -> "list[LawRun]":
     from armside.ilc.workbench.compare import run_law
 
@@ -131,7 +129,7 @@ def _finish(
     report: Report,
     runs: "list[LawRun]",
     record: "tuple[Array, float]",
-    before: Earlier | None,
+    before: Starts | None,
     loci: "dict[str, Eigenloci]",
 ) -> None:
     from ..figures.convergence import draw_convergence

@@ -1,6 +1,6 @@
 """Options of `armside compare`, and the cuts that they name."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -9,18 +9,24 @@ from typing import Annotated, Literal
 import numpy as np
 from cyclopts import Parameter
 
+from armside.ilc.workbench.state import RunState, save_states
 from armside.sim.cell import pose
+from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case
+from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.learning import Start
 from armside.sim.laser.specification import Cut
-from armside.sim.robot_file.find import find_cell
+from armside.sim.records.run_folder import RunFolder
 
 from ..shell.effort import refuse_absurd
+from ..shell.errors import InputError
 from ..shell.options import options
-from .effort import effort
-from .known_gears import KnownGearsCfg, known_state
+from .earlier import STATE, Earlier
+from .individual import KnownGearsCfg, known_state
 from .options import LARGEST, SLOWEST
+from .specification import effort
 
 _Several = Parameter(consume_multiple=True)
 RADIUS = 0.005
@@ -103,3 +109,48 @@ def refuse_absurd_comparison(cfg: CompareCfg, n_cases: int) -> None:
     runs, slowest = ways * n_cases * (cfg.iterations + 1), min(cfg.speeds)
     needs = effort(2.0 * np.pi * RADIUS, slowest * 1e-3, runs, estimated=True)
     refuse_absurd(f"{runs} runs at {slowest:g} mm/s and more", needs)
+
+
+def starts_of(before: Earlier[CompareCfg], number: int, case: Case) -> dict[str, Start]:
+    """Start of each loop of a case. InputError where it was not cut at this pose.
+
+    number: of the case.
+    """
+    if before.goes_on:
+        return dict(_states(before, number))
+    cases = cases_of(before.options, before.seed)
+    same = _same_place(before, cases, case)
+    old, new = (each.experiment().motion for each in (cases[same], case))
+    return {name: before.taken(state, old, new) for name, state in _states(before, same).items()}
+
+
+def _states(before: Earlier[CompareCfg], number: int) -> dict[str, RunState]:
+    """By measured output."""
+    return {
+        name.partition(" ")[2]: state
+        for name, state in before.states.items()
+        if name.startswith(f"{number} ") and state is not None
+    }
+
+
+def _same_place(before: Earlier[CompareCfg], cases: Sequence[Case], case: Case) -> int:
+    """Number of the earlier case at this pose, by preference at this speed and limit."""
+    cut, poses = case.cut, [each.cut.pose for each in cases]
+    at = [i for i, pose in enumerate(poses) if pose == cut.pose]
+    if not at:
+        known = ", ".join(dict.fromkeys(map(str, poses)))
+        raise InputError(f"{before.run.folder} has no cut at {cut.pose}. It has: {known}")
+
+    def differences(i: int) -> int:
+        other = cases[i].cut
+        return (other.speed != cut.speed) + (other.limits != cut.limits)
+
+    return min(at, key=differences)
+
+
+def save_states_of(folder: RunFolder, found: Sequence[Mapping[str, Sequence[Iteration]]]) -> None:
+    """Write the state of every loop of every case: number of the case, and measured output."""
+    states = {
+        f"{i} {name}": its[-1].state for i, of in enumerate(found) for name, its in of.items()
+    }
+    save_states(folder / STATE, {name: state for name, state in states.items() if state})

@@ -1,29 +1,26 @@
-"""An earlier run of `armside laser` or `cut` as a start: gone on from, or its correction taken."""
+"""An earlier run as a start: gone on from, or its corrections taken to what has changed."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Generic, TypeVar, get_type_hints
 
-import numpy as np
 from cyclopts import Parameter
 
 from armside.arrays import Array
-from armside.ilc.learning import LoopState
 from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.sim.laser.resume import state_after
+from armside.sim.cell_file import find_cell
 from armside.sim.part.carried import Motion, carried
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.stored_run import StoredRun, read_run
-from armside.sim.robot_file.find import find_cell
 
 from ..shell.console import Report
 from ..shell.errors import InputError
 from ..shell.options import Common, options
-from .carried_options import carried_options
 
 STATE, KEY = "state.npz", "learning"
-"""File with the state that a run can be gone on from, and its entry."""
-FREE = ("iterations", "repetitions", "plan_only")
+"""File with the states that a run can be gone on from, and the entry of a run with one loop."""
+FREE = ("iterations", "repetitions", "plan_only", "imu", "wait", "start")
 """Options that a run does not take over from an earlier one."""
 BY_AXIS = "Axis by axis, arm-side angles of the motors at the same place of the contour"
 """Rule by which a correction is taken to another robot."""
@@ -43,29 +40,51 @@ class FromCfg:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Earlier:
+class Earlier(Generic[Cfg]):
     """What an earlier run leaves to start from."""
 
     run: StoredRun
-    state: RunState = field(repr=False)
+    states: Mapping[str, RunState | None] = field(repr=False)
+    """By loop; None where a memory could not be stored."""
+    options: Cfg
+    """Of the earlier run."""
+    seed: int
+    """Of the earlier run."""
     changed: tuple[str, ...]
     """Options that differ."""
     repeats: bool
     """No update was asked for."""
 
     @property
-    def resume(self) -> RunState | None:
-        """State to go on from; None where its correction alone is used."""
-        return None if self.changed or self.repeats else self.state
+    def goes_on(self) -> bool:
+        """Learning goes on where it ended; elsewhere a correction alone is used."""
+        return not self.changed and not self.repeats
 
-    def correction(self, motion: Motion) -> Array:
-        """(N, n) [rad], its last correction on a motion. InputError for another path."""
+    def state(self, key: str = KEY) -> RunState:
+        """State after the last run of a loop. Raises InputError where none was stored."""
+        found = self.states.get(key)
+        if found is None:
+            of = "" if key == KEY else f" of {key}"
+            raise InputError(f"{self.run.folder} kept no state{of} to start from")
+        return found
+
+    def start(self, motion: Motion) -> Array | RunState:
+        """Start of a cut: a state, or (N, n) [rad], the last correction on a motion.
+
+        Raises InputError for another path.
+        """
+        state = self.state()
+        return state if self.goes_on else self.taken(state, self.run.path, motion)
+
+    def taken(self, state: RunState, before: Motion, motion: Motion) -> Array:
+        """(N, n) [rad], a correction taken from one motion to another.
+
+        Raises InputError where they follow different paths.
+        """
         try:
-            loop, path = self.state.loop, self.run.path
-            found = carried(loop.correction, path, motion, anywhere=self.other_robot)
+            return carried(state.loop.correction, before, motion, anywhere=self.other_robot)
         except ValueError as error:
             raise InputError(f"{self.run.folder} cannot be started from: {error}") from error
-        return np.array(found)
 
     @property
     def other_robot(self) -> bool:
@@ -73,63 +92,104 @@ class Earlier:
         return "robot" in self.changed
 
     @property
-    def how(self) -> str:
-        if self.changed:
-            return "its correction"
-        return "its correction, repeated" if self.repeats else "its last run"
+    def k(self) -> int:
+        """Last iteration."""
+        return max(state.loop.k for state in self.states.values() if state is not None)
+
+    @property
+    def _s(self) -> str:
+        """Plural of a run with several loops."""
+        return "" if list(self.states) == [KEY] else "s"
 
     @property
     def entry(self) -> dict[str, Any]:
         """Entry of `summary.json`: what the run started from."""
-        about = {"run": str(self.run.folder), "k": self.state.loop.k, "how": self.how}
-        return about | {"changed": list(self.changed)}
+        how = f"its last run{self._s}" if self.goes_on else f"its correction{self._s}"
+        if not self.changed and self.repeats:
+            how += ", repeated"
+        folder = str(self.run.folder)
+        return {"run": folder, "k": self.k, "how": how, "changed": list(self.changed)}
 
     @property
     def line(self) -> str:
         """The same in a sentence."""
-        where = f"k = {self.state.loop.k} of {self.run.folder}"
+        where = f"k = {self.k} of {self.run.folder}"
         if self.changed:
-            said = f"Starts from the correction of {where}; changed: {', '.join(self.changed)}"
-            return f"{said}. {BY_AXIS}" if self.other_robot else said
-        return f"{'Repeats the correction of' if self.repeats else 'Goes on from'} {where}"
+            changed = f"{where}; changed: {', '.join(self.changed)}"
+            text = f"Starts from the correction{self._s} of {changed}"
+            return f"{text}. {BY_AXIS}" if self.other_robot else text
+        return (
+            f"Repeats the correction{self._s} of {where}"
+            if self.repeats
+            else f"Goes on from {where}"
+        )
 
 
 def earlier(
-    start: Path, experiment: str, cfg: Cfg, common: Common, iterations: int
-) -> tuple[Cfg, Common, Earlier]:
+    start: Path, experiment: str, cfg: Cfg, common: Common
+) -> tuple[Cfg, Common, Earlier[Cfg]]:
     """Options with those of the earlier run where none were given, and what it left.
 
-    Raises InputError for a folder that is no such run, or one that diverged.
+    Raises InputError for a folder that is no such run, one that diverged or stored no state, or
+    options that do not go together.
     """
     run = read_run(start)
     if run.experiment != experiment:
         raise InputError(f"{start} is a run of {run.experiment}, not of {experiment}")
-    if run.summary["status"] == ENDED:
-        raise InputError(f"{start} ended with status {ENDED}: there is nothing to start from")
+    _refuse_diverged(run)
     stored = run.summary["config"]
-    found = carried_options(cfg, stored, FREE)
-    if "robot" in found.changed:
-        robot = getattr(found.options, "robot")  # noqa: B009 - of laser and of cut
-        refuse_other_axes(start, stored["robot"], robot)
-    seed, used = common.seed or stored.get("seed", 0), found.options
-    changed = [*found.changed, *(["seed"] if seed != stored.get("seed", 0) else [])]
-    if changed and getattr(used, "twin", None) is not None:
-        if "twin" in found.given:
+    try:
+        used, before, given = merged(cfg, stored)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{start}: its options cannot be used together with these: {error}"
+        ) from error
+    names = [each.name for each in fields(type(cfg)) if each.name not in FREE]  # pyright: ignore[reportArgumentType]
+    changed = [name for name in names if getattr(used, name) != getattr(before, name)]
+    if "robot" in changed and experiment == "compare":
+        raise InputError(f"{start} has another robot: its poses, and so its cuts, are others")
+    if "robot" in changed:
+        refuse_other_axes(start, stored["robot"], getattr(used, "robot", ""))
+    old_seed = stored.get("seed", 0)
+    seed = common.seed or old_seed
+    changed += ["seed"] if seed != old_seed else []
+    if changed and getattr(used, "twin", None) is not None and experiment != "compare":
+        if "twin" in given:
             raise InputError("give --twin or --from: each has a correction of its own")
         used = replace(used, twin=None)  # pyright: ignore[reportArgumentType]
-    state = read_states(run.file(STATE)).get(KEY)
-    if state is None:
+    states = read_states(run.file(STATE))
+    if not any(states.values()):
         raise InputError(f"{start} kept no state to start from")
-    made = Earlier(run=run, state=state, changed=tuple(changed), repeats=iterations == 0)
-    return used, replace(common, seed=seed), made
+    return (
+        used,
+        replace(common, seed=seed),
+        Earlier(
+            run=run,
+            states=states,
+            options=before,
+            seed=old_seed,
+            changed=tuple(changed),
+            repeats=getattr(used, "iterations", 1) == 0,
+        ),
+    )
+
+
+def _refuse_diverged(run: StoredRun) -> None:
+    """Raise InputError for a run, or a comparison with a loop, that diverged."""
+    for row in run.summary.get("comparisons", ()):
+        if row["diverged"]:
+            lost = f"learning from {row['measure']} diverged at {row['pose']}"
+            raise InputError(f"{run.folder} cannot be started from: {lost}")
+    if run.experiment != "learn" and run.summary["status"] == ENDED:
+        raise InputError(f"{run.folder} ended with status {ENDED}: there is nothing to start from")
 
 
 def refuse_other_axes(start: Path, robot: str, other: str) -> None:
     """Raise InputError where another robot has other axes than that of a run."""
     before, now = (find_cell(name).robot.slides for name in (robot, other))
     if before != now:
-        said = f"{start} is a run of {robot} with {_axes(before)}, {other} has {_axes(now)}"
-        raise InputError(f"{said}: a correction goes to a robot with as many axes of each kind")
+        text = f"{start} is a run of {robot} with {_axes(before)}, {other} has {_axes(now)}"
+        raise InputError(f"{text}: a correction goes to a robot with as many axes of each kind")
 
 
 def _axes(slides: tuple[bool, ...]) -> str:
@@ -137,15 +197,51 @@ def _axes(slides: tuple[bool, ...]) -> str:
     return f"{len(slides)} axes" + (f", axis {' and '.join(sliding)} sliding" if sliding else "")
 
 
+def merged(
+    cfg: Cfg, stored: Mapping[str, Any], free: Collection[str] = FREE
+) -> tuple[Cfg, Cfg, list[str]]:
+    """Options as given now, elsewhere those of an earlier run as its summary has them.
+
+    Returns also those of the earlier run, and the names of options that were given.
+
+    Raises TypeError or ValueError for options that do not go together.
+    """
+    kind: Any = type(cfg)
+    names = [each.name for each in fields(kind) if each.name in stored]
+    before = kind(**{name: _typed(kind, name, stored[name]) for name in names})
+    given = _given(cfg)
+    taken = {name: getattr(before, name) for name in _given(before) if name not in free}
+    return kind(**taken | {name: getattr(cfg, name) for name in given}), before, given
+
+
+def _given(cfg: Any) -> list[str]:
+    """Names of options that are not what their defaults make of the others."""
+    found = []
+    for each in fields(cfg):
+        default = each.default if each.default is not MISSING else None
+        try:
+            derived = getattr(replace(cfg, **{each.name: default}), each.name)
+        except ValueError:  # the default does not fit the others: it was given
+            found.append(each.name)
+            continue
+        if derived != getattr(cfg, each.name):
+            found.append(each.name)
+    return found
+
+
+def _typed(kind: Any, name: str, stored: Any) -> Any:
+    """A value of JSON as the option has it."""
+    if isinstance(stored, list):
+        return tuple(stored)
+    hint = get_type_hints(kind)[name]
+    is_path = hint is Path or Path in getattr(hint, "__args__", ())
+    return Path(stored) if is_path and isinstance(stored, str) else stored
+
+
 def save_state(folder: RunFolder, state: RunState | None) -> None:
     """Write the state that the next run goes on from; none of a run without a loop."""
     if state is not None:
         save_states(folder / STATE, {KEY: state})
-
-
-def kept_state(loop: LoopState | None, plant: Any, start: Array | None) -> RunState | None:
-    """As `state_after`; None where there is no loop."""
-    return None if loop is None else state_after(loop, plant, start)
 
 
 def show_transfer(report: Report, before: Earlier, without: float | None, rows: list[Any]) -> None:

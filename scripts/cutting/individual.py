@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
+from armside.kinematics import Robot
+from armside.kinematics.gear_file import read_gear_file
 from armside.sim.robot.effects import TEMPERATURES, Effect
 from armside.sim.robot.individual_file import read_individual
 from armside.sim.robot.spread import Drawn
@@ -67,3 +69,25 @@ def robot_state(cfg: IndividualCfg) -> dict[str, Any]:
 
 def _drawn(number: int | None) -> Drawn | None:
     return None if number is None else Drawn(number)
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class KnownGearsCfg(IndividualCfg):
+    """Robot individual, and what is known of its gears."""
+
+    gears: Annotated[
+        Path | None,
+        Parameter(group=Group("Robot individual", sort_key=5), validator=check_read),
+    ] = None
+    """File gears.toml of `armside gears` for this robot individual: its motors then follow what
+    makes the tool right, and the estimate knows its gear error."""
+
+
+def known_state(cfg: KnownGearsCfg, robot: Robot) -> dict[str, Any]:
+    """Fields of `armside.sim.laser.Cut` of the options, in SI.
+
+    Raises ValueError or OSError for a file that cannot be used, or one of another robot.
+    """
+    terms = () if cfg.gears is None else read_gear_file(cfg.gears, robot)
+    return robot_state(cfg) | {"gear_error": terms}

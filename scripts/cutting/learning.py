@@ -1,79 +1,96 @@
-"""Learning of a cut as the options of `armside laser` ask, from a twin's correction if they do."""
+"""A run of `armside laser`, `cut` or a sweep: what it starts from, what it learns from, its end."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from armside.arrays import Array
 from armside.sim.laser.experiment import Experiment, Iteration, prepare
-from armside.sim.laser.learning import iterate
-from armside.sim.laser.measures import Measure, SetUp
-from armside.sim.laser.results import results
-from armside.sim.laser.tool_measure import ToolPath
+from armside.sim.laser.learning import Start, iterate
+from armside.sim.laser.measures import Measure
+from armside.sim.laser.results import iteration_row, results
+from armside.sim.laser.specification import Setup
+from armside.sim.notes import Note
 
-from .earlier import Earlier
-from .first_cut import ByTwin, corrected
+from ..shell.console import Report
+from ..shell.errors import RunFailed
+from .earlier import Earlier, show_transfer
 from .options import LaserCfg
 from .specification import cut, measure
 
+if TYPE_CHECKING:
+    from armside.sim.twin.first_cut import FirstCut
+
+_ENDS = {
+    "diverged": "learning diverged at iteration {k}",
+    "worse": "learning made the tool worse than before",
+}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Prepared:
-    """A cut before its first run."""
+class Ready:
+    """An experiment, what it learns from and what it starts from."""
 
     experiment: Experiment
     measure: Measure
-    set_up: SetUp
-    by_twin: ByTwin | None = None
+    start: Start | None = None
+    by_twin: "FirstCut | None" = None
     earlier: Earlier | None = None
 
-    @classmethod
-    def of(cls, experiment: Experiment, measure: Measure) -> "Prepared":
-        """Without a twin. Raises ValueError for a robot that the measure cannot serve."""
-        set_up = measure.prepare(experiment)
-        return cls(experiment=experiment, measure=measure, set_up=set_up)
+    def corrected_by(self, twin: Path | None) -> "Ready":
+        """With a first run that the twin of a folder corrects, unless it has a start already.
 
-    def results(self, iterations: list[Iteration]) -> dict[str, Any]:
-        """Status, limits and measures of its runs, as `summary.json` has them."""
-        of_tool = isinstance(self.measure, ToolPath)
-        return results(self.experiment, iterations, of_tool=of_tool)
-
-    @property
-    def start(self) -> Array | None:
-        """(N, n) [rad], arm side, correction of the first run; None for none."""
-        if self.earlier is not None:
-            resume = self.earlier.resume
-            own = self.earlier.correction(self.experiment.motion)
-            return own if resume is None else resume.start
-        return None if self.by_twin is None else self.by_twin.start
-
-    def by_twin_of(self, folder: Path) -> "Prepared":
-        """The cut with a first run that a twin corrects.
-
-        Raises InputError for a folder without a twin, or one of another robot.
+        Raises ValueError for a folder without a twin, or one of another robot.
         """
-        found = corrected(folder, self.experiment)
+        if twin is None:
+            return self
+        from armside.sim.twin.first_cut import first_cut
+
+        found = first_cut(twin, self.experiment)
+        start = found.start if self.earlier is None else self.start
         measure = found.around(self.measure, self.experiment)
-        return replace(self, by_twin=found, set_up=measure.prepare(self.experiment))
+        return replace(self, by_twin=found, measure=measure, start=start)
 
-    def iterations(self, count: int) -> Iterator[Iteration]:
-        """Iterations k = 0 .. `count`, until done or diverged."""
-        resume = None if self.earlier is None else self.earlier.resume
-        return iterate(self.experiment, self.set_up, count, start=self.start, resume=resume)
+    def iterations(self, count: int, converged: float | None = None) -> Iterator[Iteration]:
+        """As of `iterate`."""
+        set_up = self.measure.prepare(self.experiment)
+        return iterate(self.experiment, set_up, count, start=self.start, converged=converged)
 
-    @property
-    def uncorrected(self) -> Iteration | None:
-        """The first run without correction, where one was taken over from another experiment."""
-        if self.earlier is None or not self.earlier.changed:
-            return None
+    def entries(self) -> tuple[dict[str, Any], list[Note]]:
+        """Entries of summary.json on what it started from, and notes."""
+        if self.earlier is not None:
+            entry = self.earlier.entry
+            if self.earlier.changed:
+                entry["uncorrected"] = iteration_row(self.uncorrected())
+            return {"started_from": entry}, []
+        if self.by_twin is not None:
+            return {"predicted": self.by_twin.predicted}, self.by_twin.notes
+        return {}, []
+
+    def uncorrected(self) -> Iteration:
+        """The first run without correction."""
         fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
         return next(iterate(fresh, self.measure.prepare(fresh), 0))
 
+    def show(self, report: Report, outcome: Mapping[str, Any]) -> None:
+        """Print what it started from."""
+        rows = outcome["iterations"]
+        if self.earlier is not None:
+            without = outcome["started_from"].get("uncorrected", {}).get("arm_rms")
+            show_transfer(report, self.earlier, without, rows)
+        if "predicted" in outcome:
+            report.line(predicted_line(outcome["predicted"], rows))
 
-def prepared(cfg: LaserCfg, seed: int) -> Prepared:
-    """Everything before the first run but a twin; raises ValueError for what cannot be done."""
-    return Prepared.of(prepare(cut(cfg), seed=seed), measure(cfg))
+
+def ready(cut: Setup, measure: Measure, seed: int, before: Earlier | None = None) -> Ready:
+    """An experiment before its first run. Raises ValueError for what cannot be done.
+
+    before: earlier run to start from.
+    """
+    experiment = prepare(cut, seed=seed)
+    measure.prepare(experiment)  # raises for a robot that it cannot serve
+    start = None if before is None else before.start(experiment.motion)
+    return Ready(experiment=experiment, measure=measure, start=start, earlier=before)
 
 
 def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
@@ -81,8 +98,35 @@ def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
 
     With a twin also `predicted`, as `armside laser` has it.
     """
-    job = prepared(cfg, seed)
-    if cfg.twin is not None:
-        job = job.by_twin_of(cfg.twin)
-    found = job.results(list(job.iterations(cfg.iterations)))
-    return found if job.by_twin is None else found | {"predicted": job.by_twin.predicted}
+    made = ready(cut(cfg), measure(cfg), seed).corrected_by(cfg.twin)
+    of_tool = cfg.measure != "motor"
+    found = results(made.experiment, made.iterations(cfg.iterations), of_tool=of_tool)
+    return found if made.by_twin is None else found | {"predicted": made.by_twin.predicted}
+
+
+def predicted_line(predicted: Mapping[str, Any], rows: list[dict[str, Any]]) -> str:
+    """What was predicted of the first run and what was measured, in one line.
+
+    The interval is that of a run with the correction: of one that is not used it is not printed,
+    nor is one that was not fitted to twins by that sensor and of so few cuts.
+    """
+    first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
+    seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
+    if not predicted["trusted"]:
+        return (
+            f"First cut without correction: {seen}, {uncorrected} by the twin, which is not trusted"
+        )
+    text = (
+        f"First cut by the twin: {seen}, {uncorrected} without correction; "
+        f"predicted {1e6 * predicted['arm_rms']:.1f} um"
+    )
+    if predicted["interval"] is None:
+        return f"{text}, of unknown accuracy for a twin of so few cuts"
+    low, high = (1e6 * value for value in predicted["interval"])
+    return f"{text}, {low:.1f} to {high:.1f} um (90 %)"
+
+
+def fail_unless_done(outcome: Mapping[str, Any]) -> None:
+    """Raise RunFailed for a summary whose status is a failure; its files are written by then."""
+    if outcome["status"] in _ENDS:
+        raise RunFailed(_ENDS[outcome["status"]].format(k=outcome["iterations"][-1]["k"]))

@@ -13,7 +13,7 @@ from armside.sim.laser.design import THESIS, Design, default_design
 from armside.sim.robot_file.find import find_cell
 
 from ..shell.options import FileToRead, options
-from .known_gears import KnownGearsCfg
+from .individual import KnownGearsCfg
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
 _OfDesign = Parameter(consume_multiple=True, show_default=False)

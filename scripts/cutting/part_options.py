@@ -2,22 +2,29 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from cyclopts import Group, Parameter
 
+from armside.sim.cell_file import find_cell
 from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.part.chain import MM
 from armside.sim.part.drawn import Reading, Unit
-from armside.sim.part.plan import Cutting
-from armside.sim.robot_file.find import find_cell
+from armside.sim.records.files import check_file
 
+from ..shell.effort import refuse_absurd
+from ..shell.errors import InputError
 from ..shell.options import FileToRead, options
-from .known_gears import KnownGearsCfg, known_state
+from .earlier import Earlier
+from .individual import KnownGearsCfg, known_state
 from .options import FRICTION_SPREAD, LARGEST, SIX, SLOWEST, SMALLEST_BEAM
+from .specification import effort
+
+if TYPE_CHECKING:  # its package needs the extra of drawings
+    from armside.sim.laser.part_cut import PartCut
 
 _PLAN = Group("Drawing and plan", sort_key=1)
 _OF_PLAN = Parameter(group=_PLAN)
@@ -106,33 +113,54 @@ class CutCfg(KnownGearsCfg):
             raise ValueError(f"{name.replace('_', '-')} must be {allowed}, got {value:g}")
 
 
-def reading(cfg: CutCfg) -> Reading:
-    """Options of reading the drawing, in SI."""
+def drawing(file: Path | None, before: Earlier | None) -> Path:
+    """The drawing that was given, or that of the earlier run. Raises InputError for none."""
+    if file is not None:
+        return file
+    if before is None:
+        raise InputError("a drawing is needed (.dxf, .svg, .toml), or --from RUN")
+    return check_file(Path(before.run.summary["part"]))
+
+
+def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
+    """A drawing in its cell, in SI.
+
+    Raises ValueError for a drawing that cannot be cut, with the place, or an unknown pose, and
+    InputError for one that would take too long.
+    """
     unit = None if cfg.units is None else Unit(cfg.units)
-    return Reading(layers=cfg.layers, unit=unit, join=cfg.join * MM)
+    try:
+        from armside.sim.laser.part_cut import PartCut
+        from armside.sim.part.file import read_part
+        from armside.sim.part.plan import Cutting
 
-
-def cutting(cfg: CutCfg) -> Cutting:
-    """Options of the plan, in SI."""
-    return Cutting(
-        speed=cfg.speed * MM,
-        beam=cfg.beam * MM,
-        corner=cfg.corner * MM,
-        pierce=cfg.pierce,
-        rapid=cfg.rapid * MM,
-        joints=cfg.micro_joints,
-        joint_width=cfg.joint_width * MM,
-        limits=PathLimits(acceleration=cfg.path_acceleration),
-    )
-
-
-def setup(cfg: CutCfg) -> Setup:
-    """Robot and its state, in SI. Raises ValueError for an unknown pose."""
-    found = Setup(
+        part = read_part(file, Reading(layers=cfg.layers, unit=unit, join=cfg.join * MM))
+    except ModuleNotFoundError as error:
+        raise ValueError(
+            f"drawings need packages: pip install 'armside[parts]' ({error})"
+        ) from error
+    length, runs = sum(contour.chain.length for contour in part.contours), cfg.iterations + 1
+    what = f"{runs} runs along {length / MM:.4g} mm at {cfg.speed:g} mm/s"
+    estimated = cfg.measure == "estimate"
+    refuse_absurd(what, effort(length, cfg.speed * MM, runs, estimated=estimated))
+    limits = PathLimits(acceleration=cfg.path_acceleration)
+    found = PartCut(
+        part=part,
+        cutting=Cutting(
+            speed=cfg.speed * MM,
+            beam=cfg.beam * MM,
+            corner=cfg.corner * MM,
+            pierce=cfg.pierce,
+            rapid=cfg.rapid * MM,
+            joints=cfg.micro_joints,
+            joint_width=cfg.joint_width * MM,
+            limits=limits,
+        ),
         robot=cfg.robot,
         model=cfg.model,
         pose=cfg.pose,
-        limits=PathLimits(acceleration=cfg.path_acceleration),
+        across_tool=cfg.plane == "tool",
+        limits=limits,
         payload=cfg.payload,
         friction_spread=FRICTION_SPREAD * 1e-2,
         imu=None if cfg.measure == "motor" else ImuCfg(),
@@ -140,3 +168,12 @@ def setup(cfg: CutCfg) -> Setup:
     )
     found.tool_pose  # noqa: B018 - raises for an unknown pose
     return found
+
+
+def measure(cfg: CutCfg) -> Measure:
+    """The measured output of the options."""
+    if cfg.measure == "motor":
+        return MotorAngles()
+    from armside.sim.part_run.tool_measure import MEASURES
+
+    return MEASURES[cfg.measure]

@@ -12,10 +12,28 @@ from armside.sim.laser.specification import Cut, LeadIn
 from armside.sim.motion.contour import CORNER, Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.motion.timing import PathLimits
 
-from ..shell.effort import refuse_absurd
-from .effort import effort
-from .known_gears import known_state
+from ..shell.effort import Effort, refuse_absurd
+from .individual import known_state
 from .options import RADIUS, LaserCfg
+
+LEADS = 1.5
+"""Length of the programmed path over that of the contour, rounded up."""
+REST = 2.0
+"""[s], of each run beside the cut: rest before and after, acceleration."""
+PLANNING = Effort(0.2, 20e6)
+"""For each second of motion, before the first run: reference, statics and physics of one run."""
+RUN = Effort(0.1, 2e6)
+"""For each second of a run: physics, and the signals that are kept."""
+ESTIMATED = Effort(3.0, 4e6)
+"""For each second of a run, where the tool is estimated besides."""
+
+
+def effort(length: float, speed: float, runs: int, *, estimated: bool = False) -> Effort:
+    """Estimate for runs along a contour. length: [m]. speed: [m/s]."""
+    seconds = LEADS * length / speed + REST
+    each = RUN + ESTIMATED if estimated else RUN
+    return (PLANNING + each * runs) * seconds
+
 
 MM = 1e-3
 SIZES: Mapping[str, float] = {"square": 20.0, "slot": 30.0, "hexagon": 20.0}

@@ -33,7 +33,7 @@ def write(
     runs = [
         RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations
     ]
-    config, rows, curve = outcome["config"], outcome["iterations"], experiment.cut.curve
+    config, rows, curve = outcome["config"], outcome["iterations"], experiment.motion.curve
     motion, model = experiment.motion, experiment.loaded.model
     about: dict[str, Any] = {"config": config, "seed": config["seed"], "gear": model.drives.gear}
     write_signals(folder / "signals.parquet", runs, motion=motion, **about)

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.contour_error import LARGEST_RADIUS
+from armside.sim.evaluation.corners import LARGEST_RADIUS
+from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan
-from armside.sim.part_run.experiment import PartExperiment
-from armside.sim.part_run.kept import kept_run
-from armside.sim.part_run.learning import PartIteration
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
@@ -91,11 +90,12 @@ def show_results(report: Report, outcome: dict[str, Any]) -> None:
 
 def write_results(
     folder: RunFolder,
-    experiment: PartExperiment,
-    kept: Sequence[PartIteration],
+    experiment: Experiment[PartMotion],
+    ends: Sequence[Iteration],
     outcome: dict[str, Any],
 ) -> None:
-    """Write the files of a run; kept: its first and last iteration."""
+    """Write the files of a run; ends: its first and last iteration."""
+    from armside.sim.laser.part_cut import logged
     from armside.sim.records.signals import write_signals
     from armside.sim.records.summary import dumps
     from armside.sim.replay.run_scene import laser_scene
@@ -109,7 +109,7 @@ def write_results(
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
     config, rows, motion = outcome["config"], outcome["iterations"], experiment.motion
-    runs = [kept_run(iteration) for iteration in kept]
+    runs = [logged(iteration) for iteration in ends]
     model = experiment.loaded.model
     write_signals(
         folder / "signals.parquet",
@@ -125,7 +125,7 @@ def write_results(
     write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
     write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
     whole = {row["k"]: row["arm_rms"] for row in rows}
-    mapped = [Mapped(it.k, motion, it.contours, whole[it.k]) for it in kept]
+    mapped = [Mapped(it.k, motion, it.contours, whole[it.k]) for it in ends]
     part_map(folder / "part.png", mapped)
     motor, rms, maxdev = (
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")

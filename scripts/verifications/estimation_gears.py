@@ -20,7 +20,6 @@ from armside.sim.gears.virtual_run import RUNS, Discrepancy, discrepancies, reco
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.notes import notes
-from armside.sim.laser.setup import Setup
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Tally
@@ -85,7 +84,7 @@ def estimation_gears(seeds: Iterable[int]) -> Table:
 
 def found(seed: int, runs: int = RUNS) -> GearAnalysis:
     """Gear error of the robot of a seed, by the IMU at its tool."""
-    setup = Setup(pose=AROUND, imu=ImuCfg())
+    setup = Cut(pose=AROUND, imu=ImuCfg())
     recordings = [recorded(setup, seed, run) for run in range(runs)]
     arm = Arm(LARGE_CELL.robot, LARGE_CELL.limits)
     return analyse(arm, recordings, replace(VIRTUAL, sensor="imu"))

@@ -11,10 +11,9 @@ from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case, rms
-from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import first_run, learned
+from armside.sim.laser.experiment import Iteration, Pass
+from armside.sim.laser.learning import iterate
 from armside.sim.laser.notes import GROWTH, notes
-from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import status
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
@@ -79,7 +78,7 @@ class WayJob:
         assert isinstance(output, WayOutput)
         iterations, experiment = list(learning), known.experiment()
         by_tracker = replace(output, measure=replace(output.measure, source=Source.TRACKER))
-        tracked = list(learned(experiment, by_tracker, first_run(experiment), UPDATES))
+        tracked = list(iterate(experiment, lambda _: by_tracker, UPDATES))
         ended = status(iterations, of_tool=True)
         said = notes(experiment, iterations)
         return {

@@ -7,6 +7,7 @@ from armside.ilc.workbench.words import Words, unknown_name
 from armside.sim.records.files import check_file
 
 from ..shell.effort import Effort, refuse_absurd
+from ..shell.errors import InputError
 from .controllers import PROTOCOLS, controller_task, laser_values
 from .options import LearnCfg
 
@@ -95,3 +96,21 @@ def _robot(words: Words, cfg: LearnCfg, record: Any, seed: int) -> "Task":
     asked = LaserCfg(**values, iterations=cfg.iterations)
     made = cut(asked)
     return learning_task(made, seed=seed, name=words.text, model=record.model)
+
+
+CONTOUR = ("shape", "radius", "size", "width", "corner", "contour")
+PLACE = ("pose", "plane", "position", "quaternion")
+"""Of one robot; another robot has poses of its own."""
+
+
+def refuse_other_path(before: str, now: str) -> None:
+    """Raise InputError where two plants, such as large:radius=2,speed=60, follow other paths."""
+    from ..cutting.options import LaserCfg
+
+    old, new = (Words.parse(text) for text in (before, now))
+    known, asked = (LaserCfg(robot=words.name, **laser_values(words)) for words in (old, new))
+    names = (*CONTOUR, *(PLACE if old.name == new.name else ()))
+    for name in names:
+        if getattr(known, name) != getattr(asked, name):
+            other = f"{now} has another {name}, and a correction belongs to its path"
+            raise InputError(f"{before} cannot be started from: {other}")

@@ -13,10 +13,9 @@ from armside.ilc.workbench.compare import LawRun, RunState, save_states
 from armside.ilc.workbench.signals import write_signal
 from armside.sim.handover.kept import REFERENCE
 
+from ..cutting.earlier import STATE
 from ..shell.console import Report
 
-STATE = "state.npz"
-"""File with the states that `--from` continues."""
 TOOL = "arm_rms"
 """Measure of a virtual robot's tool [m]."""
 SHOWN = {TOOL: ("arm RMS [µm]", 1e6)}

@@ -11,12 +11,11 @@ from armside.arrays import Array
 from ..evaluation.check import Check
 from ..instruments.laser_tracker import TrackerSamples
 from ..laser.design import Design
-from ..laser.experiment import Experiment, prepare
+from ..laser.experiment import Experiment, Pass, prepare
 from ..laser.job import arrays_of
 from ..laser.learning import iterate
 from ..laser.measures import MotorAngles
 from ..laser.notes import notes
-from ..laser.plant import Pass
 from ..laser.specification import Cut
 from ..notes import Note
 from ..robot.effects import Effect

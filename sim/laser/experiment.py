@@ -1,50 +1,132 @@
-"""One experiment: a cut by one robot individual under one tracker, before and after each run."""
+"""The cutting experiment: a robot individual with its reference, under its instruments.
 
-from dataclasses import dataclass, field
-from typing import Any
+What is fixed before the first run, one run, and one iteration of learning.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.learning import LoopState, Trial
+from armside.ilc.workbench.state import RunState
 
+from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
-from ..motion.tool_motion import ToolMotion
+from ..instruments.imu import Imu, ImuSamples
+from ..instruments.imu import draw as draw_imu
+from ..instruments.laser_tracker import LaserTracker, LaserTrackerCfg, TrackerSamples, set_up
 from ..notes import Note
+from ..robot.applicable import check_applies
+from ..robot.cell_model import cell_model
+from ..robot.effects import available
+from ..robot.gear_terms import gear_error_of
+from ..robot.individual import Individual, embodied, with_payload
 from ..robot.model import RobotModel
+from ..robot.recording import Recording
+from ..robot.run import LoadedReference
+from ..robot.spread import Drawn, Spread
 from ..robot.statics import Statics
-from .plant import Pass, plan
-from .rig import Rig, rig
-from .specification import Cut
+from ..robot.virtual_robot import VirtualRobot
+from .specification import MotionT, Setup
 
 
 @dataclass(frozen=True, kw_only=True)
-class Experiment(Rig):
-    """Everything that is fixed before the first run."""
+class Pass:
+    """One pass over the contour: recorded signals and samples of the instruments."""
 
-    cut: Cut
-    motion: ToolMotion = field(repr=False)
+    recording: Recording
+    tracker: TrackerSamples
+    imu: ImuSamples | None = None
 
     @property
-    def setup(self) -> Cut:
+    def tracked(self) -> tuple[Array, Array]:
+        """Times (K,) [s] and positions (K, 3) [m] of the tool by the tracker."""
+        return self.tracker.time, self.tracker.position
+
+    @property
+    def true(self) -> tuple[Array, Array]:
+        """The same of the ground truth, at the rate of the tracker."""
+        truth, seen = self.recording.truth, self.tracker.time
+        step = float((seen[1] - seen[0]) / (truth.time[1] - truth.time[0]))
+        every = slice(None, None, round(step))
+        return truth.time[every], truth.tool_position[every]
+
+
+@dataclass(frozen=True)
+class MountedImu:
+    """A unit at the tool, with noise of its own."""
+
+    unit: Imu
+    rng: np.random.Generator
+
+    def read(self, recording: Recording) -> ImuSamples:
+        """Samples of a run."""
+        truth = recording.truth
+        return self.unit.measure(
+            truth.time, truth.imu_acceleration, truth.imu_angular_velocity, self.rng
+        )
+
+
+@dataclass(frozen=True)
+class CuttingPlant:
+    """Plant of a learning loop: a loaded reference under a laser tracker, with an IMU if wanted."""
+
+    loaded: LoadedReference
+    tracker: LaserTracker
+    rng: np.random.Generator
+    """Source of torque and tracker noise."""
+    imu: MountedImu | None = None
+
+    def run(self, correction: Array, /) -> Pass:
+        """Cut once with a correction."""
+        recording = self.loaded.run(correction, self.rng)
+        truth = recording.truth
+        samples = self.tracker.measure(
+            truth.time, truth.tool_position, truth.tool_quaternion, self.rng
+        )
+        imu = None if self.imu is None else self.imu.read(recording)
+        return Pass(recording=recording, tracker=samples, imu=imu)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment(Generic[MotionT]):
+    """Everything that is fixed before the first run: of a cut with one contour or many."""
+
+    cut: Setup[MotionT]
+    seed: int
+    individual: Individual = field(repr=False)
+    """Parameters of the robot, without drift."""
+    nominal: RobotModel = field(repr=False)
+    """Nominal robot of the controller."""
+    added_payload: float
+    """Known mass of the tool beside that of the robot's file [kg]."""
+    motion: MotionT = field(repr=False)
+    loaded: LoadedReference = field(repr=False)
+    plant: CuttingPlant = field(repr=False)
+
+    @property
+    def setup(self) -> Setup[MotionT]:
         """Robot and its state."""
         return self.cut
 
     @property
     def programmed(self) -> Array:
         """(N, 3) [m], positions of the tool."""
-        return self.motion.position
+        motion: Any = self.motion
+        return motion.position
 
     @property
     def turn_rate(self) -> float:
-        """[turns/s], of the contour at the programmed speed."""
-        return self.motion.programmed_speed / self.motion.path.curve.length
+        """[turns/s], of the contour that is learned; of several, of the fastest."""
+        return self.cut.turn_rate(self.motion)
 
     @property
     def motion_end(self) -> int:
         """First sample of the log at which the reference rests again."""
-        motion = self.motion
-        return int(np.searchsorted(motion.time, motion.rest_before + motion.timing.duration))
+        motion: Any = self.motion
+        return int(np.searchsorted(motion.time, motion.motion_end))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,60 +143,106 @@ class Iteration:
     motor_error: Array = field(repr=False)
     """(N, n) [rad] of the motor shaft, before the gear. Thesis 9.2.3."""
     tool: ToolError
-    """From tracker samples; `tool_true` from the ground truth."""
+    """Of all contours, from tracker samples; `tool_true` from the ground truth."""
     tool_true: ToolError
+    contours: tuple[ToolError, ...] = field(repr=False)
+    contours_true: tuple[ToolError, ...] = field(repr=False)
+    """Of each contour."""
     diverged: bool
+    converged: tuple[bool, ...] = ()
+    """Contours that keep the correction of an earlier iteration."""
     notes: tuple[Note, ...] = ()
     """Notes of the learning loop."""
-    state: LoopState | None = field(default=None, repr=False)
-    """State of the loop after it; None for a run that was not made by one."""
+    state: RunState | None = field(default=None, repr=False)
+    """State that learning can go on from after it; None where it has none."""
 
 
 def prepare(
-    cut: Cut, *, seed: int = 0, repetition: int = 0, nominal: RobotModel | None = None
-) -> Experiment:
-    """Draw the robot individual, set up the tracker and load the motion.
+    cut: Setup[MotionT],
+    *,
+    seed: int = 0,
+    repetition: int = 0,
+    nominal: RobotModel | None = None,
+    planned: Callable[[Statics], tuple[Any, Array]] | None = None,
+) -> Experiment[MotionT]:
+    """Plan the motion, draw the robot individual, set up the instruments and load the reference.
 
     Args:
         seed: of the tracker's set-up, of all noise and, where the cut has no individual, of the
             robot's friction, in separate streams.
         repetition: of the same experiment: other noise, everything else alike.
         nominal: the cut's model, where it is loaded already; with the tool of its file.
+        planned: motion and reference (N, n) [rad] on the controller's nominal robot, in place of
+            those of the cut.
 
     Raises:
         ValueError: the cut leaves the joint limits (where) or the reach (by how much), the robot
             cannot carry its payload, or the cut's model is that of another robot.
     """
-
-    def planned(nominal: Statics) -> tuple[ToolMotion, Array]:
-        pose = cut.tool_pose
-        return plan(cut.cell, nominal, cut.path, pose.quaternion, cut.speed, cut.limits)
-
-    motion, found = rig(cut, planned, seed=seed, repetition=repetition, nominal=nominal)
-    return Experiment(**vars(found), cut=cut, motion=motion)
-
-
-def evaluated(
-    experiment: Experiment, trial: Trial[Any], run: Pass, notes: tuple[Note, ...] = ()
-) -> Iteration:
-    """A trial and its run, with errors of motors and tool."""
-    motion = experiment.motion
-    return Iteration(
-        k=trial.k,
-        correction=trial.correction,
-        error=trial.error,
-        run=run,
-        motor_error=run.recording.error * experiment.loaded.model.drives.gear,
-        tool=tool_error(motion, run.tracker.time, run.tracker.position),
-        tool_true=true_tool_error(motion, run),
-        diverged=trial.diverged,
-        notes=notes,
-        state=None if trial.first_size is None else trial.state,
+    drawing, tracking, noise, mounting, reading = np.random.SeedSequence(seed).spawn(5)
+    if repetition:
+        noise, reading = (stream.spawn(repetition)[-1] for stream in (noise, reading))
+    design = cell_model(cut.cell, cut.model) if nominal is None else nominal
+    known = controlled(cut, design)
+    statics = Statics(known)
+    motion, reference = (planned or cut.planned)(statics)
+    if cut.gear_error:
+        reference = reference - gear_error_of(cut.gear_error, design.n_axes)(reference)
+    individual = _individual(cut, np.random.default_rng(drawing), design)
+    friction = individual.friction * (1.0 + cut.friction_drift)
+    real = embodied(
+        design,
+        replace(individual, friction=friction),
+        available(design) - frozenset(cut.without),
+        phi=reference[0],
+        payload=cut.payload,
+        temperature=cut.temperature,
     )
+    loaded = VirtualRobot(real, nominal=statics).load(reference)
+    tracker = set_up(LaserTrackerCfg(), np.random.default_rng(tracking))
+    unit = None
+    if cut.imu is not None:
+        imu = draw_imu(cut.imu, np.random.default_rng(mounting))
+        unit = MountedImu(imu, np.random.default_rng(reading))
+    added = 0.0
+    if cut.payload is not None and cut.payload_known:
+        added = cut.payload - float(design.mj.body("tool").mass[0])
+    return Experiment(
+        cut=cut,
+        seed=seed,
+        individual=individual,
+        nominal=known,
+        added_payload=added,
+        motion=motion,
+        loaded=loaded,
+        plant=CuttingPlant(loaded, tracker, np.random.default_rng(noise), unit),
+    )
+
+
+def controlled(setup: Setup, design: RobotModel) -> RobotModel:
+    """The nominal robot of the controller, with the payload that it knows."""
+    carrying = design if setup.payload is None else with_payload(design, setup.payload)
+    known = carrying if setup.payload_known else design
+    if setup.friction_feedforward is None:
+        return known
+    drives = replace(known.drives, friction_feedforward=setup.friction_feedforward)
+    return replace(known, drives=drives)
+
+
+def _individual(setup: Setup, rng: np.random.Generator, design: RobotModel) -> Individual:
+    individual = setup.individual
+    if individual is None:
+        spread = setup.friction_spread
+        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, design.n_axes))
+    elif isinstance(individual, int):
+        individual = Drawn(individual, Spread()).of(design)
+    elif isinstance(individual, Drawn):
+        individual = individual.of(design)
+    else:
+        check_applies(design, individual)
+    return individual
 
 
 def true_tool_error(motion: ToolMotion, run: Pass) -> ToolError:
     """Tool error from the ground truth, at the rate of the tracker."""
-    truth, seen = run.recording.truth, run.tracker.time
-    every = slice(None, None, round(float((seen[1] - seen[0]) / (truth.time[1] - truth.time[0]))))
-    return tool_error(motion, truth.time[every], truth.tool_position[every])
+    return tool_error(motion, *run.true)

@@ -19,10 +19,9 @@ from ..instruments.imu import ImuCfg
 from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built
 from .consistency import consistency
-from .experiment import Experiment
+from .experiment import Experiment, Pass
 from .learning import first_run
 from .notes import pass_notes
-from .plant import Pass
 
 UNTOLD = 0.5
 """Relative reduction of a parameter's prior variance below which the cut does not identify it: the

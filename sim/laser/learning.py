@@ -1,80 +1,63 @@
 """The learning loop of a cut: run, measure, correct, run again."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc import learning
-from armside.ilc.divergence import DIVERGENCE_RATIO
+from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.laws import Law, Simulated
-from armside.ilc.laws.wrappers import Around, Guarded
+from armside.ilc.laws.around import Around
+from armside.ilc.laws.by_segment import BySegment, SegmentMemory
+from armside.ilc.laws.guarded import Guarded
+from armside.ilc.learning import LoopState
 from armside.ilc.plant import Plant
-from armside.ilc.workbench.compare import RunState
+from armside.ilc.records import as_record, as_samples
+from armside.ilc.workbench.state import RunState, states_of
 
 from ..notes import Cause, Note
-from .experiment import Experiment, Iteration, evaluated, prepare
+from ..records.errors import InputError
+from .experiment import CuttingPlant, Experiment, Iteration, Pass, prepare
 from .measures import Measure, MotorAngles, Noted, Output, SetUp
-from .plant import Pass
-from .resume import first_trial, restore
-from .specification import Cut
-from .tool_measure import Source
-from .way_measure import PathAlongWay
+from .specification import Setup, Timed
 
 FROM_A_MODEL = 10.0
 """Factor on the ratio that counts as divergence where learning starts from a model's correction:
 its first error is a tenth of the usual one."""
-MEASURES: Mapping[str, Measure] = {
-    "motor": MotorAngles(),
-    **{source.value: PathAlongWay(source=source) for source in Source},
-}
-"""By name."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Begin:
-    """Beginning of a loop: without correction, with one, or where an earlier loop ended."""
-
-    start: Array | None = None
-    """(N, n) [rad], correction of the first run."""
-    resume: RunState | None = None
-    """State after an earlier run, which has a first correction of its own."""
-
-    @property
-    def first_correction(self) -> Array | None:
-        """Correction of k = 0; None for none."""
-        return self.start if self.resume is None else self.resume.start
+MEASURES = ("motor", "estimate", "tracker", "truth")
+"""Names of measured outputs."""
+Start = Array | RunState
+"""What learning starts from: (N, n) [rad], arm side, correction of the first run, such as a twin's;
+or the state after an earlier run, which is gone on from."""
 
 
 def learn(
-    cut: Cut,
+    cut: Setup,
     *,
     measure: str | Measure = "motor",
     law: Law | None = None,
     iterations: int = 5,
     seed: int = 0,
     plant: Plant[Pass] | None = None,
-    start: Array | None = None,
+    start: Start | None = None,
 ) -> Iterator[Iteration]:
     """Iterations k = 0 .. `iterations` of a cut, until done or diverged.
 
     Args:
+        cut: of one contour, or of a part with many.
         measure: output that is learned from: motor, estimate, tracker, truth, or one's own.
-        law: learning law for errors of that output; the measure's default if None.
         seed: of the instruments' set-up and all noise, and of friction where the cut has no
             individual.
-        plant: runs corrections in place of the virtual robot.
-        start: (N, n) [rad], correction of the first run, such as a twin's; zero if None.
+        law, plant, start: as of `iterate`.
 
     Raises:
         ValueError: at once, for a cut that cannot be made, an unknown name, or a robot that the
             measure cannot serve.
         ImuError: at the first run, for an IMU that cannot be used.
     """
-    if isinstance(measure, str) and measure not in MEASURES:
-        raise ValueError(f"Unknown measure {measure!r}. Measures: {', '.join(MEASURES)}")
-    chosen = MEASURES[measure] if isinstance(measure, str) else measure
+    chosen = measure_of(measure) if isinstance(measure, str) else measure
     experiment = prepare(replace(cut, imu=cut.imu or chosen.imu), seed=seed)
     set_up = chosen.prepare(experiment)
     return iterate(experiment, set_up, iterations, law=law, plant=plant, start=start)
@@ -87,112 +70,169 @@ def iterate(
     *,
     law: Law | None = None,
     plant: Plant[Pass] | None = None,
-    start: Array | None = None,
-    resume: RunState | None = None,
+    start: Start | None = None,
+    first: Pass | None = None,
+    repeats: int = 1,
+    converged: float | None = None,
 ) -> Iterator[Iteration]:
-    """As `learn`, for a prepared experiment and measure: `measure.prepare`.
+    """The loop of `learn`, for an experiment and a measure that are prepared.
 
-    resume: state after an earlier run, which is gone on from; see `trials`.
+    Args:
+        set_up: of the measure: `measure.prepare(experiment)`.
+        law: learning law for errors of that output; the measure's default if None.
+        plant: runs corrections in place of the virtual robot.
+        start: correction of the first run; zero if None. From a state after run K of an earlier
+            loop the iterations are 0, which is made again, and K + 1 .. K + `iterations`, the same
+            as those of one loop.
+        first: run of k = 0, where it is made already.
+        repeats: runs that are averaged in each iteration.
+        converged: a contour whose learned error falls by less than this fraction in two updates
+            running keeps its best correction, and learning ends when all do; None for none.
+
+    Raises InputError where the first run is not that of the loop that is gone on from.
     """
-    start = start if resume is None else resume.start
-    first = first_run(experiment, plant, start)
-    output = set_up(first)
-    about = {"law": law, "plant": plant, "start": start, "resume": resume}
-    yield from learned(experiment, output, first, iterations, **about)
+    if iterations < 0:
+        raise ValueError(f"iterations must be >= 0, got {iterations}")
+    cut, motion, loaded = experiment.cut, experiment.motion, experiment.loaded
+    plant = experiment.plant if plant is None else plant
+    before, begun = (start, start.start) if isinstance(start, RunState) else (None, start)
+    u = _as_correction(begun, loaded.reference)
+    runs = [plant.run(u) if first is None else first]
+    output = set_up(runs[0])
+    reference = as_record(output.reference, "reference")
+    runs += [plant.run(u) for _ in range(repeats - 1)]
+    law = _law(output.law if law is None else law, output, experiment, begun, converged)
+    law.check(len(reference), u.shape[1])
+    ratio = DIVERGENCE_RATIO * (1.0 if begun is None else FROM_A_MODEL)
+    k, last, memory, first_size = 0, iterations, None, None
+    while True:
+        error = reference - _mean([output(run) for run in runs], reference)
+        size = output.size(error)
+        first_size = size if first_size is None else first_size
+        grown = k > 0 and has_diverged(size, first_size, ratio)
+        run, held = runs[0], _held(memory, cut.contours(motion))
+        tracked, true = cut.errors(motion, *run.tracked), cut.errors(motion, *run.true)
+        iteration = Iteration(
+            k=k,
+            correction=u,
+            error=error,
+            run=run,
+            motor_error=run.recording.error * loaded.model.drives.gear,
+            tool=cut.whole(motion, tracked),
+            tool_true=cut.whole(motion, true),
+            contours=tracked,
+            contours_true=true,
+            diverged=grown or not bool(np.isfinite(error).all()),
+            converged=held,
+            notes=_notes(output, law, error, memory),
+            state=RunState(
+                loop=LoopState(k, u, error, memory, first_size),
+                generators=states_of(generators(plant)),
+                start=begun,
+            ),
+        )
+        yield iteration
+        if iteration.diverged or k == last or all(held):
+            return
+        if before is not None and k == 0:
+            before.restore(_same_loop(size, before.loop, plant))
+            u, error, memory = before.loop.correction, before.loop.error, before.loop.memory
+            k, last = before.loop.k, before.loop.k + iterations
+        u, memory = law.step(u, error, memory)
+        k += 1
+        runs = [plant.run(u) for _ in range(repeats)]
+
+
+def measure_of(name: str) -> Measure:
+    """Measured output by its name. Raises ValueError for an unknown one."""
+    if name not in MEASURES:
+        raise ValueError(f"Unknown measure {name!r}. Measures: {', '.join(MEASURES)}")
+    if name == "motor":
+        return MotorAngles()
+    from .tool_measure import Source
+    from .way_measure import PathAlongWay
+
+    return PathAlongWay(source=Source(name))
 
 
 def first_run(
-    experiment: Experiment, plant: Plant[Pass] | None = None, start: Array | None = None
+    experiment: Experiment, plant: Plant[Pass] | None = None, start: Start | None = None
 ) -> Pass:
     """The run of k = 0, without correction or with that to start from."""
     plant = experiment.plant if plant is None else plant
-    return plant.run(np.zeros_like(experiment.loaded.reference) if start is None else start)
+    begun = start.start if isinstance(start, RunState) else start
+    return plant.run(_as_correction(begun, experiment.loaded.reference))
 
 
-def learned(
-    experiment: Experiment,
-    output: Output,
-    first: Pass,
-    iterations: int,
-    *,
-    law: Law | None = None,
-    plant: Plant[Pass] | None = None,
-    repeats: int = 1,
-    start: Array | None = None,
-    resume: RunState | None = None,
-) -> Iterator[Iteration]:
-    """As `learn`, from an output that was set up by the first run.
-
-    repeats: runs that are averaged in each iteration.
-    """
-    used = experiment.plant if plant is None else plant
-    more = [first_run(experiment, plant, start) for _ in range(repeats - 1)]
-    found = trials(used, output, [first, *more], iterations, law=law, start=start, resume=resume)
-    for trial, notes in found:
-        yield evaluated(experiment, trial, trial.result[0], notes)
+def generators(plant: Any) -> list[np.random.Generator]:
+    """Sources of noise of a plant, in a fixed order; none of one's own plant."""
+    if not isinstance(plant, CuttingPlant):
+        return []
+    return [plant.rng, *([] if plant.imu is None else [plant.imu.rng])]
 
 
-def trials(
-    plant: Plant[Pass],
-    output: Output,
-    first: list[Pass],
-    iterations: int,
-    *,
-    law: Law | None = None,
-    start: Array | None = None,
-    resume: RunState | None = None,
-) -> Iterator[tuple[learning.Trial[list[Pass]], tuple[Note, ...]]]:
-    """Trials k = 0 .. `iterations` with notes of the loop, from the runs of k = 0.
+def _as_correction(start: Array | None, reference: Array) -> Array:
+    if start is None:
+        return np.zeros_like(reference)
+    found = as_record(start, "start")
+    if found.shape != reference.shape:
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"start must have {needed}, got {found.shape}")
+    return found
 
-    Args:
-        first: runs of k = 0; as many are averaged in each iteration.
-        resume: state after trial K of an earlier loop: the trials are then 0, which is that of
-            `first`, and K + 1 .. K + iterations, the same as those of one loop.
 
-    Raises InputError where `first` is not the first run of the loop that is resumed.
-    """
-    law = output.law if law is None else law
+def _law(
+    law: Law, output: Output, experiment: Experiment, start: Array | None, converged: float | None
+) -> Law:
+    """The law, for each contour until it has converged, and around a first correction."""
+    if converged is not None:
+        cut, motion = experiment.cut, experiment.motion
+        ends = [(contour.begin, contour.end) for contour in cut.contours(motion)]
+        law = BySegment(
+            law=law,
+            weight=cut.weights(motion),
+            judged=tuple(map(tuple, np.searchsorted(motion.time, ends).tolist())),
+            size_of=output.size,
+            least=converged,
+        )
     # A law on a simulated plant is given the whole correction, as its plant is.
-    law = law if start is None or isinstance(law, Simulated) else Around(law, start)
-    loop = None if resume is None else resume.loop
-    if resume is not None:
-        yield first_trial(output, first, resume), ()
-        restore(plant, resume)
-    found = learning.learn(
-        _Repeated(plant, len(first)),
-        law,
-        output.reference,
-        iterations,
-        output_of=lambda runs: np.mean([output(run) for run in runs], axis=0),
-        first_correction=None if loop else start,
-        first_result=None if loop else first,
-        resume=loop,
-        size_of=output.size,
-        n_inputs=first[0].recording.n_axes,
-        divergence_ratio=DIVERGENCE_RATIO * (1.0 if start is None else FROM_A_MODEL),
-    )
-    smallest = np.inf
-    if loop is not None and isinstance(law, Guarded):
-        smallest = min(np.inf if loop.memory is None else loop.memory.size, law.size(loop.error))
-    for trial in found:
-        notes = output.notes if isinstance(output, Noted) else ()
-        if isinstance(law, Guarded):
-            size = law.size(trial.error)
-            if size > law.tolerance * smallest:
-                notes = (*notes, _BACK)
-            smallest = min(size, smallest)
-        yield trial, notes
+    return law if start is None or isinstance(law, Simulated) else Around(law, start)
 
 
-_BACK = Note(
-    cause=Cause.GUARD, text="the error had grown: learning went back to its best iteration"
-)
+def _mean(outputs: list[Array], reference: Array) -> Array:
+    """(N, m), mean of outputs. Raises ValueError where it is not like the reference."""
+    found = as_samples(np.mean(outputs, axis=0), "the output")
+    if found.shape != reference.shape:
+        needed = f"the shape {reference.shape} of the reference"
+        raise ValueError(f"the output must have {needed}, got {found.shape}")
+    return found
 
 
-@dataclass(frozen=True)
-class _Repeated:
-    plant: Plant[Pass]
-    times: int
+def _held(memory: Any, contours: Sequence[Timed]) -> tuple[bool, ...]:
+    """Whether each contour has converged and keeps its correction."""
+    if isinstance(memory, SegmentMemory):
+        return tuple(map(bool, memory.held))
+    return (False,) * len(contours)
 
-    def run(self, correction: Array, /) -> list[Pass]:
-        return [self.plant.run(correction) for _ in range(self.times)]
+
+def _notes(output: Output, law: Law, error: Array, memory: Any) -> tuple[Note, ...]:
+    found = output.notes if isinstance(output, Noted) else ()
+    grown = memory is not None and isinstance(law, Guarded)
+    if grown and law.size(error) > law.tolerance * memory.size:
+        back = "the error had grown: learning went back to its best iteration"
+        return (*found, Note(cause=Cause.GUARD, text=back))
+    return found
+
+
+def _same_loop(size: Array, loop: LoopState, plant: Any) -> list[np.random.Generator]:
+    """Sources of noise of a plant whose first run is that of a loop, by the size of its error.
+
+    Raises InputError where it does not come out as it did.
+    """
+    if not np.array_equal(size, loop.first_size):
+        other = "by another version, on another machine, or from files that have changed since"
+        raise InputError(
+            f"it cannot be gone on from: its first run does not come out the same here, {other}; "
+            "with another --seed its correction is taken over"
+        )
+    return generators(plant)

@@ -12,8 +12,7 @@ from ..evaluation.tool_error import tool_error
 from ..part.carried import place
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import default_design
-from .experiment import prepare
-from .plant import CuttingPlant, Pass
+from .experiment import CuttingPlant, Pass, prepare
 from .specification import Cut
 
 SERVO = System(np.array([0.0] * 5 + [0.5083]), np.array([1.0, -0.4884]), LOG_PERIOD)

@@ -16,12 +16,9 @@ from armside.ilc.measures.norms import two_norm
 
 from ..instruments.imu import ImuCfg
 from ..notes import Note
-from ..robot.model import RobotModel
-from ..robot.run import LoadedReference
 from ..robot.virtual_robot import VirtualRobot
 from .design import Design, default_design
-from .plant import Pass
-from .setup import Setup
+from .experiment import Experiment, Pass
 
 
 class Output(Protocol):
@@ -54,36 +51,6 @@ class Noted(Protocol):
     def notes(self) -> tuple[Note, ...]: ...
 
 
-class Prepared(Protocol):
-    """What is learned, before its first run: a cut or a whole part."""
-
-    @property
-    def setup(self) -> Setup: ...
-    @property
-    def seed(self) -> int: ...
-    @property
-    def nominal(self) -> RobotModel:
-        """Nominal robot of the controller."""
-        ...
-
-    @property
-    def added_payload(self) -> float:
-        """Known mass of the tool beside that of the robot's file [kg]."""
-        ...
-
-    @property
-    def loaded(self) -> LoadedReference: ...
-    @property
-    def programmed(self) -> Array:
-        """(N, 3) [m], positions of the tool."""
-        ...
-
-    @property
-    def turn_rate(self) -> float:
-        """[turns/s], of the contour that is learned."""
-        ...
-
-
 SetUp = Callable[[Pass], Output]
 """Sets a measure up by the first run."""
 
@@ -96,7 +63,7 @@ class Measure(Protocol):
         """Unit that it needs at the tool."""
         ...
 
-    def prepare(self, experiment: Prepared) -> SetUp:
+    def prepare(self, experiment: Experiment) -> SetUp:
         """Everything before the first run. Raises ValueError for a robot it cannot serve."""
         ...
 
@@ -115,7 +82,7 @@ class MotorAngles:
 
     imu = None
 
-    def prepare(self, experiment: Prepared) -> SetUp:
+    def prepare(self, experiment: Experiment) -> SetUp:
         design = self.design or default_design(experiment.setup.cell)
         reference = experiment.loaded.reference if self.target is None else self.target
         law = _on_nominal(experiment, reference, design.law) if self.simulated else design.law
@@ -123,7 +90,7 @@ class MotorAngles:
         return lambda first: _MotorOutput(reference, law)
 
 
-def _on_nominal(experiment: Prepared, reference: Array, law: Heuristic) -> Simulated:
+def _on_nominal(experiment: Experiment, reference: Array, law: Heuristic) -> Simulated:
     """Law on the nominal robot without noise, whose motors are to follow `reference`."""
     nominal = VirtualRobot(experiment.nominal).load(experiment.loaded.reference)
     gear = np.abs(experiment.nominal.drives.gear).tolist()

@@ -6,7 +6,7 @@ from armside import kinematics
 from armside.arrays import Array
 
 from ..estimation.relative_path import relative_to_start
-from .plant import Pass
+from .experiment import Pass
 
 
 def rigid_path(run: Pass, robot: kinematics.Robot = kinematics.LARGE_ROBOT) -> Array:

@@ -1,6 +1,8 @@
 """Results of a cutting experiment: the entries of its `summary.json`."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from operator import attrgetter
 from typing import Any, Literal
 
 import numpy as np
@@ -8,28 +10,71 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
+from ..cut.tool_motion import ToolMotion
 from ..evaluation.kerf import kerf
-from ..evaluation.tool_error import path_measures
+from ..evaluation.path_accuracy import path_measures
+from ..evaluation.tool_error import ToolError
+from ..notes import Note
 from ..robot.linkage import checked_loop_error
-from .experiment import Experiment, Iteration, prepare
+from .experiment import Experiment, Iteration, Pass, prepare
 from .learning import iterate
 from .measures import Measure, MotorAngles
-from .notes import GROWTH, notes
-from .plant import Pass
-from .specification import Cut
-from .tool_measure import ToolPath
+from .notes import GROWTH, all_notes, iteration_notes
+from .specification import Row, Setup
 
 Status = Literal["done", "worse", "diverged"]
 """End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it."""
 
 
 def run(
-    cut: Cut, *, measure: Measure = MotorAngles(), iterations: int = 5, seed: int = 0
+    cut: Setup, *, measure: Measure = MotorAngles(), iterations: int = 5, seed: int = 0
 ) -> dict[str, Any]:
     """Learn a cut and return its `results`."""
     experiment = prepare(cut, seed=seed)
     found = iterate(experiment, measure.prepare(experiment), iterations)
-    return results(experiment, list(found), of_tool=isinstance(measure, ToolPath))
+    return results(experiment, found, of_tool=not isinstance(measure, MotorAngles))
+
+
+def results(
+    experiment: Experiment, iterations: Iterable[Iteration], *, of_tool: bool = False
+) -> dict[str, Any]:
+    """Status, limits and measures of a run, as `summary.json` has them.
+
+    iterations: gone through once, so that those of a long part need not be stored.
+    of_tool: as of `status`.
+
+    Raises RuntimeError for a closed chain that did not stay closed.
+    """
+    cut, motion = experiment.cut, experiment.motion
+    rows, contours = list[Row](), list[list[Row]]()
+    ends, notes, open_by = list[Iteration](), list[Note](), [0.0]
+    limits = [(None, hit) for hit in motion.limits_hit]
+    beam_lost = list[bool]()
+    for it in iterations:
+        ends = [*ends[:1], it]
+        rows.append(iteration_row(it))
+        contours.append(_contour_rows(it))
+        notes += iteration_notes(experiment, it)
+        limits += [(it.k, hit) for hit in it.run.recording.limits_hit]
+        beam_lost.append(not bool(it.run.tracker.valid.all()))
+        if not it.diverged:
+            open_by.append(_loop_error(experiment, it.run))
+    for row in rows:
+        for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
+            row[f"{name}_normalised"] = _normalised(row[name], rows[0][name])
+    first, last = ends[0], ends[-1]
+    after = () if last.diverged else last.contours
+    return {
+        "status": status(ends, of_tool=of_tool),
+        "limits_hit": [
+            {"k": k, "limit": name, "axis": axis, "time": time} for k, (name, axis, time) in limits
+        ],
+        "loop_error": max(open_by),
+        "notes": all_notes(experiment, notes, first.contours, after),
+        "beam_lost": beam_lost,
+        "iterations": rows,
+        **cut.entries(motion, contours, [(it.k, it.contours_true) for it in ends]),
+    }
 
 
 def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
@@ -44,36 +89,28 @@ def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
     return "worse" if of_tool and last.tool.rms > GROWTH * first.tool.rms else "done"
 
 
-def results(
-    experiment: Experiment, iterations: list[Iteration], *, of_tool: bool = False
-) -> dict[str, Any]:
-    """Status, limits and measures of a run, as `summary.json` has them.
-
-    of_tool: as of `status`.
-
-    Raises RuntimeError for a closed chain that did not stay closed.
-    """
-    rows = [iteration_row(it) for it in iterations]
-    for row in rows:
-        for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
-            row[f"{name}_normalised"] = _normalised(row[name], rows[0][name])
-    motion = experiment.motion
+def iteration_row(iteration: Iteration) -> Row:
+    """Measures of one iteration: motor errors (n,) [rad] of the shaft, tool errors [m]."""
     return {
-        "status": status(iterations, of_tool=of_tool),
-        "limits_hit": [
-            {"k": k, "limit": name, "axis": axis, "time": time}
-            for k, hits in (
-                (None, motion.limits_hit),
-                *((it.k, it.run.recording.limits_hit) for it in iterations),
-            )
-            for name, axis, time in hits
-        ],
-        "loop_error": _loop_error(experiment, iterations),
-        "reached_speed": motion.reached_speed,
-        "notes": notes(experiment, iterations),
-        "beam_lost": [not bool(it.run.tracker.valid.all()) for it in iterations],
-        "iterations": rows,
+        "k": iteration.k,
+        "motor_inf": measures.inf_norm(iteration.motor_error),
+        "motor_two": measures.two_norm(iteration.motor_error),
+        **_measures(iteration.tool, ""),
+        **_measures(iteration.tool_true, "_true"),
     }
+
+
+def _contour_rows(iteration: Iteration) -> list[Row]:
+    each = zip(iteration.contours, iteration.contours_true, iteration.converged, strict=True)
+    return [
+        {"k": iteration.k, **_measures(seen, ""), **_measures(true, "_true"), "converged": held}
+        for seen, true, held in each
+    ]
+
+
+def _measures(error: ToolError, suffix: str) -> Row:
+    names = (field.name for field in fields(error) if field.name != "path")
+    return {f"arm_{name}{suffix}": getattr(error, name) for name in names}
 
 
 def _normalised(measure: Any, first: Any) -> Any:
@@ -81,25 +118,28 @@ def _normalised(measure: Any, first: Any) -> Any:
     return measures.normalise(measure, first) if np.isfinite(first).all() else measure * np.nan
 
 
-def _loop_error(experiment: Experiment, iterations: list[Iteration]) -> float:
-    """Widest opening of a closed chain over all runs but one that diverged [m]; 0 for none."""
-    mj, stride = experiment.loaded.model.mj, experiment.loaded.ratio
-    states = (it.run.recording.truth.qpos[::stride] for it in iterations if not it.diverged)
-    return max((checked_loop_error(mj, qpos) for qpos in states), default=0.0)
+def _loop_error(experiment: Experiment, run: Pass) -> float:
+    """Widest opening of a closed chain in a run [m]; 0 for none."""
+    loaded = experiment.loaded
+    return checked_loop_error(loaded.model.mj, run.recording.truth.qpos[:: loaded.ratio])
 
 
 def quality(
-    experiment: Experiment, iterations: list[Iteration], repeated: Sequence[Pass], beam: float
+    experiment: Experiment[ToolMotion],
+    iterations: list[Iteration],
+    repeated: Sequence[Pass],
+    beam: float,
 ) -> dict[str, Any]:
     """The edge that a beam of that diameter [mm] leaves, and measures after ISO 9283 [m].
 
     repeated: runs with the last correction.
     """
-    motion, curve = experiment.motion, experiment.cut.curve
+    motion = experiment.motion
+    curve = motion.curve
     true_cuts = [kerf(curve, it.tool_true.path, beam * 1e-3) for it in iterations]
     iso: dict[str, Any] = {"repetitions": len(repeated)}
-    for suffix, samples in (("", _tracked), ("_true", _true)):
-        each = [path_measures(motion, [samples(run)]) for run in (it.run for it in iterations)]
+    for suffix, samples in (("", attrgetter("tracked")), ("_true", _true)):
+        each = [path_measures(motion, [samples(it.run)]) for it in iterations]
         iso[f"path_accuracy{suffix}"] = [m.accuracy for m in each]
         iso[f"path_accuracy_in_plane{suffix}"] = [m.accuracy_in_plane for m in each]
         if repeated:
@@ -120,22 +160,6 @@ def quality(
     }
 
 
-def _tracked(run: Pass) -> tuple[Array, Array]:
-    return run.tracker.time, run.tracker.position
-
-
 def _true(run: Pass) -> tuple[Array, Array]:
+    """At the rate of the ground truth."""
     return run.recording.truth.time, run.recording.truth.tool_position
-
-
-def iteration_row(iteration: Iteration) -> dict[str, Any]:
-    """Measures of one iteration: motor errors (n,) [rad] of the shaft, tool errors [m]."""
-    return {
-        "k": iteration.k,
-        "motor_inf": measures.inf_norm(iteration.motor_error),
-        "motor_two": measures.two_norm(iteration.motor_error),
-        "arm_rms": iteration.tool.rms,
-        "arm_maxdev": iteration.tool.maxdev,
-        "arm_rms_true": iteration.tool_true.rms,
-        "arm_maxdev_true": iteration.tool_true.maxdev,
-    }

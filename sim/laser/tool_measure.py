@@ -22,8 +22,8 @@ from ..notes import Cause, Note
 from ..robot.drives import EXACT, gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .measures import Prepared, SetUp
-from .plant import Pass
+from .experiment import Experiment, Pass
+from .measures import SetUp
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions before they are learned from."""
@@ -62,7 +62,7 @@ class ToolPath:
     """Noise-free run of a model, such as a twin's, that is learned as the sensor sees it; the
     programmed path if None."""
 
-    def assumed(self, experiment: Prepared) -> NominalArm:
+    def assumed(self, experiment: Experiment) -> NominalArm:
         """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
         known, nominal = experiment.setup.gear_error, experiment.nominal
         return assumed_arm(
@@ -74,11 +74,11 @@ class ToolPath:
             payload=experiment.added_payload + self.payload_error,
         )
 
-    def prepare(self, experiment: Prepared) -> SetUp:
+    def prepare(self, experiment: Experiment) -> SetUp:
         arm = self.assumed(experiment)
         return lambda first: self.commissioned(experiment, arm, first)
 
-    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> "ToolOutput":
+    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
         """The measure set up by a run.
 
         A tracker needs no IMU: without one its law is built on the assumed springs.
@@ -99,7 +99,7 @@ class ToolOutput:
 
     measure: ToolPath
     known: Commissioned
-    experiment: Prepared
+    experiment: Experiment
 
     @property
     def reference(self) -> Array:

@@ -19,8 +19,7 @@ from ..instruments.imu import ImuSamples
 from ..notes import Cause, Note
 from ..robot.drives import EXACT, gear_error_of
 from ..robot.recording import Recording
-from .measures import Prepared
-from .plant import Pass
+from .experiment import Experiment, Pass
 from .tool_measure import Source, ToolOutput, ToolPath
 
 SIX = 6
@@ -35,7 +34,7 @@ class PathAlongWay(ToolPath):
     an arm with closed chains or without six axes) is estimated there, as `ToolPath` does.
     """
 
-    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> ToolOutput:
+    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> ToolOutput:
         """The measure set up by a run. Raises ImuError as `ToolPath.commissioned`."""
         if not self.follows(experiment, arm):
             return super().commissioned(experiment, arm, first)
@@ -52,7 +51,7 @@ class PathAlongWay(ToolPath):
         known = Commissioned(gears, None, local, plant, None)
         return WayOutput(self, known, experiment, found)
 
-    def follows(self, experiment: Prepared, arm: NominalArm) -> bool:
+    def follows(self, experiment: Experiment, arm: NominalArm) -> bool:
         """Whether the path is estimated along its way."""
         one_place = self.springs is not None or self.target is not None
         usual = self.commissioning.identified and self.estimate is Estimate.SMOOTHER
@@ -60,7 +59,7 @@ class PathAlongWay(ToolPath):
         usual = usual and experiment.nominal.n_axes == SIX
         return usual and not one_place
 
-    def _along(self, experiment: Prepared, first: Pass) -> WayCommissioned:
+    def _along(self, experiment: Experiment, first: Pass) -> WayCommissioned:
         known, nominal = experiment.setup.gear_error, with_structure(experiment.nominal)
         arm = assumed_arm(
             nominal,

@@ -69,6 +69,11 @@ class ToolMotion:
         """The contour."""
         return self.path.curve
 
+    @property
+    def motion_end(self) -> float:
+        """[s], at which it rests again."""
+        return self.rest_before + self.timing.duration
+
     def position_at(self, time: ArrayLike) -> Array:
         """Programmed tool position at any times [s], shape (..., 3) [m]."""
         s, _, _ = self.timing.at(np.asarray(time, dtype=np.float64) - self.rest_before)

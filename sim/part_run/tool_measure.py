@@ -13,8 +13,7 @@ from ..estimation.arm_plant import ArmPlant
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm
 from ..instruments.imu import ImuSamples
-from ..laser.measures import Prepared
-from ..laser.plant import Pass
+from ..laser.experiment import Experiment, Pass
 from ..laser.tool_measure import Source, ToolOutput
 from ..laser.way_measure import PathAlongWay, WayOutput
 from ..robot.recording import Recording
@@ -28,7 +27,7 @@ EXCERPT = 4.0
 class PartToolPath(PathAlongWay):
     """Path of the tool over a part, from rest."""
 
-    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> ToolOutput:
+    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> ToolOutput:
         """The measure set up by the beginning of a run. Raises ImuError as `ToolPath` does."""
         record = first if self.follows(experiment, arm) else beginning(first, EXCERPT)
         output = super().commissioned(experiment, arm, record)
@@ -42,7 +41,7 @@ class PartToolPath(PathAlongWay):
         return replace(output, known=replace(output.known, plant=plant))
 
 
-def _middle(experiment: Prepared) -> np.ndarray:
+def _middle(experiment: Experiment) -> np.ndarray:
     tool = experiment.programmed
     return 0.5 * (tool.min(axis=0) + tool.max(axis=0))
 

@@ -46,7 +46,7 @@ def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
     figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
     contour, errors = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
-    curve = history[0].experiment.cut.curve
+    curve = history[0].experiment.motion.curve
     factor = magnification(history, curve.smallest_radius)
     programmed = curve.point(np.linspace(0.0, curve.length, 361))
     contour.plot(*(1e3 * programmed.T), "k:", lw=1)

@@ -12,9 +12,8 @@ from armside.ilc.measures.norms import inf_norm, two_norm
 from ..evaluation.tool_error import ToolError
 from ..instruments.laser_tracker import beam
 from ..laser.design import Design
-from ..laser.experiment import Experiment, true_tool_error
+from ..laser.experiment import Experiment, Pass, true_tool_error
 from ..laser.learning import FROM_A_MODEL
-from ..laser.plant import Pass
 from ..notes import Note
 from ..robot.recording import saturation
 from ..twin.correction import Corrected

@@ -13,8 +13,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
-from ..laser.setup import Setup
-from ..laser.specification import Cut
+from ..laser.specification import Cut, Setup
 from ..part.carried import Motion
 from ..records.errors import InputError
 from ..records.files import check_file

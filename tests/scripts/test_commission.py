@@ -71,7 +71,7 @@ def test_a_whole_part_is_corrected_at_its_first_run(armside, twin, tmp_path):
 def test_a_first_cut_whose_beam_is_lost_keeps_its_results(armside, twin, tmp_path, monkeypatch):
     """Friction is followed by torque alone; what the tracker would have measured is missing."""
     narrow = partial(LaserTrackerCfg, acceptance_angle=1e-5)
-    monkeypatch.setattr("armside.sim.laser.rig.LaserTrackerCfg", narrow)
+    monkeypatch.setattr("armside.sim.laser.experiment.LaserTrackerCfg", narrow)
     line = f"laser --twin {twin[0]} --individual {INDIVIDUAL} --iterations 0"
     status, out, err = armside(f"{line} --out {tmp_path / 'run'}")
     assert (status, err) == (0, "")

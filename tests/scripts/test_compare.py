@@ -8,8 +8,8 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.cutting.comparison import CompareCfg, cases_of
-from armside.scripts.cutting.earlier_comparison import earlier_comparison
+from armside.scripts.cutting.comparison import CompareCfg, cases_of, starts_of
+from armside.scripts.cutting.earlier import earlier
 from armside.scripts.shell.options import Common
 from armside.sim.records.files import InputError
 
@@ -54,21 +54,20 @@ def test_updates_in_two_comparisons_are_those_of_one_to_the_last_bit(first, tmp_
 
 def started(first, robot=ROBOT, **options):
     cfg = CompareCfg(robot=robot, poses=("p1",), **options)
-    return earlier_comparison(first, cfg, Common(seed=2), cases_of)
+    return earlier(first, "compare", cfg, Common(seed=2))
 
 
 def test_each_way_takes_its_own_correction_to_another_speed(first):
     cfg, common, before = started(first, speeds=(80.0,))
     assert before.changed == ("speeds",)
     (case,) = cases_of(cfg, common.seed)
-    begins = before.begins(0, case)
-    assert list(begins) == WAYS
+    starts = starts_of(before, 0, case)
+    assert list(starts) == WAYS
     n = len(case.experiment().loaded.reference)
-    for way, begin in begins.items():
+    for way, start in starts.items():
         learned = before.states[f"0 {way}"].loop.correction
-        assert begin.start is not None
-        assert begin.start.shape == (n, 2) != learned.shape
-        np.testing.assert_allclose(np.ptp(begin.start, axis=0), np.ptp(learned, axis=0), rtol=0.02)
+        assert start.shape == (n, 2) != learned.shape
+        np.testing.assert_allclose(np.ptp(start, axis=0), np.ptp(learned, axis=0), rtol=0.02)
 
 
 def test_what_a_comparison_cannot_start_from_is_named(first, tmp_path):
@@ -76,7 +75,7 @@ def test_what_a_comparison_cannot_start_from_is_named(first, tmp_path):
     (case,) = cases_of(cfg, common.seed)
     elsewhere = replace(case, cut=replace(case.cut, pose="p2"))
     with pytest.raises(InputError, match=r"no cut at p2\. It has: p1"):
-        before.begins(0, elsewhere)
+        starts_of(before, 0, elsewhere)
     with pytest.raises(InputError, match="has another robot"):
         started(first, robot="irb1400")
     summary = json.loads((first / "summary.json").read_text())

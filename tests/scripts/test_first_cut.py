@@ -1,6 +1,6 @@
 """The line about a first cut by a twin."""
 
-from armside.scripts.cutting.first_cut import line
+from armside.scripts.cutting.learning import predicted_line as line
 
 FOUND = {"arm_rms": 2e-6, "interval": [1e-6, 3e-6], "uncorrected": 1e-4, "trusted": True}
 

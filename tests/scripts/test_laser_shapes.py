@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.cli import main
-from armside.scripts.cutting.learning import prepared, run
+from armside.scripts.cutting.learning import ready, run
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import kerf as kerf_figure
@@ -23,7 +23,7 @@ def laser(out, line):
 
 
 def prepare(cfg):
-    return prepared(cfg, 0).experiment
+    return ready(cut(cfg), measure(cfg), 0).experiment
 
 
 @pytest.fixture(scope="module")

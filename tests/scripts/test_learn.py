@@ -86,7 +86,7 @@ def test_a_robot_goes_on_bit_for_bit_and_says_so(place):
     assert main([*robot, "--iterations", "1", "--out", "one"]) == 0
     assert main(["learn", "--from", "one", "--iterations", "1", "--quiet", "--out", "more"]) == 0
     more, two = read(place / "more"), read(place / "two")
-    assert more["started_from"]["how"] == "continued"
+    assert more["started_from"]["how"] == "its last runs"
     assert more["laws"][0]["error_two"] == two["laws"][0]["error_two"][2:]
     assert more["laws"][0]["arm_rms"] == two["laws"][0]["arm_rms"][2:]
 

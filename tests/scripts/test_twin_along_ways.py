@@ -5,20 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from armside.scripts.cutting.first_cut import ByTwin
+from armside.sim.cut.contour import Circle
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.way_measure import PathAlongWay
-from armside.sim.motion.contour import Circle
+from armside.sim.twin.first_cut import FirstCut
 
 RUN: Any = object()
 
 
-def by_twin() -> ByTwin:
+def by_twin() -> FirstCut:
     twin: Any = SimpleNamespace(run=lambda *_: RUN)
     found: Any = SimpleNamespace(trusted=True, correction=np.zeros(0))
-    return ByTwin(twin, found)
+    return FirstCut(twin, found)
 
 
 def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin():

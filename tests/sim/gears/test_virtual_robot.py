@@ -10,13 +10,13 @@ from armside.kinematics import CATALOGUE
 from armside.sim.gears import VIRTUAL, Excitation, analyse
 from armside.sim.gears.virtual_run import discrepancies, posture, recorded
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.rig import rig
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.specification import Cut
 from armside.sim.robot.effects import Effect
 from armside.sim.robot_file.find import find_cell
 
 OTHERS = tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR)
-SETUP = Setup(pose="p2", imu=ImuCfg(), without=OTHERS)
+SETUP = Cut(pose="p2", imu=ImuCfg(), without=OTHERS)
 """With all effects: `armside verify estimation-gears`."""
 QUICKER = Excitation(duration=90.0, frequency=(0.02, 0.06))
 RUNS = 2
@@ -30,7 +30,7 @@ def recordings():
 @pytest.fixture(scope="module")
 def truth():
     still = np.tile(posture(SETUP.cell, SETUP.tool_pose), (3, 1))
-    return rig(SETUP, lambda _: (None, still), seed=11)[1].loaded.model.gear_error
+    return prepare(SETUP, planned=lambda _: (None, still), seed=11).loaded.model.gear_error
 
 
 @pytest.mark.parametrize(("sensor", "n"), [("imu", 2), ("tracker", 1)])
@@ -67,7 +67,7 @@ def test_a_pose_too_near_to_a_limit_is_refused_with_the_axis():
 def test_an_arm_whose_axes_are_parallel_is_refused_before_it_runs(name):
     robot = str(LARGE_ROBOT_XML.with_name(f"{name}.toml"))
     with pytest.raises(ValueError, match="turn the tool about one direction alone: gears needs"):
-        recorded(Setup(robot=robot, imu=ImuCfg()), 0)
+        recorded(Cut(robot=robot, imu=ImuCfg()), 0)
 
 
 def test_a_slide_moves_by_tenths_of_a_metre_where_other_axes_turn_by_a_radian():

@@ -7,11 +7,14 @@ import pytest
 
 from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.ilc.measures.norms import two_norm
+from armside.ilc.workbench.state import read_states, save_states
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error
-from armside.sim.laser import Cut, Design, MotorAngles, Pass, ToolPath, learn, prepare
+from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
 from armside.sim.laser.design import DEFAULT_DESIGN
-from armside.sim.laser.learning import MEASURES, first_run, iterate
+from armside.sim.laser.learning import MEASURES, first_run, iterate, measure_of
+from armside.sim.part.carried import carried, follows
+from armside.sim.records.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -160,10 +163,70 @@ def test_what_cannot_be_done_is_said_before_the_first_run(arguments, said):
 def test_measures_are_known_by_name():
     assert set(MEASURES) == {"motor", "estimate", "tracker", "truth"}
     experiment = prepare(Cut(imu=ToolPath().imu))
-    reads = {
-        name: measure.prepare(experiment)
-        for name, measure in MEASURES.items()
-        if name in ("motor", "truth")
-    }
+    reads = {name: measure_of(name).prepare(experiment) for name in ("motor", "truth")}
     motor = next(iterate(experiment, reads["motor"], 0))
     assert motor.error.shape == experiment.loaded.reference.shape
+
+
+def test_an_iteration_learns_from_the_mean_of_its_runs():
+    experiment = prepare(replace(Cut(), friction_spread=0.0))
+    first = first_run(experiment)
+    runs = []
+
+    class Counted:
+        def run(self, correction, /):
+            runs.append(experiment.plant.run(correction))
+            return runs[-1]
+
+    set_up = MotorAngles().prepare(experiment)
+    zero, one = iterate(experiment, set_up, 1, plant=Counted(), first=first, repeats=3)
+    assert len(runs) == 2 + 3
+    reference = experiment.loaded.reference
+    angles = [run.recording.motor_angle for run in (first, *runs[:2])]
+    assert zero.error == pytest.approx(reference - np.mean(angles, axis=0), abs=1e-15)
+    angles = [run.recording.motor_angle for run in runs[2:]]
+    assert one.error == pytest.approx(reference - np.mean(angles, axis=0), abs=1e-15)
+    assert zero.run is first
+
+
+CUT = Cut(radius=0.003, speed=0.060)
+MEASURE = ToolPath(source=Source.TRACKER)
+"""Without an IMU, on assumed springs: a law with a guard, which remembers its best iteration."""
+
+
+def iterations(count, start=None, seed=0):
+    experiment = prepare(CUT, seed=seed)
+    return list(iterate(experiment, MEASURE.prepare(experiment), count, start=start))
+
+
+@pytest.mark.parametrize("centre", [None, 1e-5])
+def test_a_guarded_law_goes_on_to_the_last_bit(centre, tmp_path):
+    shape = prepare(CUT).loaded.reference.shape
+    start = None if centre is None else np.full(shape, centre)
+    whole = iterations(3, start)
+    save_states(tmp_path / "state.npz", {"a": iterations(1, start)[-1].state})
+    again = iterations(2, read_states(tmp_path / "state.npz")["a"])
+    assert [one.k for one in again] == [0, 2, 3]
+    for k, one in zip((0, 2, 3), again, strict=True):
+        np.testing.assert_array_equal(one.correction, whole[k].correction)
+        np.testing.assert_array_equal(one.run.tracker.position, whole[k].run.tracker.position)
+
+
+def test_the_state_of_another_robot_is_refused():
+    (only,) = iterations(0)
+    with pytest.raises(InputError, match="does not come out the same here"):
+        iterations(1, only.state, seed=1)
+
+
+def test_a_correction_keeps_its_place_on_the_path_at_another_speed():
+    slow, fast = (prepare(Cut(speed=v)).motion for v in (0.02, 0.06))
+    at = slow.position - slow.position[0]
+    found = carried(np.hstack([at, at]), slow, fast)
+    on = fast.on_contour
+    np.testing.assert_allclose(
+        found[on, :2] + slow.position[0, :2], fast.position[on, :2], atol=1e-5
+    )
+    assert not follows(slow, prepare(Cut(pose="p2")).motion)
+    assert not follows(slow, prepare(Cut(radius=0.006)).motion)
+    with pytest.raises(ValueError, match="belongs to its path"):
+        carried(np.hstack([at, at]), slow, prepare(Cut(radius=0.006)).motion)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from armside.scripts.cutting.endings import fail_unless_done
+from armside.scripts.cutting.learning import fail_unless_done
 from armside.scripts.shell.errors import RunFailed
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare

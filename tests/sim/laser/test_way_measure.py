@@ -9,9 +9,8 @@ from armside.arrays import Array
 from armside.sim.estimation.way import trust
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.laser.experiment import Experiment, Iteration, Pass
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.plant import Pass
 from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.motion.contour import hexagon
 from armside.sim.notes import Cause

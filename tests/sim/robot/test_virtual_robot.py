@@ -10,7 +10,7 @@ from armside import assets
 from armside.sim.calibration.experiments import learned
 from armside.sim.cell import LARGE_CELL
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.plant import plan
+from armside.sim.laser.specification import plan
 from armside.sim.robot.effects import available, with_effects
 from armside.sim.robot.individual import with_friction
 from armside.sim.robot.mjcf import ModelError

@@ -42,7 +42,7 @@ def test_what_is_given_is_taken_and_the_rest_stays_as_drawn():
 
 @pytest.mark.parametrize("robot", ["large", "irb1400"])
 def test_every_draw_is_within_reach(robot):
-    from armside.sim.laser.plant import plan
+    from armside.sim.laser.specification import plan
 
     cell = CELLS[robot]
     nominal = load_model(cell.xml)

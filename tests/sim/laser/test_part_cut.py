@@ -1,41 +1,45 @@
-"""A part is cut in one run, where and when its plan says, and judged contour by contour."""
+"""A part is cut in one run, where and when its plan says, and judged and learned by contour."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from armside.ilc.measures.norms import two_norm
 from armside.sim.evaluation.contour_error import contour_errors
-from armside.sim.laser.learning import trials
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.chain import arc, line
-from armside.sim.part.curve import ChainCurve, Kind, centred, is_circle
-from armside.sim.part.drawing import Joined
+from armside.sim.part.curve import ChainCurve, centred, is_circle
+from armside.sim.part.joining import Joined
+from armside.sim.part.kind import Kind
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.part_run.experiment import Job, prepare
-from armside.sim.records.programmed_path import from_json, to_json
+from armside.sim.records.part_path import from_json, to_json
 
 
 @pytest.fixture(scope="module")
-def job():
-    plate = line((0.1, 0.2), (0.14, 0.2), (0.14, 0.23), (0.1, 0.23), (0.1, 0.2))
+def plate():
+    outline = line((0.1, 0.2), (0.14, 0.2), (0.14, 0.23), (0.1, 0.23), (0.1, 0.2))
     hole = arc((0.11, 0.21), 0.005, 0.0, 2.0 * np.pi)
-    part = part_of([Joined(plate, ("plate",), ""), Joined(hole, ("hole",), "")])
-    return Job(part=part, cutting=Cutting(speed=0.06, rapid=0.2), setup=Setup(pose="p2"))
+    part = part_of([Joined(outline, ("plate",), ""), Joined(hole, ("hole",), "")])
+    return PartCut(part=part, cutting=Cutting(speed=0.06, rapid=0.2), pose="p2")
 
 
 @pytest.fixture(scope="module")
-def experiment(job):
-    return prepare(job)
+def experiment(plate):
+    return prepare(plate)
 
 
-def test_the_tool_follows_each_contour_at_its_place_around_the_pose(experiment):
+def test_the_tool_follows_each_contour_at_its_place_around_the_pose(experiment, plate):
     motion = experiment.motion
     middle = np.array(experiment.setup.tool_pose.position)
     box = np.array([motion.position.min(axis=0), motion.position.max(axis=0)])
     np.testing.assert_allclose(box.mean(axis=0)[:2], middle[:2], atol=2e-3)  # leads stick out
     np.testing.assert_allclose(motion.position[:, 2], middle[2])
-    for cut, planned in zip(motion.cuts, experiment.plan.cuts, strict=True):
+    for cut, planned in zip(motion.cuts, plate.plan.cuts, strict=True):
         first, last = cut.contour_time
         np.testing.assert_allclose(cut.point(first), cut.turn.points[0], atol=1e-9)
         np.testing.assert_allclose(cut.point(last), cut.turn.points[-1], atol=1e-9)
@@ -86,21 +90,19 @@ def test_the_path_on_disk_is_the_path_of_the_run(experiment):
     assert to_json(again) == to_json(motion)
 
 
-def test_a_part_beyond_the_reach_is_refused_with_the_place_in_the_drawing(job):
-    far = Job(part=job.part, setup=Setup(pose="p3", robot="irb1400"), cutting=job.cutting)
+def test_a_part_beyond_the_reach_is_refused_with_the_place_in_the_drawing(plate):
+    far = replace(plate, pose="p3", robot="irb1400")
     prepare(far)
     large = line((0.0, 0.0), (2.0, 0.0), (2.0, 0.1), (0.0, 0.1), (0.0, 0.0))
     part = part_of([Joined(large, ("plate",), "")])
     with pytest.raises(ValueError, match=r"out of reach at \(-?\d"):
-        prepare(Job(part=part, setup=far.setup))
+        prepare(replace(far, part=part))
 
 
 def test_motors_learn_the_part_as_one_record(experiment):
-    first = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
-    output = MotorAngles().prepare(experiment)(first)
-    before, after = (trial for trial, _ in trials(experiment.plant, output, [first], 1))
+    before, after = iterate(experiment, MotorAngles().prepare(experiment), 1)
     assert after.correction.shape == experiment.loaded.reference.shape
-    assert (output.size(after.error) < 0.6 * output.size(before.error)).all()
+    assert (two_norm(after.error) < 0.6 * two_norm(before.error)).all()
 
 
 def test_the_nearest_point_of_a_chain_is_that_of_the_geometry():
@@ -115,3 +117,36 @@ def test_the_nearest_point_of_a_chain_is_that_of_the_geometry():
     curve, middle = centred(arc((0.1, 0.2), 0.03, 0.4, 2.0 * np.pi))
     np.testing.assert_allclose(middle, (0.1, 0.2))
     assert curve.smallest_radius == pytest.approx(0.03)
+
+
+def test_the_error_of_a_part_is_that_of_its_contours_together(experiment):
+    """RMS by length, the largest of the rest; one contour alone is the whole."""
+    motion = experiment.motion
+    beside = motion.position + 3e-5 * (motion.time > 1.0)[:, np.newaxis] * np.array([0.6, 0.8, 0.0])
+    contours = experiment.cut.errors(motion, motion.time, beside)
+    whole = experiment.cut.whole(motion, contours)
+    length = np.array([cut.turn.length for cut in motion.cuts])
+    squares = np.array([error.rms for error in contours]) ** 2
+    assert whole.rms == pytest.approx(np.sqrt((squares * length).sum() / length.sum()))
+    assert whole.position == max(error.position for error in contours) > 0.0
+
+
+def test_corrections_of_contours_change_over_while_the_tool_rests(experiment):
+    motion = experiment.motion
+    share = experiment.cut.weights(motion)
+    np.testing.assert_allclose(share.sum(axis=1), 1.0)
+    blending = ((share > 0.0) & (share < 1.0)).any(axis=1)
+    assert blending.sum() > 20
+    assert np.ptp(motion.position[blending], axis=0).max() < 1e-9
+    for i, place in enumerate(motion.places):
+        assert (share[motion.time >= place.contour_time[0], i][:1] == 1.0).all()
+
+
+def test_learning_ends_when_all_contours_have_converged(experiment):
+    set_up = MotorAngles().prepare(experiment)
+    found = list(iterate(experiment, set_up, 12, converged=0.5))
+    assert found[-1].converged == (True, True)
+    assert not all(found[-2].converged)
+    assert len(found) < 12
+    before, after = (np.linalg.norm(found[i].motor_error) for i in (0, -1))
+    assert after < 0.5 * before

@@ -19,13 +19,13 @@ from armside.kinematics import compile as compile_robot
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
-from ..laser.setup import Setup
-from ..motion.instructions import Dynamics
-from ..motion.path import Plane
-from ..motion.profile_grid import Bounds, BoundsAt
+from ..cut.path import Plane
+from ..cut.profile_grid import Bounds, BoundsAt
+from ..moves.instructions import Dynamics
 from ..part.chain import Chain, place
 from ..robot.drives import Drives
 from ..robot.statics import Statics
+from .specification import Setup
 
 SPACING, TURN = 5e-3, 0.1
 """Largest distance [m] and angle [rad] between the places at which the arm is evaluated; limits are

@@ -7,19 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.sim.laser.setup import Setup
-from armside.sim.motion import speed_profile
-from armside.sim.motion.tool_motion import joint_reference
+from armside.sim.cut import speed_profile
+from armside.sim.cut.tool_motion import joint_reference
+from armside.sim.laser import joint_bounds
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.part_cut import PartCut, sequence
 from armside.sim.part import plan as plan_module
-from armside.sim.part.beam_path import smooth
 from armside.sim.part.chain import arc, joined, line
-from armside.sim.part.drawing import Joined, Reading
-from armside.sim.part.part import part_of, read_part
+from armside.sim.part.drawn import Reading
+from armside.sim.part.file import read_part
+from armside.sim.part.joining import Joined
+from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.part_run import joint_bounds
-from armside.sim.part_run.experiment import Job, planned, prepare
-from armside.sim.part_run.sequence import sequence
-from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.part.rounding import smooth
+from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.statics import Statics
 
 W, H, R = 0.3, 0.08, 5e-3
@@ -27,15 +28,15 @@ OUTLINE = smooth(line((0.0, 0.0), (W, 0.0), (W, H), (0.0, H), (0.0, 0.0)), R)
 
 
 @pytest.fixture(scope="module")
-def job():
+def outline():
     part = part_of([Joined(joined([OUTLINE]), ("outline",), "")])
-    return Job(part=part, cutting=Cutting(speed=0.167), setup=Setup(pose="p2"))
+    return PartCut(part=part, cutting=Cutting(speed=0.167), pose="p2")
 
 
-def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(job):
+def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(outline):
     """95 % of the length that ramps from corners and rest leave, as if each began at its end."""
-    (cut,) = planned(job).cuts
-    limits, radius = job.cutting.limits, R + 0.5 * job.cutting.beam
+    (cut,) = outline.plan.cuts
+    limits, radius = outline.cutting.limits, R + 0.5 * outline.cutting.beam
     corner = np.sqrt(limits.acceleration * radius)
     rise = 0.167 - corner
     peak = min(limits.acceleration, np.sqrt(limits.jerk * rise))
@@ -50,8 +51,8 @@ def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(job):
     assert np.diff(cut.profile.s)[fast].sum() >= 0.95 * possible
 
 
-def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(job):
-    experiment = prepare(job)
+def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(outline):
+    experiment = prepare(outline)
     run = experiment.plant.run(np.zeros_like(experiment.loaded.reference)).recording
     cell, drives = experiment.setup.cell, experiment.nominal.drives
     speed = np.gradient(run.truth.gear_angle, run.truth.time, axis=0)
@@ -60,18 +61,17 @@ def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(job):
     assert run.limits_hit == ()
 
 
-def test_a_slow_joint_lowers_the_speed_where_it_needs_to(job):
+def test_a_slow_joint_lowers_the_speed_where_it_needs_to(outline):
     """The profile keeps the programmed path within 1 % of the speeds of its joints, and uses them.
 
     The anticipated deflection is on top of it: nine per cent of limits that are as low as these.
     """
-    cell = job.setup.cell
+    cell = outline.cell
     slow = replace(cell.limits, speed=tuple(0.04 * v for v in cell.limits.speed))
-    setup = replace(job.setup, robot=replace(cell, limits=slow))
-    limited = replace(job, setup=setup)
-    (cut,), (free,) = planned(limited).cuts, planned(job).cuts
+    limited = replace(outline, robot=replace(cell, limits=slow))
+    (cut,), (free,) = limited.plan.cuts, outline.plan.cuts
     assert cut.seconds > 1.05 * free.seconds
-    motion = sequence(setup, planned(limited), limited.plane)
+    motion = sequence(limited, limited.plan, limited.plane)
     phi = joint_reference(motion, cell.robot, slow)
     use = np.abs(np.gradient(phi, motion.step, axis=0)) / np.array(slow.speed)
     assert use.max() <= 1.01
@@ -79,17 +79,17 @@ def test_a_slow_joint_lowers_the_speed_where_it_needs_to(job):
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5])
-def test_drives_that_can_only_just_hold_the_arm_limit_a_plan(job, share):
+def test_drives_that_can_only_just_hold_the_arm_limit_a_plan(outline, share):
     """With half of their torque, axes 2 and 3 spend more than 70 % of it on gravity."""
-    model = cell_model(job.setup.cell, None)
+    model = cell_model(outline.cell, None)
     drives = replace(model.drives, torque_limit=share * model.drives.torque_limit)
     bounds = joint_bounds.JointBounds(
-        job.setup, Statics(replace(model, drives=drives)), job.plane, job.part.middle, 0.1
+        outline, Statics(replace(model, drives=drives)), outline.plane, outline.part.middle, 0.1
     )
     (limit,) = bounds.along([joined([line((0.0, 0.0), (W, 0.0))])])
     assert (limit is None) == (share == 1.0)
     if limit is not None:
-        found, acceleration = limit(np.linspace(0.0, W, 20)), job.setup.limits.acceleration
+        found, acceleration = limit(np.linspace(0.0, W, 20)), outline.limits.acceleration
         used = acceleration * np.abs(found.along) + np.abs(found.offset)
         by_drive = (used + 0.1**2 * np.abs(found.bend)).max(axis=0)[6:]
         assert by_drive.argmax() == 1
@@ -101,7 +101,7 @@ def test_drives_that_can_only_just_hold_the_arm_limit_a_plan(job, share):
 def test_a_part_near_a_singularity_of_the_wrist_has_a_plan(speed):
     file = Path(__file__).parents[3] / "docs/examples/bracket.dxf"
     part = read_part(file, Reading(layers=("CUT",)))
-    found = planned(Job(part=part, cutting=Cutting(speed=speed), setup=Setup(pose="p1")))
+    found = PartCut(part=part, cutting=Cutting(speed=speed), pose="p1").plan
     for cut in found.cuts:
         assert (cut.profile.speed <= cut.profile.allowed.max() * (1.0 + 1e-6)).all()
 
@@ -116,16 +116,16 @@ def holes(count):
     return part_of([Joined(one, (f"{i}",), "") for i, one in enumerate([frame, *rows])])
 
 
-def sheet_job(count):
-    return Job(part=holes(count), cutting=Cutting(speed=0.1), setup=Setup(pose="p1"))
+def sheet(count):
+    return PartCut(part=holes(count), cutting=Cutting(speed=0.1), pose="p1")
 
 
 def test_paths_have_the_same_limits_together_as_alone(monkeypatch):
     monkeypatch.setattr(joint_bounds, "TOGETHER", 100)
-    found = [cut.path for cut in planned(sheet_job(6)).cuts]
-    job = sheet_job(6)
-    controller = Statics(cell_model(job.setup.cell, None))
-    bounds = joint_bounds.JointBounds(job.setup, controller, job.plane, job.part.middle, 0.1)
+    found = [cut.path for cut in sheet(6).plan.cuts]
+    cut = sheet(6)
+    controller = Statics(cell_model(cut.cell, None))
+    bounds = joint_bounds.JointBounds(cut, controller, cut.plane, cut.part.middle, 0.1)
     s = np.linspace(0.0, 0.005, 20)
     limited = 0
     for path, together in zip(found, bounds.along(found), strict=True):
@@ -143,12 +143,12 @@ def test_memory_of_a_plan_does_not_grow_with_its_contours(monkeypatch):
     monkeypatch.setattr(plan_module, "TOGETHER", 8)
     monkeypatch.setattr(joint_bounds, "TOGETHER", 500)
     monkeypatch.setattr(speed_profile, "TOGETHER", 500)
-    planned(sheet_job(2))  # compiled functions are loaded
+    sheet(2).plan  # noqa: B018 - compiled functions are loaded
     above = []
     for count in (20, 60):
-        job = sheet_job(count)
+        cut = sheet(count)
         tracemalloc.start()
-        made = planned(job)
+        made = cut.plan
         kept, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert len(made.cuts) == count + 1

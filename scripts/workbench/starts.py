@@ -1,0 +1,90 @@
+"""Starts of the laws of `armside learn`: an earlier run, or a file with a correction."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from armside.arrays import Array
+from armside.ilc.workbench.csv_signal import CsvSignal
+from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.transfer import along_path
+from armside.sim.handover.kept import REFERENCE
+from armside.sim.handover.reading import read_correction
+
+from ..cutting.earlier import Earlier, earlier
+from ..shell.options import Common
+from .options import LearnCfg
+from .plants import named_task, refuse_other_path
+from .results import key
+
+if TYPE_CHECKING:
+    from armside.ilc.workbench.task import Task
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """What each law starts from."""
+
+    folder: Path
+    """Or the file with a correction."""
+    of: Earlier[LearnCfg] | None
+    given: CsvSignal | None = field(default=None, repr=False)
+
+    def state(self, law: str, noise: float, repetition: int) -> RunState | None:
+        """State to go on from; None where a correction alone is used."""
+        goes_on = self.of is not None and self.of.goes_on
+        return self.of.state(key(law, noise, repetition)) if self.of and goes_on else None
+
+    def correction(self, law: str, task: "Task") -> Array | None:
+        """u of the last run with the same law, or else with the first; None where it goes on.
+
+        Where both tasks follow a path at other speeds, it is taken by the place there. Raises
+        InputError where a robot follows another path.
+        """
+        if self.given is not None:
+            return self.given.at(len(task.reference), task.sample_time)
+        if self.of is None or self.of.goes_on:
+            return None
+        stored = {name: state for name, state in self.of.states.items() if state is not None}
+        same = [state for name, state in stored.items() if name.startswith(f"{law} | ")]
+        found = (same or list(stored.values()))[0].loop.correction
+        if "plant" not in self.of.changed or task.place is None:
+            return found
+        refuse_other_path(self.of.options.plant, task.name)
+        before = named_task(self.of.options, self.of.seed)
+        return found if before.place is None else along_path(found, before.place, task.place)
+
+    @property
+    def followed(self) -> Path | None:
+        """Reference of a run that is gone on from; None where it may be another, or is missing.
+
+        The noise of a robot goes on from run to run, so that one that is only listened to counts.
+        """
+        file = self.folder / REFERENCE
+        return file if self.of is not None and self.of.goes_on and file.is_file() else None
+
+    @property
+    def entry(self) -> dict[str, Any]:
+        """Entry of `summary.json`."""
+        if self.of is not None:
+            return self.of.entry
+        return {"run": str(self.folder), "how": "its correction", "changed": []}
+
+    @property
+    def line(self) -> str:
+        """The same in a sentence."""
+        return self.of.line if self.of else f"Starts from the correction of {self.folder}"
+
+
+def starts(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Starts | None]:
+    """Options with those of the earlier run where none were given, and what it left.
+
+    Raises InputError for a folder that is no run of `armside learn`, or without states.
+    """
+    if cfg.start is None:
+        return cfg, common, None
+    if cfg.start.is_file():
+        return cfg, common, Starts(cfg.start, None, read_correction(cfg.start))
+    folder = cfg.start
+    cfg, common, before = earlier(folder, "learn", cfg, common)
+    return cfg, common, Starts(folder, before)
