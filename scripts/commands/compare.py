@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.compare import RunState
 from armside.sim.laser.comparison import COMPARED, Case, compared, rms
 from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration

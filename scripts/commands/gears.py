@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.specification import Setup
 from armside.sim.records.summary import summary
 from armside.sim.robot_file.find import find_cell, load_robot
 

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from armside.sim.cell_file import check_named
 from armside.sim.imu import (
     Compensation,
     ImuExperiment,
@@ -15,17 +14,18 @@ from armside.sim.imu import (
     ProcessingCfg,
     RestExperiment,
     Scheme,
-    notes,
     prepare,
     results,
     run_one,
     run_rest,
 )
+from armside.sim.imu import experiment as notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.robot.flexibility import Flexibility
+from armside.sim.robot_file.find import check_named
 
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
@@ -177,8 +177,8 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 def _recorded(cfg: ImuOptions, common: Common) -> None:
     """Chapter 5 on recordings of a real robot."""
     from armside.sim.imu.recorded import process
-    from armside.sim.named_robot import find_robot
     from armside.sim.recordings import read_motion
+    from armside.sim.robot_file.find import find_robot
 
     from ..figures import recorded_imu as shown
 

@@ -10,15 +10,16 @@ import numpy as np
 import pyarrow as pa
 from cyclopts import Parameter
 
-from armside.sim.cut.contour_file import read_contour
 from armside.sim.evaluation.recorded import (
     CircleTurn,
     ContourTurn,
     RecordedMeasures,
     measure_signals,
     measure_table,
+    notes_of_signals,
+    notes_of_table,
 )
-from armside.sim.evaluation.recorded_notes import notes_of_signals, notes_of_table
+from armside.sim.motion.contour_file import read_contour
 from armside.sim.records.signals import signals_of
 from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary

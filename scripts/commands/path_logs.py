@@ -34,9 +34,9 @@ def path_logs(
     data: folder of waypoints (command.csv) and logs (docs/real.md). Writes summary.json and
     path-logs.png: error and scatter across the path by speed.
     """
-    from armside.sim.named_robot import find_robot
     from armside.sim.recordings.paths import compare_logs
     from armside.sim.recordings.paths.motor_logs import read_path_logs
+    from armside.sim.robot_file.find import find_robot
 
     from ..figures import path_logs as shown
 

@@ -9,16 +9,16 @@ from typing import Annotated, Literal
 import numpy as np
 from cyclopts import Parameter
 
-from armside.ilc.workbench.state import RunState, save_states
+from armside.ilc.workbench.compare import RunState, save_states
 from armside.sim.cell import pose
-from armside.sim.cell_file import find_cell
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case
 from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.learning import Start
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.timing import PathLimits
 from armside.sim.records.run_folder import RunFolder
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError

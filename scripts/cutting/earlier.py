@@ -8,11 +8,11 @@ from typing import Annotated, Any, Generic, TypeVar, get_type_hints
 from cyclopts import Parameter
 
 from armside.arrays import Array
-from armside.ilc.workbench.state import RunState, read_states, save_states
-from armside.sim.cell_file import find_cell
+from armside.ilc.workbench.compare import RunState, read_states, save_states
 from armside.sim.part.carried import Motion, carried
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.stored_run import StoredRun, read_run
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.console import Report
 from ..shell.errors import InputError

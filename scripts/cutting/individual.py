@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Group, Parameter
 
 from armside.kinematics import Robot
-from armside.kinematics.gear_file import read_gear_file
+from armside.kinematics.robot_file import read_gear_file
 from armside.sim.robot.effects import TEMPERATURES, Effect
 from armside.sim.robot.individual_file import read_individual
 from armside.sim.robot.spread import Drawn

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from cyclopts import Group, Parameter
 
-from armside.sim.cell_file import find_cell
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.measures import Measure, MotorAngles
+from armside.sim.motion.timing import PathLimits
 from armside.sim.part.chain import MM
-from armside.sim.part.drawn import Reading, Unit
+from armside.sim.part.drawing import Reading, Unit
 from armside.sim.records.files import check_file
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
@@ -131,7 +131,7 @@ def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
     unit = None if cfg.units is None else Unit(cfg.units)
     try:
         from armside.sim.laser.part_cut import PartCut
-        from armside.sim.part.file import read_part
+        from armside.sim.part.part import read_part
         from armside.sim.part.plan import Cutting
 
         part = read_part(file, Reading(layers=cfg.layers, unit=unit, join=cfg.join * MM))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.corners import LARGEST_RADIUS
+from armside.sim.evaluation.contour_error import LARGEST_RADIUS
 from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan

@@ -14,8 +14,7 @@ from armside.ilc.analysis.criterion import shift_response
 from armside.ilc.analysis.robustness import contraction_map, monte_carlo
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.models.system import unit_circle
-from armside.ilc.models.two_mass import TwoMassLoop
-from armside.ilc.models.two_mass_friction import FrictionPlant
+from armside.ilc.models.two_mass import FrictionPlant, TwoMassLoop
 from armside.ilc.two_mass_study import Study
 from armside.sim.evaluation.check import Table
 

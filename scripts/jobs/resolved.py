@@ -15,13 +15,13 @@ import mujoco
 
 from armside.kinematics.robot_file import read_toml
 from armside.sim.cell import CELLS, ToolPose
-from armside.sim.cell_file import find_cell, read_cell
 from armside.sim.records.files import check_file
 from armside.sim.records.summary import plain
-from armside.sim.robot.cell_model import cell_model
 from armside.sim.robot.effects import Effect, available
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.mjcf import ModelError, scalar
 from armside.sim.robot.model import load_model
+from armside.sim.robot_file.find import find_cell, read_cell
 
 from ..cutting.options import LaserCfg
 from ..cutting.specification import MM, cut, dimensions, tool_pose
@@ -43,7 +43,7 @@ def content_of(name: str, path: Path) -> str:
     file that cannot be read.
     """
     if name == "twin":
-        from armside.sim.twin.library import digest
+        from armside.sim.twin.twin import digest
 
         return digest(path)
     if name == "identification":
@@ -142,7 +142,7 @@ class Resolver:
                 if wrong := self._wrong_geometry(known.cfg):
                     return wrong
                 if known.cfg.twin is not None:
-                    from armside.sim.twin.library import stored_twin
+                    from armside.sim.twin.twin import stored_twin
 
                     stored_twin(known.cfg.twin).check(asked)
             except (ValueError, OSError) as error:

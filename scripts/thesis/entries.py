@@ -10,7 +10,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
-from ..shell.registry import unknown
+from ..shell.errors import unknown
 from .report import Entry
 
 CHAPTER = re.compile(r"chapter_?(\w+)")

@@ -17,7 +17,6 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.identification.friction import stops
 from armside.ilc.laws.transfer import across, correction_of, derivatives, fitted, led
-from armside.sim.cut.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
@@ -25,6 +24,7 @@ from armside.sim.laser.comparison import Case
 from armside.sim.laser.experiment import Experiment, prepare, true_tool_error
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolPath
+from armside.sim.motion.contour import Circle, ClosedCurve, hexagon, slot, square
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import commission

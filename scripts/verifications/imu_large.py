@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from armside.sim.evaluation.check import Table
-from armside.sim.imu import ImuExperiment, notes, prepare, reprocessed, run_one
+from armside.sim.imu import ImuExperiment, prepare, reprocessed, run_one
+from armside.sim.imu import experiment as notes
 from armside.sim.notes import Tally
 
 from .irb1400 import by_axis, numbers, table

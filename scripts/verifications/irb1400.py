@@ -8,15 +8,9 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.sim.evaluation.check import Table, all_hold
-from armside.sim.imu import (
-    ImuExperiment,
-    RestExperiment,
-    causes,
-    notes,
-    prepare,
-    reprocessed,
-    run_one,
-)
+from armside.sim.imu import ImuExperiment, RestExperiment, prepare, reprocessed, run_one
+from armside.sim.imu import experiment as causes
+from armside.sim.imu import experiment as notes
 from armside.sim.imu.vibration import lines, run_rest
 from armside.sim.notes import Note, Tally
 from armside.sim.robot.recording import saturation

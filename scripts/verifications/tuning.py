@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, Table, all_hold
-from armside.sim.evaluation.interval import mean_interval
+from armside.sim.evaluation.check import Check, Table, all_hold, mean_interval
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.notes import Note, counted
 from armside.sim.robot.run import cores

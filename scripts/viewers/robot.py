@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from armside.sim.cell_file import find_cell
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.errors import checking_input
 from ..shell.options import Common, FileToRead, options

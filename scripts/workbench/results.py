@@ -11,7 +11,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.workbench.compare import LawRun, RunState, save_states
 from armside.ilc.workbench.signals import write_signal
-from armside.sim.handover.kept import REFERENCE
+from armside.sim.controller.stored_correction import REFERENCE
 
 from ..cutting.earlier import STATE
 from ..shell.console import Report

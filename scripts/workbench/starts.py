@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armside.arrays import Array
-from armside.ilc.workbench.csv_signal import CsvSignal
-from armside.ilc.workbench.state import RunState
-from armside.ilc.workbench.transfer import along_path
-from armside.sim.handover.kept import REFERENCE
-from armside.sim.handover.reading import read_correction
+from armside.ilc.workbench.compare import RunState
+from armside.ilc.workbench.signals import CsvSignal
+from armside.ilc.workbench.task import along_path
+from armside.sim.controller.stored_correction import REFERENCE, read_correction
 
 from ..cutting.earlier import Earlier, earlier
 from ..shell.options import Common

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.workbench.csv_signal import CsvSignal, read_signal
+from armside.ilc.workbench.signals import CsvSignal, read_signal
 from armside.ilc.workbench.words import Words
 
 from ..records.files import InputError

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 from armside.ilc.measures import norms
 
-from ..instruments.laser_tracker import TrackerSamples
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import TrackerSamples, beam
 from ..motion.contour import ClosedCurve
 from ..motion.path import Plane
 from ..motion.tool_motion import ToolMotion, motion_notes
@@ -20,7 +19,7 @@ from ..notes import Cause, Note, together
 from ..part.motion import PartMotion
 from ..records.signals import Signals
 from ..records.tables import TRUTH_VALUE
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 from .contour_error import contour_errors
 from .tool_error import fit, tool_error
 

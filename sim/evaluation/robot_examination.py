@@ -11,12 +11,17 @@ from armside.arrays import Array
 
 from ..cell import Cell, ToolPose
 from ..motion.tool_motion import joint_reference
-from ..robot.forward_kinematics import between, configurations, site_poses
-from ..robot.kinematics_check import POSITION, ROTATION, first_axis
+from ..robot.kinematics_check import (
+    POSITION,
+    ROTATION,
+    between,
+    configurations,
+    first_axis,
+    site_poses,
+)
 from ..robot.linkage import LARGEST_GAP
 from ..robot.model import RobotModel
-from ..robot.modes import natural_frequencies
-from ..robot.statics import Statics
+from ..robot.statics import Statics, natural_frequencies
 from .check import Check
 
 LEAST_DEXTERITY = 0.005

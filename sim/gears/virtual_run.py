@@ -13,11 +13,10 @@ from armside.arrays import Array
 from armside.kinematics import Limits, Robot, compile
 
 from ..cell import Cell, ToolPose
-from ..cut.tool_motion import joint_reference
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..laser.plant import Pass
-from ..laser.rig import rig
-from ..laser.setup import Setup
+from ..laser.experiment import Pass, rig
+from ..laser.specification import Setup
+from ..motion.tool_motion import joint_reference
 from ..recordings.recording import MotionRecording, Stream
 from ..robot.drives import GearError
 from ..robot.virtual_robot import LOG_PERIOD

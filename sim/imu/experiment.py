@@ -9,12 +9,10 @@ import numpy as np
 from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
-from ..moves.notes import slower_moves
-from ..moves.planner import JointMotion, plan_program
+from ..motion.planner import JointMotion, plan_program, slower_moves
 from ..notes import Cause, Note, together
 from ..robot.flexibility import Flexibility
-from ..robot.limits import saturation
-from ..robot.recording import Recording
+from ..robot.recording import Recording, saturation
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .compare import find_offset

@@ -11,9 +11,9 @@ from armside.arrays import Array
 
 from ..cell import CELLS, Cell
 from ..instruments.imu import ImuCfg
-from ..moves.about_home import dynamics_of, programs_about
-from ..moves.instructions import Program
-from ..moves.program_file import read_program
+from ..motion.about_home import dynamics_of, programs_about
+from ..motion.instructions import Program
+from ..motion.program_file import read_program
 from ..robot.flexibility import Flexibility, variant, without
 from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel

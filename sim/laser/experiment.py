@@ -10,23 +10,22 @@ from typing import Any, Generic
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.workbench.state import RunState
+from armside.ilc.workbench.compare import RunState
 
-from ..cut.tool_motion import ToolMotion
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import Imu, ImuSamples
 from ..instruments.imu import draw as draw_imu
 from ..instruments.laser_tracker import LaserTracker, LaserTrackerCfg, TrackerSamples, set_up
+from ..motion.tool_motion import ToolMotion
 from ..notes import Note
-from ..robot.applicable import check_applies
-from ..robot.cell_model import cell_model
+from ..robot.drives import gear_error_of
 from ..robot.effects import available
-from ..robot.gear_terms import gear_error_of
 from ..robot.individual import Individual, embodied, with_payload
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
-from ..robot.spread import Drawn, Spread
+from ..robot.spread import Drawn, Spread, check_applies
 from ..robot.statics import Statics
 from ..robot.virtual_robot import VirtualRobot
 from .specification import MotionT, Setup

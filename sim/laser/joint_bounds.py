@@ -19,9 +19,9 @@ from armside.kinematics import compile as compile_robot
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
-from ..cut.path import Plane
-from ..cut.profile_grid import Bounds, BoundsAt
-from ..moves.instructions import Dynamics
+from ..motion.instructions import Dynamics
+from ..motion.path import Plane
+from ..motion.profile_grid import Bounds, BoundsAt
 from ..part.chain import Chain, place
 from ..robot.drives import Drives
 from ..robot.statics import Statics

@@ -9,16 +9,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.laws import Law, Simulated
-from armside.ilc.laws.around import Around
-from armside.ilc.laws.by_segment import BySegment, SegmentMemory
-from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.wrappers import Around, BySegment, Guarded, SegmentMemory
 from armside.ilc.learning import LoopState
 from armside.ilc.plant import Plant
 from armside.ilc.records import as_record, as_samples
-from armside.ilc.workbench.state import RunState, states_of
+from armside.ilc.workbench.compare import RunState, states_of
 
 from ..notes import Cause, Note
-from ..records.errors import InputError
+from ..records.files import InputError
 from .experiment import CuttingPlant, Experiment, Iteration, Pass, prepare
 from .measures import Measure, MotorAngles, Noted, Output, SetUp
 from .specification import Setup, Timed

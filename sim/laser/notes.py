@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ..evaluation.tool_error import ToolError
-from ..instruments.notes import beam
+from ..instruments.laser_tracker import beam
 from ..notes import Cause, Note, together
-from ..robot.limits import saturation
+from ..robot.recording import saturation
 from .experiment import Experiment, Iteration, Pass
 
 GROWTH = 1.05

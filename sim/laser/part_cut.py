@@ -11,23 +11,23 @@ from armside.kinematics import Limits, Robot, UnreachableError, inverse_path
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
-from ..cut.path import Plane
-from ..cut.timing import PathLimits, Timing
-from ..cut.tool_motion import joint_reference
 from ..evaluation.contour_error import ContourError, contour_errors
 from ..evaluation.kerf import kerf
 from ..evaluation.tool_error import ToolError
 from ..instruments.laser_tracker import TrackerSamples
-from ..instruments.sampling import rate_of, stride
-from ..moves.instructions import Dynamics, MoveL, Program, Speed, Target
-from ..moves.planner import straight_timing
+from ..instruments.noise import rate_of, stride
+from ..motion.instructions import Dynamics, MoveL, Program, Speed, Target
+from ..motion.path import Plane
+from ..motion.planner import straight_timing
+from ..motion.timing import PathLimits, Timing
+from ..motion.tool_motion import joint_reference
 from ..notes import Cause, Note
 from ..part.chain import Chain, place
 from ..part.motion import ContourPlace, CutLeg, Leg, PartMotion, on_grid, samples_until
 from ..part.part import Part
 from ..part.plan import Cutting, Plan, plan, rapid_moves
 from ..records.signals import RecordedRun
-from ..robot.cell_model import cell_model
+from ..robot.kinematics_check import cell_model
 from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Iteration, controlled

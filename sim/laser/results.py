@@ -10,10 +10,9 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
-from ..cut.tool_motion import ToolMotion
 from ..evaluation.kerf import kerf
-from ..evaluation.path_accuracy import path_measures
-from ..evaluation.tool_error import ToolError
+from ..evaluation.tool_error import ToolError, path_measures
+from ..motion.tool_motion import ToolMotion
 from ..notes import Note
 from ..robot.linkage import checked_loop_error
 from .experiment import Experiment, Iteration, Pass, prepare

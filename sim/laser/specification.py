@@ -14,20 +14,19 @@ from armside.arrays import Array
 from armside.kinematics.robot_file import GearTerm
 
 from ..cell import Cell, ToolPose, pose
-from ..cell_file import find_cell
-from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
-from ..cut.notes import motion_notes
-from ..cut.path import CuttingPath, Plane
-from ..cut.timing import PathLimits
-from ..cut.tool_motion import ToolMotion, joint_reference, plan_cut
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
+from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
+from ..motion.path import CuttingPath, Plane
+from ..motion.timing import PathLimits
+from ..motion.tool_motion import ToolMotion, joint_reference, motion_notes, plan_cut
 from ..notes import Note
 from ..robot.effects import Effect
 from ..robot.individual import Individual
 from ..robot.spread import Drawn
 from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
+from ..robot_file.find import find_cell
 
 MotionT = TypeVar("MotionT")
 Row = dict[str, Any]

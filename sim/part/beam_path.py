@@ -3,11 +3,11 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-import shapely
 
 from armside.arrays import Array
 
 from .chain import MM, Chain, arc, biarc, joined, place
+from .geometry import shapely
 from .part import SAGITTA
 
 CORNER = 0.5 * MM
@@ -136,7 +136,7 @@ class Led:
     """Length of each lead [m]."""
 
 
-def led(path: Chain, inwards: bool, obstacles: shapely.STRtree | None = None) -> Led:
+def led(path: Chain, inwards: bool, obstacles: "shapely.STRtree | None" = None) -> Led:
     """Leads at the middle of the longest element, in the scrap.
 
     inwards: the scrap is inside. obstacles: contours that the leads must not touch. A lead is
@@ -167,7 +167,7 @@ def _quarters(path: Chain, radius: float, inwards: bool) -> tuple[Chain, Chain]:
 
 
 def _fits(
-    leads: list[Chain], ring: shapely.Polygon, inwards: bool, obstacles: shapely.STRtree | None
+    leads: list[Chain], ring: "shapely.Polygon", inwards: bool, obstacles: "shapely.STRtree" | None
 ) -> bool:
     lines = [shapely.LineString(lead.polygon()) for lead in leads]
     # Where they touch the path they are tangent to it, on polygons within their sagitta.

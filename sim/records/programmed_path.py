@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ..cut.contour import ArcsAndLines, Circle, ClosedCurve
-from ..cut.path import CuttingPath, Plane
-from ..cut.timing import Timing
-from ..cut.tool_motion import ToolMotion
+from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
+from ..motion.path import CuttingPath, Plane
+from ..motion.timing import Timing
+from ..motion.tool_motion import ToolMotion
 from ..part.chain import Chain
-from ..part.kind import Kind
+from ..part.curve import Kind
 from ..part.motion import CutLeg, Leg, PartMotion
 from .summary import plain
 

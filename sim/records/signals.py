@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ..cut.tool_motion import ToolMotion
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.noise import rate_of, stride
+from ..motion.tool_motion import ToolMotion
 from ..part.motion import PartMotion
 from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth

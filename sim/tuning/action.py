@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
-from armside.ilc.laws.finite_difference import b_splines
+from armside.ilc.laws.model_free import b_splines
 
 from ..laser.design import Design
 

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..cut.notes import motion_notes
 from ..laser.design import Design
 from ..laser.experiment import Experiment
+from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from ..robot.run import cores
 from .rules import Rules

@@ -13,17 +13,16 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from ..cell import CELLS, Cell
-from ..cell_file import find_cell
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
-from ..robot.applicable import check_applies
-from ..robot.cell_model import cell_model
 from ..robot.individual import Individual
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
-from ..robot.spread import Drawn
+from ..robot.spread import Drawn, check_applies
+from ..robot_file.find import find_cell
 from ..twin.correction import Corrected
-from ..twin.library import learned, stored_twin
+from ..twin.twin import learned, stored_twin
 from . import task
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
 from .observation import Layout

@@ -12,8 +12,7 @@ from armside import kinematics
 
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
-from ..laser.experiment import Experiment
-from ..laser.plant import Pass
+from ..laser.experiment import Experiment, Pass
 from ..motion.tool_motion import ToolMotion
 
 if TYPE_CHECKING:

@@ -41,7 +41,7 @@ SMALLEST, LARGEST = 0.001, 0.1
 
 @dataclass(frozen=True)
 class Shapes:
-    """Shapes of an env and their radius, as `armside.sim.cut.shapes.contour_of` has it."""
+    """Shapes of an env and their radius, as `armside.sim.motion.contour.contour_of` has it."""
 
     names: tuple[str, ...] = ("circle",)
     radius: tuple[float, float] | None = None

@@ -15,9 +15,9 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ..cores import cores
-from ..cut.notes import motion_notes
+from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
+from ..robot.run import cores
 from .rules import Decision, Rules, Step
 from .situation import Situation
 from .task import whole

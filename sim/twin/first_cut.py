@@ -14,10 +14,10 @@ from ..laser.specification import Cut
 from ..laser.tool_measure import ToolPath
 from ..laser.way_measure import PathAlongWay
 from ..notes import Cause, Note
-from . import library
+from . import twin as library
 from .correction import Corrected
 from .drift import refreshed
-from .measured import measured_from
+from .recordings import measured_from
 from .twin import Twin
 
 LONG = 0.05

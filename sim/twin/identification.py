@@ -15,9 +15,9 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cores import cores
 from ..robot.individual import structure_hinges
-from ..robot.six_axes import N_AXES
+from ..robot.mjcf import N_AXES
+from ..robot.run import cores
 from .normal_equations import Compared, Solving, compared, held_out, together
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
 from .recordings import MeasuredCut

@@ -23,9 +23,9 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..estimation.imu_health import ImuError, repaired
 from ..estimation.observer import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples, TriadCfg
+from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.six_axes import N_AXES
 from ..robot.virtual_robot import LOG_PERIOD
 from .kinematic_columns import ImuKinematics, gear_waves, imu_kinematics
 from .recordings import ImplausibleError, MeasuredCut

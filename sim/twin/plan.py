@@ -17,7 +17,7 @@ from ..cell import TOOL_QUATERNION, ToolPose
 from ..laser.experiment import prepare
 from ..laser.specification import Cut
 from ..motion.contour import Circle, ClosedCurve, hexagon, square
-from ..robot.six_axes import N_AXES
+from ..robot.mjcf import N_AXES
 from .identification import Identification, parameters_of
 from .recordings import MeasuredCut, measured
 from .sensitivities import Against

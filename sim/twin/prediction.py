@@ -34,7 +34,7 @@ from armside.arrays import Array
 
 from ..part.carried import Motion
 from ..robot.individual import Individual
-from ..robot.six_axes import N_AXES
+from ..robot.mjcf import N_AXES
 from ..robot.spread import PRODUCTION
 from .parameters import SPRINGS, Parameters
 from .recordings import SensorName

@@ -24,13 +24,13 @@ from ..estimation.relative_path import REST_SAMPLES, relative_to_start
 from ..evaluation.recorded import notes_of_signals, notes_of_table
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
-from ..laser.plant import Pass
+from ..laser.experiment import Pass
 from ..notes import Note
 from ..records.files import InputError
 from ..records.signals import missing_columns, signals_of
 from ..records.tables import read_table
+from ..robot.mjcf import AXES
 from ..robot.recording import Recording
-from ..robot.six_axes import AXES
 from ..robot.virtual_robot import LOG_PERIOD
 
 _TRACKER_FILTER = 40.0

@@ -15,8 +15,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..robot.effects import gear_phases
+from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from ..robot.six_axes import N_AXES
 from .parameters import BENDING, FRICTION, SPRINGS, Parameters
 from .recordings import MeasuredCut
 from .simulation import Design

@@ -9,18 +9,17 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
-from ..cores import cores
 from ..estimation.relative_path import relative_to_start
 from ..evaluation.contour_error import contour_errors
 from ..evaluation.tool_error import tool_error
 from ..part.carried import Motion
 from ..part.motion import PartMotion
-from ..robot.cell_model import cell_model
 from ..robot.effects import available
 from ..robot.individual import Individual, embodied, with_payload
+from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.run import LoadedReference, run_batch
+from ..robot.run import LoadedReference, cores, run_batch
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .bending import bent, with_bending

@@ -15,12 +15,11 @@ from armside.arrays import Array
 from ..cell import CELLS
 from ..laser.specification import Cut, Setup
 from ..part.carried import Motion
-from ..records.errors import InputError
-from ..records.files import check_file
+from ..records.files import InputError, check_file
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual
+from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from ..robot.six_axes import N_AXES
 from .correction import Corrected, correct, correct_motion
 from .identification import parameters_of
 from .parameters import Parameters

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from armside.sim.part_run.learning import learn as learn_part
 
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws import Heuristic, Law
@@ -9,14 +10,12 @@ from armside.ilc.laws.wrappers import BySegment
 from armside.ilc.learning import learn
 from armside.ilc.measures.norms import two_norm
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.setup import Setup
+from armside.sim.laser.part_cut import Job, prepare, weights
+from armside.sim.laser.specification import Setup
 from armside.sim.part.chain import arc, line
 from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.part_run.experiment import Job, prepare
-from armside.sim.part_run.learning import learn as learn_part
-from armside.sim.part_run.stopping import weights
 
 N, HALF = 200, 100
 WEIGHT = np.repeat(np.eye(2), HALF, axis=0)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from armside.kinematics import CATALOGUE, compile
-from armside.sim.measured import MotionRecording, Stream, read_motion
-from armside.sim.measured.bags.write import write_bag
+from armside.sim.recordings import MotionRecording, Stream, read_motion
+from armside.sim.recordings.bags.write import write_bag
 from armside.sim.records.tables import read_table
 
 TIME = np.arange(0.0, 4.0, 0.02)

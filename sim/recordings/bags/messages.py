@@ -14,8 +14,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ...records.errors import InputError, reading
-from ...records.files import check_file
+from ...records.files import InputError, check_file, reading
 from .topics import FRAME, BagTopics, Instrument, choose
 
 BILLION = 1_000_000_000

@@ -10,7 +10,7 @@ from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
-from ...records.errors import InputError
+from ...records.files import InputError
 from ..recording import MotionRecording, PoseRecording, Stream
 from ..repair import repaired
 from .messages import BILLION, read_messages

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
+from ...records.files import InputError
 from .messages import BILLION, Joints, Sample
 from .topics import FRAME
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...records.errors import InputError
+from ...records.files import InputError
 from ..recording import MotionRecording, Stream
 from .messages import BILLION
 

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...records.errors import InputError, reading
-from ...records.files import check_file
+from ...records.files import InputError, check_file, reading
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 """[s] of each unit of time."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ...records.errors import InputError
-from ...records.files import LARGEST_DATA, check_file
+from ...records.files import LARGEST_DATA, InputError, check_file
 from .form import ANGLES, DATE, FORMS, TIMES, LogForm, read_columns
 from .tables import Diadem, TextTable, read_diadem, read_text
 

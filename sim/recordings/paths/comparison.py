@@ -10,8 +10,8 @@ from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
 from ...cell import CELLS
-from ...cut.timing import PathLimits, rest_to_rest
-from ...robot.cell_model import cell_model
+from ...motion.timing import PathLimits, rest_to_rest
+from ...robot.kinematics_check import cell_model
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from ..recording import Stream
 from .motor_logs import PathLogs

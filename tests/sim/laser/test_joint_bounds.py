@@ -7,20 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.sim.cut import speed_profile
-from armside.sim.cut.tool_motion import joint_reference
 from armside.sim.laser import joint_bounds
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.part_cut import PartCut, sequence
+from armside.sim.motion import speed_profile
+from armside.sim.motion.tool_motion import joint_reference
 from armside.sim.part import plan as plan_module
+from armside.sim.part.beam_path import smooth
 from armside.sim.part.chain import arc, joined, line
-from armside.sim.part.drawn import Reading
-from armside.sim.part.file import read_part
-from armside.sim.part.joining import Joined
-from armside.sim.part.part import part_of
+from armside.sim.part.drawing import Joined, Reading
+from armside.sim.part.part import part_of, read_part
 from armside.sim.part.plan import Cutting
-from armside.sim.part.rounding import smooth
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot.statics import Statics
 
 W, H, R = 0.3, 0.08, 5e-3

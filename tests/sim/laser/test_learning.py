@@ -7,14 +7,14 @@ import pytest
 
 from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.ilc.measures.norms import two_norm
-from armside.ilc.workbench.state import read_states, save_states
+from armside.ilc.workbench.compare import read_states, save_states
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
 from armside.sim.laser.design import DEFAULT_DESIGN
 from armside.sim.laser.learning import MEASURES, first_run, iterate, measure_of
 from armside.sim.part.carried import carried, follows
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,11 @@ from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.chain import arc, line
-from armside.sim.part.curve import ChainCurve, centred, is_circle
-from armside.sim.part.joining import Joined
-from armside.sim.part.kind import Kind
+from armside.sim.part.curve import ChainCurve, Kind, centred, is_circle
+from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
-from armside.sim.records.part_path import from_json, to_json
+from armside.sim.records.programmed_path import from_json, to_json
 
 
 @pytest.fixture(scope="module")

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.cut.contour import Circle
-from armside.sim.cut.tool_motion import cut
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.random_cuts import SPEEDS, random_cut
 from armside.sim.laser.specification import SPIRAL_START, Cut, LeadIn
+from armside.sim.motion.contour import Circle
+from armside.sim.motion.tool_motion import cut
 from armside.sim.robot.effects import Effect
 
 POSE = LARGE_ROBOT_POSES["p1"]

@@ -7,8 +7,7 @@ import pytest
 
 from armside import assets
 from armside.kinematics import Limits
-from armside.kinematics.limits import CoupledRange
-from armside.sim.cell_file import read_cell
+from armside.kinematics.dh import CoupledRange
 from armside.sim.imu import ImuExperiment, run
 from armside.sim.imu.specification import RestExperiment
 from armside.sim.motion.about_home import (
@@ -30,7 +29,8 @@ from armside.sim.motion.instructions import (
 )
 from armside.sim.motion.planner import plan_program
 from armside.sim.motion.program_file import parse_program
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot_file.find import read_cell
 
 FILE = assets.LARGE_ROBOT_XML.with_name("two_link.toml")
 

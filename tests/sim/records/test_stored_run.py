@@ -13,7 +13,8 @@ from armside.scripts import cli
 from armside.scripts.commands import measure
 from armside.sim.cell import TOOL_QUATERNION
 from armside.sim.evaluation.recorded import measure_signals
-from armside.sim.laser import experiment, plant
+from armside.sim.laser import experiment
+from armside.sim.laser import experiment as plant
 from armside.sim.motion import tool_motion
 from armside.sim.motion.contour import Circle, hexagon, slot
 from armside.sim.motion.path import CuttingPath, Plane

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from armside import assets
-from armside.sim.cut.shapes import RADII
+from armside.sim.motion.contour import RADII
 from armside.sim.robot_file.find import read_cell
 from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
 from armside.sim.tuning.evaluation import always, run_episode

@@ -11,7 +11,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.notes import Cause
-from armside.sim.records.errors import InputError
+from armside.sim.records.files import InputError
 from armside.sim.records.signals import RecordedRun, write_signals
 from armside.sim.twin.recordings import measured, notes_of_first_run, read_cut
 
