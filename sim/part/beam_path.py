@@ -167,7 +167,7 @@ def _quarters(path: Chain, radius: float, inwards: bool) -> tuple[Chain, Chain]:
 
 
 def _fits(
-    leads: list[Chain], ring: "shapely.Polygon", inwards: bool, obstacles: "shapely.STRtree" | None
+    leads: list[Chain], ring: "shapely.Polygon", inwards: bool, obstacles: "shapely.STRtree | None"
 ) -> bool:
     lines = [shapely.LineString(lead.polygon()) for lead in leads]
     # Where they touch the path they are tangent to it, on polygons within their sagitta.
