@@ -67,16 +67,22 @@ def open_study(
     import optuna
 
     optuna.logging.set_verbosity(logging.ERROR)
-    how: dict[str, Any] = {"sampler": new_sampler(sampler, seed), "pruner": new_pruner(pruner)}
+    drawing, giving_up = new_sampler(sampler, seed), new_pruner(pruner)
     with reaching(storage):
         database = connect(storage)
         try:  # of processes that start together, one makes the study
             study = optuna.create_study(
-                storage=database, study_name=name, direction="minimize", **how
+                storage=database,
+                study_name=name,
+                direction="minimize",
+                sampler=drawing,
+                pruner=giving_up,
             )
             study.set_user_attr("config", dict(config))
         except optuna.exceptions.DuplicatedStudyError:
-            study = optuna.load_study(storage=database, study_name=name, **how)
+            study = optuna.load_study(
+                storage=database, study_name=name, sampler=drawing, pruner=giving_up
+            )
         known = _config(study, config)
     if known != dict(config):
         changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
