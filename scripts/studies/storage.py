@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
+from urllib.parse import unquote
 
 from ..shell.errors import InputError, RunFailed, install, one_line
 
@@ -140,8 +140,7 @@ def redacted(storage: str) -> str:
         return "***" if set("@=") & set(storage) else storage
     query = {name: text if name.lower() in SHOWN else "***" for name, text in url.query.items()}
     host = url.host and url.host.rpartition("@")[2]  # of a password with an @
-    shown = url.set(query=query, host=host).render_as_string(hide_password=True)
-    return shown.replace(quote("***"), "***")
+    return unquote(url.set(query=query, host=host).render_as_string(hide_password=True))
 
 
 def fail_silent(study: "optuna.Study") -> None:

@@ -248,7 +248,7 @@ def test_a_server_that_accepts_and_says_nothing_is_one_line_too(armside, monkeyp
         ("postgresql://user:sec/r@et@host/b", "postgresql://user:***@host/b"),
         (
             "postgresql://a@/b?host=/tmp&PassWord=secret",
-            "postgresql://a@/b?PassWord=***&host=%2Ftmp",
+            "postgresql://a@/b?PassWord=***&host=/tmp",
         ),
         ("mysql://a/b?p%61sswd=secret&charset=utf8", "mysql://a/b?charset=utf8&passwd=***"),
         ("mssql:///?odbc_connect=UID=a;PWD=secret", "mssql:///?odbc_connect=***"),
