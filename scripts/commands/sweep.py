@@ -55,11 +55,11 @@ Axes = Annotated[str, Parameter(help="Axes: option=value,value of armside laser,
 def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) -> None:
     """Run a laser experiment for each point of a grid. Interrupted, it goes on where it was.
 
-    Results are rows of a Parquet dataset, part-*.parquet, keyed by a hash of the configuration.
+    Results are rows of a Parquet dataset, part-0.parquet, keyed by a hash of the configuration.
     Several sweeps may share a folder at the same time. A configuration that fails is a row too.
 
     Raises InputError for a grid or an engine that cannot be had, and RunFailed where a
-    configuration has failed or the folder has no locks.
+    configuration has failed or a file of the folder is damaged.
     """
     report = Report(common)
     with checking_input():
@@ -71,10 +71,12 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
         keys = [point.key for point in points]
         name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
         rows = Dataset(cfg.into or RUNS / f"sweep-{name}")
-        how = {} if common.quiet else {"waiting": _say_waiting}
+        waiting = _say_nothing if common.quiet else _say_waiting
         try:
             with report.progress("sweeping", total=len(points)) as step:
-                counts = run_grid(points, rows, engine, step, retry_failed=cfg.retry_failed, **how)
+                counts = run_grid(
+                    points, rows, engine, step, retry_failed=cfg.retry_failed, waiting=waiting
+                )
         except KeyboardInterrupt:
             kept = len(rows.keys() & set(keys))
             said = f"interrupted; {kept} of {len(keys)} configurations are kept in {rows.folder}"
@@ -96,13 +98,17 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     report.line(f"{len(points)} configurations: {counted}")
     if n_noted:
         report.line(f"Note: limits changed {n_noted} of them (column notes), mostly: {note}")
-    report.line(f"Results in {rows.folder}/part-*.parquet")
+    report.line(f"Results in {rows.folder}/part-0.parquet")
     report.summary(outcome)
     if error is not None:
         raise RunFailed(
             f"{n_failed} of {len(points)} configurations failed, the first with {error} "
             "(--retry-failed runs them again)"
         )
+
+
+def _say_nothing(n: int) -> None:
+    pass
 
 
 def _say_waiting(n: int) -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from armside.sim.laser.design import THESIS
 from armside.sim.records.run_folder import RUNS, check_writable
@@ -47,8 +47,14 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         seeds = seed_range(common.seed, cfg.episodes)
         _refuse_absurd(cfg)
         episodes = prepare(cfg.rules, seeds, cfg.fixed)
-        how: Any = {"sampler": cfg.sampler, "pruner": cfg.pruner, "seed": common.seed}
-        study = studies.open_study(cfg.storage, str(cfg.study), cfg.identity(common.seed), **how)
+        study = studies.open_study(
+            cfg.storage,
+            str(cfg.study),
+            cfg.identity(common.seed),
+            sampler=cfg.sampler,
+            pruner=cfg.pruner,
+            seed=common.seed,
+        )
     with (
         noticing(lambda: _kept(study, cfg)) as stop,
         using(cfg.storage),

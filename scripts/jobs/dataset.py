@@ -1,6 +1,6 @@
 """The dataset of a sweep: one row for each configuration of `armside laser`.
 
-    FOLDER/.rows/AB/KEY.json    rows as they come, a file each, AB the first digits of the key
+    FOLDER/.rows/AB/KEY.json     rows as they come, a file each, AB the first digits of the key
     FOLDER/part-0.parquet        all rows, gathered at the end of a sweep and every few minutes
 
 Rows stay where they came, and the Parquet file is made of them: whatever happens to a process, the
@@ -26,7 +26,7 @@ from armside.sim.records.atomic import atomic, write_whole
 
 from ..cutting.options import LaserCfg
 from ..shell.errors import RunFailed, one_line
-from .queue import FAILED
+from .queue import FAILED, POLL, Claims
 
 Row = dict[str, Any]
 """Values by column, `key` and `status` among them."""
@@ -34,6 +34,7 @@ Row = dict[str, Any]
 EVERY = 300.0
 """[s], from one gathering of rows to the next while a sweep runs."""
 _CHUNK = 16
+"""Rows that are Python's objects at a time."""
 _PER_RUN = ("arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true")
 _PER_MOTOR = ("motor_inf", "motor_two")
 
@@ -48,11 +49,11 @@ class Dataset:
     def read(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Rows that were gathered, sorted by key; all columns if None. Those that an older version
         lacks are empty. Raises RunFailed for a file that cannot be read."""
-        return _read(self._parts()).select(schema().names if columns is None else list(columns))
+        return _read(self._parts(), schema().names if columns is None else list(columns))
 
     def keys(self) -> set[str]:
         """Keys of all rows, while others may write. Raises as `read`."""
-        return {file.stem for file in self._files()} | set(self.read()["key"].to_pylist())
+        return {file.stem for file in self._files()} | set(self.read(["key"])["key"].to_pylist())
 
     def status(self, key: str) -> str | None:
         """Status of a row; None where there is none. Raises as `read`."""
@@ -65,10 +66,8 @@ class Dataset:
         Raises ValueError for a row that the schema cannot hold, and OSError, such as on a full
         disk.
         """
-        try:
-            pa.Table.from_pylist([row], schema=schema())
-        except (pa.ArrowException, TypeError, OverflowError, UnicodeError) as error:
-            raise ValueError(f"a result cannot be kept: {one_line(error)}") from error
+        if (reason := _misfit(row)) is not None:
+            raise ValueError(f"a result cannot be kept: {reason}")
         file = self._file(row["key"])
         file.parent.mkdir(parents=True, exist_ok=True)
         write_whole(file, json.dumps(row))
@@ -77,16 +76,25 @@ class Dataset:
 
     def gather(self) -> None:
         """Bring the Parquet file up to all rows. Raises OSError, and as `read`."""
-        if not (files := self._files()):
+        if not self._files():
             return
-        target, before = self.folder / "part-0.parquet", self._parts()
-        older, rows = _read(before), _table(files)
+        claims = Claims(self.folder)
+        while not claims.take("part-0"):  # another process is gathering, and may lack our last rows
+            time.sleep(POLL)
+        try:
+            self._gather()
+        finally:
+            claims.close()
+        self._gathered = time.monotonic()
+
+    def _gather(self) -> None:
+        target, parts, names = self.folder / "part-0.parquet", self._parts(), schema().names
+        older, rows = _read(parts, names), _table(self._files())
         older = older.filter(pc.invert(pc.is_in(older["key"], rows["key"])))  # pyright: ignore[reportAttributeAccessIssue]
         with atomic(target) as partial:
             pq.write_table(pa.concat_tables([rows, older]).sort_by("key"), partial)
-        for part in set(before) - {target}:  # of an older version
+        for part in set(parts) - {target}:  # of an older version
             part.unlink()
-        self._gathered = time.monotonic()
 
     @cached_property
     def _before(self) -> dict[str, str]:
@@ -179,18 +187,35 @@ def _row(file: Path) -> Row | None:
         return None
 
 
+def _misfit(row: Row) -> str | None:
+    """Why a row does not fit the schema; None if it does."""
+    try:
+        pa.Table.from_pylist([row], schema=schema())
+    except (pa.ArrowException, ValueError, TypeError, OverflowError) as error:
+        return one_line(error)
+    return None
+
+
 def _table(files: list[Path]) -> pa.Table:
-    """Rows of files, of which only a few are in memory as Python's objects at a time."""
-    some = (map(_row, files[i : i + _CHUNK]) for i in range(0, len(files), _CHUNK))
-    rows = ([row for row in chunk if row is not None] for chunk in some)
-    return pa.concat_tables(pa.Table.from_pylist(chunk, schema=schema()) for chunk in rows)
+    """Rows of files. Raises RunFailed for one that fits no column, such as another version's."""
+    tables = [schema().empty_table()]
+    for i in range(0, len(files), _CHUNK):
+        found = {file: row for file in files[i : i + _CHUNK] if (row := _row(file)) is not None}
+        try:
+            tables.append(pa.Table.from_pylist(list(found.values()), schema=schema()))
+        except (pa.ArrowException, ValueError, TypeError, OverflowError) as error:
+            file, reason = next((f, said) for f, row in found.items() if (said := _misfit(row)))
+            again = "remove it, and it is computed again"
+            raise RunFailed(f"{file} does not fit ({reason}); {again}") from error
+    return pa.concat_tables(tables)
 
 
-def _read(parts: list[Path]) -> pa.Table:
+def _read(parts: list[Path], columns: list[str]) -> pa.Table:
     """Rows of Parquet files, sorted by key. Raises RunFailed for a damaged one."""
     try:
-        whole = ds.dataset(list(map(str, parts)), schema(), format="parquet").to_table()
+        of = ds.dataset(list(map(str, parts)), schema(), format="parquet")
+        whole = of.to_table(columns=list(dict.fromkeys(["key", *columns])))
     except (pa.ArrowException, OSError) as error:
         again = "remove it, and its rows are gathered or computed again"
         raise RunFailed(f"a Parquet file is damaged: {one_line(error)}; {again}") from error
-    return whole.sort_by("key")
+    return whole.sort_by("key").select(columns)

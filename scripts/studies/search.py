@@ -8,7 +8,6 @@ from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import WORST, Objective, Ratio
 
 from . import study as studies
-from .storage import PROCESS, own_mark
 
 if TYPE_CHECKING:
     import optuna
@@ -57,7 +56,6 @@ def search(
         new_best: called with each trial that is better than all before.
     """
     done, best = 0, min((t.value for t in studies.outcomes(study) if t.complete), default=WORST)
-    studies.give_up_dead(study, check)
     if len(studies.finished(study)) < n_trials:
         studies.ask_first(study, first, check)
     while True:
@@ -85,7 +83,6 @@ def run_trial(study: "optuna.Study", evaluate: Evaluate) -> None:
     def noticing(trial: "optuna.Trial") -> float:
         nonlocal taken
         try:
-            trial.set_user_attr(PROCESS, own_mark())
             return evaluate(trial)
         except optuna.exceptions.UpdateFinishedTrialError:
             taken = True

@@ -5,17 +5,16 @@ Optuna is imported here only where it is used: it takes half a second.
 """
 
 import logging
-import os
 import random
 import sys
 import threading
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
+from urllib.parse import unquote
 
 from ..shell.errors import InputError, RunFailed, install, one_line
 
@@ -44,11 +43,8 @@ SILENCE = 8
 costs one trial: see `search.run_trial`."""
 RETRIES = 2
 """Repetitions of a trial that died: its design may be what kills."""
-PROCESS = "process"
-"""User attribute of a trial: the mark of the process that runs it."""
 ATTEMPTS = 5
 """At making the tables of a new database, which others may be making too."""
-PROC = Path("/proc")
 
 
 @contextmanager
@@ -144,8 +140,7 @@ def redacted(storage: str) -> str:
         return "***" if set("@=") & set(storage) else storage
     query = {name: text if name.lower() in SHOWN else "***" for name, text in url.query.items()}
     host = url.host and url.host.rpartition("@")[2]  # of a password with an @
-    shown = url.set(query=query, host=host).render_as_string(hide_password=True)
-    return shown.replace(quote("***"), "***")
+    return unquote(url.set(query=query, host=host).render_as_string(hide_password=True))
 
 
 def fail_silent(study: "optuna.Study") -> None:
@@ -155,18 +150,6 @@ def fail_silent(study: "optuna.Study") -> None:
 
     with _experiments_allowed():
         optuna.storages.fail_stale_trials(study)
-
-
-def fail_dead(study: "optuna.Study") -> None:
-    """Give up on running trials whose process has died on this machine, without waiting for its
-    silence: each is tried again, at most RETRIES times."""
-    from optuna.trial import TrialState
-
-    for trial in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
-        if is_dead(trial.user_attrs.get(PROCESS, "")):
-            with suppress(ValueError):  # another process was faster
-                study.tell(trial.number, state=TrialState.FAIL)
-                _again()(study, trial)
 
 
 def _options(storage: str) -> dict[str, Any]:
@@ -282,36 +265,3 @@ def _reason(error: BaseException) -> str:
         error = error.__cause__
     cause = getattr(error, "orig", None) or error
     return one_line(cause).split(" Is the server running")[0]
-
-
-def own_mark() -> str:
-    """Mark of this process: machine and process space, number, time of its start. Empty where the
-    system does not tell them."""
-    pid = os.getpid()
-    started = _start(pid)
-    return f"{_machine()} {pid} {started}" if started else ""
-
-
-def is_dead(mark: str) -> bool:
-    """The process of a mark has run on this machine, and runs no more."""
-    machine, _, process = mark.partition(" ")
-    pid, _, started = process.partition(" ")
-    return pid.isdigit() and machine == _machine() and _start(int(pid)) != started
-
-
-def _machine() -> str:
-    """Name of this machine since it was switched on, and of the numbering of its processes."""
-    try:
-        boot = (PROC / "sys/kernel/random/boot_id").read_text().strip()
-        return f"{boot}/{(PROC / 'self/ns/pid').readlink()}"
-    except OSError:
-        return "unknown"
-
-
-def _start(pid: int) -> str:
-    """Time of a process's start, in ticks since the machine's; empty for none."""
-    try:
-        fields = (PROC / f"{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return ""
-    return "" if fields[0] == "Z" else fields[19]

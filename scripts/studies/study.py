@@ -21,7 +21,7 @@ from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
 from .proposals import Pruner, Sampler, new_pruner, new_sampler
-from .storage import PROCESS, SILENCE, connect, fail_dead, fail_silent, reaching
+from .storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
@@ -67,16 +67,22 @@ def open_study(
     import optuna
 
     optuna.logging.set_verbosity(logging.ERROR)
-    how: dict[str, Any] = {"sampler": new_sampler(sampler, seed), "pruner": new_pruner(pruner)}
+    drawing, giving_up = new_sampler(sampler, seed), new_pruner(pruner)
     with reaching(storage):
         database = connect(storage)
         try:  # of processes that start together, one makes the study
             study = optuna.create_study(
-                storage=database, study_name=name, direction="minimize", **how
+                storage=database,
+                study_name=name,
+                direction="minimize",
+                sampler=drawing,
+                pruner=giving_up,
             )
             study.set_user_attr("config", dict(config))
         except optuna.exceptions.DuplicatedStudyError:
-            study = optuna.load_study(storage=database, study_name=name, **how)
+            study = optuna.load_study(
+                storage=database, study_name=name, sampler=drawing, pruner=giving_up
+            )
         known = _config(study, config)
     if known != dict(config):
         changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
@@ -146,27 +152,6 @@ def ask_first(
         time.sleep(0.2)
     if not known - {TrialState.FAIL}:
         study.enqueue_trial(values)
-
-
-def give_up_dead(study: "optuna.Study", check: Callable[[], None] = lambda: None) -> None:
-    """Queue the designs of killed processes again, before others are tried.
-
-    A trial that has just begun has no mark of its process yet, and is waited for; without a sign of
-    life it has failed.
-
-    check: called while waiting; what it raises ends that.
-    """
-    from optuna.trial import TrialState
-
-    end = time.monotonic() + SILENCE + 2.0
-    while True:
-        fail_dead(study)
-        running = study.get_trials(deepcopy=False, states=(TrialState.RUNNING,))
-        if all(PROCESS in trial.user_attrs for trial in running) or time.monotonic() > end:
-            return
-        check()
-        time.sleep(0.2)
-        fail_silent(study)
 
 
 def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":

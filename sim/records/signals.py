@@ -108,11 +108,15 @@ def write_signals(
         metadata["gear"] = json.dumps(np.asarray(gear, dtype=np.float64).tolist())
     table = pa.concat_tables(_table(run, truth_rate) for run in runs)
     table = table.replace_schema_metadata({f"armside.{k}": text for k, text in metadata.items()})
-    floats = [field.name for field in table.schema if field.type == pa.float64()]
-    # Measured floats hardly repeat: no dictionary.
-    how: dict[str, Any] = {"use_dictionary": False, "use_byte_stream_split": floats}
+    numbers = [field.name for field in table.schema if field.type == pa.float64()]
     with atomic(path) as partial:
-        pq.write_table(table, partial, compression="zstd", **how)
+        pq.write_table(
+            table,
+            partial,
+            compression="zstd",
+            use_dictionary=False,  # measured floats hardly repeat
+            use_byte_stream_split=numbers,  # pyright: ignore[reportArgumentType]
+        )
 
 
 def read_signals(path: Path) -> Signals:

@@ -29,11 +29,9 @@ os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DISABLE_IMPORT_WARNING": "1"
 NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20}
 from ray.cluster_utils import Cluster
 
-from armside.scripts.jobs.cluster import RayCluster
 from armside.scripts.jobs.dataset import Dataset
-from armside.scripts.jobs.grid import parse
-from armside.scripts.jobs.point import run_grid
-from armside.scripts.jobs.workers import Workers
+from armside.scripts.jobs.grid import parse, run_grid
+from armside.scripts.jobs.workers import RayCluster, Workers
 
 def main():
     folder, axes = Path(sys.argv[1]), ["speed=60", "iterations=3", "gamma=0.5,0.9", "seed=0:4"]

@@ -168,3 +168,12 @@ def test_a_damaged_file_is_named_with_what_to_do(tmp_path):
     (tmp_path / "part-0.parquet").unlink()
     assert run_grid(grid, Dataset(tmp_path), Serial(quick)) == {"known": 2}
     assert len(Dataset(tmp_path).read()) == 2
+
+
+def test_a_row_of_another_version_is_named_with_what_to_do(tmp_path):
+    (point,) = parse(("delta=1",), 0)
+    file = Dataset(tmp_path)._file(point.key)
+    file.parent.mkdir(parents=True)
+    file.write_text(json.dumps(quick(point) | {"limits_hit": "many"}))
+    with pytest.raises(RunFailed, match=rf"{point.key}.json does not fit .*; remove it"):
+        run_grid([point], Dataset(tmp_path), Serial(quick))
