@@ -67,8 +67,7 @@ def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
     """
     if not names:
         return np.empty((table.num_rows, 0))
-    columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
-    return np.column_stack(columns)
+    return np.column_stack([floats(table, name) for name in names])
 
 
 def units(table: pa.Table) -> dict[str, str]:
