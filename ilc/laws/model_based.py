@@ -230,6 +230,10 @@ class RegularisedInverse(FirstOrderLaw):
         E, U = (np.fft.rfft(tapered(signal), axis=0) for signal in (error, correction))
         learned = U + self.gamma * (self.L(omega) @ E[:, :, None])[:, :, 0]
         u = np.fft.irfft(self.Q(omega)[:, None] * learned, 2 * n_samples, axis=0)[:n_samples]
+        return self.limited(u)
+
+    def limited(self, u: Array) -> Array:
+        """Correction (N, n) within the limit of each input."""
         largest = self.limit * np.array(self.input_size)
         return np.clip(u, -largest, largest)
 
@@ -299,5 +303,4 @@ class ScheduledInverse(FirstOrderLaw):
         wanted = np.fft.rfft(tapered(correction + first.gamma * learned), axis=0)
         omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n)
         u = np.fft.irfft(first.Q(omega)[:, None] * wanted, 2 * n, axis=0)[:n]
-        largest = first.limit * np.array(first.input_size)
-        return np.clip(u, -largest, largest)
+        return first.limited(u)

@@ -1,4 +1,4 @@
-"""Q and q^delta along finished records."""
+"""Filters of records, and the gate that records pass."""
 
 import inspect
 import pkgutil
