@@ -262,8 +262,8 @@ class RecordIteration:
         size = self.n_samples * self.n_columns
         solve: Any = eigs  # its stubs know no tolerance that is a float
         start = np.random.default_rng(0).standard_normal(size)
-        options = {"ncv": min(size, 40), "tol": 1e-9, "v0": start, "maxiter": _RESTARTS}
+        operator, krylov = self.products.operator(), min(size, 40)
         try:
-            return solve(self.products.operator(), k=1, **options)
+            return solve(operator, k=1, ncv=krylov, tol=1e-9, v0=start, maxiter=_RESTARTS)
         except ArpackError:
             return None

@@ -52,7 +52,7 @@ class Sums(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ImpulseResponse:
+class ImpulseEstimate:
     """Estimate and its covariance, for v that is white."""
 
     taps: Array
@@ -77,7 +77,7 @@ def _lagged(signal: Array, n_taps: int) -> Array:
     return U
 
 
-def impulse_response(sums: Sums) -> ImpulseResponse:
+def impulse_response(sums: Sums) -> ImpulseEstimate:
     """Estimate of the largest evidence. ValueError for records without input or output."""
     n = len(sums.right)
     size = float(np.trace(sums.normal)) / n
@@ -99,7 +99,7 @@ def impulse_response(sums: Sums) -> ImpulseResponse:
             best = decay, factor @ V, z, shrunk, float(variance[i])
     assert best is not None
     decay, basis, z, shrunk, variance = best
-    return ImpulseResponse(basis @ (shrunk * z), variance * (basis * shrunk) @ basis.T, decay)
+    return ImpulseEstimate(basis @ (shrunk * z), variance * (basis * shrunk) @ basis.T, decay)
 
 
 def _kernel(decay: float, n: int) -> Array:

@@ -150,17 +150,18 @@ def compare_structures(
     for each in asked:
         if each is Structure.SUBSPACE:
             sizes = range(1, largest_order + delay + 1)
-            given = {"horizon": max(10, 2 * len(sizes)), "feedthrough": delay == 0}
-            fits = rank_subspace_orders(u, y, sample_time, sizes, criterion, **given)
-            found.append(Candidate.of(each, fits[0], u, y))
+            horizon = max(10, 2 * len(sizes))
+            best, *_ = rank_subspace_orders(
+                u, y, sample_time, sizes, criterion, horizon=horizon, feedthrough=delay == 0
+            )
         else:
             sizes = [_ORDERS[each](n, delay) for n in range(1, largest_order + 1)]
             best = _best(u, y, sample_time, sizes, criterion)
-            found.append(Candidate.of(each, best, u, y))
-    trusted = [one for one in found if not one.warnings]
+        found.append(Candidate.of(each, best, u, y))
+    sound = [one for one in found if not one.warnings]
     others = [one for one in found if one.warnings]
-    trusted.sort(key=lambda one: one.fit.score(criterion))
-    return trusted + sorted(others, key=lambda one: -one.accuracy)
+    sound.sort(key=lambda one: one.fit.score(criterion))
+    return sound + sorted(others, key=lambda one: -one.accuracy)
 
 
 def _delay(u: Array, y: Array, sample_time: float, largest: int) -> int:

@@ -184,8 +184,10 @@ def rank_subspace_orders(
     feedthrough: bool = False,
 ) -> list[SubspaceFit]:
     """Fits of all orders to one record, best first."""
-    given = {"horizon": horizon, "feedthrough": feedthrough}
-    fits = [fit_subspace(u, y, sample_time, order, **given) for order in orders]
+    fits = [
+        fit_subspace(u, y, sample_time, order, horizon=horizon, feedthrough=feedthrough)
+        for order in orders
+    ]
     return sorted(fits, key=lambda fit: fit.score(criterion))
 
 

@@ -21,7 +21,7 @@ from armside.arrays import Array
 from ..filters import RecordFilter
 from ..identification.friction import friction
 from ..identification.impulse_response import (
-    ImpulseResponse,
+    ImpulseEstimate,
     Sums,
     correlation_time,
     impulse_response,
@@ -137,7 +137,7 @@ def _of_changes(change: Array, acting: Array, seen: Array, n_taps: int) -> Sums:
 
 
 @records("error")
-def expected_best(found: ImpulseResponse, certainty: float, error: Array) -> Array:
+def expected_best(found: ImpulseEstimate, certainty: float, error: Array) -> Array:
     """d (N, m) that minimises E ||e - G d||^2, the covariance of G times `certainty`. O(N n^2)."""
     from scipy.linalg import solveh_banded
 

@@ -230,8 +230,7 @@ class RegularisedInverse(FirstOrderLaw):
         E, U = (np.fft.rfft(tapered(signal), axis=0) for signal in (error, correction))
         learned = U + self.gamma * (self.L(omega) @ E[:, :, None])[:, :, 0]
         u = np.fft.irfft(self.Q(omega)[:, None] * learned, 2 * n_samples, axis=0)[:n_samples]
-        largest = self.limit * np.array(self.input_size)
-        return np.clip(u, -largest, largest)
+        return _limited(self, u)
 
     def contraction(self, omega: ArrayLike, plant: Response) -> Array:
         """(M,): largest singular value of Q (1 - gamma L G) on a plant, inputs in their size.
@@ -299,5 +298,10 @@ class ScheduledInverse(FirstOrderLaw):
         wanted = np.fft.rfft(tapered(correction + first.gamma * learned), axis=0)
         omega = 2.0 * np.pi * np.fft.rfftfreq(2 * n)
         u = np.fft.irfft(first.Q(omega)[:, None] * wanted, 2 * n, axis=0)[:n]
-        largest = first.limit * np.array(first.input_size)
-        return np.clip(u, -largest, largest)
+        return _limited(first, u)
+
+
+def _limited(law: RegularisedInverse, u: Array) -> Array:
+    """Correction (N, n) within the limit of each input."""
+    largest = law.limit * np.array(law.input_size)
+    return np.clip(u, -largest, largest)

@@ -220,7 +220,7 @@ class RecordOptimal(FirstOrderLaw):
     """rho and sigma, relative to the largest static gain of W^1/2 G S, squared."""
     tolerance: float | None = None
     """Residual at which conjugate gradients end, relative to the right side, or they fail. None:
-    at 1e-4 or after 60 steps, which is below what a model of an arm is worth."""
+    at 1e-4 or after 60 steps, less than the error of a model of an arm."""
 
     def __post_init__(self) -> None:
         for name in ("correction_weight", "change_weight"):

@@ -98,11 +98,14 @@ def _by_lanczos(products: Products, tolerance: float) -> float | None:
     solve: Any = svds  # its stubs know no tolerance that is a float
     shape = min(products.inputs, products.outputs, key=np.prod)
     start = _start(shape).ravel()
-    options = {"v0": start, "maxiter": _RESTARTS, "return_singular_vectors": False}
     try:
-        return float(solve(products.operator(), k=1, tol=tolerance, **options)[0])
+        found = solve(
+            products.operator(), k=1, tol=tolerance, v0=start, maxiter=_RESTARTS,
+            return_singular_vectors=False,
+        )  # fmt: skip
     except ArpackError:
         return None
+    return float(found[0])
 
 
 def _checked(products: Products) -> Array:

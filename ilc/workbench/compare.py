@@ -97,8 +97,13 @@ def read_states(file: Path) -> dict[str, RunState | None]:
 def _state(content: dict[str, Any]) -> RunState | None:
     if content.get("unstored"):
         return None
-    names = ("k", "correction", "error", "memory", "first_size")
-    loop = LoopState(**{name: content[name] for name in names})
+    loop = LoopState(
+        k=content["k"],
+        correction=content["correction"],
+        error=content["error"],
+        memory=content["memory"],
+        first_size=content["first_size"],
+    )
     generators = tuple(content["generators"])
     return RunState(loop=loop, generators=generators, start=content.get("start"))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..identification.multisine import lines_between, orthogonal_multisines
+from ..identification.frequency_response import lines_between, orthogonal_multisines
 from ..records import as_record
 from .signals import read_signal
 from .task import Task

@@ -48,8 +48,9 @@ def rational(s: Setting, *, numerator: int = 4, denominator: int = 2) -> Law:
 def point_to_point(s: Setting, *, times: tuple[float, ...]) -> Law:
     """Right at these times [s] of the record and free between them: times=0.5/1.2."""
     points = [round(time / s.sample_time) for time in times]
-    size = {"n_samples": s.n_samples, "n_columns": s.n_columns}
-    return PointToPoint(T_u=s.T_u("point-to-point"), points=points, **size)
+    return PointToPoint(
+        T_u=s.T_u("point-to-point"), points=points, n_samples=s.n_samples, n_columns=s.n_columns
+    )
 
 
 def repetitive(s: Setting, *, period: int, begin: int = 0, cutoff: float | None = None) -> Law:

@@ -71,6 +71,13 @@ def random_matrix(rng, n, *shape):
     return rows[0][0] if n == 1 else SystemMatrix(rows)
 
 
+def drawn(seed, shape, *poles) -> Any:
+    """Generator, plant of (motors, order), motors, and that it is stable."""
+    rng = np.random.default_rng(seed)
+    T = random_matrix(rng, *shape, *poles)
+    return rng, T, shape[0], T.is_stable
+
+
 def random_state_matrix(rng, order, slowest, damping):
     """A with such poles, in coordinates that are neither modes nor orthogonal."""
     A, i = np.zeros((order, order)), 0

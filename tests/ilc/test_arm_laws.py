@@ -1,4 +1,4 @@
-"""Laws for several outputs and inputs, and the guard around them."""
+"""Laws of whole arms, laws on a simulated plant, and laws that transfer to other references."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
-"""Polynomial and subspace fits beside scipy's least squares from the truth and exact responses.
+"""Fits and filters of states beside least squares and joint Gaussians, on random cases.
 
-Poles to 0.995, damping to 1e-4; CI tries ten times as many.
+CI tries ten times as many.
 """
 
 from enum import Enum

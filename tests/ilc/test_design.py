@@ -1,4 +1,4 @@
-"""A proposed design converges as predicted on its model; robustness to the joint's parameters."""
+"""Proposed designs, their expected values, and robustness by sampled plants."""
 
 import json
 import os

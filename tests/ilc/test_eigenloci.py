@@ -1,4 +1,4 @@
-"""Loci of coupled motors: eigenvalues, their bound, and what they say of convergence."""
+"""Peaks over frequency with a bound, and eigenloci of coupled motors."""
 
 import numpy as np
 import pytest

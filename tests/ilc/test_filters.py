@@ -1,4 +1,4 @@
-"""Q and q^delta along finished records."""
+"""Filters of records, and the gate that records pass."""
 
 import inspect
 import pkgutil
@@ -21,7 +21,7 @@ from armside.ilc.records import as_record, records
 
 NOT_RECORDS = {
     # responses and frequencies
-    "omega", "frequency", "deltas", "cutoffs", "T_u", "L", "Q",
+    "omega", "frequency", "deltas", "cutoffs", "T_u", "L", "Q", "response",
     # matrices, covariances and coefficients
     "A", "B", "C", "R", "D", "B0", "B1", "G", "GWG", "W", "Z", "P", "num", "den", "a", "b",
     "matrix", "gamma", "covariance", "poles", "taps",
@@ -48,7 +48,7 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""
 INTERNAL = {
     "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
-    "solve_factored", "solve_matrix_free", "require_adjoint", "require_moderate",
+    "solve_factored", "solve_matrix_free", "conjugate_step", "require_adjoint", "require_moderate",
     "excess", "pairwise_independence",
 }  # fmt: skip
 """Behind a law, a model or a fit, whose records have passed its gate."""

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from armside.ilc.identification.frequency_response import PeriodicRecord, frequency_response
-from armside.ilc.identification.multisine import lines_between, orthogonal_multisines
+from armside.ilc.identification.frequency_response import (
+    PeriodicRecord,
+    frequency_response,
+    lines_between,
+    orthogonal_multisines,
+)
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 

@@ -1,4 +1,4 @@
-"""ARX identification recovers the model behind the data, with consistent uncertainty."""
+"""ARX and output error, on records of one run and on learning data."""
 
 import numpy as np
 import pytest

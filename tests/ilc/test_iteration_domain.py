@@ -1,4 +1,4 @@
-"""Laws that look back or change over the iterations."""
+"""Laws that look back or change over the iterations, of noise, points and laps."""
 
 import numpy as np
 import pytest

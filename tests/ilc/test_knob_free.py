@@ -1,4 +1,4 @@
-"""The law without design variables, and the impulse response that it identifies."""
+"""The law without design variables, and the impulse response and friction that it identifies."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Every law beside the analysis that predicts it, on random stable plants and on the joint."""
+"""Every law beside the analysis that predicts it, on random plants and on the joint; refusals."""
 
 import os
 from dataclasses import dataclass

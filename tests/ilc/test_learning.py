@@ -1,4 +1,4 @@
-"""The learning loop and the first-order law on plants whose answer is known."""
+"""The learning loop, learning by hand, and the joint with friction."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Error measures of thesis 9.3 on records and circles whose answer is known."""
+"""Error measures: norms, circles, and those of ISO 9283."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Algorithms 2 and 3: inverse of a model and norm-optimal learning, and its limits."""
+"""Inverses of a model, norm-optimal learning and its limits, gradients with or without a model."""
 
 import numpy as np
 import pytest

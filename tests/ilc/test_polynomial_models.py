@@ -1,4 +1,4 @@
-"""ARMAX, output error and Box-Jenkins: found again, as uncertain as said, doubted where wrong."""
+"""Polynomial models and subspace identification."""
 
 from typing import NamedTuple
 

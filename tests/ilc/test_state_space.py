@@ -1,4 +1,4 @@
-"""State-space plants in the analysis, from other packages, and what is refused."""
+"""State-space models, fixed or along the record, and files of models."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Linear systems, conversion from `control`, and the plant of (7.1)."""
+"""Linear systems, the plant of (7.1), and conversions from scipy and `control`."""
 
 import json
 

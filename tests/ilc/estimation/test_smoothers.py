@@ -1,4 +1,4 @@
-"""Compiled functions are compiled for one kind of array, so a fresh checkout waits once."""
+"""Smoothers: scheduled, in square-root form, in the frequency domain; compiled once."""
 
 import warnings
 
