@@ -18,7 +18,7 @@ from ..motion.tool_motion import ToolMotion, motion_notes
 from ..notes import Cause, Note, together
 from ..part.motion import PartMotion
 from ..records.signals import Signals
-from ..records.tables import TRUTH_VALUE
+from ..records.tables import TRUTH_VALUE, float_columns
 from ..robot.recording import saturation
 from .contour_error import contour_errors
 from .tool_error import fit, tool_error
@@ -147,7 +147,7 @@ def _one(
 ) -> RecordedMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
-        _block(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
+        float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
     )
     error = (reference - angle) * gear
     rms = maxdev = np.nan
@@ -168,7 +168,7 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Recorded
 
 
 def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
-    time, point = _block(own, ["time"])[:, 0], _block(own, TRACKER)
+    time, point = float_columns(own, ["time"])[:, 0], _block(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan
@@ -189,12 +189,6 @@ def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
     return float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
 
 
-def _block(table: pa.Table, names: Sequence[str]) -> Array:
-    """(N, len(names)), NaN for missing values."""
-    if not names:
-        return np.empty((table.num_rows, 0))
-    columns = [table[name].cast(pa.float64()).to_numpy(zero_copy_only=False) for name in names]
-    return np.column_stack(columns)
 
 
 def notes_of_signals(signals: Signals) -> list[Note]:
