@@ -34,7 +34,9 @@ class CalibrateArmCfg(BagCfg):
     """Number of poses that are fitted, in place of the fraction."""
     in_order: bool = False
     """Fit the first poses and judge on the last [default: at random by --seed]."""
-    parameters: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ()
+    parameters: Annotated[
+        tuple[str, ...], Parameter(consume_multiple=True, show_default=False)
+    ] = ()
     """Errors of links to fit, such as theta_2 a_2 beta_2 [default: all that can be identified]."""
     harmonics: int | None = None
     """Order of the harmonics of each joint's error [default: chosen on a part of the fitted]."""

@@ -55,9 +55,10 @@ class ImuOptions(UnitCfg, BagCfg):
     robot: str = "irb1400"
     """Robot that moves: irb1400, large, or a robot file (.toml). With --recording also other names
     (ur10, irb120, aubo_i5, ...)."""
-    recording: Annotated[tuple[Path, ...], Parameter(consume_multiple=True)] = ()
-    """Folders or ROS bags of recordings of a real robot (docs/real.md), in place of a virtual
-    one."""
+    recording: Annotated[
+        tuple[Path, ...], Parameter(consume_multiple=True, show_default=False)
+    ] = ()
+    """Folders or ROS bags of a real robot's recordings (docs/real.md)."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
     """All motors at once, one at a time, or none: motors off, then on. A robot file that has no
     programs moves about its home."""
@@ -74,15 +75,15 @@ class ImuOptions(UnitCfg, BagCfg):
     cutoff: float = STANDARD.cutoff
     """Zero-phase low-pass of both sides [Hz]."""
     order: Literal["filter-then-map", "map-then-filter"] = "filter-then-map"
-    """Low-pass of the joint rates (thesis), or of the motion predicted from them."""
+    """Low-pass of joint rates (thesis), or of the prediction."""
     differences: Literal["forward", "central"] = "forward"
-    """Difference quotient of motor angles: (5.6) of the thesis, half a sample early, or central."""
+    """Difference quotient of motor angles: (5.6), or central."""
     compensation: Literal["actual-orientation", "mean-at-rest"] = "actual-orientation"
-    """Gravity and offsets: by the orientation of every sample, or by the mean at rest (thesis)."""
+    """Gravity and offsets by each sample's orientation, or the mean at rest (thesis)."""
     accelerometer_delay: float = round(1e3 * STANDARD.accelerometer_delay, 3)
-    """Delay of the accelerometer's low-pass that is compensated [ms]."""
+    """Delay of its low-pass that is compensated [ms]."""
     gyroscope_delay: float = round(1e3 * STANDARD.gyroscope_delay, 3)
-    """Delay of the gyro's low-pass that is compensated [ms]."""
+    """Delay of the gyro's low-pass, compensated [ms]."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -45,7 +45,7 @@ class MeasureCfg:
     robot: str = "large"
     """Robot with these gear ratios, where --gear is not given: large, irb1400, or a robot file
     (.toml)."""
-    gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = ()
+    gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True, show_default=False)] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
     """Radius of the circle that the tracker saw [mm]. Without it and a contour only motors are

@@ -55,7 +55,7 @@ class ReportOptions(Common):
 class JointCfg:
     """Another joint, design or law in the figures of chapter 8, which are then not compared."""
 
-    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ()
+    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True, show_default=False)] = ()
     """Numbers of the joint and its controller, KEY=VALUE in SI units: Jm, Ja (inertias), rg
     (ratio, below 1), k, d (spring), fm (friction), kt; Kp, Kd, Tf [default: Table 8.1, (8.11)]."""
     gamma: float = 0.9

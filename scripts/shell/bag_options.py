@@ -11,7 +11,7 @@ from .options import options
 
 _GROUP = Group("Recording in a ROS bag", sort_key=6)
 _ONE = Parameter(group=_GROUP)
-_SEVERAL = Parameter(group=_GROUP, consume_multiple=True)
+_SEVERAL = Parameter(group=_GROUP, consume_multiple=True, show_default=False)
 
 
 @options

@@ -169,6 +169,10 @@ def softened(
 ) -> tuple[list[Observation], Array, float]:
     """The observations with the softness (n,) [s^2] of each joint, which is returned too.
 
+    Below its first resonance an arm amplifies an error of joint j by 1 / (1 - softness_j f^2).
+    Without a model of its structure, softness_j is what makes the joint's terms explain most, held
+    to the softness that all joints have in common as far as the recordings leave it open.
+
     Joints without terms have that of all. The third is its standard deviation between joints.
     """
     n = observations[0].n_joints

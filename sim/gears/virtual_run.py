@@ -1,4 +1,4 @@
-"""Recordings of a virtual robot in the motion that its gears are found from.
+"""Recordings of a virtual robot in the motion that its gears are found from, and its true errors.
 
 The individual, its IMU and its tracker are those that `armside laser` draws with the same seed.
 """

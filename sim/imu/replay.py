@@ -1,4 +1,4 @@
-"""`replay.rrd` of an IMU experiment: the robot, its tool path, measured and predicted motion."""
+"""Files of an IMU experiment: `imu.parquet` with its samples, and `replay.rrd`."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,11 @@ XYZ = "xyz"
 def write_imu_signals(
     path: Path, results: Sequence[ImuResult], *, config: Mapping[str, Any]
 ) -> None:
-    """Write the IMU samples of programs k = 0, 1, ... that lie within their robot's log."""
+    """Write the IMU samples of programs k = 0, 1, ... that lie within their robot's log.
+
+    The IMU has its own clock: `imu_time` is by that clock, `time` is the robot time that the
+    synchronisation assigns. Units stand in the metadata of each column.
+    """
     table = pa.concat_tables([_table(k, result) for k, result in enumerate(results)])
     text = json.dumps(dict(config), sort_keys=True)
     table = table.replace_schema_metadata({"armside.config": text})
@@ -72,7 +76,6 @@ PANELS = (
     ("acceleration", "Acceleration of the IMU, base axes [m/s^2]"),
     ("angular_velocity", "Angular velocity of the IMU, base axes [rad/s]"),
 )
-AXES = "xyz"
 
 
 def write_imu_replay(path: Path, results: Sequence[ImuResult]) -> None:
@@ -94,11 +97,11 @@ def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:
     for entity, shape in shapes(mj):
         stream.log(entity, shape, static=True)
     for kind, _ in PANELS:
-        for axis in AXES:
+        for axis in XYZ:
             for name, colour in COLOURS.items():
                 lines = rr.SeriesLines(names=f"{name} {axis}", colors=colour)
                 stream.log(f"{kind}_{axis}/{name}", lines, static=True)
-    stream.log("acceleration_error_rms", rr.SeriesLines(names=list(AXES)), static=True)
+    stream.log("acceleration_error_rms", rr.SeriesLines(names=list(XYZ)), static=True)
 
 
 def _send_path(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
@@ -114,7 +117,7 @@ def _send_series(stream: rr.RecordingStream, evaluation: Evaluation, start: floa
     for kind, _ in PANELS:
         for name in COLOURS:
             values: Array = getattr(comparison, f"{kind}_{name}")
-            for i, axis in enumerate(AXES):
+            for i, axis in enumerate(XYZ):
                 columns = rr.Scalars.columns(scalars=values[:, i])
                 stream.send_columns(f"{kind}_{axis}/{name}", [index], columns)
     n, width = evaluation.window_rms.shape
@@ -127,7 +130,7 @@ def _blueprint() -> rrb.Blueprint:
         return rrb.TimeSeriesView(origin=entity, name=title, plot_legend=LEGEND)
 
     of_axes = [
-        rrb.Vertical(*(view(f"{kind}_{axis}", f"{title}, {axis}") for axis in AXES), name=title)
+        rrb.Vertical(*(view(f"{kind}_{axis}", f"{title}, {axis}") for axis in XYZ), name=title)
         for kind, title in PANELS
     ]
     error = view("acceleration_error_rms", "Acceleration error, moving RMS [m/s^2]")

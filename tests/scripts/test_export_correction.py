@@ -123,9 +123,5 @@ def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
         (["none"], "is no folder"),
     ],
 )
-def test_bad_input_is_one_line(words, said, export, capsys, tmp_path):
-    assert export(*words) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not list(tmp_path.iterdir())
+def test_bad_input_is_one_line(bad_input, words, said, place):
+    bad_input(f"export-correction {place / words[0]} {' '.join(words[1:])}", said)

@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from armside.kinematics import robot_toml
 from armside.scripts.cli import main
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.verifications import irb1400 as verify_irb1400
@@ -22,6 +23,9 @@ FIGURES = {
     "acceleration.png",
     "acceleration-error.png",
 }
+
+
+OF_RECORDINGS = ("path", "position", "angular-velocity", "acceleration", "acceleration-error")
 
 
 def rms(error):
@@ -110,9 +114,8 @@ def test_the_other_motions_leave_their_figures(motion, tmp_path):
 )
 def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
     """Unknown instruction, out of reach, zero speed, the linkage's range, a joint limit, a line."""
-    program = tmp_path / "bad.toml"
+    program, out = tmp_path / "bad.toml", tmp_path / "out"
     program.write_text(text)
-    out = tmp_path / "out"
     assert main(["imu", "--program", str(program), "--out", str(out)]) == 2
     complaint = capsys.readouterr().err
     assert complaint.count("\n") == 1
@@ -122,23 +125,29 @@ def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("line", "said"),
     [
-        (["--program", "missing.toml"], "missing.toml"),
-        (["--robot", "large", "--motion", "sequential"], "simultaneous"),
-        (["--robot", "large", "--motion", "rest"], "brakes"),
-        (["--cutoff", "60"], "below 50 Hz"),
-        (["--accelerometer-delay", "-1"], "from 0 to 500 ms"),
-        (["--motion", "rest", "--on", "1"], "at least 3 s"),
-        (["--motion", "rest", "--off", "1000"], "off must be > 0 and at most 600 s, got 1000"),
-        (["--imu-rate", "5"], "imu-rate must be 10 to 1000 Hz, got 5"),
-        (["--gyroscope-noise", "11"], "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
-        (["--recording", ".", "--clock-offset", "3"], "--clock-offset is of the virtual robot"),
+        ("--program missing.toml", "missing.toml"),
+        ("--robot large --motion sequential", "simultaneous"),
+        ("--robot large --motion rest", "brakes"),
+        ("--cutoff 60", "below 50 Hz"),
+        ("--accelerometer-delay -1", "from 0 to 500 ms"),
+        ("--motion rest --on 1", "at least 3 s"),
+        ("--motion rest --off 1000", "off must be > 0 and at most 600 s, got 1000"),
+        ("--imu-rate 5", "imu-rate must be 10 to 1000 Hz, got 5"),
+        ("--gyroscope-noise 11", "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
+        ("--recording . --clock-offset 3", "--clock-offset is of the virtual robot"),
+        ("--recording nowhere --robot ur10", "nowhere is no folder"),
+        ("--recording . --robot ur10", "no recording of a known form"),
+        ("--recording . --robot ur11", "ur11"),
+        ("--recording . --robot ur10 --motion rest", "--motion is of the virtual robot"),
+        ("--recording . --robot ur10 --cutoff 0", "cutoff must be"),
+        ("--recording . --robot ur10 --cutoff 49", "cutoff must be"),
+        ("--robot ur10", "Robots: large, irb1400"),
     ],
 )
-def test_bad_options_are_bad_input(options, words, tmp_path, capsys):
-    assert main(["imu", *options, "--out", str(tmp_path / "out")]) == 2
-    assert words in capsys.readouterr().err
+def test_bad_options_are_bad_input(bad_input, line, said):
+    bad_input(f"imu {line} --out out", said)
 
 
 def test_the_unit_is_that_of_its_options_and_by_default_of_the_configuration():
@@ -160,3 +169,47 @@ def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
 def test_the_large_robot_predicts_its_imu_too():
     table = imu_large([0])
     assert [verdict for verdict in table.verdicts if not verdict.holds] == []
+
+
+# Recordings of a real robot
+
+
+TABLES = {
+    "encoders": [f"motor_angle_{i}" for i in (1, 2, 3)],
+    "imu": [f"{name}_{axis}" for name in ("acceleration", "angular_velocity") for axis in "xyz"],
+    "tracker": [f"target_{axis}" for axis in "xyz"],
+}
+
+
+@pytest.fixture
+def folders(tmp_path, scenes):
+    """Tables of two days, and the robot file beside them."""
+    (tmp_path / "arm.toml").write_text(robot_toml(scenes.ARM.robot, scenes.ARM.limits))
+    for day in (1, 2):
+        one = scenes.recording(scenes.Scene(day))
+        (folder := tmp_path / f"day{day}").mkdir()
+        for name, columns in TABLES.items():
+            stream = getattr(one, name)
+            rows = np.column_stack([stream.time, stream.values])
+            header = ",".join(["time", *columns])
+            np.savetxt(folder / f"{name}.csv", rows, "%.9g", ",", header=header, comments="")
+    return tmp_path / "day1", tmp_path / "day2"
+
+
+def test_summary_tables_and_figures_of_two_days(armside, tmp_path, folders):
+    line = f"imu --recording {folders[0]} {folders[1]} --robot {tmp_path / 'arm.toml'}"
+    status, out, err = armside(f"{line} --out {tmp_path / 'out'}")
+    assert (status, err) == (0, "")
+    assert "of the signal [%]" in out
+    assert "gyro scale 0.00" in out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["repeatability"]["mounting"] < np.radians(0.1)
+    for one, day in zip(summary["recordings"], ("day1", "day2"), strict=True):
+        assert one["recording"] == day
+        assert np.allclose(one["constants"]["gyro_scale"], 1.02, atol=2e-3)
+        assert abs(one["constants"]["gyro_offset"] - 0.1) < 1e-3
+        error, signal = (one["held_out"][f"angular_velocity{end}"] for end in ("_error", ""))
+        assert max(np.divide(error, signal)) < 0.02
+    files = {file.name for file in (tmp_path / "out").iterdir()}
+    drawn = {f"{name}-{day}.png" for name in OF_RECORDINGS for day in ("day1", "day2")}
+    assert files == {"summary.json"} | drawn

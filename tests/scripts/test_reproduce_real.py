@@ -1,4 +1,4 @@
-"""`armside reproduce real`: sections from the sets in a folder."""
+"""`armside reproduce real`: sections from the sets in a folder; a report shows its own alone."""
 
 import json
 import os
@@ -8,7 +8,9 @@ import pytest
 
 from armside.scripts.commands import reproduce
 from armside.scripts.commands.reproduce import JointCfg, ReportOptions
+from armside.scripts.shell.errors import InputError
 from armside.scripts.thesis.pages import count
+from armside.scripts.thesis.report import ReportFolder, Section
 
 SETS = os.environ.get("ARMSIDE_MEASUREMENTS")
 
@@ -56,3 +58,14 @@ def test_sections_hold_and_are_drawn(armside, tmp_path):
     assert "--data FOLDER" in text
     assert "comparisons hold" in text
     assert count([]) == "0 of 0 comparisons hold"
+
+
+@pytest.mark.parametrize("name", ["../secret.txt", "/etc/hostname", "sub/figure.png"])
+def test_a_section_cannot_name_a_file_outside_of_the_figures(tmp_path, name):
+    report = ReportFolder(tmp_path / "report")
+    report.begin({})
+    report.keep(Section("one", "One", "A caption.", figures=("figure.png",)))
+    report.keep(Section("two", "Two", "A caption.", figures=(name,)))
+    assert report.sections(["one"])[0].figures == ["figure.png"]
+    with pytest.raises(InputError, match=r"two\.json is not a section.* folder of figures"):
+        report.sections(["one", "two"])

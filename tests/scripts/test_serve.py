@@ -7,6 +7,9 @@ import sys
 
 import pytest
 
+from armside import assets
+from armside.scripts.cli import main
+
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
 
@@ -17,9 +20,6 @@ def free_port():
 
 
 def test_a_served_robot_is_learned_on_from_another_process(tmp_path):
-    from armside import assets
-    from armside.scripts.cli import main
-
     port, file = free_port(), assets.IRB1400_XML.parent / "two_link.toml"
     words = ["--protocol", "rsi", "--robot", str(file), "--program", "cut:pose=p1,radius=2"]
     served = subprocess.Popen(
@@ -29,9 +29,8 @@ def test_a_served_robot_is_learned_on_from_another_process(tmp_path):
     )
     assert served.stdout is not None
     try:
-        printed = (
-            served.stdout.readline()
-        )  # comes at once; it may take long to begin where others work
+        # Comes at once; it may take long to begin where others work.
+        printed = served.stdout.readline()
         plant = f"rsi:port={port},wait=60"
         out = ["--out", str(tmp_path / "learned")]
         assert main(["learn", "--plant", plant, "--iterations", "1", "--quiet", *out]) == 0
@@ -49,24 +48,22 @@ def test_a_served_robot_is_learned_on_from_another_process(tmp_path):
 
 
 def test_without_a_client_it_ends_in_one_line(capsys, tmp_path):
-    from armside.scripts.cli import main
-
     out = ["--out", str(tmp_path / "served")]
     assert main(["serve", "--idle", "0.1", "--port", str(free_port()), *out]) == 1
     assert capsys.readouterr().err.strip().endswith("no client completed a run within 0.1 s")
     assert not (tmp_path / "served").exists()
 
 
-def test_wrong_options_are_named(capsys):
-    from armside.scripts.cli import main
-
-    for words, reason in (
-        (["--port", "70000"], "port must be a whole number from 1 to 65535"),
-        (["--port", "0"], "from 1 to 65535, got 0"),
-        (["--program", "dance"], "Unknown program 'dance'"),
-        (["--relative"], "--protocol rsi"),
-        (["--to", "no.such.host.invalid"], "unknown host"),
-        (["--seconds", "1e9"], "seconds must be 0.1 to 600"),
-    ):
-        assert main(["serve", *words]) == 2
-        assert reason in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("--port 70000", "port must be a whole number from 1 to 65535"),
+        ("--port 0", "from 1 to 65535, got 0"),
+        ("--program dance", "Unknown program 'dance'"),
+        ("--relative", "--protocol rsi"),
+        ("--to no.such.host.invalid", "unknown host"),
+        ("--seconds 1e9", "seconds must be 0.1 to 600"),
+    ],
+)
+def test_wrong_options_are_named(bad_input, line, reason):
+    bad_input(f"serve {line}", reason)

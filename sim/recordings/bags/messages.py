@@ -1,4 +1,4 @@
-"""Numbers of ROS messages: joint angles, IMU samples, points with orientation.
+"""Messages of a bag by instrument, as numbers, for chosen topics; others are not decoded.
 
 Units are those of ROS (REP 103): rad, m, m/s^2, rad/s; quaternions there have w last.
 """

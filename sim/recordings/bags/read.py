@@ -1,4 +1,4 @@
-"""Recording of an arm in motion from a bag."""
+"""Recordings from a bag: of an arm in motion, or poses at which it stood still."""
 
 from pathlib import Path
 
@@ -59,6 +59,9 @@ LARGEST_GAP = 1.0
 
 def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
     """One configuration for each stand of the arm that a target was seen in.
+
+    Stamps of encoders and tracker are taken to be of one clock, as ROS has it. While the arm stands
+    still an offset between them changes nothing.
 
     Raises InputError for what is missing, ambiguous or damaged, and where there is no such stand.
     """

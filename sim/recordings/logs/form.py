@@ -92,7 +92,16 @@ NEEDED = ("time", "motor_angle")
 
 
 def read_columns(file: Path) -> LogForm:
-    """Form of a log by a file. Raises InputError for keys and values that are not allowed."""
+    """Form of a log by a file (TOML) that says which columns are which.
+
+    time = "t [ms]"
+    time_unit = "ms"              # s, ms, us, ns, or a format of dates: "%H:%M:%S.%f"
+    motor_angle = ["q1", "q2"]    # or "q{}": as many as there are
+    angle_unit = "deg"            # or rad
+    reference = ["r1", "r2"]      # optional
+
+    Raises InputError for keys and values that are not allowed.
+    """
     with reading(check_file(file)):
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     if unknown := sorted(set(content) - {*TEXTS, *NAMES}):

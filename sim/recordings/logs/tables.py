@@ -1,4 +1,10 @@
-"""Columns of a log in a text: separated by commas, semicolons or tabulators."""
+"""Columns of a log: a text separated by commas, semicolons or tabulators, or a DIAdem trace.
+
+Traces of KUKA's controllers are a header (.dat) and values beside it (.r64). Keys of the header are
+numbers (ni.com, DIAdem data set header): 200 name, 202 unit, 210 IMPLIZIT or EXPLIZIT, 211 file of
+the values, 213 BLOCK (values of all channels in turn), 214 REAL64, 220 number of values, 221 place
+of the first value from 1, 240 start or offset, 241 step or factor.
+"""
 
 import csv
 import io

@@ -25,7 +25,13 @@ SLOWEST = 0.02
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TimingErrors:
-    """Errors of the sampling instants of each motor, taken from logs."""
+    """Errors of the sampling instants of each motor, taken from logs.
+
+    A motor that moves at rate w and is read d later than its stamp says is off by w d. Errors of
+    motors whose rates differ are therefore alike as times. They are found where a log departs from
+    a cubic over its neighbours, motor by motor, and applied to any smooth motion: what such a log
+    makes of a robot that repeats perfectly.
+    """
 
     errors: tuple[Array, ...]
     """Of each log (N, n) [s], in the order of its samples."""

@@ -22,6 +22,15 @@ def test_held_samples_missing_rows_and_repeated_stamps_are_dropped_and_counted()
     assert "1 not finite, 1 with a repeated or older stamp, 3 off their neighbours" in notes[0]
 
 
+def test_a_spike_is_dropped_and_noise_is_kept():
+    noise = np.random.default_rng(0).normal(0.0, 1e-3, PHI.shape)
+    phi = PHI + noise
+    phi[70] += 1.0
+    stream, notes = repaired("IMU", TIME, phi)
+    np.testing.assert_array_equal(stream.time, np.delete(TIME, 70))
+    assert "1 off their neighbours" in notes[0]
+
+
 def test_gaps_are_told_and_stamps_are_kept():
     rows = np.r_[0:800, 900 : len(TIME)]
     stream, notes = repaired("IMU", TIME[rows], PHI[rows])
