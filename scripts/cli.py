@@ -20,7 +20,6 @@ COMMANDS = {
     "convert": "Write runs, recordings and logs as other files.",
     "export-correction": "Write the learned correction for a controller.",
     "measure": "Measure recorded data, a run's or your own.",
-    "gallery": "Make the pictures of the docs again.",
     "two-mass": "Regenerate chapter 8: a flexible joint learns.",
     "learn": "Compare learning laws on any plant, your own too.",
     "serve": "Put the virtual robot behind a controller's protocol.",
@@ -32,12 +31,9 @@ COMMANDS = {
     "model": "Describe a robot: D-H table, reach, singularities.",
     "robot": "Check, show or build a robot, or start its robot file.",
     "export": "Write a robot's equations as code, or it as URDF or MJCF.",
-    "bench": "Time this machine, beside other libraries if installed.",
     "calibrate-arm": "Calibrate a real arm from measured poses.",
     "gears": "Find the transmission error of a real arm's gears.",
     "path-logs": "Compare a real robot's motor logs with the virtual robot.",
-    "calibrate": "Choose the large robot's unknown numbers again.",
-    "verify": "Check a claim over many seeds and write its table.",
     "reproduce": "Make the figures of the thesis again, with verdicts.",
 }
 """Name: one line of help. A new command is one line here and two in `load`."""
@@ -71,8 +67,6 @@ def load(name: str) -> Callable[..., None]:
             from .commands.export_correction import export_correction as command
         case "measure":
             from .commands.measure import measure as command
-        case "gallery":
-            from .commands.gallery import gallery as command
         case "two-mass":
             from .commands.two_mass import two_mass as command
         case "learn":
@@ -95,18 +89,12 @@ def load(name: str) -> Callable[..., None]:
             from .commands.robot import robot as command
         case "export":
             from .commands.export import export as command
-        case "bench":
-            from .commands.bench import bench as command
         case "calibrate-arm":
             from .commands.calibrate_arm import calibrate_arm as command
         case "path-logs":
             from .commands.path_logs import path_logs as command
         case "gears":
             from .commands.gears import gears as command
-        case "calibrate":
-            from .commands.calibrate import calibrate as command
-        case "verify":
-            from .commands.verify import verify as command
         case "reproduce":
             from .commands.reproduce import reproduce as command
         case _:

@@ -11,7 +11,7 @@ from armside.kinematics import IRB1400
 from armside.sim.cell import CELLS
 from armside.sim.robot.model import load_model
 
-from ..benchmarks.peers import pinocchio_functions, toolbox_robot
+from .peers import pinocchio_functions, toolbox_robot
 
 MUJOCO, PINOCCHIO, TOOLBOX = (
     "MuJoCo, the closed chain",

@@ -1,8 +1,8 @@
 """URDF in and out beside Pinocchio's own reading, of our robots and of files that others wrote."""
 
 import pytest
-
-from armside.scripts.verifications import urdf, urdf_arms
+from tests.claims import _urdf_files as urdf_arms
+from tests.claims import urdf
 
 pytest.importorskip("pinocchio", reason="needs the extra [peers]", exc_type=ImportError)
 
