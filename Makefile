@@ -6,7 +6,7 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 STUBS := typings/mujoco-stubs
 
 # Names are the files of a folder; those that begin with an underscore are shared.
-names = $(subst _,-,$(filter-out \_% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
+names = $(subst _,-,$(filter-out _% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
 
 .PHONY: help run test docs mutants claims bench pictures calibration contract clean
 .DELETE_ON_ERROR:

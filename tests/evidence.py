@@ -29,6 +29,24 @@ def module(folder: str, name: str) -> ModuleType:
     return import_module(f"tests.{folder}.{name.replace('-', '_')}")
 
 
+FOLDERS = {"claims": "claims", "bench": "benchmarks", "pictures": "gallery"}
+"""Folders of names by the targets of make."""
+
+
+def is_made(line: str) -> bool:
+    """True for a line of make with a target that exists, and a name of its folder."""
+    make, target, *variables = line.split("#")[0].split()
+    given = dict(word.split("=", 1) for word in variables)
+    known = [given["NAME"]] if "NAME" in given else []
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    return (
+        make == "make"
+        and f"\n{target}: " in makefile
+        and all(f"$({name})" in makefile for name in given)
+        and set(known) <= set(names(FOLDERS[target]) if known else ())
+    )
+
+
 def chosen(folder: str, given: Sequence[str]) -> list[str]:
     """The names that are given, or all. Ends with status 2 where there is no such name."""
     known = names(folder)

@@ -1,4 +1,4 @@
-"""Results that figures share are kept. Seconds are measured by `armside bench ilc`."""
+"""Results that figures share are kept. Seconds are measured by `make bench NAME=ilc`."""
 
 from armside.ilc import two_mass_study
 

@@ -18,7 +18,7 @@ from armside.sim.robot.effects import Effect
 
 OTHERS = tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR)
 SETUP = Setup(pose="p2", imu=ImuCfg(), without=OTHERS)
-"""With all effects: `armside verify estimation-gears`."""
+"""With all effects: `make claims NAME=estimation-gears`."""
 QUICKER = Excitation(duration=90.0, frequency=(0.02, 0.06))
 RUNS = 2
 

@@ -204,7 +204,7 @@ def test_the_power_spectrum_is_welch_s():
 
 
 def test_a_run_is_one_rollout_of_the_physics(monkeypatch):
-    """No Python inside the step loop; `armside bench imu` has the seconds."""
+    """No Python inside the step loop; `make bench NAME=imu` has the seconds."""
     loaded = prepare(ImuExperiment())[0].loaded
     steps, roll_out = [], Rollout.rollout
 
