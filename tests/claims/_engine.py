@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,16 @@ class Claim:
     """All cores if None; 1 for cases that have workers or threads of their own."""
     figure: Callable[[Path, Table], None] | None = None
     """Draws the table into a PNG beside the page."""
+
+
+def crossed(*others: Iterable[Any]) -> Callable[[Sequence[int]], Iterable[tuple[Any, ...]]]:
+    """Cases of each seed with each of the other values."""
+    return lambda seeds: product(seeds, *others)
+
+
+def at_once(seeds: Sequence[int]) -> list[tuple[int, ...]]:
+    """One case of all seeds: they share what is expensive, or a rollout."""
+    return [tuple(seeds)]
 
 
 def at_most(statement: str, value: float, bar: float, form: str = ".3f", label: str = "") -> Check:

@@ -1,14 +1,13 @@
 """Learning without each effect of gears and drives: the default cut at p1 and p3."""
 
-from collections.abc import Iterator, Sequence
-from itertools import product
+from collections.abc import Iterator
 
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, crossed
 from ._learned import learned
 
 LEFT_OUT: dict[str, tuple[Effect, ...]] = {
@@ -19,10 +18,6 @@ LEFT_OUT: dict[str, tuple[Effect, ...]] = {
 POSES = ("p1", "p3")
 SMALL = 0.10
 WORST = "worst motor at k = 5 over k = 0, both poses"
-
-
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str]]:
-    yield from product(seeds, LEFT_OUT)
 
 
 def run(case: tuple[int, str], tally: Tally) -> Iterator[Row]:
@@ -50,7 +45,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 CLAIM = Claim(
     title="Effects left out: tool RMS before and after five updates [µm]",
     seeds=3,
-    cases=cases,
+    cases=crossed(LEFT_OUT),
     run=run,
     checks=checks,
 )

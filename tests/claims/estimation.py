@@ -4,9 +4,8 @@ Each seed is another individual, another IMU screwed on differently with its clo
 10 ms, another assumed stiffness (each axis wrong by up to 30 %), and other noise.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows, at_most
+from ._engine import Claim, Row, Rows, at_most, crossed
 from ._estimates import COMPARED, case, from_estimate, from_motors, from_tracker
 from ._learned import POSES
 
@@ -64,10 +63,6 @@ BEATEN = (
 """Lengths of which the first is the smaller."""
 
 
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str]]:
-    yield from product(seeds, POSES)
-
-
 def run(one: tuple[int, str], tally: Tally) -> Iterator[Row]:
     seed, pose = one
     default = case(Cut(pose=pose), seed)
@@ -109,7 +104,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 CLAIM = Claim(
     title="Learning from an estimate of the tool: tool deviation RMS in µm",
     seeds=10,
-    cases=cases,
+    cases=crossed(POSES),
     run=run,
     checks=checks,
     columns={"seed": "seed", "pose": "pose"} | LENGTHS | {"diverged": "any diverged"},

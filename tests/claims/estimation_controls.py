@@ -5,9 +5,8 @@ over seeds at each pose; structure and gears of linear springs. Learning is refu
 make the model explain the readings; medians are those of the cuts that remain.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,7 +21,7 @@ from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, crossed
 from ._estimates import (
     COMPARED,
     Case,
@@ -95,10 +94,6 @@ def _louder(triad: TriadCfg, factor: float) -> TriadCfg:
     """A noisier triad, with a range that holds its noise."""
     range_ = triad.range * max(1.0, factor)
     return replace(triad, noise_density=factor * triad.noise_density, range=range_)
-
-
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str]]:
-    yield from product(seeds, POSES)
 
 
 def run(case: tuple[int, str], tally: Tally) -> Iterator[Row]:
@@ -183,7 +178,7 @@ def draw(file: Path, table: Table) -> None:
 CLAIM = Claim(
     title="What the estimate needs: error of the tool's path, and what learning leaves",
     seeds=10,
-    cases=cases,
+    cases=crossed(POSES),
     run=run,
     checks=checks,
     shown=shown,

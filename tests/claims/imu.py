@@ -5,6 +5,7 @@ Each seed is another IMU and other noise.
 
 from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ INSIDE, AS_THESIS_INSIDE = "x, y largest in rectangle", "as thesis: x, y largest
 
 
 @cache
-def motions() -> list[tuple]:
+def motions() -> list[tuple[Any, Any]]:
     """The simultaneous motion; both parts of the sequential one with and without feedforward."""
     sequential = [(each, one) for each in (SEQUENTIAL, UNAIDED) for one in prepare(each)]
     return [(BASE, prepare(BASE)[0]), *sequential]

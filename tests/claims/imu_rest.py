@@ -41,8 +41,5 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 
 CLAIM = Claim(
-    title="Acceleration of the IRB1400 at rest, motors off and on",
-    seeds=10,
-    run=run,
-    checks=checks,
+    title="Acceleration of the IRB1400 at rest, motors off and on", seeds=10, run=run, checks=checks
 )

@@ -1,7 +1,6 @@
 """Generated code and the closed-form inverse at configurations in (-pi, pi) of all motors."""
 
-from collections.abc import Iterator, Sequence
-from itertools import product
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from armside.kinematics.links import link_transform
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, crossed
 
 ROBOTS = {robot.name: robot for robot in (IRB1400, LARGE_ROBOT)}
 CONFIGURATIONS = 1000  # number of configurations for each seed and robot
@@ -24,10 +23,6 @@ COLUMNS = {
     "missing": "configurations that no branch returns to",
     "derivative": "Jacobian against central differences",
 }
-
-
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str]]:
-    yield from product(seeds, ROBOTS)
 
 
 def run(case: tuple[int, str], _: Tally) -> Iterator[Row]:
@@ -78,7 +73,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 CLAIM = Claim(
     title=f"Kinematics at {CONFIGURATIONS} random configurations for each row",
     seeds=10,
-    cases=cases,
+    cases=crossed(ROBOTS),
     run=run,
     checks=checks,
     columns=COLUMNS,

@@ -49,8 +49,5 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 
 CLAIM = Claim(
-    title="The design that learning data of the IRB1400 ask for",
-    seeds=20,
-    run=run,
-    checks=checks,
+    title="The design that learning data of the IRB1400 ask for", seeds=20, run=run, checks=checks
 )

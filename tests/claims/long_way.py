@@ -5,9 +5,8 @@ with its clock off by up to 10 ms, another assumed stiffness (each axis wrong by
 other noise. Settings were chosen on `DEVELOPMENT`; the seeds that judge count up from 0.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from armside.sim.laser.results import status
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows, at_most
+from ._engine import Claim, Row, Rows, at_most, crossed
 from ._estimates import ALONG, case, from_estimate, nees, tracked_along
 from ._learned import POSES
 
@@ -38,10 +37,6 @@ TASKS: Mapping[str, Cut] = {
     "300 x 80 mm, 80 mm/s": Cut(contour=OUTLINE, speed=0.08),
 }
 """Cuts by name, at p1."""
-
-
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str, str]]:
-    yield from product(seeds, POSES, TASKS)
 
 
 def run(place: tuple[int, str, str], tally: Tally) -> Iterator[Row]:
@@ -77,7 +72,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 CLAIM = Claim(
     title="Learning from an estimate along long contours: tool deviation RMS in µm",
     seeds=10,
-    cases=cases,
+    cases=crossed(POSES, TASKS),
     run=run,
     checks=checks,
     counted="learned cuts",

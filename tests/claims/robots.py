@@ -5,7 +5,6 @@ Each seed is another friction, tracker set-up and noise. The designs of the file
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
 from typing import NamedTuple
 
 import mujoco
@@ -21,7 +20,7 @@ from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.model import load_model
 
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, crossed
 from ._learned import POSES, learned
 
 LEFT = 0.10
@@ -59,10 +58,6 @@ ROBOTS: Mapping[str, Task] = {
 }
 MOTOR = {pose: f"worst motor {pose}, (9.5)" for pose in POSES}
 TRACKER = {pose: f"tracker RMS {pose}, k = 5 over k = 0" for pose in POSES}
-
-
-def cases(seeds: Sequence[int]) -> Iterator[tuple[int, str]]:
-    yield from product(seeds, ROBOTS)
 
 
 def run(case: tuple[int, str], tally: Tally, poses: Sequence[str] = POSES) -> Iterator[Row]:
@@ -105,7 +100,7 @@ def described(name: str) -> Iterator[Check]:
 CLAIM = Claim(
     title="Learning on robots of robot files, circles of 5 mm radius at 40 mm/s, k = 5",
     seeds=5,
-    cases=cases,
+    cases=crossed(ROBOTS),
     run=run,
     checks=checks,
 )

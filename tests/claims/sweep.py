@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from armside.scripts.jobs.dataset import dataset
@@ -17,7 +17,7 @@ from armside.scripts.jobs.workers import Workers
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 
-from ._engine import ROOT, Claim, Row, Rows
+from ._engine import ROOT, Claim, Row, Rows, at_once
 
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")
@@ -31,11 +31,6 @@ COLUMNS = {
     "computed": "computed",
     "equal": "dataset equal to an undisturbed one",
 }
-
-
-def cases(seeds: Sequence[int]) -> list[tuple[int, ...]]:
-    """All seeds at once: their sweeps are compared with one that is not disturbed."""
-    return [tuple(seeds)]
 
 
 def run(seeds: tuple[int, ...], _: Tally) -> Iterator[Row]:
@@ -97,7 +92,7 @@ def _kill(folder: Path, delay: float) -> int:
 CLAIM = Claim(
     title="Sweeps killed at random moments and run again",
     seeds=10,
-    cases=cases,
+    cases=at_once,
     run=run,
     checks=checks,
     columns=COLUMNS,

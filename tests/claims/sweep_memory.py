@@ -12,8 +12,7 @@ from armside.scripts.jobs.workers import Workers
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
-from .sweep import cases
+from ._engine import Claim, Row, Rows, at_once
 
 SAMPLES = 10
 FLAT = 1.10  # of the memory after a tenth of the work
@@ -67,7 +66,7 @@ def _descendants(pid: int) -> list[int]:
 CLAIM = Claim(
     title="Memory of a sweep over many configurations",
     seeds=10_000,
-    cases=cases,
+    cases=at_once,
     run=run,
     checks=checks,
     processes=1,

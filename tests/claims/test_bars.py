@@ -321,7 +321,7 @@ def test_a_row_beyond_its_bar_fails_that_statement_alone(one):
 
 def test_kinematics_draws_a_thousand_configurations_for_each_seed_and_robot():
     assert kinematics.CONFIGURATIONS == 1000
-    assert len(list(kinematics.cases(range(2)))) == 4
+    assert len(list(kinematics.CLAIM.cases(range(2)))) == 4
 
 
 def test_most_seeds_have_the_smallest_error_in_z_and_nine_of_ten_the_largest_in_the_rectangle():
@@ -377,7 +377,7 @@ def test_ablations_are_bounded(left_out, cells, inside, outside, words):
     key = module.WORST if cells == "worst" else cells
 
     def rows(value):
-        for seed, name in module.cases(range(2)):
+        for seed, name in module.CLAIM.cases(range(2)):
             # p1: 400 -> 300; p3: 400 -> 450, without any effect -> 350
             row = {"p1, k = 0": 400.0, "p1, k = 5": 300.0, "p3, k = 0": 400.0}
             row |= {"p3, k = 5": 350.0 if name == "all four" else 450.0, module.WORST: 0.05}
@@ -399,7 +399,7 @@ def test_a_negative_control_fails_where_it_is_not_worse(name, field, value, word
 
     def found(changed):
         rows = []
-        for _, pose in estimation_controls.cases(range(2)):
+        for _, pose in estimation_controls.CLAIM.cases(range(2)):
             for variant in (*names, *estimation_controls.variants()):
                 default = variant == estimation_controls.DEFAULT
                 error, ratio = (10e-6, 0.1) if default else (50e-6, 0.3)

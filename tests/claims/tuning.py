@@ -1,6 +1,6 @@
 """Designs and a policy on sealed seeds: every baseline meets the same episodes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,15 +11,10 @@ from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 
 from . import _episodes
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, at_once
 from ._episodes import BY_MODELS, BY_POLICY, BY_SEARCH, BY_THESIS
 
 SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
-
-
-def cases(seeds: Sequence[int]) -> list[tuple[int, ...]]:
-    """All seeds at once: episodes share a rollout."""
-    return [tuple(seeds)]
 
 
 def run(seeds: tuple[int, ...], tally: Tally) -> Iterator[Row]:
@@ -80,7 +75,7 @@ def beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
 CLAIM = Claim(
     title="Tool RMS after five iterations, {n} sealed episodes",
     seeds=100,
-    cases=cases,
+    cases=at_once,
     run=run,
     checks=checks,
     shown=shown,

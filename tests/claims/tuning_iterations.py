@@ -10,9 +10,8 @@ from armside.sim.notes import Tally
 from armside.sim.tuning.rules import Rules
 
 from . import _episodes
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, at_once
 from ._episodes import BY_POLICY, BY_SEARCH, BY_THESIS
-from .tuning import cases
 
 TWICE = 10  # iterations, twice the budget that was searched and trained with
 
@@ -52,7 +51,7 @@ def checks(rows: Rows) -> Iterator[Check]:
 CLAIM = Claim(
     title="RMS of the tool over that before learning, geometric mean, {n} episodes",
     seeds=100,
-    cases=cases,
+    cases=at_once,
     run=run,
     checks=checks,
     shown=shown,

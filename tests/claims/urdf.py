@@ -23,7 +23,7 @@ from armside.sim.cell_file import is_cell_file
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Claim, Row, Rows, at_once
 from ._urdf_files import LEAST_JOINTS, ForeignFile, PinocchioChain, foreign_files, longest_chain
 
 LARGEST = 1e-9
@@ -33,11 +33,6 @@ FOREIGN_ARMS = 20
 """Files of others that must be read, at least."""
 OURS = "armside"
 ERRORS = ("pose", "Jacobian", "mass matrix")
-
-
-def cases(seeds: Sequence[int]) -> list[tuple[int, ...]]:
-    """All seeds at once: each file is read once."""
-    return [tuple(seeds)]
 
 
 def run(seeds: tuple[int, ...], _: Tally) -> Iterator[Row]:
@@ -152,7 +147,7 @@ def _line(error: ValueError) -> str:
 CLAIM = Claim(
     title="URDF in and out beside Pinocchio at {n} random configurations",
     seeds=5,
-    cases=cases,
+    cases=at_once,
     run=run,
     checks=checks,
     processes=1,

@@ -97,7 +97,7 @@ BAD_INPUT = {
     "probe --out full/file": "is a file",
     "probe --out full/file/deeper": "is not a folder",
     "probe --out .": "not empty",
-    "sweep": "AXES requires an argument",
+    "measure": "requires an argument",
 }
 
 
