@@ -1,17 +1,48 @@
-# make run: set up and cut the default circle.  make test: set up and check everything.
-# make docs: the pages of docs/ and of the API as HTML, in build/docs.
-# make mutants: how many deliberate faults the tests notice, and docs/mutation.md; an hour or two.
+# `make help` lists what can be made, and the names of claims, benchmarks and pictures.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 STUBS := typings/mujoco-stubs
 
-.PHONY: run test docs mutants clean
+# Names are the files of a folder; those that begin with an underscore are shared.
+names = $(subst _,-,$(filter-out _% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
+
+.PHONY: help run test docs mutants claims bench pictures calibration contract clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
 	$(BIN)/armside laser
+
+help:
+	@echo 'make run                  set up and cut the default circle'
+	@echo 'make test                 set up and check everything'
+	@echo 'make docs                 the pages of docs/ and of the API as HTML, in build/docs'
+	@echo 'make mutants              deliberate faults that the tests notice: docs/mutation.md, hours'
+	@echo 'make claims   [NAME=...] [SEEDS=n] [SEED=first]   claims over seeds: docs/claims, hours'
+	@echo 'make bench    [NAME=...]  seconds on this machine, beside other libraries if installed'
+	@echo 'make pictures [NAME=...]  the pictures of the docs: docs/images'
+	@echo 'make calibration [GENERATIONS=n]   the unknown numbers of the large robot'
+	@echo 'make contract [LINES=n]   command lines at random, held against the contract'
+	@echo
+	@echo 'Claims:     $(call names,claims)' | fold -sw 100
+	@echo 'Benchmarks: $(call names,benchmarks)' | fold -sw 100
+	@echo 'Pictures:   $(call names,gallery)' | fold -sw 100
+
+claims: $(VENV)/.installed-test
+	$(BIN)/python -m tests.claims $(NAME) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(SEED),--seed $(SEED))
+
+bench: $(VENV)/.installed-test
+	$(BIN)/python -m tests.benchmarks $(NAME)
+
+pictures: $(VENV)/.installed-test
+	$(BIN)/python -m tests.gallery $(NAME)
+
+calibration: $(VENV)/.installed
+	$(BIN)/python -m tests.calibration $(if $(GENERATIONS),--generations $(GENERATIONS))
+
+contract: $(VENV)/.installed-test
+	$(BIN)/python -m tests.contract $(if $(LINES),--lines $(LINES))
 
 test: $(VENV)/.installed-test $(STUBS)/py.typed
 	$(BIN)/ruff check .

@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from tests import evidence
 
 from armside.scripts import cli
 from armside.scripts.shell.parser import parse
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-TAKES_MINUTES = {"bench", "calibrate", "compare", "reproduce", "verify"}
+TAKES_MINUTES = {"compare", "reproduce"}
 WHOLE = bool(os.environ.get("ARMSIDE_CI"))
 """Run lines as they stand; else those of half a minute are left to their commands' tests."""
 TWIN_OF = "2001"
@@ -152,8 +153,19 @@ def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, request):
             exec(compile(padding + block.text, str(page), "exec"), names)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_lines_of_make_have_targets_and_names_that_exist(page):
+    text = page.read_text(encoding="utf-8")
+    lines = re.findall(
+        r"^(?:\$ )?(make [a-z].*)$", "\n".join(b.text for b in blocks(text)), re.MULTILINE
+    )
+    quoted = re.findall(r"`(make (?:claims|bench|pictures)\b[^`]*)`", text)
+    for line in (*lines, *(line for line in quoted if "..." not in line)):
+        assert evidence.is_made(line), line
+
+
 def test_a_line_is_left_out_only_if_it_reads_what_was_not_written():
-    parsed = "armside verify laser --out judged"
+    parsed = "armside reproduce 9 --out judged"
     assert reads_what_no_line_wrote("armside laser --gears judged/gears.toml  # read", [parsed])
     assert not reads_what_no_line_wrote("armside laser --gears judged/gears.toml", [])
     assert not reads_what_no_line_wrote("armside laser --from cut/a", [parsed])
@@ -217,7 +229,7 @@ $ armside laser --radius 3 \\
     --quiet
 Results in runs/
 $ make run
-armside bench kinematics  # minutes
+armside reproduce 9  # minutes
 ```
 ```text
 armside nothing
@@ -231,7 +243,7 @@ def test_blocks_and_commands_are_found_as_a_reader_would():
     assert commands(python) == commands(text) == []
     first, second = commands(console)
     assert shlex.split(first) == ["armside", "laser", "--radius", "3", "--quiet"]
-    assert second.startswith("armside bench kinematics")
+    assert second.startswith("armside reproduce 9")
 
 
 def test_a_command_that_does_not_work_is_noticed(tmp_path, monkeypatch):

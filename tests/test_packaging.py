@@ -168,7 +168,7 @@ def test_an_experiment_runs_outside_the_checkout(installed, tmp_path):
 
 
 def third_party_imports() -> dict[str, str]:
-    """Top-level module: a file of ours that imports it, outside `scripts/benchmarks/peers.py`."""
+    """Top-level module: a file of ours that imports it, outside `scripts/thesis/peers.py`."""
     found: dict[str, str] = {}
     for name in sorted(packaged_files()):
         if not name.endswith(".py") or name == "armside/scripts/benchmarks/peers.py":

@@ -76,10 +76,6 @@ def compare(
         save_states_of(folder, found)
         figures.learned(folder / "compare.png", todo, found)
         figures.write_replay(folder / "replay.rrd", todo[0], found[0])
-        if cfg.imu:
-            from ..verifications.controls import controls
-
-            figures.imu_quality(folder / "imu.png", controls([common.seed]).rows)
     report.notes(said)
     if before is not None:
         report.line(before.line)

@@ -57,8 +57,6 @@ class CompareCfg(KnownGearsCfg):
     twin: Path | None = None
     """Folder of `armside commission` for this robot: also cut right at the first run by this twin,
     and learned on from the motors."""
-    imu: bool = False
-    """Also draw imu.png: what rate, noise and clock of the IMU buy or cost; takes minutes."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,10 +76,6 @@ class CompareCfg(KnownGearsCfg):
         if not 0.0 <= self.stiffness_error < 100.0:
             raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
         PathLimits(acceleration=self.raised_acceleration)
-        if self.imu and self.robot != "large":
-            raise ValueError(
-                f"imu.png is of cuts of the large robot: leave --imu out of {self.robot}"
-            )
 
 
 def cases_of(cfg: CompareCfg, seed: int) -> list[Case]:

@@ -77,26 +77,6 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
     save(figure, file)
 
 
-def imu_quality(file: Path, rows: Sequence[Sequence[Any]]) -> None:
-    """Error of the estimate by sensors used and their quality: a bar per variant and pose.
-
-    rows: (name, error at p1, p2, p3 [um], ...), as `verifications.controls` has them.
-    """
-    figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
-    axes = figure.subplots()
-    figure.subplots_adjust(left=0.32, right=0.985, bottom=0.07, top=0.95)
-    place = np.arange(len(rows))[::-1]
-    for i, pose in enumerate(("p1", "p2", "p3")):
-        errors = [row[1 + i] for row in rows]
-        axes.barh(place + 0.26 * (1 - i), errors, 0.24, color=COLORS[i], label=pose)
-    axes.set_yticks(place, [str(row[0]) for row in rows])
-    axes.set_xlabel("error of the tool's path, 3D RMS [µm]")
-    axes.set_title("Error of the estimate by sensors and quality of the IMU", loc="left")
-    axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
-    axes.legend(frameon=False, fontsize=8)
-    save(figure, file)
-
-
 def write_replay(file: Path, case: Case, found: Learned) -> None:
     """The first run, then the last of each measured output, as k = 0 .. 4."""
     from armside.sim.records.signals import RecordedRun

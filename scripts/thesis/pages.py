@@ -1,7 +1,7 @@
 """A report as pages: Markdown beside the figures, and one HTML file that needs nothing else."""
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -57,14 +57,6 @@ def markdown(title: str, sections: Sequence[Section]) -> str:
             lines += [f"**{table.title}**", "", *_pipes(table.columns, table.rows)]
         lines += [f"*{_made(section)}*", ""]
     return "\n".join(lines)
-
-
-def claim_page(table: Table, command: str, versions: Mapping[str, str]) -> str:
-    """The page of a verified claim: the command that made it, its verdicts, and every row."""
-    made_by = ", ".join(f"{name} {number}" for name, number in versions.items())
-    verdicts = [f"- {'holds' if v.holds else '**fails**'}: {v.statement}" for v in table.verdicts]
-    head = [f"# {table.title}", "", f"Written by `{command}` with {made_by}.", ""]
-    return "\n".join([*head, *verdicts, "", *_pipes(table.columns, table.rows)])
 
 
 def _pipes(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:

@@ -4,7 +4,7 @@
 
 e is the error inside the twin, s the root mean square error of the individuals around it, h the
 residual of cuts that the twin was not identified from. a, b and the factors were fitted to cuts of
-individuals among `DEVELOPMENT` of `armside verify first-cut`, which are not the judged ones.
+individuals among `DEVELOPMENT` of `make claims NAME=first-cut`, which are not the judged ones.
 Errors of one individual resemble each other.
 
 By the tracker the factors are such that 90 % of the errors of each are inside those of the others:

@@ -11,7 +11,7 @@ from .mutant import PACKAGES, ROOT, Mutant
 
 _LEFT_OUT = ("Decorator", "Exception", "Variable", "BitOr")
 """Operators that remove decorators (numba's change no result) or mutate unions of types."""
-_PICTURES = ("scripts/figures", "scripts/benchmarks", "scripts/viewers")
+_PICTURES = ("scripts/figures", "scripts/viewers")
 
 
 def sample(size: int, seed: int) -> list[Mutant]:

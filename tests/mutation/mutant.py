@@ -9,6 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 CURATED = Path(__file__).parent / "curated"
 PACKAGES = ("assets", "kinematics", "ilc", "sim", "scripts")
+ALL = (*PACKAGES, "tests")
+"""With what judges them: claims, calibration."""
 
 
 @dataclass(frozen=True, kw_only=True)

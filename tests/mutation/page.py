@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from .mutant import PACKAGES, Mutant, counted
+from .mutant import ALL, Mutant, counted
 from .session import Trial
 
 _INTRODUCTION = """\
@@ -24,7 +24,7 @@ def page(mutants: Sequence[Mutant], generic: Sequence[Mutant], results: Mapping[
     if generic:
         parts.append(_scores("Generic mutants, a sample", generic, results))
     parts.append(_equivalent(mutants))
-    for package in PACKAGES:
+    for package in ALL:
         own = [mutant for mutant in counted(mutants) if mutant.package == package]
         parts.append(f"## {package}\n\n" + _table(own, results))
     return "\n".join(parts)
@@ -45,7 +45,7 @@ def score(mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> tuple[int,
 
 def _scores(title: str, mutants: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
     lines = [f"## {title}\n", "| package | noticed | of | | not tried |", "|---|---|---|---|---|"]
-    for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
+    for name, packages in (*((p, (p,)) for p in ALL), ("all", ALL)):
         own = [m for m in counted(mutants) if m.package in packages]
         killed, tried = score(own, results)
         if own:

@@ -3,9 +3,9 @@
 import shutil
 
 import pytest
+from tests.benchmarks.robot import shipped_files
 
 from armside import assets
-from armside.scripts.benchmarks.robot import shipped_files
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg

@@ -7,39 +7,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.scripts.commands import reproduce, verify
-from armside.scripts.cutting.learning import ready
+from armside.scripts.commands import reproduce
+from armside.scripts.cutting.learning import prepared
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.jobs import store as room
 from armside.scripts.jobs.resolved import key_of
 from armside.scripts.jobs.store import code_fingerprint, digest, digest_of
 from armside.scripts.thesis import entries
-from armside.scripts.thesis.pages import claim_page, count, html, markdown
-from armside.scripts.thesis.report import Entry, Part, Section
-from armside.scripts.verifications.claims import Claim
-from armside.sim.evaluation.check import Check, Table, all_hold
+from armside.scripts.thesis.entries import Entry
+from armside.scripts.thesis.pages import count, html, markdown
+from armside.scripts.thesis.report import Part, Section
+from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.specification import LeadIn
 from armside.sim.robot.effects import Effect
 
 # Seeds of commands that only pass them on
-
-
-def test_verify_counts_its_seeds_from_the_one_given_and_says_so(armside, monkeypatch, tmp_path):
-    seen = []
-
-    def claim(seeds):
-        seen.extend(seeds)
-        return Table("t", ["seed"], [[s] for s in seeds], [all_hold("all", [True])])
-
-    monkeypatch.setattr(verify, "CLAIMS", {"small": Claim(7, lambda: claim)})
-    assert armside("verify small --seed 40 --seeds 3").status == 0
-    assert seen == [40, 41, 42]
-    page = (tmp_path / "docs/verify-small.md").read_text()
-    assert "`armside verify small --seeds 3 --seed 40`" in page
-    seen.clear()
-    assert armside("verify small --docs other").status == 0
-    assert seen == list(range(7))  # the full instance
 
 
 @pytest.mark.parametrize("seed", [0, 12])
@@ -51,9 +34,7 @@ def test_reproduce_makes_its_sections_with_the_seed_given_and_says_so(armside, m
         made = Section("x", "X", "A caption.", checks=[Check("a", "s", "t", 0.0, high=1.0)])
         return Part([], lambda read, folder: made)
 
-    monkeypatch.setattr(
-        entries, "chapters", lambda: {"x": (Entry("x", lambda asked: section(asked.seed)),)}
-    )
+    monkeypatch.setattr(entries, "ENTRIES", (Entry("x", (), "", lambda: section),))
 
     class NoWorkers:
         def __enter__(self):
@@ -97,17 +78,6 @@ def test_a_report_counts_what_holds_and_shows_what_fails_with_its_reason(pages):
     assert page.count('class="holds"') == 1
     assert page.count('class="fails"') == 1
     assert '<td class="fails">FAILS' in page
-
-
-def test_the_page_of_a_claim_has_its_command_versions_rows_and_verdicts():
-    table = Table(
-        "T", ["seed", "x"], [[3, 0.25]], [all_hold("one", [True]), all_hold("other", [False])]
-    )
-    page = claim_page(table, "armside verify t --seeds 1 --seed 3", {"mujoco": "4.0.0"})
-    assert "Written by `armside verify t --seeds 1 --seed 3` with mujoco 4.0.0." in page
-    assert "- holds: one" in page
-    assert "- **fails**: other" in page
-    assert "| 3 | 0.25 |" in page
 
 
 # Fingerprints
@@ -258,9 +228,7 @@ def test_shapes_have_their_documented_default_sizes(shape, length):
 
 
 def test_the_seed_of_a_cut_is_that_of_its_robot_and_noise():
-    first, again, other = (
-        ready(cut(LaserCfg()), measure(LaserCfg()), seed).experiment for seed in (4, 4, 5)
-    )
+    first, again, other = (prepared(LaserCfg(), seed).experiment for seed in (4, 4, 5))
     friction = [e.loaded.model.mj.actuator_biasprm[:, 3] for e in (first, again, other)]
     assert np.array_equal(friction[0], friction[1])
     assert (friction[0] != friction[2]).all()

@@ -10,12 +10,12 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.proposal import Proposal, design_for
 from armside.ilc.identification.first_order import FirstOrderModel
-from armside.sim.calibration.bands import AT, POSES, SPEEDS, Result, identify, over
 from armside.sim.evaluation.check import Check, Table
 
 from ...jobs.store import Job
 from ..report import Part, Read, Section
 from . import figures
+from .bands import AT, POSES, SPEEDS, Result, identify, over
 from .table import STUDIES, learning_job
 
 CUTOFFS = (6.0, 8.0, 10.0, 12.0, 15.0)

@@ -15,9 +15,9 @@ from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
-from armside.sim.calibration.bands import Band
 
 from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
+from .bands import Band
 
 Curves = Mapping[str, ArrayLike]
 """Label: values over x."""

@@ -13,12 +13,11 @@ from armside.ilc.identification.arx import ArxFit, fit_arx
 from armside.ilc.identification.first_order import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
-from armside.sim.calibration import bands
-from armside.sim.calibration.bands import MOST_MOVED, SAMPLE_TIME, SPEEDS, Result, identify
 from armside.sim.evaluation.check import Table
 
 from ..report import Part, Read, Section
-from . import figures
+from . import bands, figures
+from .bands import MOST_MOVED, SAMPLE_TIME, SPEEDS, Result, identify
 from .table import STUDIES
 
 POSES = ("p1", "p2")  # positions of estimation and of validation

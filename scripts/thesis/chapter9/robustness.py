@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.sim.calibration import bands
-from armside.sim.calibration.bands import BANDS, POSES, Result, over_first
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.job import LearningJob
 from armside.sim.robot.effects import Effect
 
 from ..report import Part, Read, Section
-from . import figures
+from . import bands, figures
+from .bands import BANDS, POSES, Result, over_first
 from .table import learning_job
 
 N_INDIVIDUALS = 100

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
-from armside.sim.calibration.bands import POSES, SPEEDS
 from armside.sim.laser.design import Design
 from armside.sim.laser.job import LearningJob
 from armside.sim.laser.specification import Cut
+
+from .bands import POSES, SPEEDS
 
 
 @dataclass(frozen=True)

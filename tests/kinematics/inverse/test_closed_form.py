@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from tests.benchmarks._arms import PUMA_560
 
 from armside.kinematics import (
     IRB1400,
@@ -29,7 +30,6 @@ from armside.kinematics import (
     inverse_numeric,
     inverse_path,
 )
-from armside.scripts.benchmarks.arms import PUMA_560
 
 HALF = np.pi / 2
 # The same kind of arm with everything that the two robots lack: shoulder offset, skew first axis,

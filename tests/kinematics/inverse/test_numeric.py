@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from tests.benchmarks._arms import PANDA, PANDA_LIMITS, PUMA_560, STANFORD_ARM, STANFORD_LIMITS
 
 from armside.kinematics import (
     IRB1400,
@@ -23,13 +24,6 @@ from armside.kinematics import (
     inverse_numeric_path,
 )
 from armside.kinematics.inverse import numeric, numeric_kernel
-from armside.scripts.benchmarks.arms import (
-    PANDA,
-    PANDA_LIMITS,
-    PUMA_560,
-    STANFORD_ARM,
-    STANFORD_LIMITS,
-)
 
 ARMS = [
     (PUMA_560, None),

@@ -194,7 +194,7 @@ def test_vibration_at_rest_differs_between_motors_off_and_on():
 
 
 def test_a_run_is_one_rollout_of_the_physics(monkeypatch):
-    """No Python inside the step loop; `armside bench imu` has the seconds."""
+    """No Python inside the step loop; `make bench NAME=imu` has the seconds."""
     loaded = prepare(ImuExperiment())[0].loaded
     steps, roll_out = [], Rollout.rollout
 

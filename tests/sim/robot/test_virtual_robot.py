@@ -5,9 +5,9 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from tests.calibration.experiments import learned
 
 from armside import assets
-from armside.sim.calibration.experiments import learned
 from armside.sim.cell import LARGE_CELL
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.specification import plan

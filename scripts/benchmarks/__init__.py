@@ -1,1 +1,0 @@
-"""Benchmarks of `armside bench`, one subject a file."""

@@ -1,1 +1,0 @@
-"""Command lines made at random from the commands' own options, run and held against a contract."""

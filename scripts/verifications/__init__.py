@@ -1,1 +1,0 @@
-"""What `armside verify` shows over many seeds, one claim a file."""

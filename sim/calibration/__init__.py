@@ -1,1 +1,0 @@
-"""Calibration of the large robot: its free parameters, and the targets they are chosen by."""

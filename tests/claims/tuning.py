@@ -1,0 +1,83 @@
+"""Designs and a policy on sealed seeds: every baseline meets the same episodes."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from armside.sim.evaluation.check import Check, all_hold
+from armside.sim.evaluation.interval import mean_interval
+from armside.sim.notes import Tally
+from armside.sim.tuning.action import Motors
+from armside.sim.tuning.rules import Rules
+
+from . import _episodes
+from ._engine import Claim, Row, Rows, at_once
+from ._episodes import BY_MODELS, BY_POLICY, BY_SEARCH, BY_THESIS
+
+SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
+
+
+def run(seeds: tuple[int, ...], tally: Tally) -> Iterator[Row]:
+    shared, each = (Rules(motors=m.value, sealed=True) for m in (Motors.SHARED, Motors.EACH))
+    rules = {BY_THESIS: shared, BY_SEARCH: shared, BY_MODELS: each, BY_POLICY: shared}
+    yield from _episodes.episodes(seeds, rules, tally)
+
+
+def shown(rows: Rows) -> Iterator[Row]:
+    logs = _logs(rows)
+    for name, own in rows.by("baseline").items():
+        log = logs[name]
+        yield {
+            "baseline": name,
+            "RMS after / before, geometric mean": float(np.exp(log.mean())),
+            "RMS over the thesis design's (95 % interval), episodes won": _against(
+                log, logs[BY_THESIS]
+            ),
+            "RMS over the best fixed design's (95 % interval), episodes won": _against(
+                log, logs[BY_SEARCH]
+            ),
+            "90 % quantile of after / before": float(np.quantile(np.exp(log), 0.9)),
+            "worst after / before": float(np.exp(log.max())),
+            "median RMS after [µm]": float(np.median([1e6 * rms[-1] for rms in own["rms"]])),
+            "diverged": int(own["diverged"].sum()),
+        }
+
+
+def _logs(rows: Rows) -> Mapping[str, np.ndarray]:
+    return {name: np.log(own["ratio"]) for name, own in rows.by("baseline").items()}
+
+
+def _against(one: np.ndarray, other: np.ndarray) -> str:
+    """Geometric mean of one over the other in the same episodes, its interval, and episodes won."""
+    if one is other:
+        return "-"
+    gain = one - other
+    mean, low, high = np.exp([gain.mean(), *mean_interval(gain)])
+    won = int((gain < 0.0).sum())
+    return f"{mean:.2f} ({low:.2f} to {high:.2f}), {won} of {len(gain)}"
+
+
+def checks(rows: Rows) -> Iterator[Check]:
+    logs = _logs(rows)
+    for name in (BY_SEARCH, BY_POLICY):
+        yield beats(name, BY_THESIS, logs)
+
+
+def beats(name: str, other: str, logs: Mapping[str, np.ndarray]) -> Check:
+    """The mean of the differences in the same episodes, in its standard errors."""
+    gain = logs[other] - logs[name]
+    error = float(gain.std(ddof=1) / np.sqrt(len(gain))) if len(gain) > 1 else np.inf
+    less = f"the {name} leaves less error at the tool than the {other}"
+    by = f"(mean by more than {SIGNIFICANT:g} standard errors)"
+    return all_hold(f"{less} {by}", gain.mean() > SIGNIFICANT * error)
+
+
+CLAIM = Claim(
+    title="Tool RMS after five iterations, {n} sealed episodes",
+    seeds=100,
+    cases=at_once,
+    run=run,
+    checks=checks,
+    shown=shown,
+    processes=1,
+)
