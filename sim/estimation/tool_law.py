@@ -1,6 +1,6 @@
-"""Learning laws for errors of the tool's path, built on the response of a linearised arm."""
+"""Learning laws for errors of the tool's path, built on the response of the arm along it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -12,10 +12,14 @@ from armside.ilc.laws.joint_space import JointSpace
 from armside.ilc.laws.law import FirstOrderLaw
 from armside.ilc.laws.record_optimal import RecordOptimal
 from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.scheduled_inverse import ScheduledInverse
 
 from ..robot.virtual_robot import LOG_PERIOD
-from .arm_plant import ArmPlant
+from .arm_plant import ArmPlant, PathPlants
 
+CUTOFF = 13.0
+"""Least cutoff of Q [Hz] of a law along a path where none is given: corners need it, and springs in
+series hold up to there."""
 STIFFEST = 20.0
 """Largest pass band by the arm's lowest mode [Hz], as of learning from the motors' angles."""
 
@@ -36,7 +40,8 @@ class ToolLaw:
     gamma: float = 0.9
     """Learning gain."""
     cutoff: float | None = None
-    """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
+    """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None, along a path at least
+    `CUTOFF`."""
     up_to_mode: bool = False
     """Raise a given cutoff too where the arm's lowest identified mode is higher."""
     delta: int = 3
@@ -48,6 +53,26 @@ class ToolLaw:
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
 
+    def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
+        """The law on the arm along a path: the inverse fades from place to place.
+
+        The other kinds are built on the plant in the middle. Arguments and errors as of `law`.
+        """
+        cutoff, mode = self.cutoff, plants.lowest_mode
+        if cutoff is None:
+            cutoff = max(CUTOFF, pass_band(turn_rate, mode))
+        at = replace(self, cutoff=cutoff, guarded=False)
+        if self.kind is not ToolLawKind.INVERSE:
+            return replace(self, cutoff=cutoff).law(
+                plants.middle, turn_rate, rotations=rotations, lowest_mode=mode
+            )
+        inverses = [
+            at._inverse(plant, turn_rate, rotations=rotations, lowest_mode=mode)
+            for plant in plants.plants
+        ]
+        chosen = ScheduledInverse(laws=tuple(inverses), weights=plants.weights)
+        return self._guarded(chosen, rotations)
+
     def law(
         self,
         plant: ArmPlant,
@@ -56,31 +81,18 @@ class ToolLaw:
         rotations: bool = True,
         lowest_mode: float = 0.0,
     ) -> Law:
-        """The law on a plant's model. Raises ValueError for design variables out of range.
+        """The law on one plant's model. Raises ValueError for design variables out of range.
 
         Args:
             turn_rate: of the programmed contour [turns/s].
             rotations: errors have orientations, not positions alone.
             lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
-        cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
-        if self.up_to_mode:
-            cutoff = max(cutoff, pass_band(0.0, lowest_mode))
-        rotation = self.rotation_weight if rotations else 0.0
-        weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
-        size = tuple(float(s) for s in plant.input_size)
-        low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
+        weight, size = self._weight(rotations), tuple(float(s) for s in plant.input_size)
+        low_pass = ZeroPhaseButterworth(self._cutoff(turn_rate, lowest_mode), LOG_PERIOD)
         chosen: FirstOrderLaw
         if self.kind is ToolLawKind.INVERSE:
-            chosen = RegularisedInverse(
-                G=plant,
-                sample_time=LOG_PERIOD,
-                cutoff=cutoff,
-                gamma=self.gamma,
-                output_weight=weight,
-                input_size=size,
-                limit=self.limit,
-            )
+            chosen = self._inverse(plant, turn_rate, rotations=rotations, lowest_mode=lowest_mode)
         elif self.kind is ToolLawKind.NORM_OPTIMAL:
             chosen = RecordOptimal(G=plant, F=low_pass, output_weight=weight, input_size=size)
         else:
@@ -88,7 +100,31 @@ class ToolLaw:
             inverse = np.asarray(np.linalg.pinv(J), dtype=np.float64)
             heuristic = Heuristic(Q=low_pass, gamma=self.gamma, delta=self.delta)
             chosen = JointSpace(law=heuristic, inverse=inverse)
-        return Guarded(law=chosen, weight=weight) if self.guarded else chosen
+        return self._guarded(chosen, rotations)
+
+    def _inverse(
+        self, plant: ArmPlant, turn_rate: float, *, rotations: bool, lowest_mode: float
+    ) -> RegularisedInverse:
+        return RegularisedInverse(
+            G=plant,
+            sample_time=LOG_PERIOD,
+            cutoff=self._cutoff(turn_rate, lowest_mode),
+            gamma=self.gamma,
+            output_weight=self._weight(rotations),
+            input_size=tuple(float(s) for s in plant.input_size),
+            limit=self.limit,
+        )
+
+    def _cutoff(self, turn_rate: float, lowest_mode: float) -> float:
+        cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
+        return max(cutoff, pass_band(0.0, lowest_mode)) if self.up_to_mode else cutoff
+
+    def _weight(self, rotations: bool) -> tuple[float, ...]:
+        rotation = self.rotation_weight if rotations else 0.0
+        return (1.0, 1.0, 1.0, rotation, rotation, rotation)
+
+    def _guarded(self, law: FirstOrderLaw, rotations: bool) -> Law:
+        return Guarded(law=law, weight=self._weight(rotations)) if self.guarded else law
 
 
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:

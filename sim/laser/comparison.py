@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from ..estimation.arm_springs import Springs
+from ..estimation.elasticity import ArmParameters
 from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
 from .design import default_design
@@ -32,18 +32,18 @@ class Case:
         self,
         iterations: int,
         measure: ToolPath = COMPARED,
-        springs: Springs | None = None,
+        parameters: ArmParameters | None = None,
         repeats: int = 1,
         *,
         experiment: Experiment | None = None,
         begin: Begin = Begin(),
     ) -> tuple[ToolOutput, Iterator[Iteration]]:
-        """Learn from the tool's path; commissioned by the first run, or on known springs.
+        """Learn from the tool's path; commissioned by the first run, or on known parameters.
 
         experiment: as `experiment()` makes one, in its place.
         """
         experiment = self.experiment() if experiment is None else experiment
-        measure = replace(measure, imu=self.cut.imu or measure.imu, springs=springs)
+        measure = replace(measure, imu=self.cut.imu or measure.imu, parameters=parameters)
         arm, start = measure.assumed(experiment), begin.first_correction
         first = first_run(experiment, start=start)
         output = measure.commissioned(experiment, arm, first)

@@ -20,15 +20,14 @@ from .measures import Measure, MotorAngles, Noted, Output, SetUp
 from .plant import Pass
 from .resume import first_trial, restore
 from .specification import Cut
-from .tool_measure import Source
-from .way_measure import PathAlongWay
+from .tool_measure import Source, ToolPath
 
 FROM_A_MODEL = 10.0
 """Factor on the ratio that counts as divergence where learning starts from a model's correction:
 its first error is a tenth of the usual one."""
 MEASURES: Mapping[str, Measure] = {
     "motor": MotorAngles(),
-    **{source.value: PathAlongWay(source=source) for source in Source},
+    **{source.value: ToolPath(source=source) for source in Source},
 }
 """By name."""
 

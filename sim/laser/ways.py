@@ -47,11 +47,11 @@ def compared(
     experiment = case.experiment()
     motor = list(case.from_motors(iterations, experiment=experiment, begin=begin["motor"]))
     found = {"motor": Way.of(motor, experiment, begin["motor"].first_correction)}
-    springs = None
+    parameters = None
     for source, name in zip((Source.ESTIMATE, Source.TRACKER, Source.TRUTH), WAYS[1:], strict=True):
         experiment, chosen = case.experiment(), replace(measure, source=source)
         how = {"experiment": experiment, "begin": begin[name]}
-        output, learning = case.from_tool(iterations, chosen, springs, **how)
+        output, learning = case.from_tool(iterations, chosen, parameters, **how)
         found[name] = Way.of(list(learning), experiment, begin[name].first_correction)
-        springs = output.known.springs if springs is None else springs
+        parameters = output.known.parameters if parameters is None else parameters
     return found

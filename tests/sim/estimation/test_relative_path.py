@@ -5,8 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from armside import assets
-from armside.sim.estimation.assumed_arm import assumed_arm
-from armside.sim.estimation.nominal import nominal_arm
+from armside.sim.estimation.nominal import assumed_arm, nominal_arm
 from armside.sim.estimation.relative_path import REST_SAMPLES, relative_to_start
 from armside.sim.robot.model import load_model
 

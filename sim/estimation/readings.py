@@ -7,8 +7,8 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.process import first_order_hold, simulate
 
-from ...instruments.imu import ImuCfg, ImuSamples
-from ..arm_identification import REST
+from ..instruments.imu import ImuCfg, ImuSamples
+from .imu_health import REST
 from .deflection import Deflection
 from .rigid_motion import RigidMotion
 
