@@ -10,8 +10,7 @@ from armside.arrays import Array
 from armside.sim.laser.experiment import Experiment
 from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.plant import Pass
-from armside.sim.laser.tool_measure import ToolPath
-from armside.sim.laser.way_measure import PathAlongWay
+from armside.sim.laser.tool_measure import Source, ToolPath
 from armside.sim.notes import Cause, Note
 from armside.sim.twin import library
 from armside.sim.twin.correction import Corrected
@@ -50,11 +49,7 @@ class ByTwin:
         if not self.found.trusted:
             return measure
         long = np.ptp(experiment.loaded.reference, axis=0).max() > LONG
-        if (
-            long
-            and isinstance(measure, PathAlongWay)
-            and measure.follows(experiment, measure.assumed(experiment))
-        ):
+        if long and isinstance(measure, ToolPath) and measure.source is Source.ESTIMATE:
             return measure
         if isinstance(measure, MotorAngles):
             return replace(measure, target=self.found.motor_path)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from armside.sim.laser.learning import MEASURES
 from armside.sim.laser.measures import Measure, MotorAngles, SetUp
 from armside.sim.part.chain import MM
 from armside.sim.part.file import read_part
@@ -11,7 +12,6 @@ from armside.sim.part_run.experiment import Job, PartExperiment, prepare
 from armside.sim.part_run.experiment import planned as plan_of
 from armside.sim.part_run.learning import learn
 from armside.sim.part_run.results import results, rows_of
-from armside.sim.part_run.tool_measure import MEASURES
 from armside.sim.records.files import check_file
 
 from ..shell.effort import refuse_absurd

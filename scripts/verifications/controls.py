@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.estimation.arm_identification import prepared
-from armside.sim.estimation.arm_springs import SpringPrior
+from armside.sim.estimation.elasticity import SpringPrior
 from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.kinematic_filter import kinematic_deviation
+from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.tool_law import ToolLawKind
 from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
@@ -63,7 +63,7 @@ def variants() -> dict[str, Variant]:
     deaf = replace(unit, accelerometer=_louder(unit.accelerometer, SILENCED))
     found = {
         _DEFAULT: Variant(unit),
-        "springs of gears only": Variant(unit, commissioned(prior=SpringPrior(coupling=0.0))),
+        "springs of gears only": Variant(unit, replace(COMPARED, structure=False)),
         "not identified": Variant(unit, unknown),
         "not identified, 4 runs averaged": Variant(unit, unknown, repeats=4),
         "law from the wrong stiffness": Variant(unit, commissioned(law_identified=False)),
@@ -164,8 +164,9 @@ def _tried(case: tuple[int, str]) -> dict[str, Found]:
 def _kinematic(output: ToolOutput, unit: ImuCfg, first: Pass) -> Array:
     log, estimator = first.recording, output.known.estimator
     assert first.imu is not None
-    run = prepared(estimator.arm, log.time, log.motor_angle, repaired(first.imu, unit))
-    at = run.imu_time + estimator.clock_offset
-    twist = kinematic_deviation(estimator, run)
+    samples = repaired(first.imu, unit)
+    motion = rigid_motion(estimator.arm, log.time, log.motor_angle)
+    at = samples.time + estimator.parameters.clock_offset
+    twist = kinematic_deviation(estimator, motion, samples)
     moved = np.stack([np.interp(log.time, at, column) for column in twist.T], axis=1)
     return rigid_path(first) + moved

@@ -100,7 +100,7 @@ def row(seed: int, pose: str, said: Tally) -> Row:
     base = list(learned)
     first = base[0].run
     by_tracker = replace(COMPARED, source=Source.TRACKER)
-    tracked = list(springs.from_tool(FIVE, by_tracker, output.known.springs)[1])
+    tracked = list(springs.from_tool(FIVE, by_tracker, output.known.parameters)[1])
 
     default = Case(cut=cut, seed=seed)
     hard = replace(COMPARED, payload_error=-5.0, damping_factor=1.5)

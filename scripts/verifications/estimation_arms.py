@@ -67,8 +67,8 @@ def row(robot: str, pose: str, seed: int, said: Tally) -> Row:
     case = Case(cut=Cut(robot=robot, pose=pose, imu=ImuCfg()), seed=seed)
     experiment = case.experiment()
     output, learned = case.from_tool(FIVE)
-    runs, springs = list(learned), output.known.springs
-    tracked = list(case.from_tool(FIVE, replace(COMPARED, source=Source.TRACKER), springs)[1])
+    runs, known = list(learned), output.known.parameters
+    tracked = list(case.from_tool(FIVE, replace(COMPARED, source=Source.TRACKER), known)[1])
     motors = list(case.from_motors(FIVE))
     for each in (runs, tracked, motors):
         said.add(notes(experiment, each))

@@ -23,14 +23,12 @@ from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.notes import notes
 from armside.sim.laser.setup import Setup
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Tally
 
 from ..jobs.workers import Workers
 
 POSES = ("p1", "p2", "p3")
 FIVE, TEN = 5, 10
-MEASURE = PathAlongWay(law=COMPARED.law)
 AROUND = "p2"
 """Pose that the robot moves around while its gears are found."""
 GOAL = 0.08
@@ -106,7 +104,7 @@ def row(seed: int, pose: str, done: GearAnalysis, said: Tally, updates: int = TE
     learned, diverged = list[Learned](), False
     for known in ((), terms):
         case = Case(cut=replace(cut, gear_error=known), seed=seed)
-        runs = list(case.from_tool(updates, MEASURE)[1])
+        runs = list(case.from_tool(updates, COMPARED)[1])
         said.add(notes(case.experiment(), runs))
         lengths = rms(runs)
         learned.append(Learned(lengths[0], lengths[min(FIVE, updates)], lengths[-1]))

@@ -19,14 +19,13 @@ from armside.sim.laser.notes import GROWTH, notes
 from armside.sim.laser.plant import Pass
 from armside.sim.laser.results import status
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.tool_measure import Source
-from armside.sim.laser.way_measure import PathAlongWay, WayOutput
+from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath
 from armside.sim.notes import Cause, Note
 
 from ..jobs.store import Result
 
 UPDATES = 5
-MEASURE = PathAlongWay(law=ToolLaw(gamma=0.8))
+MEASURE = ToolPath(law=ToolLaw(gamma=0.8))
 _OUTLINE = 0.5 * np.array([[-0.3, -0.08], [0.3, -0.08], [0.3, 0.08], [-0.3, 0.08]])
 OUTLINE: ClosedCurve = rounded(_OUTLINE, 0.005)
 """300 x 80 mm with corners of 5 mm."""
@@ -76,7 +75,6 @@ class WayJob:
         """Arrays of `Found`."""
         known = Case(cut=replace(TASKS[self.task], pose=self.pose, imu=ImuCfg()), seed=self.seed)
         output, learning = known.from_tool(UPDATES, MEASURE)
-        assert isinstance(output, WayOutput)
         iterations, experiment = list(learning), known.experiment()
         by_tracker = replace(output, measure=replace(output.measure, source=Source.TRACKER))
         tracked = list(learned(experiment, by_tracker, first_run(experiment), UPDATES))
@@ -110,11 +108,11 @@ def _grown(iterations: Sequence[Iteration]) -> bool:
     return iterations[-1].tool_true.rms > GROWTH * iterations[0].tool_true.rms
 
 
-def nees(output: WayOutput, run: Pass) -> float:
+def nees(output: ToolOutput, run: Pass) -> float:
     """Mean normalised squared error of the estimated position while the arm moves."""
     log, truth = run.recording, run.recording.truth
     every = round(float(log.time[1] / truth.time[1]))
     error: Array = (output(run) - relative_to_start(truth.tool_position[::every]))[:, :3]
     moving = slice(int(np.argmax(log.time > 0.4)), None)
-    P = output.way.tool_covariance(output.experiment.nominal)
+    P = output.known.tool_covariance(output.experiment.nominal)
     return float(normalised_squared(error[moving], P[moving]).mean())

@@ -75,7 +75,9 @@ class ArmFilter:
     @property
     def B(self) -> Array:
         """(m, 2a), from (dphi, dphi')."""
-        return self.E[:, self.arm.axes] @ np.hstack((np.diag(self.arm.stiffness), np.diag(self.arm.damping)))
+        return self.E[:, self.arm.axes] @ np.hstack(
+            (np.diag(self.arm.stiffness), np.diag(self.arm.damping))
+        )
 
     @property
     def tool(self) -> Array:

@@ -18,7 +18,6 @@ from ..robot.mjcf import numeric
 from ..robot.model import RobotModel
 from .nominal import NominalArm
 
-
 _RIGID = 1e3  # stiffness of a structure that is not known to give way, over that of the gear beside
 
 

@@ -14,7 +14,6 @@ The structure gives way in hinges of its own. A closed chain is reduced to its f
 import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -27,7 +26,6 @@ from ..robot.flexibility import Flexibility, without
 from ..robot.free_motion import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
 from ..robot.model import RobotModel, posture
-
 
 _STREAM = 0xA2  # of assumed stiffnesses, apart from those of individual and instruments
 

@@ -8,8 +8,8 @@ from armside.arrays import Array
 from armside.ilc.estimation.process import first_order_hold, simulate
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from .imu_health import REST
 from .deflection import Deflection
+from .imu_health import REST
 from .rigid_motion import RigidMotion
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..robot.free_motion import FreeMotion
 from ..robot.servo import interpolate
+from .elasticity import Elasticity
 from .linearised_arm import LinearisedArm
 from .nominal import NominalArm
-from .elasticity import Elasticity
 from .observer import ENCODER_FILTER
 
 REACH = 0.03

@@ -1,6 +1,6 @@
 """Learning laws for errors of the tool's path, built on the response of the arm along it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -18,8 +18,8 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .arm_plant import ArmPlant, PathPlants
 
 CUTOFF = 13.0
-"""Least cutoff of Q [Hz] of a law along a path where none is given: corners need it, and springs in
-series hold up to there."""
+"""Least cutoff of Q [Hz] where none is given: corners need it, and models of springs in series hold
+up to there."""
 STIFFEST = 20.0
 """Largest pass band by the arm's lowest mode [Hz], as of learning from the motors' angles."""
 
@@ -40,10 +40,7 @@ class ToolLaw:
     gamma: float = 0.9
     """Learning gain."""
     cutoff: float | None = None
-    """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None, along a path at least
-    `CUTOFF`."""
-    up_to_mode: bool = False
-    """Raise a given cutoff too where the arm's lowest identified mode is higher."""
+    """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
     rotation_weight: float = 0.1
@@ -58,18 +55,11 @@ class ToolLaw:
 
         The other kinds are built on the plant in the middle. Arguments and errors as of `law`.
         """
-        cutoff, mode = self.cutoff, plants.lowest_mode
-        if cutoff is None:
-            cutoff = max(CUTOFF, pass_band(turn_rate, mode))
-        at = replace(self, cutoff=cutoff, guarded=False)
+        mode = plants.lowest_mode
         if self.kind is not ToolLawKind.INVERSE:
-            return replace(self, cutoff=cutoff).law(
-                plants.middle, turn_rate, rotations=rotations, lowest_mode=mode
-            )
-        inverses = [
-            at._inverse(plant, turn_rate, rotations=rotations, lowest_mode=mode)
-            for plant in plants.plants
-        ]
+            return self.law(plants.middle, turn_rate, rotations=rotations, lowest_mode=mode)
+        cutoff = self._cutoff(turn_rate, mode)
+        inverses = [self._inverse(plant, cutoff, rotations) for plant in plants.plants]
         chosen = ScheduledInverse(laws=tuple(inverses), weights=plants.weights)
         return self._guarded(chosen, rotations)
 
@@ -89,10 +79,11 @@ class ToolLaw:
             lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
         weight, size = self._weight(rotations), tuple(float(s) for s in plant.input_size)
-        low_pass = ZeroPhaseButterworth(self._cutoff(turn_rate, lowest_mode), LOG_PERIOD)
+        cutoff = self._cutoff(turn_rate, lowest_mode)
+        low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         chosen: FirstOrderLaw
         if self.kind is ToolLawKind.INVERSE:
-            chosen = self._inverse(plant, turn_rate, rotations=rotations, lowest_mode=lowest_mode)
+            chosen = self._inverse(plant, cutoff, rotations)
         elif self.kind is ToolLawKind.NORM_OPTIMAL:
             chosen = RecordOptimal(G=plant, F=low_pass, output_weight=weight, input_size=size)
         else:
@@ -102,13 +93,11 @@ class ToolLaw:
             chosen = JointSpace(law=heuristic, inverse=inverse)
         return self._guarded(chosen, rotations)
 
-    def _inverse(
-        self, plant: ArmPlant, turn_rate: float, *, rotations: bool, lowest_mode: float
-    ) -> RegularisedInverse:
+    def _inverse(self, plant: ArmPlant, cutoff: float, rotations: bool) -> RegularisedInverse:
         return RegularisedInverse(
             G=plant,
             sample_time=LOG_PERIOD,
-            cutoff=self._cutoff(turn_rate, lowest_mode),
+            cutoff=cutoff,
             gamma=self.gamma,
             output_weight=self._weight(rotations),
             input_size=tuple(float(s) for s in plant.input_size),
@@ -116,8 +105,7 @@ class ToolLaw:
         )
 
     def _cutoff(self, turn_rate: float, lowest_mode: float) -> float:
-        cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
-        return max(cutoff, pass_band(0.0, lowest_mode)) if self.up_to_mode else cutoff
+        return pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
 
     def _weight(self, rotations: bool) -> tuple[float, ...]:
         rotation = self.rotation_weight if rotations else 0.0
@@ -130,10 +118,10 @@ class ToolLaw:
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:
     """Cutoff of Q [Hz] for a contour with `turn_rate` turns a second.
 
-    10 Hz. Of a fast contour the third harmonic has to pass, which it does with a gain of three
+    `CUTOFF`. Of a fast contour the third harmonic has to pass, which it does with a gain of three
     quarters at four times the first; above 15 Hz models identified from one run no longer hold.
     An arm whose lowest identified mode is higher is learned up to it, at most to `STIFFEST`: its
     model holds there, and drives leave errors that a soft arm's law must not touch.
     """
-    by_contour = min(max(10.0, 4.0 * turn_rate), 15.0)
+    by_contour = min(max(CUTOFF, 4.0 * turn_rate), 15.0)
     return max(by_contour, min(lowest_mode, STIFFEST))
