@@ -1,4 +1,4 @@
-"""Validity in an estimate along a way: innovations and what the IMU adds, second by second."""
+"""Validity of an estimate: innovations and what the IMU adds, second by second."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ WINDOW = 1.0
 """[s], of the record that is judged as one: a hundred readings."""
 SHORT = 4.0
 """Length of a run [s] up to which it is short: a window is half of it, and what the model lacks has
-no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long ways from 5 s on."""
+no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long paths from 5 s on."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Beyond which an estimate is not trusted."""
+    """Beyond which an estimate is not valid."""
 
     innovation: float
     """RMS of whitened innovations in a window."""
@@ -37,12 +37,12 @@ FADE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Validity:
-    """Validity in one estimate."""
+    """Validity of one estimate."""
 
     weight: Array
     """(N,) in [0, 1]."""
     text: str
-    """Where it is not trusted and why; empty where it is everywhere."""
+    """Where it is not valid; empty where it is everywhere."""
 
 
 def validity(estimate: ToolEstimate, time: Array) -> Validity:
@@ -62,7 +62,7 @@ def validity(estimate: ToolEstimate, time: Array) -> Validity:
         return Validity(weight, "")
     places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
     seconds = "second that begins" if (~good).sum() == 1 else "seconds that begin"
-    text = f"the estimate is not trusted, and nothing learned, in the {seconds} at {places} s"
+    text = f"the estimate is not valid, and nothing learned, in the {seconds} at {places} s"
     return Validity(weight, text)
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ..estimation.elasticity import ArmParameters
-from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
 from .design import default_design
 from .experiment import Experiment, Iteration, prepare
@@ -13,8 +12,8 @@ from .measures import MotorAngles
 from .specification import Cut
 from .tool_measure import ToolOutput, ToolPath
 
-COMPARED = ToolPath(law=ToolLaw(gamma=0.8))
-"""Learning gain of the comparison and of the claims about estimation."""
+COMPARED = ToolPath()
+"""Measure of the comparison and of the claims about estimation: that of `armside laser`."""
 
 
 @dataclass(frozen=True, kw_only=True)
