@@ -68,7 +68,7 @@ def test_measurement_matrices_are_those_of_the_toolbox(on_gears):
     assert arm.imu_gravity == pytest.approx(H[9:, :6], abs=1e-6)
 
 
-def test_full_filter_scheduled_smoother_and_frequency_domain_agree(first, on_gears):
+def test_full_filter_deviation_form_and_frequency_domain_agree(first, on_gears):
     log, samples = first.recording, repaired(first.imu, IMU)
     estimate = on_gears(log.time, log.motor_angle, samples)
     full = ExtendedArm(on_gears, kinematics.LARGE_ROBOT)(log.time, log.motor_angle, samples)
