@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from armside import kinematics
+from armside.arrays import Array
 from armside.assets import IRB1400_XML
 from armside.ilc.estimation.process import first_order_hold, simulate
 from armside.sim.cell import IRB1400_CELL
@@ -95,12 +96,13 @@ def test_deflection_along_a_linkage_is_the_motion_of_its_rollout(robot):
     arm = nominal_arm(with_structure(robot), NominalCfg(structure=True))
     springs = nominal_elasticity(robot, arm)
     springs = springs.scaled(np.ones(arm.n_free), 1.0, 1.0, 0.0)
-    time = np.arange(400) * 0.004
+    time: Array = np.arange(400, dtype=np.float64) * 0.004
     ramp = 0.5 - 0.5 * np.cos(np.pi * np.clip((time - 0.3) / 1.0, 0.0, 1.0))
     phi = PHI + 0.05 * ramp[:, None] * np.array([1.0, -0.5, 0.7, 1.0, -1.0, 0.5])
     motion = rigid_motion(arm, time, phi)
     bent = deflection(motion, springs)
-    still = Deflection(*np.zeros((3, *bent.angle.shape)))
+    none = np.zeros_like(bent.angle)
+    still = Deflection(none, none, none)
     found, rigid = (tool_path(motion, each)[:, :3] for each in (bent, still))
     whole = relative_to_start(observe(arm, phi, 0.004).tool_position[::8])[:, :3]
     assert np.abs(found - whole).max() < 0.1 * np.abs(rigid - whole).max()
