@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 
 _STARTS = ((0.0, 0.7), (-0.2, 0.0))
 """Log stiffness of gears and of the structure."""
-_FURTHER = ((0.0, 1.2),)
+_FURTHER = ((0.0, 1.2), (0.0, 2.0))
 """Likewise, where these lead to a minimum far from the prior: one without lost motion, where a
-structure that stiffens without bound, or gives way, stands in for it."""
+structure that stiffens without bound, or gives way, stands in for it; or one of a structure that
+is much stiffer than its gears, as that of the IRB1400."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,10 +44,9 @@ def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tm
     assert summary["config"]["measure"] == "estimate"
 
 
-@pytest.mark.parametrize("x", [1500, 1100])
-def test_springs_serve_nearby_with_another_tool_and_another_unit(x, identified, tmp_path):
-    """0.5 and 0.7 m off, 60 kg instead of 40, and an IMU whose clock started at another time."""
-    args = ["laser", "--measure", "estimate", "--position", f"{x}", "0", "1599", "--quiet"]
+def test_springs_serve_nearby_with_another_tool_and_another_unit(identified, tmp_path):
+    """Half a metre off, 60 kg instead of 40, and an IMU whose clock started at another time."""
+    args = ["laser", "--measure", "estimate", "--position", "1500", "0", "1599", "--quiet"]
     args += ["--payload", "60", "--seed", "1", "--iterations", "3"]
     assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
     rows = json.loads((tmp_path / "summary.json").read_text())["iterations"]
