@@ -6,6 +6,8 @@ Brogardh, "Modeling and parameter estimation of robot manipulators using extende
 models" (2014). The first axis stands on its foot, where the robot is bolted down.
 
 Where a linkage drives an axis, the springs stand behind the passive joint that follows the motor.
+An arm whose axes are parallel has none: they would move its tool out of the plane in which it can
+be corrected.
 """
 
 from collections.abc import Iterator
@@ -24,6 +26,8 @@ STRUCTURAL = 3
 DAMPING_TIME = 2e-4
 """Damping over stiffness [s], as of welded and cast structures. ESTIMATE"""
 
+_PARALLEL = np.cos(0.01)  # cosine of the largest angle between parallel axes
+
 
 def with_structure(robot: RobotModel) -> RobotModel:
     """The robot with springs across its first axes, in place of those its file knows.
@@ -34,9 +38,19 @@ def with_structure(robot: RobotModel) -> RobotModel:
     for name in [joint.name for joint in spec.joints if joint.name.startswith("struct_")]:
         spec.delete(spec.joint(name))
     bare = robot_model(spec)
-    structural = range(min(STRUCTURAL, bare.n_axes))
+    structural = range(0 if _is_in_a_plane(bare) else min(STRUCTURAL, bare.n_axes))
     hinges = [hinge for axis in structural for hinge in across(bare, axis)]
     return with_hinges(bare, hinges, "across") if hinges else bare
+
+
+def _is_in_a_plane(robot: RobotModel) -> bool:
+    """Whether all axes that turn are parallel, as those of a SCARA."""
+    mj, data = robot.mj, mujoco.MjData(robot.mj)
+    mujoco.mj_kinematics(mj, data)
+    motors = [mj.joint(f"motor_{i + 1}") for i in range(robot.n_axes)]
+    turning = [m.id for m in motors if m.type[0] == mujoco.mjtJoint.mjJNT_HINGE]
+    along = data.xaxis[turning]
+    return bool((np.abs(along @ along.T) > _PARALLEL).all())
 
 
 def across(robot: RobotModel, axis: int) -> list[HiddenHinge]:

@@ -20,14 +20,14 @@ def arm_of(robot):
 @pytest.mark.parametrize(
     ("file", "free"),
     [
-        ("two_link", 2 + 4),
-        ("scara", 4 + 4),  # its third axis slides
+        ("two_link", 2),  # both axes are parallel
+        ("scara", 4),
         ("large", 6 + 6),
         ("irb1400", 6 + 6),
         ("panda_like", 7 + 6),
     ],
 )
-def test_two_springs_stand_across_each_of_the_first_three_axes_that_turn(file, free):
+def test_two_springs_stand_across_each_of_the_first_three_axes_of_an_arm_in_space(file, free):
     robot = file if file in ("large", "irb1400") else str(PARENT / f"{file}.toml")
     nominal = prepare(Cut(robot=robot)).nominal
     arm = arm_of(nominal)
@@ -46,20 +46,27 @@ def test_springs_that_a_file_knows_are_not_assumed(file):
 
 
 def test_parameters_are_named_and_make_springs():
-    robot = load_model(PARENT / "two_link.xml")
+    robot = load_model(LARGE_ROBOT_XML)
     springs, prior = nominal_elasticity(robot, arm_of(robot)), SpringPrior()
     known = names(springs)
-    assert known[:3] == ("stiffness 1", "stiffness 1 across 1", "stiffness 1 across 2")
-    assert known[6:9] == ("damping", "damping of the structure", "lost motion")
-    assert len(known) == len(prior.standard_deviation(springs)) == 14
-    theta = np.zeros(14)
-    theta[[0, 1, 6, 9]] = 0.5, -0.3, 0.2, 0.004
+    assert known[:4] == (
+        "stiffness 1",
+        "stiffness 1 across 1",
+        "stiffness 1 across 2",
+        "stiffness 2",
+    )
+    assert known[12:15] == ("damping", "damping of the structure", "lost motion")
+    assert len(known) == len(prior.standard_deviation(springs)) == 20
+    theta = np.zeros(20)
+    theta[[0, 1, 12, 15]] = 0.5, -0.3, 0.2, 0.004
     found = parameters_at(springs, theta, 0.05)
     ratio = found.springs.stiffness / springs.stiffness
-    assert ratio == pytest.approx(np.exp([0.5, -0.3, 0.0, 0.0, 0.0, 0.0]))
+    assert ratio == pytest.approx(np.exp([0.5, -0.3, *[0.0] * 10]))
     damped = found.springs.damping / springs.damping
     assert damped[springs.axes] == pytest.approx(np.exp(0.2))
     assert (found.clock_offset, found.process_noise) == (0.004, 0.05)
+    theta[14] = -1.5  # a width below zero is none
+    assert not parameters_at(springs, theta, 0.05).springs.lost_motion.any()
 
 
 def test_a_rigid_structure_leaves_the_gears_alone():
