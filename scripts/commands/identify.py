@@ -34,9 +34,10 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
     report = Report(common)
     with checking_input():
         experiment = prepare(replace(cut(cfg), imu=ImuCfg()), seed=common.seed)
-        arm = ToolPath(stiffness_error=cfg.stiffness_error * 1e-2).assumed(experiment)
+        measure = ToolPath(stiffness_error=cfg.stiffness_error * 1e-2, structure=not cfg.uncoupled)
+        arm = measure.assumed(experiment)
     with report.progress("identifying", total=1) as step:
-        found = identified(experiment, arm, coupled=not cfg.uncoupled)
+        found = identified(experiment, arm)
         step()
     outcome = summary("identify", cfg, common, **found)
     with run_folder(outcome, common) as folder:
@@ -49,18 +50,17 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
 def _print(report: Report, outcome: dict[str, Any]) -> None:
     truth, found = outcome["truth"], outcome["parameters"]
     report.table(
-        "What one cut tells: logarithms relative to the assumed arm, clock in s",
-        ["parameter", "value", "standard deviation", "told by the data"],
-        [[p[k] for k in ("name", "value", "standard_deviation", "told_by_data")] for p in found],
+        "What one cut identifies: logarithms relative to the assumed arm, clock in s",
+        ["parameter", "value", "standard deviation", "from the data"],
+        [[p[k] for k in ("name", "value", "standard_deviation", "identified")] for p in found],
     )
-    believed, identified = truth["believed_over_true"], truth["identified_over_true"]
+    assumed, identified = truth["assumed_over_true"], truth["identified_over_true"]
     report.table(
-        "Effective stiffness of each axis, 1/diag(K^-1): torque over its own deflection, relative "
-        "to the true gear. Structure in series makes it smaller",
+        "Stiffness of each gear, relative to the true one",
         ["axis", "assumed", "identified"],
-        list(zip(range(1, 1 + len(believed)), believed, identified, strict=True)),
+        list(zip(range(1, 1 + len(assumed)), assumed, identified, strict=True)),
     )
-    keys = "locked_modes", "identified_as", "identified_modes", "believed_modes"
+    keys = "locked_modes", "identified_as", "identified_modes", "assumed_modes"
     report.table(
         "Lowest modes with the motors held [Hz]; a dash: none is identified within 10 %",
         ["true", "identified as", "all identified", "all assumed"],

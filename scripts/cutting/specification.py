@@ -77,32 +77,28 @@ def _refuse_absurd(cfg: LaserCfg, length: float) -> None:
 def measure(cfg: LaserCfg) -> Measure:
     """The measured output of the options, with its law.
 
-    Raises InputError where the folder of an identification holds none, or one of another robot or
-    place.
+    Raises InputError where the folder of an identification holds none, or one of another robot.
     """
-    springs = None
+    parameters = None
     if cfg.identification is not None:
-        from armside.sim.estimation.springs_file import read_springs
+        from armside.sim.estimation.parameters_file import read_parameters
 
-        springs = read_springs(
-            cfg.identification, cfg.robot, tool_pose(cfg).position, cfg.cell.robot.n_joints
-        )
+        parameters = read_parameters(cfg.identification, cfg.robot, cfg.cell.robot.n_joints)
     if cfg.measure == "motor":
         design = Design(gamma=cfg.gamma, delta=cfg.delta, cutoff=cfg.cutoff)
         return MotorAngles(design, simulated=cfg.law == "simulated")
     from armside.sim.estimation.commissioning import Commissioning, OnFault
     from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind
-    from armside.sim.laser.tool_measure import Source
-    from armside.sim.laser.way_measure import PathAlongWay
+    from armside.sim.laser.tool_measure import Source, ToolPath
 
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
-    return PathAlongWay(
+    return ToolPath(
         source=Source(cfg.measure),
-        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=cutoff, up_to_mode=cfg.up_to_mode),
+        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=None if cfg.up_to_mode else cutoff),
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
         stiffness_error=cfg.stiffness_error * 1e-2,
-        springs=springs,
+        parameters=parameters,
     )
 
 

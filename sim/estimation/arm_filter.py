@@ -2,7 +2,7 @@
 
     x = (dq, dq', accelerometer low-pass (6), gyro low-pass (6), tau_d (a), b_a (3), b_g (3))
 
-a is the number of axes, dq the deviation of the arm from the observer that the motor angles drive.
+a is the number of axes, dq the deviation of the arm from what motor angles and springs explain.
 It is excited by a torque tau_d in each gear that stands for all that the model lacks, a first-order
 process: white torque would reach the accelerometer at once and correlate with its noise. The
 sensor's noise passes its low-pass as the signal does, so the low-pass belongs to the process.
@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.estimation.process import Process, first_order_hold, sampled_noise, simulate
+from armside.ilc.estimation.process import Process, sampled_noise
 
 from ..instruments.imu import ImuCfg, TriadCfg
 from .linearised_arm import LinearisedArm
-from .nonlinear_residual import NonlinearResidual
 
 _BUTTERWORTH_DAMPING = np.sqrt(0.5)
 
@@ -35,7 +34,7 @@ class ProcessNoise:
     bias_walk: float = 1e-3
     """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
     start_torque: float = 1e-3
-    """Standard deviation of tau_d at the start, relative to its own: the observer starts at rest,
+    """Standard deviation of tau_d at the start, relative to its own: the arm starts at rest,
     and a constant error of the rest is none of a cut's."""
 
     def __post_init__(self) -> None:
@@ -45,7 +44,7 @@ class ProcessNoise:
 
     def torque(self, arm: LinearisedArm) -> Array:
         """(a,) [N m], standard deviation of tau_d."""
-        return self.fraction * self.twist * np.diag(arm.stiffness)
+        return self.fraction * self.twist * arm.stiffness
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,7 +75,9 @@ class ArmFilter:
     @property
     def B(self) -> Array:
         """(m, 2a), from (dphi, dphi')."""
-        return self.E[:, self.arm.axes] @ np.hstack((self.arm.stiffness, np.diag(self.arm.damping)))
+        return self.E[:, self.arm.axes] @ np.hstack(
+            (np.diag(self.arm.stiffness), np.diag(self.arm.damping))
+        )
 
     @property
     def tool(self) -> Array:
@@ -101,7 +102,7 @@ class ArmFilter:
         """(m, m) at rest before the cut."""
         P = np.zeros(len(self.A))
         n, m = self.n_free, self.n_mechanical
-        P[:n] = (1e-7) ** 2  # [rad]: the observer starts where the arm is
+        P[:n] = (1e-7) ** 2  # [rad]: the deflected arm starts where the arm is
         P[n : 2 * n] = (1e-6) ** 2
         for k, triad in enumerate((self.imu.accelerometer, self.imu.gyroscope)):
             low = 2 * n + 6 * k
@@ -112,24 +113,6 @@ class ArmFilter:
         P[-6:-3] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
         P[-3:] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
         return np.diag(P)
-
-    def simulated(
-        self, phi: Array, phi_dot: Array, nonlinear: NonlinearResidual, step: float
-    ) -> Array:
-        """(N, n_mechanical) states for motor deviations from rest (N, a).
-
-        phi, phi_dot: every `step` [s], starting at rest; nonlinear: residual of the linear model.
-        """
-        m = self.n_mechanical
-        torque = -nonlinear.torque
-        torque[:, self.arm.axes] += phi @ self.arm.stiffness + phi_dot * self.arm.damping
-        A, E0, E1 = first_order_hold(self.A[:m, :m], self.E[:m], step)
-        return simulate(A, E0, E1, np.hstack((torque, nonlinear.reading)))
-
-    def readings(self, states: Array) -> tuple[Array, Array]:
-        """Low-passed readings (N, 6) in mechanical states, and their rates."""
-        low = states[:, 2 * self.n_free : self.n_mechanical]
-        return low[:, [0, 1, 2, 6, 7, 8]], low[:, [3, 4, 5, 9, 10, 11]]
 
 
 def arm_filter(

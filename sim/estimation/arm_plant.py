@@ -16,8 +16,14 @@ from armside.arrays import Array
 from armside.ilc.models.system import Complex
 
 from ..robot.model import RobotModel
+from ..robot.virtual_robot import LOG_PERIOD
+from .deflection import deflection
+from .elasticity import Elasticity
 from .linearised_arm import LinearisedArm
+from .rigid_motion import RigidMotion, segments
 
+PLACE = 0.15
+"""Change of a motor angle within which one plant serves [rad]."""
 LEVER = 0.2  # [m]: 1 mrad of tool rotation weighs as much as 0.2 mm of displacement. ESTIMATE
 
 
@@ -76,7 +82,7 @@ class ArmPlant:
         square = drives.gear**2
         picked = np.zeros((n, len(numbers)))
         picked[arm.axes, range(len(numbers))] = 1.0
-        spring = arm.stiffness + s * np.diag(arm.damping)
+        spring = np.diag(arm.stiffness) + s * np.diag(arm.damping)
         mj = self.robot.mj
         rotor = np.array([mj.joint(f"motor_{i}").armature[0] for i in numbers])
         axes = [mj.actuator(f"axis_{i}").id for i in numbers]
@@ -88,3 +94,40 @@ class ArmPlant:
         whole = np.block([[motor, -spring @ picked.T], [-picked @ spring, free]])
         right = np.concatenate((self._driven(s), np.zeros((len(s), n, len(numbers)))), axis=1)
         return np.asarray(np.linalg.solve(whole, right), dtype=np.complex128)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PathPlants:
+    """Plants at places along a path."""
+
+    plants: tuple[ArmPlant, ...]
+    weights: Array
+    """(N, S), of each plant at each sample; they fade from place to place."""
+    lowest_mode: float = 0.0
+    """[Hz], of these arms with their motors held, where the springs were identified; else 0."""
+
+    @property
+    def middle(self) -> ArmPlant:
+        return self.plants[len(self.plants) // 2]
+
+
+def plants_along(
+    robot: RobotModel, motion: RigidMotion, springs: Elasticity, *, identified: bool
+) -> PathPlants:
+    """Plants along a rigid motion. identified: the springs are no assumption."""
+    place = segments(motion.phi, PLACE)
+    samples = np.array([int(np.flatnonzero(place == s).mean()) for s in range(place[-1] + 1)])
+    angle = deflection(motion, springs).angle
+    arms = [
+        motion.linearised(int(motion.segment[at]), springs.mean_slope(angle[place == s]))
+        for s, at in enumerate(samples)
+    ]
+    plants = tuple(ArmPlant(robot=robot, arm=arm, period=LOG_PERIOD) for arm in arms)
+    mode = min(float(arm.locked_modes()[0]) for arm in arms) if identified else 0.0
+    weights = fading(motion.time[samples], motion.time)
+    return PathPlants(plants=plants, weights=weights, lowest_mode=mode)
+
+
+def fading(centres: Array, time: Array) -> Array:
+    """(N, S) weights at times (N,) that fade linearly between centres (S,), ascending."""
+    return np.stack([np.interp(time, centres, row) for row in np.eye(len(centres))], axis=1)

@@ -1,11 +1,10 @@
-"""Commissioning of an arm estimator from one run: repair the IMU's samples, identify, check.
+"""Commissioning of an estimator from one run: repair the IMU's samples, identify, check.
 
 The robot's nominal model is assumed; no ground truth is read.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any
 
 import numpy as np
 
@@ -15,16 +14,20 @@ from armside.ilc.estimation.consistency import Whiteness
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from ..robot.virtual_robot import LOG_PERIOD
-from .arm_estimator import UNIDENTIFIED, ArmEstimator, estimator
 from .arm_filter import ProcessNoise
-from .arm_identification import REST, Identified, identify, prepared, synchronised
-from .arm_plant import ArmPlant
-from .arm_springs import SpringPrior, Springs
-from .imu_health import Fault, ImuError, repaired
-from .linearised_arm import linearised
+from .arm_plant import PathPlants, plants_along
+from .elasticity import ArmParameters, Elasticity, SpringPrior, nominal_elasticity
+from .estimator import ToolEstimator
+from .identification import Identified, identify, synchronised
+from .imu_health import REST, Fault, ImuError, repaired
 from .nominal import NominalArm
+from .rigid_motion import RigidMotion, rigid_motion
+from .tool_covariance import tool_covariance
 
+EXCERPT = 10.0
+"""Length of the record that springs are identified from [s]."""
+UNIDENTIFIED = 0.3
+"""`ProcessNoise.fraction` of an arm whose springs were not identified."""
 _LARGEST_INNOVATION = 1.7
 """RMS of whitened innovations; above, the identified model does not explain the readings. With the
 robot's own model 1.0 to 1.4 were seen, with that of another posture 1.2 to 1.9. ESTIMATE."""
@@ -57,18 +60,26 @@ class Commissioning:
 
 @dataclass(frozen=True, eq=False)
 class Commissioned:
-    """Result of commissioning."""
+    """Estimator along a reference, and the plants of the law."""
 
-    springs: Springs
+    parameters: ArmParameters
     identified: Identified | None
-    """None where springs were given, or where the IMU could not be used."""
-    estimator: ArmEstimator
-    plant: ArmPlant
-    """Plant model of the law."""
+    """None where parameters were given, or where the IMU could not be used."""
+    estimator: ToolEstimator
+    plants: PathPlants
     fault: ImuError | None
     """Fault for which the IMU is not used."""
-    lowest_mode: float = 0.0
-    """Of the plant's arm [Hz], motors held, where its springs were identified; else 0."""
+    nominal: Elasticity = field(repr=False)
+    """Springs that were assumed."""
+
+    def tool_covariance(self, robot: RobotModel) -> Array:
+        """(N, 3, 3) [m^2] of the displacement from rest in the first run.
+
+        Raises ValueError where nothing was identified.
+        """
+        if self.identified is None:
+            raise ValueError("the covariance is that of an identification, and there is none")
+        return tool_covariance(self.estimator, self.identified.fit, self.nominal, robot)
 
 
 def commission(
@@ -78,49 +89,68 @@ def commission(
     log: Recording,
     samples: ImuSamples | None,
     cfg: Commissioning = Commissioning(),
-    springs: Springs | None = None,
+    known: ArmParameters | None = None,
 ) -> Commissioned:
-    """Identify the arm from a run, or take springs that are known and find the IMU's clock again.
+    """Identify an arm from the beginning of a run, or take parameters that are known.
 
     Args:
-        robot: the nominal robot: its servo is known.
-        arm: the assumed arm: springs and inertia.
+        robot: the nominal robot: its servo is known, and the lost motion of its type.
+        arm: the assumed arm: inertia, and springs of gears and structure.
         imu: the kind of unit at the tool, as its data sheet has it.
         log, samples: of the run; no ground truth is read.
-        springs: of an earlier identification of this robot.
+        known: of an earlier identification of this robot. Clock and mounting are found again.
 
     Raises:
         ImuError: the IMU cannot be used, and `cfg.on_fault` refuses to go on.
     """
-    rest = log.motor_angle[0]
-    identified, fault = None, None
+    motion, nominal = rigid_motion(arm, log.time, log.motor_angle), nominal_elasticity(robot, arm)
+    identified, found, fault = None, None, None
     try:
-        if samples is None:
-            raise ImuError(Fault.TOO_SHORT, "there is none")
-        readings = repaired(samples, imu)
-        check_gravity(readings, linearised(arm, rest).imu_up, cfg)
-        how: Any = {"prior": cfg.prior, "process_noise": cfg.process_noise}
-        if springs is not None:
-            run = prepared(arm, log.time, log.motor_angle, readings)
-            springs, white = synchronised(arm, springs, run, rest, imu, **how)
-            check_model(springs, white, cfg)
+        readings = _checked(samples, imu, motion, cfg)
+        if known is not None:
+            found, white = synchronised(
+                motion.beginning(EXCERPT),
+                known,
+                _beginning(readings, EXCERPT),
+                imu,
+                prior=cfg.prior,
+                process_noise=cfg.process_noise,
+            )
+            check_model(found, white, cfg)
         elif cfg.identified:
-            run = prepared(arm, log.time, log.motor_angle, readings)
-            identified = identify(arm, run, rest, imu, **how)
-            check_model(identified.springs, identified.whiteness, cfg)
-            springs = identified.springs
+            identified = identify(
+                motion.beginning(EXCERPT),
+                nominal,
+                _beginning(readings, EXCERPT),
+                imu,
+                prior=cfg.prior,
+                process_noise=cfg.process_noise,
+            )
+            found = identified.parameters
+            check_model(found, identified.whiteness, cfg)
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
             raise
-        identified, fault = None, problem
-    nominal = Springs(arm.stiffness, arm.damping, 0.0, UNIDENTIFIED, np.zeros(3))
-    assumed = springs or nominal
-    known = estimator(arm, assumed, rest, imu, cfg.process_noise)
-    on = known if cfg.law_identified else estimator(arm, nominal, rest, imu, cfg.process_noise)
-    plant = ArmPlant(robot=robot, arm=on.model.arm, period=LOG_PERIOD)
-    trusted = springs is not None and cfg.law_identified
-    lowest = float(plant.arm.locked_modes()[0]) if trusted else 0.0
-    return Commissioned(assumed, identified, known, plant, fault, lowest)
+        identified, found, fault = None, known, problem
+    assumed = ArmParameters(nominal.on_rigid_structure, 0.0, UNIDENTIFIED, np.zeros(3))
+    parameters = assumed if found is None else found
+    of_law = parameters if cfg.law_identified else assumed
+    plants = plants_along(
+        robot, motion, of_law.springs, identified=found is not None and cfg.law_identified
+    )
+    estimator = ToolEstimator(arm, parameters, imu, cfg.process_noise, motion)
+    return Commissioned(parameters, identified, estimator, plants, fault, nominal)
+
+
+def _checked(
+    samples: ImuSamples | None, imu: ImuCfg, motion: RigidMotion, cfg: Commissioning
+) -> ImuSamples:
+    """Repaired samples. Raises ImuError for those that cannot be used."""
+    if samples is None:
+        raise ImuError(Fault.TOO_SHORT, "there is none")
+    readings = repaired(samples, imu)
+    check_gravity(readings, motion.up[0], cfg)
+    return readings
 
 
 def check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
@@ -133,16 +163,23 @@ def check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
         raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(angle):.1f} deg off")
 
 
-def check_model(springs: Springs, white: Whiteness, cfg: Commissioning) -> None:
+def check_model(found: ArmParameters, white: Whiteness, cfg: Commissioning) -> None:
     """Raise ImuError if the springs do not make the model explain the readings."""
     worst = float(white.rms.max())
     if worst > _LARGEST_INNOVATION:
         raise ImuError(Fault.MODEL, f"innovations are {worst:.1f} times what the filter expects")
-    more = springs.process_noise / cfg.process_noise.fraction
+    more = found.process_noise / cfg.process_noise.fraction
     if more > np.exp(_UNLIKELY * cfg.prior.process_noise):
         unexplained = f"the arm's springs leave {more:.0f} times as much unexplained as expected"
         raise ImuError(Fault.MODEL, f"{unexplained}; identify them from a slower cut")
-    angle = float(np.abs(springs.mounting).max())
+    angle = float(np.abs(found.mounting).max())
     if angle > _UNLIKELY * cfg.prior.mounting:
         turned = f"the IMU would have to be turned by {np.rad2deg(angle):.1f} deg"
         raise ImuError(Fault.MODEL, turned)
+
+
+def _beginning(samples: ImuSamples, seconds: float) -> ImuSamples:
+    n = int(np.searchsorted(samples.time - samples.time[0], seconds))
+    names = ("time", "acceleration", "angular_velocity")
+    names = (*names, "acceleration_clipped", "angular_velocity_clipped")
+    return replace(samples, **{name: getattr(samples, name)[:n] for name in names})

@@ -20,9 +20,9 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from armside.kinematics.robots import IMU_LINKS
 
 from ..instruments.imu import ImuSamples
-from .arm_estimator import ArmEstimator
 from .arm_filter import ArmFilter, arm_filter
-from .arm_identification import REST
+from .estimator import ToolEstimator
+from .imu_health import REST
 from .observer import ENCODER_FILTER, at_rest
 
 STEP = 0.0025
@@ -43,11 +43,14 @@ class ExtendedEstimate:
 
 
 class ExtendedArm:
-    """Full filter and smoother on the same arm, noise and parameters as an `ArmEstimator`."""
+    """Full filter and smoother on the same arm, noise and parameters as a `ToolEstimator`.
+
+    Gears are linear springs here.
+    """
 
     def __init__(
         self,
-        known: ArmEstimator,
+        known: ToolEstimator,
         robot: kinematics.Robot,
         imu_links: tuple[kinematics.Link, ...] = IMU_LINKS,
     ) -> None:
@@ -55,7 +58,9 @@ class ExtendedArm:
 
         Raises ValueError for an arm with degrees of freedom beyond its axes.
         """
-        self.known, self.model = known, known.model
+        self.known, self.model = known, known.models[0]
+        gears = self.model.arm
+        self._arm = known.arm.with_springs(gears.stiffness, gears.damping)
         if self.model.n_free != robot.n_joints:
             raise ValueError(
                 f"the full filter has {robot.n_joints} axes, the arm {self.model.n_free}"
@@ -78,7 +83,7 @@ class ExtendedArm:
         slopes = np.diff(inputs, axis=0, append=inputs[-1:]) / STEP
         y = self._on_steps(fine, samples)
         n, start = model.n_free, np.zeros(len(model.A))
-        start[:n] = at_rest(self.known.arm, inputs[0, :n])
+        start[:n] = at_rest(self._arm, inputs[0, :n])
         _, reading, _ = self._motion(start, inputs[0])
         start[2 * n : 2 * n + 3] = reading[:3]
         start[-6:] = np.nanmean(y[fine < REST], axis=0) - reading
@@ -100,8 +105,8 @@ class ExtendedArm:
         from scipy.interpolate import CubicSpline
 
         readings = samples.acceleration, samples.angular_velocity
-        reading = np.hstack([y + np.cross(self.known.mounting, y) for y in readings])
-        at = samples.time + self.known.clock_offset
+        reading = np.hstack([y + np.cross(self.known.parameters.mounting, y) for y in readings])
+        at = samples.time + self.known.parameters.clock_offset
         here = np.unique(np.clip(np.rint(at / STEP).astype(int), 0, len(fine) - 1))
         y = np.full((len(fine), 6), np.nan)
         y[here] = CubicSpline(at, reading)(np.clip(fine[here], at[0], at[-1]))
@@ -123,7 +128,7 @@ class ExtendedArm:
         model, arm = self.model, self.model.arm
         n, m, axes = model.n_free, model.n_mechanical, arm.axes
         q, q_dot, torque, pull = x[:n], x[n : 2 * n], x[m : m + n], np.empty(n)
-        spring = arm.stiffness @ (u[:n] - q[axes]) + arm.damping * (u[n:] - q_dot[axes])
+        spring = arm.stiffness * (u[:n] - q[axes]) + arm.damping * (u[n:] - q_dot[axes])
         pull[axes] = spring + torque
         mass, missing = self._forces(q, q_dot, pull)
         q_ddot: Array = np.asarray(np.linalg.solve(mass, missing), dtype=np.float64)

@@ -11,6 +11,8 @@ import numpy as np
 
 from ..instruments.imu import ImuCfg, ImuSamples
 
+REST = 0.2
+"""At the beginning of a run in which the arm does not move yet [s]."""
 MOST_MISSING = 0.2  # Fraction of samples that may be lost or clipped. ESTIMATE.
 _LATE = 0.25  # of a period, by which a sample may be off its place
 

@@ -2,12 +2,12 @@
 
     M dq'' + (S D S^T + D_s) dq' + (S K S^T + G) dq = S (K dphi + D dphi')
 
-dq and dphi are deviations of arm and motors from rest, S picks the axes among the arm's free
-joints, G is the gradient of gravity and of springs that are not gears. A contour of centimetres
-rotates the joints by hundredths of a radian, so the matrices are constant.
+dq and dphi are deviations of arm and motors, S picks the axes among the arm's free joints, G is the
+gradient of gravity and of springs that are not gears. Over hundredths of a radian the matrices are
+constant.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -36,7 +36,7 @@ class LinearisedArm:
     axes: np.ndarray
     """(a,) the degrees of freedom behind gears."""
     stiffness: Array
-    """K, (a, a) [N m/rad], symmetric."""
+    """Diagonal of K, (a,) [N m/rad]."""
     damping: Array
     """D, (a,) [N m s/rad]."""
     tool_jacobian: Array
@@ -48,10 +48,6 @@ class LinearisedArm:
     imu_up: Array
     """(3,) [m/s^2], reading of an ideal accelerometer at rest."""
 
-    def on_springs(self, stiffness: Array, damping: Array) -> "LinearisedArm":
-        """The same arm on other gears. The pose at rest is kept: it moves by far less."""
-        return replace(self, stiffness=np.asarray(stiffness), damping=np.asarray(damping))
-
     @property
     def n_free(self) -> int:
         return len(self.mass)
@@ -60,7 +56,7 @@ class LinearisedArm:
     def spring_matrix(self) -> Array:
         """S K S^T + G."""
         K = self.gradient.copy()
-        K[self.axes[:, None], self.axes] += self.stiffness
+        K[self.axes, self.axes] += self.stiffness
         return K
 
     @property
@@ -76,7 +72,7 @@ class LinearisedArm:
         picked = np.zeros((n, n_axes))
         picked[self.axes, range(n_axes)] = 1.0
         state = -self.spring_matrix, -self.damping_matrix
-        motors = picked @ self.stiffness, picked * self.damping
+        motors = picked * self.stiffness, picked * self.damping
         acceleration = np.linalg.solve(self.mass, np.hstack((*state, *motors)))
         A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 2 * n_axes))
         A[:n, n:] = np.eye(n)

@@ -8,12 +8,10 @@ friction, servo): their angles are measured, so they are an input,
 with q the arm's angles and phi the motor's, both on the arm side of the gear. This is the *nominal*
 robot: `NominalCfg` sets its errors, and nothing is read from an individual.
 
-K is symmetric. The gears are its diagonal; the elasticity of the structure, which the nominal robot
-lacks, couples the axes by entries off the diagonal. A closed chain is reduced to its free joints.
+The structure gives way in hinges of its own. A closed chain is reduced to its free joints.
 """
 
 import copy
-import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -28,12 +26,8 @@ from ..robot.flexibility import Flexibility, without
 from ..robot.linkage import FreeMotion, free_joints
 from ..robot.mjcf import ModelError
 from ..robot.model import RobotModel, posture
-from .coupled_axes import coupled_axes
 
-
-def pairs_of(n_axes: int) -> tuple[tuple[int, int], ...]:
-    """Couplings of two axes, counted from 0."""
-    return tuple(itertools.combinations(range(n_axes), 2))
+_STREAM = 0xA2  # of assumed stiffnesses, apart from those of individual and instruments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,12 +57,11 @@ class NominalArm:
     """The model of `NominalCfg`, compiled, with its springs and indices."""
 
     mj: mujoco.MjModel
-    """Actuators spring_1..n pull the axes towards the angles they are given, spring_i_j their
-    differences."""
+    """Actuators spring_1..n pull the axes towards the angles they are given."""
     axes: np.ndarray
     """(n,) each axis among the free joints."""
     stiffness: Array
-    """(n, n) [N m/rad], symmetric; diagonal as long as only gears are known."""
+    """(n,) [N m/rad]."""
     damping: Array
     """(n,) [N m s/rad]."""
     gear_error: GearError = EXACT
@@ -87,38 +80,28 @@ class NominalArm:
         follow[:, self.axes] = posture(self.mj, joints[self.axes])
         return FreeMotion(self.mj, follow)
 
-    @cached_property
-    def coupled(self) -> tuple[tuple[int, int], ...]:
-        """Axes that the structure may couple, counted from 0."""
-        return coupled_axes(self.mj, [f"flex_{i + 1}" for i in range(len(self.axes))])
-
     @property
     def n_free(self) -> int:
         """Free joints: the axes, and those of the structure if it is known."""
         return len(self.motion.joints)
 
     def with_springs(self, stiffness: ArrayLike, damping: ArrayLike) -> "NominalArm":
-        """The same arm on other springs: stiffness (n, n) symmetric, damping (n,).
-
-        Raises ValueError for a stiffness that is not symmetric.
-        """
+        """The same arm on other springs, (n,) each. Raises ValueError for another shape."""
         K, D = np.array(stiffness, dtype=np.float64), np.array(damping, dtype=np.float64)
-        n = len(self.axes)
-        if K.shape != (n, n) or not np.allclose(K, K.T):
-            raise ValueError(f"stiffness must be symmetric, ({n}, {n})")
+        if K.shape != self.axes.shape:
+            raise ValueError(f"stiffness must have shape {self.axes.shape}, got {K.shape}")
         mj = copy.copy(self.mj)
-        _set_springs(mj, K, D)
+        springs = [mj.actuator(f"spring_{i + 1}").id for i in range(len(K))]
+        mj.actuator_gainprm[springs, 0] = K
+        mj.actuator_biasprm[springs, 1], mj.actuator_biasprm[springs, 2] = -K, -D
         return replace(self, mj=mj, stiffness=K, damping=D)
 
     def spring_input(self, phi: Array, phi_dot: Array) -> Array:
-        """(..., n (n + 1) / 2) controls of motor angles and rates (..., n).
+        """(..., n) controls of motor angles and rates (..., n).
 
-        K (phi - q) + D (phi' - q') = K (control - q) - D q', D on the axes' own springs alone.
+        K (phi - q) + D (phi' - q') = K (control - q) - D q'.
         """
-        own = self.stiffness.sum(axis=1)
-        axes = phi + self.damping / own * phi_dot
-        pairs = [phi[..., i] - phi[..., j] for i, j in pairs_of(phi.shape[-1])]
-        return np.concatenate((axes, *(pair[..., None] for pair in pairs)), axis=-1)
+        return phi + self.damping / self.stiffness * phi_dot
 
 
 def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm:
@@ -144,7 +127,7 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     mj = spec.compile()
     gear_dofs = [int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers]
     axes = np.searchsorted(free_joints(mj), gear_dofs)
-    arm = NominalArm(mj=mj, axes=axes, stiffness=np.diag(stiffness), damping=damping)
+    arm = NominalArm(mj=mj, axes=axes, stiffness=stiffness, damping=damping)
     return arm.with_springs(arm.stiffness, damping)
 
 
@@ -171,19 +154,9 @@ def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
         spec.delete(spec.joint(f"motor_{i}"))
         gear = spec.joint(f"flex_{i}")
         gear.stiffness, gear.damping = np.zeros_like(gear.stiffness), np.zeros_like(gear.damping)
-        _add_spring(spec, f"spring_{i}", mujoco.mjtTrn.mjTRN_JOINT, gear.name)
-    for i, j in pairs_of(n_axes):
-        name = f"spring_{i + 1}_{j + 1}"
-        difference = spec.add_tendon(name=name)
-        difference.wrap_joint(f"flex_{i + 1}", 1.0)
-        difference.wrap_joint(f"flex_{j + 1}", -1.0)
-        _add_spring(spec, name, mujoco.mjtTrn.mjTRN_TENDON, name)
-
-
-def _add_spring(spec: mujoco.MjSpec, name: str, kind: mujoco.mjtTrn, target: str) -> None:
-    spring = spec.add_actuator(name=name, target=target)
-    spring.trntype = kind
-    spring.gaintype, spring.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+        spring = spec.add_actuator(name=f"spring_{i}", target=gear.name)
+        spring.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        spring.gaintype, spring.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
 
 
 def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
@@ -202,14 +175,14 @@ def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
         tool.mass += cfg.payload
 
 
-def _set_springs(mj: mujoco.MjModel, stiffness: Array, damping: Array) -> None:
-    # A spring between two axes adds to both diagonal entries, which the axes' own springs give up.
-    own = stiffness.sum(axis=1)
-    pairs = pairs_of(len(own))
-    names = [f"spring_{i + 1}" for i in range(len(own))]
-    names += [f"spring_{i + 1}_{j + 1}" for i, j in pairs]
-    k_all = [*own, *(0.0 - stiffness[i, j] for i, j in pairs)]
-    for name, k, d in zip(names, k_all, [*damping, *np.zeros(len(pairs))], strict=True):
-        spring = mj.actuator(name).id
-        mj.actuator_gainprm[spring, 0] = k
-        mj.actuator_biasprm[spring, :3] = (0.0, -k, -d)
+def assumed_arm(
+    robot: RobotModel, stiffness_error: float, seed: int, cfg: NominalCfg = NominalCfg()
+) -> NominalArm:
+    """The arm as its owner assumes it: the stiffness of each gear is wrong by a uniform factor.
+
+    stiffness_error: relative, e.g. 0.3 for factors in 0.7 .. 1.3, beside those of `cfg`.
+    """
+    rng = np.random.default_rng([seed, _STREAM])
+    stiffness_error += 0.0  # no -0.0, from which to 0.0 is no range to numpy
+    factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, robot.n_axes)
+    return nominal_arm(robot, replace(cfg, stiffness=tuple(factors * cfg.stiffness)))

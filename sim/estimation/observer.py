@@ -72,7 +72,7 @@ def at_rest(arm: NominalArm, phi: Array) -> Array:
 def _spring_matrix(arm: NominalArm) -> Array:
     """(n, n) [N m/rad], of gears and structure."""
     spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid][arm.motion.joints])
-    spring[arm.axes[:, None], arm.axes] += arm.stiffness
+    spring[arm.axes, arm.axes] += arm.stiffness
     return spring
 
 

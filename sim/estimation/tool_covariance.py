@@ -1,15 +1,15 @@
-"""Covariance of the tool's estimated displacement: filter, springs, encoders and gear errors.
+"""Covariance of the tool's estimated path: filter, springs, encoders and gear errors.
 
-    P(t) = T P_filter(t) T^T + S(t) cov(theta) S(t)^T + J (E + diag v(t)) J^T
+    P(t) = T P_filter T^T + S(t) cov(theta) S(t)^T + J (E + diag v(t)) J^T
 
 The filter counts what disturbs a known arm whose motor angles are exact. S are sensitivities of the
-estimate to the identified parameters theta, E is the variance of an encoder's counts and v that of
-gear errors whose phases nobody knows. Lost motion, and what one linear arm cannot be, are not
-counted.
+displacement from rest to the identified parameters theta, E is the variance of an encoder's counts,
+and v that of gear errors of a type's amplitudes a_h and orders o_h, whose phases nobody knows:
+v = sum_h a_h^2 (1 - cos(o_h (phi - phi_0))). What the filter takes away of all but its own is not
+counted: the covariance is an upper bound, but for what no arm of this structure can be.
 """
 
-from collections.abc import Callable
-
+import mujoco
 import numpy as np
 
 from armside.arrays import Array
@@ -19,45 +19,62 @@ from ..instruments.encoder import resolution
 from ..robot.drives import EXACT, Drives
 from ..robot.effects import Effect, available, gear_orders
 from ..robot.model import RobotModel
-from .arm_estimator import ArmEstimator
-from .arm_identification import Run
+from .deflection import deflection
+from .elasticity import Elasticity, parameters_at
+from .estimator import ToolEstimator
 from .observer import ENCODER_FILTER
+from .relative_path import REST_SAMPLES
+from .rigid_motion import RigidMotion
 
-STEP = 0.1
-"""Of the differences for sensitivities, over a parameter's standard deviation."""
+_STEP = 1e-3  # of the differences for sensitivities
 
 
 def tool_covariance(
-    known: ArmEstimator,
-    run: Run,
-    fit: ParameterEstimate,
-    path: Callable[[Array], Array],
-    robot: RobotModel,
+    known: ToolEstimator, fit: ParameterEstimate, nominal: Elasticity, robot: RobotModel
 ) -> Array:
-    """(K, 3, 3) [m^2] of the smoothed displacement from rest, at the IMU's instants.
+    """(N, 3, 3) [m^2] of the displacement from rest, along the first run's motion.
 
-    Args:
-        path: tool path (K, 3) [m] at those instants, estimated with the parameters theta (m,).
-        robot: data of the robot's type: its encoders, and the amplitudes of its gear errors.
+    robot: data of the robot's type: its encoders, and the amplitudes of its gear errors.
     """
-    T = known.model.tool[:3]
-    S = sensitivities(path, fit)
-    P = T @ known.smoother(run).smoothed_covariance @ T.T
-    P = P + S @ fit.covariance @ np.swapaxes(S, 1, 2)
-    variance = np.zeros((len(run.imu_time), robot.n_axes))
-    variance += encoder_variance(robot.drives, run.period)
+    motion = known.along
+    J = tool_jacobian(motion)[:, :3]
+    S = sensitivities(motion, nominal, fit.theta, J)
+    P = S @ fit.covariance[: S.shape[2], : S.shape[2]] @ np.swapaxes(S, 1, 2)
+    P += known.filter_covariance[known.place]
+    variance = np.zeros((len(motion.time), robot.n_axes))
+    variance += encoder_variance(robot.drives, motion.period)
     if known.arm.gear_error is EXACT and Effect.GEAR_ERROR in available(robot):
-        at = np.searchsorted(run.time, run.imu_time + known.clock_offset)
-        variance += gear_variance(robot, run.phi[np.minimum(at, len(run.phi) - 1)])
-    J = T[:, known.model.arm.axes]
-    return np.asarray(P + (J * variance[:, None, :]) @ J.T, dtype=np.float64)
+        variance += gear_variance(robot, motion.phi - motion.phi[0])
+    axes = J[:, :, known.arm.axes]
+    return P + (axes * variance[:, None, :]) @ np.swapaxes(axes, 1, 2)
 
 
-def sensitivities(path: Callable[[Array], Array], fit: ParameterEstimate) -> Array:
-    """(K, 3, m) of a path (K, 3) [m] to the parameters of a fit."""
-    here, steps = path(fit.theta), STEP * fit.standard_deviation
-    moved = [path(fit.theta + step) - here for step in np.diag(steps)]
-    return np.stack(moved, axis=2) / steps
+def tool_jacobian(motion: RigidMotion) -> Array:
+    """(N, 6, n), (v, omega) of the tool in base axes along a rigid motion."""
+    free = motion.arm.motion
+    data, site = free.data(), free.mj.site("tool0").id
+    found = np.empty((len(motion.phi), 6, motion.arm.n_free))
+    q = np.zeros(motion.arm.n_free)
+    for i, phi in enumerate(motion.phi):
+        q[motion.arm.axes] = phi
+        free.place(data, q)
+        mujoco.mj_fwdPosition(free.mj, data)
+        found[i] = free.jacobian(data, site)
+    return found
+
+
+def sensitivities(motion: RigidMotion, nominal: Elasticity, theta: Array, J: Array) -> Array:
+    """(N, 3, m) of the displacement [m] to the parameters of the springs, the first of theta."""
+    n_springs = len(nominal.stiffness) + 3
+
+    def displaced(at: Array) -> Array:
+        d = deflection(motion, parameters_at(nominal, at, 1.0).springs).angle
+        path = (J @ d[:, :, None])[:, :, 0]
+        return path - path[:REST_SAMPLES].mean(axis=0)
+
+    here = displaced(theta)
+    steps = _STEP * np.eye(len(theta))[:n_springs]
+    return np.stack([(displaced(theta + step) - here) / _STEP for step in steps], axis=2)
 
 
 def encoder_variance(drives: Drives, period: float) -> Array:

@@ -1,4 +1,4 @@
-"""Learning laws for errors of the tool's path, built on the response of a linearised arm."""
+"""Learning laws for errors of the tool's path, built on the response of the arm along it."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -7,14 +7,19 @@ import numpy as np
 
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic, Law
-from armside.ilc.laws.first_order import FirstOrderLaw
-from armside.ilc.laws.model_based import RegularisedInverse
-from armside.ilc.laws.norm_optimal import RecordOptimal
-from armside.ilc.laws.wrappers import Guarded, JointSpace
+from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.joint_space import JointSpace
+from armside.ilc.laws.law import FirstOrderLaw
+from armside.ilc.laws.record_optimal import RecordOptimal
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.scheduled_inverse import ScheduledInverse
 
 from ..robot.virtual_robot import LOG_PERIOD
-from .arm_plant import ArmPlant
+from .arm_plant import ArmPlant, PathPlants
 
+CUTOFF = 13.0
+"""Least cutoff of Q [Hz] where none is given: corners need it, and models of springs in series hold
+up to there."""
 STIFFEST = 20.0
 """Largest pass band by the arm's lowest mode [Hz], as of learning from the motors' angles."""
 
@@ -36,8 +41,6 @@ class ToolLaw:
     """Learning gain."""
     cutoff: float | None = None
     """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
-    up_to_mode: bool = False
-    """Raise a given cutoff too where the arm's lowest identified mode is higher."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
     rotation_weight: float = 0.1
@@ -47,6 +50,19 @@ class ToolLaw:
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
 
+    def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
+        """The law on the arm along a path: the inverse fades from place to place.
+
+        The other kinds are built on the plant in the middle. Arguments and errors as of `law`.
+        """
+        mode = plants.lowest_mode
+        if self.kind is not ToolLawKind.INVERSE:
+            return self.law(plants.middle, turn_rate, rotations=rotations, lowest_mode=mode)
+        cutoff = self._cutoff(turn_rate, mode)
+        inverses = [self._inverse(plant, cutoff, rotations) for plant in plants.plants]
+        chosen = ScheduledInverse(laws=tuple(inverses), weights=plants.weights)
+        return self._guarded(chosen, rotations)
+
     def law(
         self,
         plant: ArmPlant,
@@ -55,31 +71,19 @@ class ToolLaw:
         rotations: bool = True,
         lowest_mode: float = 0.0,
     ) -> Law:
-        """The law on a plant's model. Raises ValueError for design variables out of range.
+        """The law on one plant's model. Raises ValueError for design variables out of range.
 
         Args:
             turn_rate: of the programmed contour [turns/s].
             rotations: errors have orientations, not positions alone.
             lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
-        cutoff = pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
-        if self.up_to_mode:
-            cutoff = max(cutoff, pass_band(0.0, lowest_mode))
-        rotation = self.rotation_weight if rotations else 0.0
-        weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
-        size = tuple(float(s) for s in plant.input_size)
+        weight, size = self._weight(rotations), tuple(float(s) for s in plant.input_size)
+        cutoff = self._cutoff(turn_rate, lowest_mode)
         low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         chosen: FirstOrderLaw
         if self.kind is ToolLawKind.INVERSE:
-            chosen = RegularisedInverse(
-                G=plant,
-                sample_time=LOG_PERIOD,
-                cutoff=cutoff,
-                gamma=self.gamma,
-                output_weight=weight,
-                input_size=size,
-                limit=self.limit,
-            )
+            chosen = self._inverse(plant, cutoff, rotations)
         elif self.kind is ToolLawKind.NORM_OPTIMAL:
             chosen = RecordOptimal(G=plant, F=low_pass, output_weight=weight, input_size=size)
         else:
@@ -87,16 +91,37 @@ class ToolLaw:
             inverse = np.asarray(np.linalg.pinv(J), dtype=np.float64)
             heuristic = Heuristic(Q=low_pass, gamma=self.gamma, delta=self.delta)
             chosen = JointSpace(law=heuristic, inverse=inverse)
-        return Guarded(law=chosen, weight=weight) if self.guarded else chosen
+        return self._guarded(chosen, rotations)
+
+    def _inverse(self, plant: ArmPlant, cutoff: float, rotations: bool) -> RegularisedInverse:
+        return RegularisedInverse(
+            G=plant,
+            sample_time=LOG_PERIOD,
+            cutoff=cutoff,
+            gamma=self.gamma,
+            output_weight=self._weight(rotations),
+            input_size=tuple(float(s) for s in plant.input_size),
+            limit=self.limit,
+        )
+
+    def _cutoff(self, turn_rate: float, lowest_mode: float) -> float:
+        return pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
+
+    def _weight(self, rotations: bool) -> tuple[float, ...]:
+        rotation = self.rotation_weight if rotations else 0.0
+        return (1.0, 1.0, 1.0, rotation, rotation, rotation)
+
+    def _guarded(self, law: FirstOrderLaw, rotations: bool) -> Law:
+        return Guarded(law=law, weight=self._weight(rotations)) if self.guarded else law
 
 
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:
     """Cutoff of Q [Hz] for a contour with `turn_rate` turns a second.
 
-    10 Hz. Of a fast contour the third harmonic has to pass, which it does with a gain of three
+    `CUTOFF`. Of a fast contour the third harmonic has to pass, which it does with a gain of three
     quarters at four times the first; above 15 Hz models identified from one run no longer hold.
     An arm whose lowest identified mode is higher is learned up to it, at most to `STIFFEST`: its
     model holds there, and drives leave errors that a soft arm's law must not touch.
     """
-    by_contour = min(max(10.0, 4.0 * turn_rate), 15.0)
+    by_contour = min(max(CUTOFF, 4.0 * turn_rate), 15.0)
     return max(by_contour, min(lowest_mode, STIFFEST))

@@ -1,22 +1,19 @@
 """The same cut learned from each measured output: motor angles, estimate, tracker, ground truth."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from ..estimation.arm_springs import Springs
-from ..estimation.tool_law import ToolLaw
+from ..estimation.elasticity import ArmParameters
 from ..instruments.imu import ImuCfg
 from .design import default_design
 from .experiment import Experiment, Iteration, prepare
-from .learning import Start, first_run, iterate
+from .learning import Begin, first_run, iterate, learned
 from .measures import MotorAngles
 from .specification import Cut
-from .tool_measure import Source, ToolOutput, ToolPath
+from .tool_measure import ToolOutput, ToolPath
 
-COMPARED = ToolPath(law=ToolLaw(gamma=0.8))
-"""Learning gain of the comparison and of the claims about estimation."""
-COMPARED_OUTPUTS = ("motor", "estimate", "tracker", "oracle")
-"""Measured outputs; each may have a start of its own in `compared`."""
+COMPARED = ToolPath()
+"""Measure of the comparison and of the claims about estimation: that of `armside laser`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,50 +31,36 @@ class Case:
         self,
         iterations: int,
         measure: ToolPath = COMPARED,
-        springs: Springs | None = None,
+        parameters: ArmParameters | None = None,
         repeats: int = 1,
         *,
-        start: Start | None = None,
+        experiment: Experiment | None = None,
+        begin: Begin = Begin(),
     ) -> tuple[ToolOutput, Iterator[Iteration]]:
-        """Learn from the tool's path; commissioned by the first run, or on known springs."""
-        experiment = self.experiment()
-        measure = replace(measure, imu=self.cut.imu or measure.imu, springs=springs)
-        arm = measure.assumed(experiment)
+        """Learn from the tool's path; commissioned by the first run, or on known parameters.
+
+        experiment: as `experiment()` makes one, in its place.
+        """
+        experiment = self.experiment() if experiment is None else experiment
+        measure = replace(measure, imu=self.cut.imu or measure.imu, parameters=parameters)
+        arm, start = measure.assumed(experiment), begin.first_correction
         first = first_run(experiment, start=start)
         output = measure.commissioned(experiment, arm, first)
-        return output, iterate(
-            experiment, lambda _: output, iterations, start=start, first=first, repeats=repeats
-        )
+        how = {"repeats": repeats, "start": start, "resume": begin.resume}
+        return output, learned(experiment, output, first, iterations, **how)
 
-    def from_motors(self, iterations: int, *, start: Start | None = None) -> Iterator[Iteration]:
+    def from_motors(
+        self,
+        iterations: int,
+        *,
+        experiment: Experiment | None = None,
+        begin: Begin = Begin(),
+    ) -> Iterator[Iteration]:
         """Learn from the motor angles, as the thesis does, with the default design of the robot."""
-        experiment = self.experiment()
+        experiment = self.experiment() if experiment is None else experiment
         set_up = MotorAngles(default_design(self.cut.cell)).prepare(experiment)
-        return iterate(experiment, set_up, iterations, start=start)
-
-
-def compared(
-    case: Case,
-    iterations: int,
-    measure: ToolPath = COMPARED,
-    starts: Mapping[str, Start] | None = None,
-) -> dict[str, list[Iteration]]:
-    """Learned from each of `COMPARED_OUTPUTS`; one identification, by the estimate's first run,
-    serves all.
-
-    starts: by output, for those that do not start without correction.
-
-    Raises InputError where a loop to go on from is another one's.
-    """
-    known = starts or {}
-    found = {"motor": list(case.from_motors(iterations, start=known.get("motor")))}
-    springs, sources = None, (Source.ESTIMATE, Source.TRACKER, Source.TRUTH)
-    for source, name in zip(sources, COMPARED_OUTPUTS[1:], strict=True):
-        chosen = replace(measure, source=source)
-        output, learning = case.from_tool(iterations, chosen, springs, start=known.get(name))
-        found[name] = list(learning)
-        springs = output.known.springs if springs is None else springs
-    return found
+        how = {"start": begin.start, "resume": begin.resume}
+        return iterate(experiment, set_up, iterations, **how)
 
 
 def rms(iterations: list[Iteration]) -> list[float]:

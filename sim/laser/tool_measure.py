@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -9,21 +10,22 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Law
 
-from ..estimation.arm_estimator import Estimate
-from ..estimation.arm_springs import Springs
-from ..estimation.assumed_arm import assumed_arm
 from ..estimation.commissioning import Commissioned, Commissioning, OnFault, commission
+from ..estimation.elasticity import ArmParameters
+from ..estimation.estimator import ToolEstimate
 from ..estimation.imu_health import ImuError, repaired
-from ..estimation.nominal import NominalArm
+from ..estimation.nominal import NominalArm, NominalCfg, assumed_arm
 from ..estimation.relative_path import relative_to_start
+from ..estimation.structure import with_structure
 from ..estimation.tool_law import ToolLaw
-from ..instruments.imu import ImuCfg, ImuSamples, exact
+from ..estimation.validity import Validity, validity
+from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
-from ..robot.drives import EXACT, gear_error_of
+from ..robot.gear_terms import gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .experiment import Experiment, Pass
-from .measures import SetUp
+from .measures import Prepared, SetUp
+from .plant import Pass
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions before they are learned from."""
@@ -47,38 +49,40 @@ class ToolPath:
     source: Source = Source.ESTIMATE
     law: ToolLaw = field(default_factory=ToolLaw)
     commissioning: Commissioning = field(default_factory=Commissioning)
+    structure: bool = True
+    """The structure is taken to give way beside the first gears; else gears alone."""
     stiffness_error: float = 0.3
     """The stiffness of each gear is assumed wrong by up to this fraction, drawn with the seed."""
     payload_error: float = 0.0
     """Error of the assumed mass of the tool [kg]."""
     damping_factor: float = 1.0
     """Assumed damping of the gears over that of the file."""
-    springs: Springs | None = None
-    """Springs identified earlier at this pose, in place of identifying from the first run."""
-    estimate: Estimate = Estimate.SMOOTHER
+    parameters: ArmParameters | None = None
+    """Of this robot, identified earlier, in place of identifying from the first run."""
     imu: ImuCfg = field(default_factory=ImuCfg)
     """Kind of unit at the tool; its data sheet is known."""
     target: Recording | None = field(default=None, compare=False, repr=False)
     """Noise-free run of a model, such as a twin's, that is learned as the sensor sees it; the
     programmed path if None."""
 
-    def assumed(self, experiment: Experiment) -> NominalArm:
+    def assumed(self, experiment: Prepared) -> NominalArm:
         """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
         known, nominal = experiment.setup.gear_error, experiment.nominal
-        return assumed_arm(
-            nominal,
-            self.stiffness_error,
-            experiment.seed,
-            gear_error=gear_error_of(known, nominal.n_axes) if known else EXACT,
+        cfg = NominalCfg(
+            structure=self.structure,
             damping=self.damping_factor,
             payload=experiment.added_payload + self.payload_error,
         )
+        elastic = with_structure(nominal) if self.structure else nominal
+        arm = assumed_arm(elastic, self.stiffness_error, experiment.seed, cfg)
+        return replace(arm, gear_error=gear_error_of(known, nominal.n_axes)) if known else arm
 
-    def prepare(self, experiment: Experiment) -> SetUp:
+    def prepare(self, experiment: Prepared) -> SetUp:
+        """Raises ValueError as `assumed`."""
         arm = self.assumed(experiment)
         return lambda first: self.commissioned(experiment, arm, first)
 
-    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
+    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> "ToolOutput":
         """The measure set up by a run.
 
         A tracker needs no IMU: without one its law is built on the assumed springs.
@@ -89,7 +93,7 @@ class ToolPath:
         robot, log, cfg = experiment.nominal, first.recording, self.commissioning
         if self.source is not Source.ESTIMATE:
             cfg = replace(cfg, on_fault=OnFault.GO_ON)
-        known = commission(robot, arm, self.imu, log, first.imu, cfg, self.springs)
+        known = commission(robot, arm, self.imu, log, first.imu, cfg, self.parameters)
         return ToolOutput(self, known, experiment)
 
 
@@ -99,7 +103,9 @@ class ToolOutput:
 
     measure: ToolPath
     known: Commissioned
-    experiment: Experiment
+    experiment: Prepared
+    _validity: list[Validity] = field(default_factory=list, compare=False, repr=False)
+    """Of the last estimate."""
 
     @property
     def reference(self) -> Array:
@@ -108,6 +114,10 @@ class ToolOutput:
         A tracker sees the tool, and learns the programmed path. An estimate is off by what its arm
         does not have: in the run of a model as in the robot's, whose errors then show.
         """
+        return self._reference
+
+    @cached_property
+    def _reference(self) -> Array:
         if self.measure.target is None or self.measure.source is not Source.ESTIMATE:
             return relative_to_start(self.experiment.programmed)
         return self._estimate_of(self.measure.target)
@@ -120,42 +130,45 @@ class ToolOutput:
         """
         turn_rate, free = self.experiment.turn_rate, self.experiment.setup.cell.free_rotation
         rotations = self.measure.source is not Source.TRACKER and not free
-        how = {"rotations": rotations, "lowest_mode": self.known.lowest_mode}
-        return self.measure.law.law(self.known.plant, turn_rate, **how)
+        return self.measure.law.along(self.known.plants, turn_rate, rotations=rotations)
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """Why the IMU is not used, where it is not."""
-        if self.known.fault is None:
-            return ()
-        used = "the assumed springs are used instead"
-        return (Note(cause=Cause.IMU, text=f"{self.known.fault}; {used}"),)
+        """Why the IMU is not used, or where the estimate of the last run is not valid."""
+        texts = [each.text for each in self._validity if each.text]
+        if self.known.fault is not None:
+            texts.insert(0, f"{self.known.fault}; the assumed springs are used instead")
+        return tuple(Note(cause=Cause.IMU, text=text) for text in texts)
 
     def __call__(self, run: Pass) -> Array:
-        """Path of a run.
+        """Path of a run. Where an estimate is not valid it is the reference: nothing is learned.
 
         Raises:
             ImuError: the IMU failed in this run, and the options refuse to go on.
         """
-        log, measure = run.recording, self.measure
-        if measure.source is Source.TRUTH:
+        log, source = run.recording, self.measure.source
+        if source is Source.TRUTH:
             every = round(LOG_PERIOD / float(log.truth.time[1]))
             position, quaternion = log.truth.tool_position, log.truth.tool_quaternion
             return relative_to_start(position[::every], quaternion[::every])
-        if measure.source is Source.TRACKER:
+        if source is Source.TRACKER:
             return _tracked(log.time, run)
-        samples = None
+        found = self.estimated(run)
+        valid = validity(found, log.time)
+        self._validity[:] = [valid]
+        asked = self.reference
+        return asked + valid.weight[:, None] * (found.displacement - asked)
+
+    def estimated(self, run: Pass) -> ToolEstimate:
+        """The estimate of a run, valid or not. Raises ImuError as a call."""
+        log, samples = run.recording, None
         if self.known.fault is None and run.imu is not None:
             try:
-                samples = repaired(run.imu, measure.imu)
+                samples = repaired(run.imu, self.measure.imu)
             except ImuError:
-                if measure.commissioning.on_fault is OnFault.REFUSE:
+                if self.measure.commissioning.on_fault is OnFault.REFUSE:
                     raise
-        return self._estimated(log, samples)
-
-    def _estimated(self, log: Recording, samples: ImuSamples | None) -> Array:
-        known, kind = self.known.estimator, self.measure.estimate
-        return known(log.time, log.motor_angle, samples, kind).displacement
+        return self.known.estimator(log.time, log.motor_angle, samples)
 
     def _estimate_of(self, run: Recording) -> Array:
         """Path (N, 6) that is estimated of a model's run, by a unit without errors."""
@@ -163,8 +176,8 @@ class ToolOutput:
         if self.known.fault is None:
             ideal = truth.time, truth.imu_acceleration, truth.imu_angular_velocity
             samples = exact(self.measure.imu).measure(*ideal, np.random.default_rng(0))
-        known = replace(self.known.estimator, clock_offset=0.0, mounting=np.zeros(3))
-        return known(run.time, run.motor_angle, samples, self.measure.estimate).displacement
+        estimator = self.known.estimator.of_model()
+        return estimator(run.time, run.motor_angle, samples).displacement
 
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""

@@ -73,7 +73,7 @@ def _motor_error(robot: kinematics.Robot, motion: ToolMotion, cut: Pass) -> Tool
 
 
 def _by_estimate(experiment: Experiment, first: Pass) -> Reading:
-    """The assumed payload is right; the springs are those of the nominal robot."""
+    """The assumed payload is right; the gears' springs are those of the nominal robot."""
     # Imported here: the other sensors do without the estimator.
     from ..estimation.commissioning import Commissioning, OnFault
     from ..laser.tool_measure import ToolPath
@@ -84,5 +84,5 @@ def _by_estimate(experiment: Experiment, first: Pass) -> Reading:
 
 
 def _estimated_error(output: "ToolOutput", motion: ToolMotion, cut: Pass) -> ToolError:
-    moved = output(cut)[:, :3]
+    moved = output.estimated(cut).displacement[:, :3]
     return tool_error(motion, cut.recording.time, motion.position[0] + moved)

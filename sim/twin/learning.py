@@ -119,7 +119,7 @@ def twin_plant(
     cfg = NominalCfg(structure=True, payload=float(own))
     arm = nominal_arm(design.model, cfg)
     _copy_hinges(loaded.model.mj, arm.mj)
-    arm = arm.with_springs(np.diag(mean_gear_stiffness(loaded.model, run)), arm.damping)
+    arm = arm.with_springs(mean_gear_stiffness(loaded.model, run), arm.damping)
     still = linearised(arm, loaded.reference[0] if phi is None else phi)
     return ArmPlant(robot=design.nominal or design.model, arm=still, period=LOG_PERIOD)
 

@@ -1,12 +1,16 @@
 """Benchmarks of the arm side: filters over one run, set-up, identification, whole experiments."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from armside import kinematics
-from armside.sim.estimation.arm_estimator import estimator
-from armside.sim.estimation.arm_identification import identify, prepared
+from armside.sim.estimation.arm_filter import ProcessNoise
+from armside.sim.estimation.elasticity import nominal_elasticity
+from armside.sim.estimation.estimator import ToolEstimator
 from armside.sim.estimation.extended_arm import ExtendedArm
+from armside.sim.estimation.identification import identify
 from armside.sim.estimation.imu_health import repaired
+from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case
 from armside.sim.laser.learning import first_run
@@ -22,19 +26,29 @@ def measured() -> Sequence[Row]:
     log = first.recording
     assert first.imu is not None
     samples = repaired(first.imu, imu)
-    run, rest = prepared(arm, log.time, log.motor_angle, samples), log.motor_angle[0]
-    springs = identify(arm, run, rest, imu).springs
-    known = estimator(arm, springs, rest, imu)
-    full = ExtendedArm(known, kinematics.LARGE_ROBOT)
+    motion, nominal = (
+        rigid_motion(arm, log.time, log.motor_angle),
+        nominal_elasticity(experiment.nominal, arm),
+    )
+    found = identify(motion, nominal, samples, imu).parameters
+    known = ToolEstimator(arm, found, imu, ProcessNoise(), motion)
+    gears = replace(COMPARED, structure=False)
+    full = ExtendedArm(
+        gears.commissioned(experiment, gears.assumed(experiment), first).known.estimator,
+        kinematics.LARGE_ROBOT,
+    )
+
+    def set_up() -> object:
+        fresh = ToolEstimator(arm, found, imu, ProcessNoise(), motion)
+        return fresh(log.time, log.motor_angle, samples)
 
     with_identification = "estimate-based experiment, six runs, identification included"
     timed = {
-        "filter and smoother, deviation form, after set-up": lambda: known.deviations(run),
-        "the same with the observer": lambda: known(log.time, log.motor_angle, samples),
-        "set-up of filter and smoother": lambda: estimator(arm, springs, rest, imu).deviations(run),
+        "estimate of one run, after set-up": lambda: known(log.time, log.motor_angle, samples),
+        "the same with the set-up of filter and smoother": set_up,
         "full extended filter and smoother": lambda: full(log.time, log.motor_angle, samples),
-        "identification, six starts": lambda: identify(arm, run, rest, imu),
+        "identification": lambda: identify(motion, nominal, samples, imu),
         with_identification: lambda: list(case.from_tool(5)[1]),
-        "the same with stored springs": lambda: list(case.from_tool(5, springs=springs)[1]),
+        "the same with stored springs": lambda: list(case.from_tool(5, parameters=found)[1]),
     }
     return list(map(Row, timed, interleaved(list(timed.values()), repeats=5)))

@@ -28,7 +28,7 @@ def test_identification_is_scored_against_the_truth(identified):
     assert truth["identified_modes"][0] == pytest.approx(truth["locked_modes"][0], rel=0.1)
     assert found["springs"]["clock_offset"] == pytest.approx(truth["clock_offset"], abs=2e-3)
     names = [p["name"] for p in found["parameters"]]
-    assert names[:2] == ["stiffness 1", "stiffness 2"]
+    assert {"stiffness 1", "stiffness 1 across 2", "stiffness 6", "lost motion"} <= set(names)
     assert all(p["standard_deviation"] > 0.0 for p in found["parameters"])
 
 
@@ -51,15 +51,9 @@ def test_springs_serve_nearby_with_another_tool_and_another_unit(identified, tmp
     assert rows[-1]["arm_rms"] < 0.3 * rows[0]["arm_rms"]
 
 
-@pytest.mark.parametrize(
-    ("place", "said"),
-    [
-        ("--position 1100 0 1599", "707 mm away: springs act together by pose, so 600 mm at most"),
-        ("--robot irb1400", "identified on robot large, not on irb1400"),
-    ],
-)
-def test_springs_of_another_place_or_robot_are_refused(place, said, identified, bad_input):
-    bad_input(f"laser --measure estimate {place} --identification {identified}", said)
+def test_springs_of_another_robot_are_refused(identified, bad_input):
+    said = "identified on robot large, not on irb1400"
+    bad_input(f"laser --measure estimate --robot irb1400 --identification {identified}", said)
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,15 @@ def test_updates_in_two_comparisons_are_those_of_one_to_the_last_bit(first, tmp_
     assert all(value < 0.5 * motor for value in tool)
 
 
+def test_the_estimate_is_that_of_laser_for_the_same_cut_robot_and_seed(first, tmp_path):
+    compared = json.loads((first / "summary.json").read_text())["comparisons"]
+    (estimate,) = (row["arm_rms"] for row in compared if row["measure"] == "estimate")
+    words = ("--robot", ROBOT, "--pose", "p1", "--speed", 60, "--seed", 2, "--iterations", 1)
+    alone = run(tmp_path / "laser", "laser", *words, "--measure", "estimate", "--quiet")
+    found = [each["arm_rms"] for each in alone["iterations"]]
+    assert found == pytest.approx(estimate, rel=1e-9)
+
+
 def started(first, robot=ROBOT, **options):
     cfg = CompareCfg(robot=robot, poses=("p1",), **options)
     return earlier(first, "compare", cfg, Common(seed=2))

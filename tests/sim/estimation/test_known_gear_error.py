@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from armside.kinematics.robot_file import GearTerm
-from armside.sim.estimation.arm_estimator import tool_path
 from armside.sim.estimation.observer import observe
+from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.identification import arm_of
 from armside.sim.laser.measures import MotorAngles
@@ -58,11 +58,18 @@ def test_an_observer_that_knows_the_gear_error_is_the_truth(plain, terms):
     moved, arm = truth - truth[0], arm_of(plain)
     known = replace(arm, gear_error=gear_error_of(terms, 6))
     without, with_it = (
-        (tool_path(observe(one, run.motor_angle, LOG_PERIOD), LOG_PERIOD)[:, :3] - moved).std()
+        (
+            relative_to_start(observe(one, run.motor_angle, LOG_PERIOD).tool_position[::8])[:, :3]
+            - moved
+        ).std()
         for one in (arm, known)
     )
     assert with_it < 1.5e-6, "counts of the encoders, 2 to 4 urad, at 2.2 m"
     assert without > 3.0 * with_it
+
+
+def _observed(arm, run):
+    return observe(arm, run.motor_angle, LOG_PERIOD).tool_position[::8]
 
 
 def test_the_assumed_arm_of_an_estimate_knows_it(plain, knowing):

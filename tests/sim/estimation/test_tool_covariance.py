@@ -8,37 +8,29 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.ilc.estimation.prediction_error import ParameterEstimate
 from armside.ilc.filters import ZeroPhaseButterworth
+from armside.sim.estimation.arm_filter import ProcessNoise
+from armside.sim.estimation.deflection import deflection
+from armside.sim.estimation.elasticity import ArmParameters, nominal_elasticity, parameters_at
+from armside.sim.estimation.estimator import ToolEstimator, tool_path
+from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.observer import ENCODER_FILTER
+from armside.sim.estimation.rigid_motion import rigid_motion
+from armside.sim.estimation.structure import with_structure
 from armside.sim.estimation.tool_covariance import (
     encoder_variance,
     gear_variance,
     sensitivities,
     tool_covariance,
+    tool_jacobian,
 )
 from armside.sim.instruments.encoder import quantise
-from armside.sim.robot.drives import EXACT
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.effects import gear_orders
 from armside.sim.robot.model import load_model
 
 LARGE = load_model(assets.LARGE_ROBOT_XML)
 PERIOD = 0.004
-
-FIT = ParameterEstimate(
-    theta=np.array([1.0, 1e-6]),
-    covariance=np.diag([1.0, 1e-6]) ** 2,
-    information=np.ones(2),
-    cost=0.0,
-    costs=(0.0,),
-    innovation=np.zeros((5, 6)),
-)
-
-
-def test_sensitivities_are_the_derivative_of_a_path_at_the_scale_of_each_parameter():
-    slope = np.random.default_rng(1).normal(size=(5, 3, 2))
-    slope[:, :, 1] *= 1e6
-    assert sensitivities(lambda theta: slope @ theta, FIT) == pytest.approx(slope, rel=1e-6)
 
 
 def test_counts_leave_the_variance_that_low_passed_motor_angles_have_from_rest():
@@ -76,37 +68,54 @@ def test_gear_errors_of_any_phase_have_the_variance_of_random_ones():
     assert found == pytest.approx(expected, rel=0.05)
 
 
-def test_the_covariance_is_that_of_draws_of_all_that_is_uncertain():
-    """A tool moved by 8 states, 2 springs and 6 gears, at rest and after 0.05 rad of each axis.
+@pytest.fixture(scope="module")
+def known() -> ToolEstimator:
+    """Two seconds in which each axis turns by 0.05 rad, from rest to rest."""
+    arm = nominal_arm(with_structure(LARGE), NominalCfg(structure=True))
+    time = np.arange(0.0, 2.0, PERIOD)
+    ramp = 0.5 - 0.5 * np.cos(np.pi * np.clip((time - 0.3) / 1.2, 0.0, 1.0))
+    motion = rigid_motion(arm, time, 0.2 + 0.05 * ramp[:, None] * np.ones(6))
+    found = ArmParameters(nominal_elasticity(LARGE, arm), 0.0, 0.05, np.zeros(3))
+    return ToolEstimator(arm, found, ImuCfg(), ProcessNoise(), motion)
 
-    At rest gear errors are none, and the other parts of one size.
-    """
+
+def test_sensitivities_are_the_derivative_of_the_path_to_each_spring(known):
+    motion, nominal, at = known.along, known.parameters.springs, -1
+    J = tool_jacobian(motion)[:, :3]
+    S = sensitivities(motion, nominal, np.zeros(20), J)
+    step = np.zeros(20)
+    step[int(nominal.axes[1])] = 0.02
+    moved = [
+        tool_path(motion, deflection(motion, parameters_at(nominal, sign * step, 1.0).springs))
+        for sign in (1.0, -1.0)
+    ]
+    difference = (moved[0] - moved[1])[at, :3] / 0.04
+    assert S.shape == (len(motion.time), 3, 15)
+    size = np.abs(difference).max()  # J is that of the rigid arm, within hundredths
+    assert S[at, :, int(nominal.axes[1])] == pytest.approx(difference, abs=0.02 * size)
+
+
+def test_the_covariance_is_that_of_draws_of_all_that_is_uncertain(known):
+    """At rest gear errors are none; after 0.05 rad of each axis they are the largest part."""
     rng, draws = np.random.default_rng(4), 20_000
-    T, slope = rng.normal(size=(6, 8)), 2e-6 * rng.normal(size=(2, 3, 2))
-    turned, axes = np.array([[0.0] * 6, [0.05] * 6]), np.arange(1, 7)
-    theta = replace(FIT, covariance=np.array([[1.0, 0.5], [0.5, 2.0]]))
-    known: Any = SimpleNamespace(
-        model=SimpleNamespace(tool=T, arm=SimpleNamespace(axes=axes)),
-        arm=SimpleNamespace(gear_error=EXACT),
-        clock_offset=0.0,
-        smoother=lambda _: SimpleNamespace(
-            smoothed_covariance=1e-12 * np.tile(np.eye(8), (2, 1, 1))
-        ),
-    )
-    time = np.array([0.0, PERIOD])
-    run: Any = SimpleNamespace(time=time, imu_time=time, period=PERIOD, phi=turned)
-    found = tool_covariance(known, run, theta, lambda theta: slope @ theta, LARGE)
-
+    motion, nominal, axes = known.along, known.parameters.springs, known.arm.axes
+    slope = 0.01 * rng.normal(size=(20, 20))
+    theta = slope @ slope.T
+    fit: Any = SimpleNamespace(theta=np.zeros(20), covariance=theta)
+    found = tool_covariance(known, fit, nominal, LARGE)
+    J = tool_jacobian(motion)[:, :3]
+    S = sensitivities(motion, nominal, np.zeros(20), J)
     amplitude, order = gear_orders(LARGE)
-    phase = rng.uniform(0.0, 2.0 * np.pi, size=(draws, 1, *order.shape))
-    gears = amplitude * (np.sin(turned[:, :, None] * order + phase) - np.sin(phase))
-    counts = rng.normal(size=(draws, 2, 6)) * np.sqrt(encoder_variance(LARGE.drives, PERIOD))
-    state, spring = (
-        1e-6 * rng.normal(size=(draws, 2, 8)),
-        rng.multivariate_normal(np.zeros(2), theta.covariance, draws),
-    )
-    state[:, :, axes] += gears.sum(axis=3) + counts
-    moved = state @ T[:3].T + np.einsum("tij,nj->nti", slope, spring)
-    for k in range(2):
-        expected = np.cov(moved[:, k].T)
-        assert found[k] == pytest.approx(expected, abs=0.05 * np.abs(expected).max())
+    phase = rng.uniform(0.0, 2.0 * np.pi, size=(draws, *order.shape))
+    springs = rng.multivariate_normal(np.zeros(15), theta[:15, :15], draws)
+    counts = rng.normal(size=(draws, 6)) * np.sqrt(encoder_variance(LARGE.drives, PERIOD))
+    for at in (0, -1):
+        turned = (motion.phi[at] - motion.phi[0])[:, None] * order
+        gears = (amplitude * (np.sin(turned + phase) - np.sin(phase))).sum(axis=2)
+        state = rng.multivariate_normal(
+            np.zeros(3), known.filter_covariance[known.place[at]], draws
+        )
+        moved = state + springs @ S[at].T + (gears + counts) @ J[at][:, axes].T
+        expected = np.cov(moved.T)
+        assert found[at] == pytest.approx(expected, abs=0.05 * np.abs(expected).max())
+    assert np.trace(found[-1]) > 10.0 * np.trace(found[0])

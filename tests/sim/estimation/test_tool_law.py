@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from armside.ilc.laws import Heuristic
-from armside.ilc.laws.model_based import RegularisedInverse
-from armside.ilc.laws.norm_optimal import RecordOptimal
-from armside.ilc.laws.wrappers import Guarded, JointSpace
-from armside.sim.estimation.tool_law import ToolLaw, ToolLawKind, pass_band
+from armside.ilc.laws.guarded import Guarded
+from armside.ilc.laws.joint_space import JointSpace
+from armside.ilc.laws.record_optimal import RecordOptimal
+from armside.ilc.laws.regularised_inverse import RegularisedInverse
+from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.sim.estimation.arm_plant import PathPlants, fading
+from armside.sim.estimation.tool_law import CUTOFF, ToolLaw, ToolLawKind, pass_band
 
 SIZE = np.linspace(0.5, 1.0, 6)
 PLANT = SimpleNamespace(
@@ -46,15 +49,12 @@ def test_the_design_variables_reach_the_law():
 
 def test_a_stiff_arm_is_learned_up_to_its_lowest_mode():
     law = ToolLaw(guarded=False)
-    assert law.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 12.0
+    assert law.law(PLANT, 1.27, lowest_mode=14.0).cutoff == 14.0
     assert law.law(PLANT, 1.27, lowest_mode=45.0).cutoff == 20.0
     assert law.law(PLANT, 3.2, lowest_mode=12.0).cutoff == pass_band(3.2)
     given = ToolLaw(guarded=False, cutoff=10.0)
-    assert given.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 10.0
-    raised = ToolLaw(guarded=False, cutoff=10.0, up_to_mode=True)
-    assert raised.law(PLANT, 1.27, lowest_mode=12.0).cutoff == 12.0
-    assert raised.law(PLANT, 1.27).cutoff == 10.0
-    assert law.law(PLANT, 1.27, lowest_mode=6.0).cutoff == pass_band(1.27) == 10.0
+    assert given.law(PLANT, 1.27, lowest_mode=14.0).cutoff == 10.0
+    assert law.law(PLANT, 1.27, lowest_mode=6.0).cutoff == pass_band(1.27) == CUTOFF
 
 
 def test_each_kind_is_its_law():
@@ -71,7 +71,29 @@ def test_each_kind_is_its_law():
 
 
 @pytest.mark.parametrize(
-    ("turn_rate", "cutoff"), [(0.5, 10.0), (2.5, 10.0), (2.6, 10.4), (3.75, 15.0), (10.0, 15.0)]
+    ("turn_rate", "cutoff"), [(0.5, 13.0), (3.25, 13.0), (3.3, 13.2), (3.75, 15.0), (10.0, 15.0)]
 )
-def test_the_pass_band_is_four_turns_a_second_between_10_and_15_hz(turn_rate, cutoff):
+def test_the_pass_band_is_four_turns_a_second_between_13_and_15_hz(turn_rate, cutoff):
     assert pass_band(turn_rate) == pytest.approx(cutoff)
+
+
+def test_weights_fade_between_centres_and_have_the_sum_one():
+    time = np.arange(0.0, 2.0, 0.004)
+    weights = fading(np.array([0.0, 1.0, 1.5]), time)
+    assert weights.sum(axis=1) == pytest.approx(np.ones(len(time)))
+    assert weights[125] == pytest.approx([0.5, 0.5, 0.0])
+    assert weights[-1] == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_along_a_path_each_place_has_its_inverse_and_other_kinds_the_middle_one():
+    weights = fading(np.array([0.0, 1.0]), np.arange(0.0, 1.0, 0.004))
+    places = PathPlants(plants=(PLANT, PLANT), weights=weights, lowest_mode=14.0)
+    law = ToolLaw(gamma=0.7).along(places, 1.27, rotations=False)
+    assert isinstance(law, Guarded)
+    assert law.weight == (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
+    assert isinstance(law.law, ScheduledInverse)
+    assert [(each.gamma, each.cutoff) for each in law.law.laws] == [(0.7, 14.0)] * 2
+    assert np.array_equal(law.law.weights, weights)
+    optimal = ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False).along(places, 1.27)
+    assert isinstance(optimal, RecordOptimal)
+    assert optimal.G is places.middle

@@ -1,7 +1,8 @@
-"""Identification of an arm's springs along a long way, by the innovations of a filter.
+"""Identification of an arm's springs from one run, by the innovations of a filter.
 
 Explained readings follow the pose exactly; the filter that whitens what is left is that of the
-place in the middle of the record.
+place in the middle of the record. Inertia is taken from the assumed arm: only K / M shows in the
+motion.
 """
 
 from dataclasses import dataclass, replace
@@ -14,12 +15,10 @@ from armside.ilc.estimation.consistency import Whiteness, whiteness
 from armside.ilc.estimation.kalman import SteadyStateFilter
 from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened, estimate_parameters
 
-from ...instruments.imu import ImuCfg, ImuSamples
-from ..arm_filter import ArmFilter, ProcessNoise, arm_filter
-from ..linearised_arm import LinearisedArm
+from ..instruments.imu import ImuCfg, ImuSamples
+from .arm_filter import ArmFilter, ProcessNoise, arm_filter
 from .deflection import deflection
-from .elasticity import Elasticity
-from .parameters import WayConstants, WayPrior, constants_at
+from .elasticity import ArmParameters, Elasticity, SpringPrior, parameters_at
 from .readings import explained, residual
 from .rigid_motion import RigidMotion
 
@@ -28,16 +27,17 @@ if TYPE_CHECKING:
 
 _STARTS = ((0.0, 0.7), (-0.2, 0.0))
 """Log stiffness of gears and of the structure."""
-_FURTHER = ((0.0, 1.2),)
+_FURTHER = ((0.0, 1.2), (0.0, 2.0))
 """Likewise, where these lead to a minimum far from the prior: one without lost motion, where a
-structure that stiffens without bound, or gives way, stands in for it."""
+structure that stiffens without bound, or gives way, stands in for it; or one of a structure that
+is much stiffer than its gears, as that of the IRB1400."""
 
 
 @dataclass(frozen=True, eq=False)
-class WayIdentified:
-    """Identified constants, their uncertainty, and the whiteness of the innovations on them."""
+class Identified:
+    """Identified parameters, their uncertainty, and the whiteness of the innovations on them."""
 
-    constants: WayConstants
+    parameters: ArmParameters
     fit: ParameterEstimate
     whiteness: Whiteness
 
@@ -48,10 +48,10 @@ def identify(
     samples: ImuSamples,
     imu: ImuCfg,
     *,
-    prior: WayPrior = WayPrior(),
+    prior: SpringPrior = SpringPrior(),
     process_noise: ProcessNoise = ProcessNoise(),
-) -> WayIdentified:
-    """The constants that explain a record best.
+) -> Identified:
+    """The parameters that explain a record best.
 
     nominal: start of the search. imu: kind of unit, as its data sheet has it.
 
@@ -68,28 +68,45 @@ def identify(
     starts, further = ([start(*each) for each in given] for given in (_STARTS, _FURTHER))
     model = _Innovations(motion, nominal, samples, imu, process_noise)
     fit = estimate_parameters(model, np.zeros_like(sd), sd, starts, further)
-    constants = constants_at(nominal, fit.theta, process_noise.fraction)
-    return WayIdentified(constants, fit, whiteness(fit.innovation))
+    parameters = parameters_at(nominal, fit.theta, process_noise.fraction)
+    return Identified(parameters, fit, whiteness(fit.innovation))
 
 
-def linearised(motion: RigidMotion, springs: Elasticity, segment: int) -> LinearisedArm:
-    """The arm in one segment of its motion."""
-    structure, damping = springs.stiffness.copy(), springs.damping.copy()
-    structure[springs.axes] = damping[springs.axes] = 0.0
-    arm = motion.linearised(segment, structure, damping)
-    return arm.on_springs(np.diag(springs.stiffness[springs.axes]), springs.damping[springs.axes])
+def synchronised(
+    motion: RigidMotion,
+    known: ArmParameters,
+    samples: ImuSamples,
+    imu: ImuCfg,
+    *,
+    prior: SpringPrior = SpringPrior(),
+    process_noise: ProcessNoise = ProcessNoise(),
+) -> tuple[ArmParameters, Whiteness]:
+    """Known springs with clock and mounting of another unit, found again, and the innovations.
+
+    Clocks differ from unit to unit and from start to start; springs do not.
+
+    Raises RuntimeError for springs that cannot carry the arm.
+    """
+    model = _Innovations(motion, known.springs, samples, imu, process_noise)
+    sd = np.array([prior.clock, *3 * (prior.mounting,)])
+
+    def own(theta: Array) -> ArmParameters:
+        return replace(known, clock_offset=float(theta[0]), mounting=theta[1:].copy())
+
+    found = estimate_parameters(lambda theta: model.on(own(theta)), 0.0 * sd, sd, [0.0 * sd])
+    return own(found.theta), whiteness(found.innovation)
 
 
 def filter_at(
     motion: RigidMotion,
-    constants: WayConstants,
+    parameters: ArmParameters,
     imu: ImuCfg,
     noise: ProcessNoise,
     segment: int,
 ) -> ArmFilter:
     """Process of the deviation from the deflected arm, in one segment."""
-    noise = replace(noise, fraction=constants.process_noise)
-    return arm_filter(linearised(motion, constants.springs, segment), imu, noise)
+    noise = replace(noise, fraction=parameters.process_noise)
+    return arm_filter(motion.linearised(segment, parameters.springs), imu, noise)
 
 
 class _Known(NamedTuple):
@@ -115,29 +132,33 @@ class _Innovations:
         self._last: tuple[bytes, _Known | None] = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
-        constants = constants_at(self.nominal, theta, self.noise.fraction)
-        known = self._known(theta, constants)
+        return self.on(parameters_at(self.nominal, theta, self.noise.fraction))
+
+    def on(self, parameters: ArmParameters) -> Whitened:
+        """Innovations on given parameters."""
+        known = self._known(parameters)
         if known is None:
             return Whitened(np.full((len(self.samples.time), 6), np.inf), 0.0)
         start = np.zeros(len(known.settled.process.A))
         left, start[-6:] = residual(
-            self.samples, known.readings, constants.clock_offset, constants.mounting
+            self.samples, known.readings, parameters.clock_offset, parameters.mounting
         )
         W, log_det = known.settled.whitening
         return Whitened(known.settled(left, start).innovation @ W.T, log_det)
 
-    def _known(self, theta: Array, constants: WayConstants) -> "_Known | None":
-        n = len(self.nominal.stiffness)
-        key = np.r_[theta[: n + 3], constants.process_noise].tobytes()
+    def _known(self, parameters: ArmParameters) -> "_Known | None":
+        springs = parameters.springs
+        parts = springs.stiffness, springs.damping, springs.lost_motion, parameters.process_noise
+        key = b"".join(np.asarray(part).tobytes() for part in parts)
         if key != self._last[0]:
-            self._last = key, self._set_up(constants)
+            self._last = key, self._set_up(parameters)
         return self._last[1]
 
-    def _set_up(self, constants: WayConstants) -> "_Known | None":
+    def _set_up(self, parameters: ArmParameters) -> "_Known | None":
         """None for springs that cannot carry the arm."""
         try:
-            bent = deflection(self.motion, constants.springs)
-            model = filter_at(self.motion, constants, self.imu, self.noise, self.segment)
+            bent = deflection(self.motion, parameters.springs)
+            model = filter_at(self.motion, parameters, self.imu, self.noise, self.segment)
             settled = SteadyStateFilter(model.sampled(1.0 / self.imu.rate))
         except (FloatingPointError, RuntimeError):
             return None

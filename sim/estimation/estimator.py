@@ -1,6 +1,11 @@
-"""The tool's path along a long way: deflection of the identified arm, and a smoothed deviation."""
+"""The tool's path from motor angles and IMU: deflection of the identified arm, and a deviation.
 
-from dataclasses import dataclass
+What the IMU adds to what motor angles and springs explain is small, so it is estimated as a linear
+deviation by a filter and smoother on a schedule: gains of the places along the first run, computed
+once for all runs of a reference.
+"""
+
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mujoco
@@ -9,14 +14,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.scheduled import ScheduledSmoother
 
-from ...instruments.imu import ImuCfg, ImuSamples
-from ..arm_filter import ArmFilter, ProcessNoise
-from ..nominal import NominalArm
-from ..relative_path import REST_SAMPLES, relative_to_start
+from ..instruments.imu import ImuCfg, ImuSamples
+from .arm_filter import ArmFilter, ProcessNoise
 from .deflection import Deflection, deflection
+from .elasticity import ArmParameters
 from .identification import filter_at
-from .parameters import WayConstants
+from .nominal import NominalArm
 from .readings import explained, residual
+from .relative_path import REST_SAMPLES, relative_to_start
 from .rigid_motion import RigidMotion, rigid_motion, segments
 
 PLACE = 0.12
@@ -24,7 +29,7 @@ PLACE = 0.12
 
 
 @dataclass(frozen=True, eq=False)
-class WayEstimate:
+class ToolEstimate:
     """The tool as estimated, at the instants of the motor log."""
 
     displacement: Array
@@ -32,17 +37,17 @@ class WayEstimate:
     shift: Array
     """(N, 3) [m], what the IMU adds to the path that motors and springs explain."""
     innovation: Array
-    """(K, 6), whitened innovations; NaN where no reading was used."""
+    """(K, 6), whitened innovations; NaN where no reading was used. K is 0 without an IMU."""
     instants: Array
     """(K,) [s] of the innovations."""
 
 
 @dataclass(frozen=True, eq=False)
-class WayEstimator:
+class ToolEstimator:
     """Estimates the tool of one robot along one reference."""
 
     arm: NominalArm
-    constants: WayConstants
+    parameters: ArmParameters
     imu: ImuCfg
     process_noise: ProcessNoise
     along: RigidMotion
@@ -52,7 +57,7 @@ class WayEstimator:
     def models(self) -> tuple[ArmFilter, ...]:
         """Filters along the reference, from the first place to the last."""
         chosen = [np.flatnonzero(self.place == s)[0] for s in range(self.place[-1] + 1)]
-        known = self.constants, self.imu, self.process_noise
+        known = self.parameters, self.imu, self.process_noise
         return tuple(filter_at(self.along, *known, int(self.along.segment[at])) for at in chosen)
 
     @cached_property
@@ -68,6 +73,11 @@ class WayEstimator:
         tools = np.array([model.tool[:3] for model in self.models])
         return tools @ known @ np.swapaxes(tools, 1, 2)
 
+    def of_model(self) -> "ToolEstimator":
+        """The estimator of a model's runs, whose IMU has no clock and no mounting of its own."""
+        own = replace(self.parameters, clock_offset=0.0, mounting=np.zeros(3))
+        return replace(self, parameters=own)
+
     def smoother(self, instants: Array) -> ScheduledSmoother:
         """For readings at instants of robot time [s]."""
         time = self.along.time
@@ -79,19 +89,19 @@ class WayEstimator:
     def _smoothers(self) -> dict[bytes, ScheduledSmoother]:
         return {}
 
-    def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples | None) -> WayEstimate:
+    def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples | None) -> ToolEstimate:
         """The tool in one run: log (N,), (N, a) and IMU samples, None without an IMU."""
         from scipy.interpolate import CubicSpline
 
         motion = rigid_motion(self.arm, time, motor_angle)
-        bent = deflection(motion, self.constants.springs)
+        bent = deflection(motion, self.parameters.springs)
         path = tool_path(motion, bent)
         if samples is None:
-            return WayEstimate(path, np.zeros_like(path[:, :3]), np.empty((0, 6)), np.empty(0))
-        constants = self.constants
+            return ToolEstimate(path, np.zeros_like(path[:, :3]), np.empty((0, 6)), np.empty(0))
+        own = self.parameters
         known = explained(motion, bent, self.imu)
-        left, bias = residual(samples, known, constants.clock_offset, constants.mounting)
-        instants = samples.time + constants.clock_offset
+        left, bias = residual(samples, known, own.clock_offset, own.mounting)
+        instants = samples.time + own.clock_offset
         key = instants.tobytes()
         if key not in self._smoothers:
             self._smoothers[key] = self.smoother(instants)
@@ -103,7 +113,7 @@ class WayEstimator:
         deviation = np.einsum("nij,nj->ni", tools[smoother.schedule], states.smoothed)
         shift = CubicSpline(instants, deviation)(np.clip(time, instants[0], instants[-1]))
         shift -= shift[:REST_SAMPLES].mean(axis=0)
-        return WayEstimate(path + shift, shift[:, :3], states.innovation, instants)
+        return ToolEstimate(path + shift, shift[:, :3], states.innovation, instants)
 
 
 def tool_path(motion: RigidMotion, bent: Deflection) -> Array:

@@ -7,13 +7,13 @@ import pytest
 from armside.arrays import Array
 from armside.assets import LARGE_ROBOT_XML
 from armside.ilc.filters import ZeroPhaseButterworth
+from armside.sim.estimation.deflection import deflection
+from armside.sim.estimation.elasticity import Elasticity, nominal_elasticity
+from armside.sim.estimation.estimator import tool_path
 from armside.sim.estimation.nominal import NominalArm, nominal_arm
 from armside.sim.estimation.observer import ENCODER_FILTER, observe
-from armside.sim.estimation.way.deflection import deflection
-from armside.sim.estimation.way.elasticity import Elasticity, nominal_elasticity
-from armside.sim.estimation.way.estimator import tool_path
-from armside.sim.estimation.way.joints import across, with_structure
-from armside.sim.estimation.way.rigid_motion import REACH, rigid_motion, segments
+from armside.sim.estimation.rigid_motion import REACH, rigid_motion, segments
+from armside.sim.estimation.structure import across, with_structure
 from armside.sim.robot.model import RobotModel, load_model
 
 PERIOD = 0.004

@@ -1,4 +1,4 @@
-"""Trust in an estimate along a way: innovations and what the IMU adds, second by second."""
+"""Validity of an estimate: innovations and what the IMU adds, second by second."""
 
 from dataclasses import dataclass
 
@@ -6,18 +6,18 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .estimator import WayEstimate
+from .estimator import ToolEstimate
 
 WINDOW = 1.0
 """[s], of the record that is judged as one: a hundred readings."""
 SHORT = 4.0
 """Length of a run [s] up to which it is short: a window is half of it, and what the model lacks has
-no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long ways from 5 s on."""
+no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long paths from 5 s on."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Beyond which an estimate is not trusted."""
+    """Beyond which an estimate is not valid."""
 
     innovation: float
     """RMS of whitened innovations in a window."""
@@ -32,20 +32,20 @@ OF_SHORT = Limits(30.0, 2e-3)
 """Here the smoother mends that: sound runs have up to 19 and 1.1 mm. A knock of 5 m/s^2 for 40 ms
 has 52, one of 50 m/s^2 4 mm. Seeds from 100 on. ESTIMATE"""
 FADE = 0.1
-"""[s], over which trust is lost before such a window and gained after it."""
+"""[s], over which validity is lost before such a window and gained after it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Trust:
-    """Trust in one estimate."""
+class Validity:
+    """Validity of one estimate."""
 
     weight: Array
     """(N,) in [0, 1]."""
     text: str
-    """Where it is not trusted and why; empty where it is everywhere."""
+    """Where it is not valid; empty where it is everywhere."""
 
 
-def trust(estimate: WayEstimate, time: Array) -> Trust:
+def validity(estimate: ToolEstimate, time: Array) -> Validity:
     """Of an estimate at the instants (N,) of the motor log."""
     limits = OF_SHORT if time[-1] < SHORT else OF_LONG
     window = (time / WINDOW).astype(int)
@@ -59,11 +59,11 @@ def trust(estimate: WayEstimate, time: Array) -> Trust:
         good[at] &= bool((shift < limits.shift).all())
     weight = _faded(good[window].astype(float), round(FADE / float(time[1] - time[0])))
     if good.all():
-        return Trust(weight, "")
+        return Validity(weight, "")
     places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
     seconds = "second that begins" if (~good).sum() == 1 else "seconds that begin"
-    text = f"the estimate is not trusted, and nothing learned, in the {seconds} at {places} s"
-    return Trust(weight, text)
+    text = f"the estimate is not valid, and nothing learned, in the {seconds} at {places} s"
+    return Validity(weight, text)
 
 
 def _faded(weight: Array, samples: int) -> Array:

@@ -7,9 +7,9 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.process import first_order_hold, simulate
 
-from ...instruments.imu import ImuCfg, ImuSamples
-from ..arm_identification import REST
+from ..instruments.imu import ImuCfg, ImuSamples
 from .deflection import Deflection
+from .imu_health import REST
 from .rigid_motion import RigidMotion
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 Everything here follows from the measured motor angles and from masses; no spring enters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -11,12 +11,12 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
-from ...robot.linkage import FreeMotion
-from ...robot.servo import interpolate
-from ..linearised_arm import LinearisedArm
-from ..nominal import NominalArm
-from ..nonlinear_residual import inverse_dynamics
-from ..observer import ENCODER_FILTER
+from ..robot.free_motion import FreeMotion
+from ..robot.servo import interpolate
+from .elasticity import Elasticity
+from .linearised_arm import LinearisedArm
+from .nominal import NominalArm
+from .observer import ENCODER_FILTER
 
 REACH = 0.03
 """Largest change of a motor angle within which matrices are taken to be constant [rad]."""
@@ -40,6 +40,8 @@ class RigidMotion:
     """(N, 6, n), (v, omega) in the axes of the IMU."""
     imu_gravity: Array
     """(N, 3, n) [m/s^2/rad], change of gravity in the IMU's axes by tilting."""
+    up: Array
+    """(N, 3) [m/s^2], reading of an ideal accelerometer that does not move."""
     segment: np.ndarray
     """(N,) index of the segment with constant matrices."""
     mass: Array
@@ -53,26 +55,33 @@ class RigidMotion:
     def period(self) -> float:
         return float(self.time[1] - self.time[0])
 
-    def linearised(self, segment: int, structure: Array, damping: Array) -> LinearisedArm:
-        """The arm in one segment, on structural springs and dampers (n,), zero for gears."""
-        at, arm = int(self.middle[segment]), self.arm
+    def linearised(self, segment: int, springs: Elasticity) -> LinearisedArm:
+        """The arm on springs, in one segment."""
+        at, arm, gears = int(self.middle[segment]), self.arm, springs.axes
         q = _posture(arm, self.phi[at])
         data = arm.motion.data()
         _forward(arm.motion, data, q)
-        J = arm.motion.jacobian(data, arm.mj.site("tool0").id)
+        structure, damping = springs.stiffness.copy(), springs.damping.copy()
+        structure[gears] = damping[gears] = 0.0
         return LinearisedArm(
             q=q,
             mass=self.mass[segment],
             gradient=self.gradient[segment] + np.diag(structure),
             structure_damping=damping,
-            axes=arm.axes,
-            stiffness=arm.stiffness,
-            damping=arm.damping,
-            tool_jacobian=J,
+            axes=gears,
+            stiffness=springs.stiffness[gears],
+            damping=springs.damping[gears],
+            tool_jacobian=arm.motion.jacobian(data, arm.mj.site("tool0").id),
             imu_jacobian=self.imu_jacobian[at],
             imu_gravity=self.imu_gravity[at],
-            imu_up=self.reading[0, :3],
+            imu_up=self.up[at],
         )
+
+    def beginning(self, seconds: float) -> "RigidMotion":
+        """Its first seconds."""
+        n = int(np.searchsorted(self.time, seconds))
+        names = ("time", "phi", "load", "reading", "imu_jacobian", "imu_gravity", "up", "segment")
+        return replace(self, **{name: getattr(self, name)[:n] for name in names})
 
 
 def rigid_motion(arm: NominalArm, time: Array, motor_angle: Array) -> RigidMotion:
@@ -81,13 +90,29 @@ def rigid_motion(arm: NominalArm, time: Array, motor_angle: Array) -> RigidMotio
     smooth = ZeroPhaseButterworth(ENCODER_FILTER, period)(motor_angle)
     phi, phi_dot, phi_ddot = interpolate(arm.gear_output(smooth), period, 1)
     q, q_dot, q_ddot = (_posture(arm, each) for each in (phi, phi_dot, phi_ddot))
+    q_dot[0] = q_ddot[0] = 0.0  # a run starts at rest, where differences of counts are noise
     load, reading = inverse_dynamics(arm.motion, q, q_dot, q_ddot)
-    J, tilt = _imu(arm.motion, q)
+    J, tilt, up = _imu(arm.motion, q)
     segment = segments(phi)
     middle = np.array([int(np.flatnonzero(segment == s).mean()) for s in range(segment[-1] + 1)])
     mass, gradient = _matrices(arm.motion, q[middle])
-    series = (time, phi, load, reading, J, tilt, segment)
+    series = (time, phi, load, reading, J, tilt, up, segment)
     return RigidMotion(arm, *series, mass, gradient, middle)
+
+
+def inverse_dynamics(
+    motion: FreeMotion, q: Array, q_dot: Array, q_ddot: Array
+) -> tuple[Array, Array]:
+    """Torques (N, n) that motions take, gear springs left out, and readings (N, 6) of the IMU."""
+    mj, data = motion.mj, motion.data()
+    sensors = [mj.sensor(name).adr[0] + np.arange(3) for name in ("imu_acc", "imu_gyro")]
+    picked = np.concatenate(sensors)
+    torque, reading = np.empty_like(q), np.empty((len(q), 6))
+    for i in range(len(q)):
+        motion.move(data, q[i], q_dot[i], q_ddot[i])
+        mujoco.mj_inverse(mj, data)
+        torque[i], reading[i] = motion.forces(data, data.qfrc_inverse), data.sensordata[picked]
+    return torque, reading
 
 
 def segments(phi: Array, reach: float = REACH) -> np.ndarray:
@@ -111,8 +136,8 @@ def _forward(motion: FreeMotion, data: mujoco.MjData, q: Array) -> None:
     mujoco.mj_forward(motion.mj, data)
 
 
-def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array]:
-    """(N, 6, n) and (N, 3, n): see `RigidMotion`."""
+def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array, Array]:
+    """(N, 6, n), (N, 3, n) and (N, 3): see `RigidMotion`."""
     mj, data = motion.mj, motion.data()
     site = mj.site("imu").id
     J, up = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3))
@@ -124,7 +149,7 @@ def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array]:
         J[i, :3], J[i, 3:] = R @ in_base[:3], R @ in_base[3:]
         up[i] = -R @ mj.opt.gravity
     tilt = np.cross(up[:, :, None], J[:, 3:], axis=1)  # gravity turns against the unit
-    return J, np.ascontiguousarray(tilt)
+    return J, np.ascontiguousarray(tilt), up
 
 
 def _matrices(motion: FreeMotion, postures: Array) -> tuple[Array, Array]:

@@ -1,0 +1,144 @@
+"""Springs in an arm: gears with lost motion, and the structure in series; as one unknown vector.
+
+    theta = (log stiffness of gears and structure (n) | log damping of gears, of the structure |
+             lost motion | clock | log process noise | mounting (3))
+
+Stiffnesses, damping and lost motion are relative to the nominal arm. One factor serves the lost
+motion of all gears, which a data sheet states for the type: 1 + z, at least 0.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from armside.arrays import Array
+
+from ..robot.effects import Effect, available
+from ..robot.mjcf import numeric
+from ..robot.model import RobotModel
+from .nominal import NominalArm
+
+_RIGID = 1e3  # stiffness of a structure that is not known to give way, over that of the gear beside
+
+
+@dataclass(frozen=True, eq=False)
+class Elasticity:
+    """n elastic degrees of freedom, a of them gears."""
+
+    stiffness: Array
+    """(n,) [N m/rad], of the wound gear and of the structure."""
+    damping: Array
+    """(n,) [N m s/rad]."""
+    axes: np.ndarray
+    """(a,) the gears among them."""
+    softening: Array
+    """(n,) in [0, 1): fraction of the stiffness that is missing within the lost motion."""
+    lost_motion: Array
+    """(n,) [rad], half width of the soft range."""
+
+    def scaled(
+        self, stiffness: Array, gear_damping: float, structure_damping: float, lost_motion: float
+    ) -> "Elasticity":
+        """With factors on stiffness (n,), damping, and the width of the soft range."""
+        damping = np.full(len(self.damping), structure_damping)
+        damping[self.axes] = gear_damping
+        return replace(
+            self,
+            stiffness=self.stiffness * stiffness,
+            damping=self.damping * damping,
+            lost_motion=self.lost_motion * lost_motion,
+        )
+
+    @property
+    def on_rigid_structure(self) -> "Elasticity":
+        """The gears alone: what stands in series with them gives way by a thousandth of them."""
+        rigid = np.full(len(self.stiffness), _RIGID)
+        rigid[self.axes] = 1.0
+        return self.scaled(rigid, 1.0, 1.0, 1.0)
+
+    def mean_slope(self, angle: Array) -> "Elasticity":
+        """Linear springs for deflections (M, n): within its lost motion a gear is soft."""
+        inside = (np.abs(angle) < self.lost_motion).mean(axis=0)
+        return replace(self, stiffness=self.stiffness * (1.0 - inside * self.softening))
+
+
+def nominal_elasticity(robot: RobotModel, arm: NominalArm) -> Elasticity:
+    """Assumed gears of an arm, its structure, and the lost motion that the robot's file states.
+
+    A file without lost motion has gears of linear springs.
+    """
+    mj, n, joints = arm.mj, arm.n_free, arm.motion.joints
+    stiffness, damping = mj.jnt_stiffness.ravel()[joints], mj.dof_damping.ravel()[joints]
+    stiffness[arm.axes], damping[arm.axes] = arm.stiffness, arm.damping
+    softening, lost = np.zeros(n), np.zeros(n)
+    if Effect.LOST_MOTION in available(robot):
+        a = robot.n_axes
+        whole = [float(robot.mj.joint(f"flex_{i + 1}").stiffness.flat[0]) for i in range(a)]
+        softening[arm.axes] = 1.0 - numeric(robot.mj, "gear_soft_stiffness", a) / whole
+        lost[arm.axes] = numeric(robot.mj, "gear_lost_motion", a)
+    return Elasticity(stiffness, damping, arm.axes, softening, lost)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringPrior:
+    """Standard deviations around the nominal arm."""
+
+    gears: float = 0.2
+    """Log stiffness: uniform within +- 30 % is a standard deviation of 0.17."""
+    structure: float = 0.7
+    """Log stiffness of bearings and links: within a factor of two of the gear beside. ESTIMATE"""
+    damping: float = 0.5
+    lost_motion: float = 0.3
+    """Of its width, relative. ESTIMATE"""
+    clock: float = 0.010
+    """[s]."""
+    process_noise: float = 0.5
+    mounting: float = 0.02
+    """[rad], rotation of the IMU's housing about each of its axes."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if not getattr(self, field.name) > 0.0:
+                raise ValueError(f"{field.name} must be > 0, got {getattr(self, field.name)}")
+
+    def standard_deviation(self, springs: Elasticity) -> Array:
+        """(m,), of theta; its mean is 0."""
+        stiffness = np.full(len(springs.stiffness), self.structure)
+        stiffness[springs.axes] = self.gears
+        others = self.damping, self.damping, self.lost_motion, self.clock, self.process_noise
+        return np.concatenate([stiffness, others, np.full(3, self.mounting)])
+
+
+def names(springs: Elasticity) -> tuple[str, ...]:
+    """(m,), of the entries of theta."""
+    gear = {int(dof): i + 1 for i, dof in enumerate(springs.axes)}
+    stiffness, before, count = list[str](), 0, 0
+    for dof in range(len(springs.stiffness)):
+        before, count = (gear[dof], 0) if dof in gear else (before, count + 1)
+        stiffness.append(f"stiffness {before}" + (f" across {count}" if count else ""))
+    damping = "damping", "damping of the structure"
+    mounting = (f"mounting {axis}" for axis in "xyz")
+    return (*stiffness, *damping, "lost motion", "clock", "process noise", *mounting)
+
+
+@dataclass(frozen=True, eq=False)
+class ArmParameters:
+    """Springs of an arm, and clock and mounting of its IMU."""
+
+    springs: Elasticity
+    clock_offset: float
+    """Robot time when the unit's clock shows 0 [s]."""
+    process_noise: float
+    """`ProcessNoise.fraction`: fraction of the arm's twist that the model leaves unexplained."""
+    mounting: Array
+    """(3,) [rad], rotation of the IMU's housing from its site."""
+
+
+def parameters_at(nominal: Elasticity, theta: Array, fraction: float) -> ArmParameters:
+    """Parameters of a vector; fraction: expected `ProcessNoise.fraction`."""
+    n = len(nominal.stiffness)
+    gears, structure, lost, clock, noise = theta[n : n + 5]
+    width = max(0.0, 1.0 + float(lost))
+    damped = float(np.exp(gears)), float(np.exp(structure))
+    springs = nominal.scaled(np.exp(theta[:n]), *damped, width)
+    return ArmParameters(springs, float(clock), fraction * float(np.exp(noise)), theta[n + 5 :])

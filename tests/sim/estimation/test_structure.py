@@ -1,0 +1,93 @@
+"""Springs across the axes of arms with one axis to nine, and the parameters they make."""
+
+import numpy as np
+import pytest
+
+from armside.assets import IRB1400_XML, LARGE_ROBOT_XML
+from armside.sim.estimation.elasticity import SpringPrior, names, nominal_elasticity, parameters_at
+from armside.sim.estimation.nominal import NominalCfg, nominal_arm
+from armside.sim.estimation.structure import with_structure
+from armside.sim.laser import Cut, prepare
+from armside.sim.robot.model import load_model
+
+PARENT = LARGE_ROBOT_XML.parent
+
+
+def arm_of(robot):
+    return nominal_arm(with_structure(robot), NominalCfg(structure=True))
+
+
+@pytest.mark.parametrize(
+    ("file", "free"),
+    [
+        ("two_link", 2),  # both axes are parallel
+        ("scara", 4),
+        ("large", 6 + 6),
+        ("irb1400", 6 + 6),
+        ("panda_like", 7 + 6),
+    ],
+)
+def test_two_springs_stand_across_each_of_the_first_three_axes_of_an_arm_in_space(file, free):
+    robot = file if file in ("large", "irb1400") else str(PARENT / f"{file}.toml")
+    nominal = prepare(Cut(robot=robot)).nominal
+    arm = arm_of(nominal)
+    assert arm.n_free == free
+    springs = nominal_elasticity(nominal, arm)
+    across = np.setdiff1d(np.arange(free), arm.axes)
+    gears = set(springs.stiffness[arm.axes].tolist())
+    assert set(springs.stiffness[across].tolist()) <= gears
+
+
+@pytest.mark.parametrize("file", [LARGE_ROBOT_XML, IRB1400_XML])
+def test_springs_that_a_file_knows_are_not_assumed(file):
+    mj = with_structure(load_model(file)).mj
+    known = [mj.joint(i).name for i in range(mj.njnt)]
+    assert not [name for name in known if name.startswith("struct_")]
+
+
+def test_parameters_are_named_and_make_springs():
+    robot = load_model(LARGE_ROBOT_XML)
+    springs, prior = nominal_elasticity(robot, arm_of(robot)), SpringPrior()
+    known = names(springs)
+    assert known[:4] == (
+        "stiffness 1",
+        "stiffness 1 across 1",
+        "stiffness 1 across 2",
+        "stiffness 2",
+    )
+    assert known[12:15] == ("damping", "damping of the structure", "lost motion")
+    assert len(known) == len(prior.standard_deviation(springs)) == 20
+    theta = np.zeros(20)
+    theta[[0, 1, 12, 15]] = 0.5, -0.3, 0.2, 0.004
+    found = parameters_at(springs, theta, 0.05)
+    ratio = found.springs.stiffness / springs.stiffness
+    assert ratio == pytest.approx(np.exp([0.5, -0.3, *[0.0] * 10]))
+    damped = found.springs.damping / springs.damping
+    assert damped[springs.axes] == pytest.approx(np.exp(0.2))
+    assert (found.clock_offset, found.process_noise) == (0.004, 0.05)
+    theta[14] = -1.5  # a width below zero is none
+    assert not parameters_at(springs, theta, 0.05).springs.lost_motion.any()
+
+
+def test_a_rigid_structure_leaves_the_gears_alone():
+    robot = load_model(LARGE_ROBOT_XML)
+    springs = nominal_elasticity(robot, arm_of(robot))
+    rigid = springs.on_rigid_structure
+    across = np.setdiff1d(np.arange(12), springs.axes)
+    assert np.array_equal(rigid.stiffness[springs.axes], springs.stiffness[springs.axes])
+    assert rigid.stiffness[across] == pytest.approx(1e3 * springs.stiffness[across])
+
+
+def test_a_prior_says_what_is_out_of_range():
+    with pytest.raises(ValueError, match="clock must be > 0"):
+        SpringPrior(clock=0.0)
+
+
+def test_a_gear_is_soft_by_the_part_of_the_time_within_its_lost_motion():
+    robot = load_model(LARGE_ROBOT_XML)
+    springs = nominal_elasticity(robot, arm_of(robot))
+    lost, first = springs.lost_motion, int(springs.axes[0])
+    angle = np.where(np.arange(4)[:, None] < 1, 0.5, 2.0) * np.where(lost > 0.0, lost, 1.0)
+    slope = springs.mean_slope(angle).stiffness / springs.stiffness
+    assert slope[first] == pytest.approx(1.0 - 0.25 * springs.softening[first])
+    assert slope[np.setdiff1d(np.arange(12), springs.axes)] == pytest.approx(1.0)
