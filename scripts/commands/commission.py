@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from armside.sim.cut.notes import motion_notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.notes import pass_notes
+from armside.sim.laser.results import pass_notes
 from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
@@ -26,8 +26,7 @@ from armside.sim.twin.tool_sensor import Scale
 from armside.sim.twin.twin import design_of
 from armside.sim.twin.uncertainty import is_identified, standard_deviation
 
-from ..cutting.individual import IndividualCfg, robot_state
-from ..cutting.options import LARGEST
+from ..cutting.options import LARGEST, IndividualCfg, robot_state
 from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, options

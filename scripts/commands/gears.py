@@ -13,7 +13,7 @@ from armside.sim.laser.specification import Cut
 from armside.sim.named_robot import find_robot
 from armside.sim.records.summary import summary
 
-from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.options import IndividualCfg, robot_state
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input

@@ -14,8 +14,7 @@ from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.laser.specification import Cut, LeadIn
 
 from ..shell.effort import Effort, refuse_absurd
-from .individual import known_state
-from .options import RADIUS, LaserCfg
+from .options import RADIUS, LaserCfg, known_state
 
 LEADS = 1.5
 """Length of the programmed path over that of the contour, rounded up."""

@@ -20,8 +20,8 @@ from armside.sim.evaluation.check import Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Pass
-from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import ToolOutput, ToolPath
 from armside.sim.notes import Note, counted

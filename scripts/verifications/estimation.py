@@ -14,8 +14,8 @@ from armside.sim.cut.timing import PathLimits
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
-from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
 from armside.sim.notes import Tally

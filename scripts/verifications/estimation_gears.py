@@ -20,7 +20,7 @@ from armside.sim.gears.found import Discrepancy, discrepancies
 from armside.sim.gears.virtual_run import RUNS, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
-from armside.sim.laser.notes import notes
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.notes import Tally

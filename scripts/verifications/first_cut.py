@@ -15,7 +15,7 @@ from armside.sim.cut.notes import motion_notes
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
-from armside.sim.laser.notes import pass_notes
+from armside.sim.laser.results import pass_notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn

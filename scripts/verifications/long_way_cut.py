@@ -15,8 +15,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case, rms
 from armside.sim.laser.experiment import Iteration, Pass
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.notes import GROWTH, notes
-from armside.sim.laser.results import status
+from armside.sim.laser.results import GROWTH, notes, status
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source
 from armside.sim.laser.way_measure import PathAlongWay, WayOutput

@@ -15,7 +15,7 @@ from ..laser.experiment import Experiment, Pass, prepare
 from ..laser.job import arrays_of
 from ..laser.learning import iterate
 from ..laser.measures import MotorAngles
-from ..laser.notes import notes
+from ..laser.results import notes
 from ..laser.specification import Cut
 from ..notes import Note
 from ..robot.effects import Effect

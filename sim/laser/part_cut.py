@@ -32,7 +32,7 @@ from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Iteration, controlled
 from .joint_bounds import JointBounds
-from .notes import named
+from .results import named
 from .specification import Ended, Row, Setup, Timed
 
 NOWHERE = 1e-6

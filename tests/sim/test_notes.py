@@ -12,8 +12,7 @@ from armside.sim.imu import ImuExperiment
 from armside.sim.imu import prepare as prepare_imu
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, MotorAngles, Source, ToolPath, iterate, learn, prepare
-from armside.sim.laser.notes import notes, pass_notes
-from armside.sim.laser.results import results
+from armside.sim.laser.results import notes, pass_notes, results
 from armside.sim.moves.notes import slower_moves
 from armside.sim.notes import Cause, Note, counted, together
 

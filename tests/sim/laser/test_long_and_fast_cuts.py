@@ -9,9 +9,8 @@ from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
 from armside.sim.laser.learning import first_run
-from armside.sim.laser.notes import GROWTH
 from armside.sim.laser.path_error import path_error, rigid_path
-from armside.sim.laser.results import results
+from armside.sim.laser.results import GROWTH, results
 from armside.sim.notes import Cause
 
 pytestmark = pytest.mark.usefixtures("quick_identification")
