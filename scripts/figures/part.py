@@ -10,8 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from armside.arrays import Array
-from armside.sim.evaluation.tool_error import ToolError
-from armside.sim.evaluation.tool_error import signed_distance
+from armside.sim.evaluation.tool_error import ToolError, signed_distance
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan, PlannedCut, rapid_moves
 
