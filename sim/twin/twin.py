@@ -13,8 +13,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
+from ..laser.experiment import Experiment
 from ..laser.specification import Cut, Setup
-from ..part.carried import Motion
 from ..records.errors import InputError
 from ..records.files import check_file
 from ..robot.cell_model import cell_model
@@ -23,7 +23,7 @@ from ..robot.individual import Individual, with_payload
 from ..robot.recording import Recording
 from ..robot.six_axes import N_AXES
 from .bending import with_bending
-from .correction import Corrected, correct, correct_motion
+from .correction import Corrected, correct, correct_experiment
 from .ensemble import members
 from .identification import parameters_of
 from .parameters import Parameters
@@ -104,17 +104,17 @@ class Twin:
         """
         self.check(cut)
         design = self.design_with(cut.payload)
-        about = design, self.individual, self.around
-        return correct(*about, cut, self.evidence)
+        return correct(design, self.individual, self.around, cut, self.evidence)
 
-    def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
-        """Correction for the first run of a planned motion, such as that of a whole part.
+    def correction_of(self, experiment: Experiment) -> Corrected:
+        """Correction for the first run of an experiment, such as that of a whole part.
 
-        reference: (N, 6) [rad]. Raises TwinError as `correction`.
+        Raises TwinError as `correction`.
         """
-        self.check(setup)
-        about = self.design_with(setup.payload), self.individual, self.around
-        return correct_motion(*about, motion, reference, self.evidence)
+        cut = experiment.cut
+        self.check(cut)
+        design = self.design_with(cut.payload)
+        return correct_experiment(design, self.individual, self.around, experiment, self.evidence)
 
     @property
     def around(self) -> list[Individual]:
