@@ -11,7 +11,7 @@ from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
 from armside.sim.laser.learning import Start, iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.notes import notes
+from armside.sim.laser.results import notes
 from armside.sim.notes import Cause, Note, together
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary

@@ -52,7 +52,8 @@ def cut(
         write_plan(folder, plan)
         if made is None:
             about |= {} if before is None else {"started_from": before.entry}
-            outcome = summary("cut", cfg, common, **about, **what.plan_entries())
+            found = what.plan_entries()
+            outcome, notes = summary("cut", cfg, common, **about, **found), found["notes"]
             (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         else:
             ends = list[Iteration]()
@@ -60,11 +61,11 @@ def cut(
                 learned = made.iterations(cfg.iterations, 1e-2 * cfg.converged or None)
                 found = results(made.experiment, _watched(learned, ends, step), of_tool=True)
             save_state(folder, ends[-1].state)
-            entries, notes = made.entries()
-            found |= about | entries | {"notes": [*found["notes"], *notes]}
-            outcome = summary("cut", cfg, common, **found)
+            entries, of_twin = made.entries()
+            notes = [*found["notes"], *of_twin]
+            outcome = summary("cut", cfg, common, **(found | about | entries | {"notes": notes}))
             write_results(folder, made.experiment, ends, outcome)
-    report.notes(outcome["notes"])
+    report.notes(notes)
     if made is not None:
         made.show(report, outcome)
         show_results(report, outcome)

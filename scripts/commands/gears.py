@@ -12,7 +12,7 @@ from armside.sim.laser.specification import Setup
 from armside.sim.records.summary import summary
 from armside.sim.robot_file.find import find_cell, load_robot
 
-from ..cutting.individual import IndividualCfg, robot_state
+from ..cutting.options import IndividualCfg, robot_state
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input

@@ -24,8 +24,7 @@ from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
 from ..shell.options import options
 from .earlier import STATE, Earlier
-from .individual import KnownGearsCfg, known_state
-from .options import LARGEST, SLOWEST
+from .options import LARGEST, SLOWEST, KnownGearsCfg, known_state
 from .specification import effort
 
 _Several = Parameter(consume_multiple=True)

@@ -19,8 +19,15 @@ from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
 from ..shell.options import FileToRead, options
 from .earlier import Earlier
-from .individual import KnownGearsCfg, known_state
-from .options import FRICTION_SPREAD, LARGEST, SIX, SLOWEST, SMALLEST_BEAM
+from .options import (
+    FRICTION_SPREAD,
+    LARGEST,
+    SIX,
+    SLOWEST,
+    SMALLEST_BEAM,
+    KnownGearsCfg,
+    known_state,
+)
 from .specification import effort
 
 if TYPE_CHECKING:  # its package needs the extra of drawings

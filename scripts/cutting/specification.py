@@ -13,8 +13,7 @@ from armside.sim.motion.contour import CORNER, Circle, ClosedCurve, hexagon, slo
 from armside.sim.motion.timing import PathLimits
 
 from ..shell.effort import Effort, refuse_absurd
-from .individual import known_state
-from .options import RADIUS, LaserCfg
+from .options import RADIUS, LaserCfg, known_state
 
 LEADS = 1.5
 """Length of the programmed path over that of the contour, rounded up."""

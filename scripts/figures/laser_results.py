@@ -2,60 +2,101 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from armside.sim.cut.contour import Circle
+from armside.sim.cut.tool_motion import ToolMotion
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.laser.experiment import Experiment, Iteration
-from armside.sim.motion.contour import Circle
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps
 
 from ..shell.console import Report
 
+if TYPE_CHECKING:
+    from armside.sim.records.signals import RecordedRun
+
+TRUTH_RATE = 1000.0
+"""[Hz], of the ground truth on disk."""
+
 
 def write(
-    folder: RunFolder, experiment: Experiment, iterations: list[Iteration], outcome: dict[str, Any]
+    folder: RunFolder,
+    experiment: Experiment[ToolMotion],
+    iterations: list[Iteration],
+    outcome: dict[str, Any],
 ) -> None:
     """Write the files of a run, which together are all that replay and measure need."""
-    from armside.sim.records.signals import RecordedRun, write_signals
+    from armside.sim.records.signals import RecordedRun
+
+    from . import laser as figures
+
+    runs = [
+        RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations
+    ]
+    write_run(folder, experiment, runs, outcome, TRUTH_RATE)
+    curve, rows = experiment.motion.curve, outcome["iterations"]
+    rms, maxdev = ([row[key] for row in rows] for key in ("arm_rms", "arm_maxdev"))
+    reference = curve.point(np.linspace(0.0, curve.length, 361))
+    paths = [it.tool.path for it in iterations]
+    names = [f"k = {it.k}" for it in iterations]
+    figures.circles(folder / "circles.png", reference, paths, rms=rms, maxdev=maxdev, names=names)
+    # The first cut and the last, as the tool truly made them.
+    shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
+    cuts = [(it.k, kerf(curve, it.tool_true.path, outcome["kerf"]["beam"])) for it in shown]
+    measure = "roundness" if isinstance(curve, Circle) else "band of the edge"
+    figures.kerf(folder / "kerf.png", cuts, measure)
+
+
+def write_run(
+    folder: RunFolder,
+    experiment: Experiment,
+    runs: "list[RecordedRun]",
+    outcome: dict[str, Any],
+    truth_rate: float,
+) -> None:
+    """Write summary, signals, individual, robot, replay and the figure of errors.
+
+    truth_rate: [Hz], of the ground truth on disk.
+    """
+    from armside.sim.records.signals import write_signals
     from armside.sim.replay.run_scene import laser_scene
     from armside.sim.replay.scene import write_scenes
     from armside.sim.robot.individual import as_built
     from armside.sim.robot.individual_file import individual_toml
     from armside.sim.robot.mjcf import write_robot
 
-    from . import kerf as kerf_figure
     from . import laser as figures
 
     (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-    runs = [
-        RecordedRun(k=it.k, recording=it.run.recording, tracker=it.run.tracker) for it in iterations
-    ]
-    config, rows, curve = outcome["config"], outcome["iterations"], experiment.motion.curve
-    motion, model = experiment.motion, experiment.loaded.model
-    about: dict[str, Any] = {"config": config, "seed": config["seed"], "gear": model.drives.gear}
-    write_signals(folder / "signals.parquet", runs, motion=motion, **about)
+    config, rows, model = outcome["config"], outcome["iterations"], experiment.loaded.model
+    write_signals(
+        folder / "signals.parquet",
+        runs,
+        config=config,
+        seed=config["seed"],
+        truth_rate=truth_rate,
+        motion=experiment.motion,
+        gear=model.drives.gear,
+    )
     own = experiment.individual
     (folder / "individual.toml").write_text(individual_toml(own), encoding="utf-8")
     write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
-    write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
+    scene = laser_scene(outcome, model.mj, runs, experiment.motion)
+    write_scenes(folder / "replay.rrd", [scene])
     motor, rms, maxdev = (
         [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
     )
-    reference = curve.point(np.linspace(0.0, curve.length, 361))
-    paths = [it.tool.path for it in iterations]
-    names = [f"k = {it.k}" for it in iterations]
-    figures.circles(folder / "circles.png", reference, paths, rms=rms, maxdev=maxdev, names=names)
-    label = "motor error, ∞-norm, normalised"
-    errors: dict[str, Any] = {"motor_label": label, "ks": [row["k"] for row in rows]}
-    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, **errors)
-    # The first cut and the last, as the tool truly made them.
-    shown = [iterations[0], iterations[-1]] if len(iterations) > 1 else iterations
-    cuts = [(it.k, kerf(curve, it.tool_true.path, outcome["kerf"]["beam"])) for it in shown]
-    measure = "roundness" if isinstance(curve, Circle) else "band of the edge"
-    kerf_figure.kerf(folder / "kerf.png", cuts, measure)
+    figures.errors(
+        folder / "errors.png",
+        np.array(motor),
+        rms,
+        maxdev,
+        motor_label="motor error, ∞-norm, normalised",
+        ks=[row["k"] for row in rows],
+    )
 
 
 def show(report: Report, outcome: dict[str, Any], path: Path) -> None:

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from armside.sim.evaluation.contour_error import LARGEST_RADIUS
+from armside.sim.evaluation.corners import LARGEST_RADIUS
 from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan
@@ -14,6 +12,7 @@ from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
 from ..shell.console import Report
+from .laser_results import write_run
 
 SHOWN = {
     "arm_rms": "RMS",
@@ -96,48 +95,19 @@ def write_results(
 ) -> None:
     """Write the files of a run; ends: its first and last iteration."""
     from armside.sim.laser.part_cut import logged
-    from armside.sim.records.signals import write_signals
-    from armside.sim.records.summary import dumps
-    from armside.sim.replay.run_scene import laser_scene
-    from armside.sim.replay.scene import write_scenes
-    from armside.sim.robot.individual import as_built
-    from armside.sim.robot.individual_file import individual_toml
-    from armside.sim.robot.mjcf import write_robot
 
-    from . import laser as figures
-    from .part_map import Mapped, part_map
+    from .part import Mapped, part_map
 
-    (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
-    config, rows, motion = outcome["config"], outcome["iterations"], experiment.motion
     runs = [logged(iteration) for iteration in ends]
-    model = experiment.loaded.model
-    write_signals(
-        folder / "signals.parquet",
-        runs,
-        config=config,
-        seed=config["seed"],
-        truth_rate=1.0 / LOG_PERIOD,
-        motion=motion,
-        gear=model.drives.gear,
-    )
-    own = experiment.individual
-    (folder / "individual.toml").write_text(individual_toml(own), encoding="utf-8")
-    write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
-    write_scenes(folder / "replay.rrd", [laser_scene(outcome, model.mj, runs, motion)])
-    whole = {row["k"]: row["arm_rms"] for row in rows}
-    mapped = [Mapped(it.k, motion, it.contours, whole[it.k]) for it in ends]
+    write_run(folder, experiment, runs, outcome, 1.0 / LOG_PERIOD)
+    whole = {row["k"]: row["arm_rms"] for row in outcome["iterations"]}
+    mapped = [Mapped(it.k, experiment.motion, it.contours, whole[it.k]) for it in ends]
     part_map(folder / "part.png", mapped)
-    motor, rms, maxdev = (
-        [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
-    )
-    label = "motor error, ∞-norm, normalised"
-    errors: dict[str, Any] = {"motor_label": label, "ks": [row["k"] for row in rows]}
-    figures.errors(folder / "errors.png", np.array(motor), rms, maxdev, **errors)
 
 
 def write_plan(folder: RunFolder, plan: Plan) -> Path:
     """Draw the plan into the folder of a run."""
-    from .part_plan import part_plan
+    from .part import part_plan
 
     file = folder / "plan.png"
     part_plan(file, plan)

@@ -138,7 +138,7 @@ def of_the_tool(runs: Sequence[LawRun]) -> list[str]:
     measured = [run for run in runs if run.measures and TOOL in run.measures[0]]
     if not measured:
         return []
-    from armside.sim.laser.notes import GROWTH
+    from armside.sim.laser.results import GROWTH
 
     ends = [(run.measures[0][TOOL], run.measures[-1][TOOL], run.law) for run in measured]
     worse = [each for each in ends if each[1] > GROWTH * each[0]]

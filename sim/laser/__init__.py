@@ -11,6 +11,8 @@ A law, a measure or a plant of one's own is one argument of `learn`. A part with
 `part_cut.PartCut` in place of the `Cut`. SI units.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .design import THESIS as THESIS
 from .design import Design as Design
 from .experiment import Experiment as Experiment
@@ -24,5 +26,16 @@ from .measures import MotorAngles as MotorAngles
 from .measures import Output as Output
 from .specification import Cut as Cut
 from .specification import LeadIn as LeadIn
-from .tool_measure import Source as Source
-from .tool_measure import ToolPath as ToolPath
+
+if TYPE_CHECKING:
+    from .tool_measure import Source as Source
+    from .tool_measure import ToolPath as ToolPath
+
+
+def __getattr__(name: str) -> Any:
+    """Measures of the tool, whose estimator is loaded when it is used."""
+    if name in ("Source", "ToolPath"):
+        from . import tool_measure
+
+        return getattr(tool_measure, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

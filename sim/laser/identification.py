@@ -21,7 +21,7 @@ from ..robot.individual import as_built
 from .consistency import consistency
 from .experiment import Experiment
 from .learning import first_run
-from .notes import pass_notes
+from .results import pass_notes
 
 UNIDENTIFIED = 0.5
 """Relative reduction of a parameter's prior variance below which the cut does not identify it: the

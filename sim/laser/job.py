@@ -13,8 +13,7 @@ from .design import THESIS, Design
 from .experiment import Experiment, Iteration, prepare
 from .learning import iterate
 from .measures import MotorAngles
-from .notes import notes
-from .results import iteration_row
+from .results import iteration_row, notes
 from .specification import Cut
 
 RIPPLE_BAND = (5.0, 14.0)  # [Hz], around the resonances that learning leaves undamped

@@ -215,11 +215,12 @@ def _held(memory: Any, contours: Sequence[Timed]) -> tuple[bool, ...]:
 
 def _notes(output: Output, law: Law, error: Array, memory: Any) -> tuple[Note, ...]:
     found = output.notes if isinstance(output, Noted) else ()
-    grown = memory is not None and isinstance(law, Guarded)
-    if grown and law.size(error) > law.tolerance * memory.size:
-        back = "the error had grown: learning went back to its best iteration"
-        return (*found, Note(cause=Cause.GUARD, text=back))
-    return found
+    if memory is None or not isinstance(law, Guarded):
+        return found
+    if law.size(error) <= law.tolerance * memory.size:
+        return found
+    back = "the error had grown: learning went back to its best iteration"
+    return (*found, Note(cause=Cause.GUARD, text=back))
 
 
 def _same_loop(size: Array, loop: LoopState, plant: Any) -> list[np.random.Generator]:

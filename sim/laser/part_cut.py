@@ -32,7 +32,7 @@ from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Iteration, controlled
 from .joint_bounds import JointBounds
-from .notes import named
+from .results import named
 from .specification import Ended, Row, Setup, Timed
 
 NOWHERE = 1e-6
@@ -88,10 +88,13 @@ class PartCut(Setup[PartMotion]):
         motion = sequence(self, self.plan, self.plane)
         return motion, reference(self, nominal, motion)
 
-    def errors(self, motion: PartMotion, time: Array, position: Array) -> tuple[ContourError, ...]:
+    def errors(
+        self, motion: PartMotion, time: Array, position: Array, *, edges: bool = True
+    ) -> tuple[ContourError, ...]:
         """At the log rate: a part is long, and its errors are slow."""
         every = stride(rate_of(time), 1.0 / LOG_PERIOD)
-        return contour_errors(motion, time[::every], position[::every], self.cutting.beam)
+        beam = self.cutting.beam if edges else None
+        return contour_errors(motion, time[::every], position[::every], beam)
 
     def whole(self, motion: PartMotion, errors: Sequence[ToolError]) -> ContourError:
         """RMS by length, the largest of the rest."""
@@ -118,6 +121,11 @@ class PartCut(Setup[PartMotion]):
 
     def contours(self, motion: PartMotion) -> Sequence[Timed]:
         return [Timed(cut.name, *cut.contour_time) for cut in motion.cuts]
+
+    def centre(self, motion: PartMotion) -> int:
+        """That which is nearest the middle of the part."""
+        away = np.linalg.norm(motion.position - motion.plane.origin, axis=1)
+        return int(away.argmin())
 
     def weights(self, motion: PartMotion) -> Array:
         """(N, M), of each correction: its contour, and what follows until the next pierces."""

@@ -117,10 +117,13 @@ class Setup(ABC, Generic[MotionT]):
         """
 
     @abstractmethod
-    def errors(self, motion: MotionT, time: Array, position: Array) -> tuple[ToolError, ...]:
+    def errors(
+        self, motion: MotionT, time: Array, position: Array, *, edges: bool = True
+    ) -> tuple[ToolError, ...]:
         """Errors of the contours in their order.
 
         time, position: (K,) [s] and (K, 3) [m], base axes, at the rate of the tracker.
+        edges: of the cut edge as well, where there are such measures.
         """
 
     @abstractmethod
@@ -134,6 +137,10 @@ class Setup(ABC, Generic[MotionT]):
     def turn_rate(self, motion: MotionT) -> float:
         """[turns/s], of the contour that is cut in the shortest time."""
         return max(1.0 / (contour.end - contour.begin) for contour in self.contours(motion))
+
+    def centre(self, motion: MotionT) -> int:
+        """Sample of the reference at which a model of the arm is linearised: the first."""
+        return 0
 
     @abstractmethod
     def weights(self, motion: MotionT) -> Array:
@@ -196,7 +203,9 @@ class Cut(Setup[ToolMotion]):
         quaternion = self.tool_pose.quaternion
         return plan(self.cell, nominal, self.path, quaternion, self.speed, self.limits)
 
-    def errors(self, motion: ToolMotion, time: Array, position: Array) -> tuple[ToolError, ...]:
+    def errors(
+        self, motion: ToolMotion, time: Array, position: Array, *, edges: bool = True
+    ) -> tuple[ToolError, ...]:
         return (tool_error(motion, time, position),)
 
     def whole(self, motion: ToolMotion, errors: Sequence[ToolError]) -> ToolError:

@@ -70,6 +70,12 @@ class ToolMotion:
         return self.path.curve
 
     @property
+    def outline(self) -> tuple[Array, ...]:
+        """(500, 2) [m], points of the contour in its plane, by which paths are told apart."""
+        s = np.linspace(0.0, self.curve.length, 500, endpoint=False)
+        return (self.curve.point(s),)
+
+    @property
     def motion_end(self) -> float:
         """[s], at which it rests again."""
         return self.rest_before + self.timing.duration

@@ -39,20 +39,10 @@ def follows(before: Motion, motion: Motion, *, anywhere: bool = False) -> bool:
 
     anywhere: the same contours, wherever they lie.
     """
-    if isinstance(before, PartMotion) and isinstance(motion, PartMotion):
-        pairs = [(a.path, b.path) for a, b in zip(before.legs, motion.legs, strict=False)]
-        same = len(before.legs) == len(motion.legs) and all(
-            a.points.shape == b.points.shape and np.allclose(a.points, b.points, rtol=0, atol=SAME)
-            for a, b in pairs
-        )
-    elif isinstance(before, ToolMotion) and isinstance(motion, ToolMotion):
-        length = before.curve.length
-        s = np.linspace(0.0, length, 500, endpoint=False)
-        same = abs(length - motion.curve.length) < SAME and np.allclose(
-            before.curve.point(s), motion.curve.point(s), rtol=0, atol=SAME
-        )
-    else:
-        return False
+    pairs = list(zip(before.outline, motion.outline, strict=False))
+    same = len(before.outline) == len(motion.outline) and all(
+        a.shape == b.shape and np.allclose(a, b, rtol=0, atol=SAME) for a, b in pairs
+    )
     if anywhere:
         return bool(same)
     planes = (m.plane.origin for m in (before, motion)), (m.plane.axes for m in (before, motion))

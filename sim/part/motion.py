@@ -109,6 +109,11 @@ class PartMotion:
         """In their order."""
         return tuple(leg for leg in self.legs if isinstance(leg, CutLeg))
 
+    @property
+    def outline(self) -> tuple[Array, ...]:
+        """Corners of each leg in the drawing [m], by which paths are told apart."""
+        return tuple(leg.path.points for leg in self.legs)
+
     @cached_property
     def time(self) -> Array:
         """(N,) [s], from 0."""

@@ -186,7 +186,9 @@ class Rules(EnvCfg):
 
     def first(self, drawn: Task, experiment: Experiment) -> Situation:
         """The first run of a task, corrected by the twin if there is one."""
-        twin = None if self.twin is None else learned(stored_twin(self.twin), experiment.cut)
+        cut = experiment.cut
+        assert isinstance(cut, Cut), "tasks are of one contour"
+        twin = None if self.twin is None else learned(stored_twin(self.twin), cut)
         return begin(drawn, experiment, self.sensor, twin)
 
     def decision(self, action: ArrayLike) -> Decision:

@@ -106,5 +106,4 @@ def first_cut(folder: Path, experiment: Experiment) -> FirstCut:
     twin, cut = library.stored_twin(folder), experiment.cut
     if isinstance(cut, Cut):
         return FirstCut(twin, library.learned(twin, cut))
-    reference = experiment.loaded.reference
-    return FirstCut(twin, twin.correction_along(cut, experiment.motion, reference))
+    return FirstCut(twin, twin.correction_of(experiment))

@@ -12,8 +12,7 @@ from ..estimation.arm_plant import ArmPlant
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
-from ..part.carried import Motion
-from ..part.motion import PartMotion
+from ..laser.experiment import Experiment
 from ..robot.individual import Individual, joints
 from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
@@ -57,35 +56,41 @@ class Learned:
 def learn_in_twin(
     design: Design,
     individual: Individual,
-    motion: Motion,
-    reference: Array,
+    experiment: Experiment,
     cfg: TwinLearning = TwinLearning(),
 ) -> Learned:
     """The best correction of a few updates inside the twin."""
+    reference = experiment.loaded.reference
     loaded = design.load(individual, reference)
-    target = relative_to_start(motion.position)
+    target = relative_to_start(experiment.programmed)
+    place = reference[experiment.cut.centre(experiment.motion)]
     u, best = np.zeros_like(reference), np.zeros_like(reference)
     rms: list[float] = []
     for k in range(cfg.updates + 1):
         run = loaded.run(u)
-        rms.append(twin_error(motion, run))
+        rms.append(twin_error(experiment, run))
         if not np.isfinite(rms[-1]):
             break
         if rms[-1] <= min(rms):
             best = u
         if k < cfg.updates:
-            plant = twin_plant(design, loaded, run, _place(motion, reference))
+            plant = twin_plant(design, loaded, run, place)
             step = FrictionStep(law=_law(plant, cfg), plant=plant, robot=loaded.model)
             u = step(u, target - tool_pose_path(run), run)
     return Learned(correction=best, rms=np.array(rms))
 
 
-def _place(motion: Motion, reference: Array) -> Array | None:
-    """(6,) [rad], motor angles at which a plant is linearised: those nearest a part's middle."""
-    if not isinstance(motion, PartMotion):
-        return None
-    away = np.linalg.norm(motion.position - motion.plane.origin, axis=1)
-    return reference[int(away.argmin())]
+def twin_error(experiment: Experiment, run: Recording) -> float:
+    """RMS tool error [m] of a run of a twin, over all contours, as a tracker of 1 kHz would see it.
+
+    Infinite where the run became unstable.
+    """
+    truth, cut, motion = run.truth, experiment.cut, experiment.motion
+    if not np.isfinite(truth.tool_position).all():
+        return float("inf")
+    every = slice(None, None, round(1e-3 / float(truth.time[1])))
+    seen = truth.time[every], truth.tool_position[every]
+    return cut.whole(motion, cut.errors(motion, *seen, edges=False)).rms
 
 
 _WEIGHT = (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)

@@ -9,6 +9,8 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
+from armside.scripts.cutting.learning import predicted_line as line
+from armside.scripts.verifications.laser import laser as claim
 from armside.sim.records.signals import read_signals
 
 from .replay_content import content
@@ -94,6 +96,13 @@ def test_another_seed_is_another_noise(folder, tmp_path, summary):
     assert other[0]["arm_rms"] != summary["iterations"][0]["arm_rms"]
 
 
+def test_first_claim_holds_for_two_seeds():
+    """Twenty seeds: armside verify laser."""
+    table = claim(range(2))
+    failed = [verdict.statement for verdict in table.verdicts if not verdict.holds]
+    assert not failed
+
+
 def test_a_run_that_diverges_stops_with_what_it_has(tmp_path, capsys):
     assert (
         main(["laser", "--gamma", "3", "--iterations", "20", "--quiet", "--out", str(tmp_path)])
@@ -168,3 +177,24 @@ def test_a_folder_in_use_is_refused(tmp_path, capsys):
     assert main(["laser", "--out", str(tmp_path)]) == 2
     assert "not empty" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
+
+
+FOUND = {"arm_rms": 2e-6, "interval": [1e-6, 3e-6], "uncorrected": 1e-4, "trusted": True}
+
+
+def test_the_line_has_the_interval_and_its_rate():
+    before, after = (line(FOUND, [{"arm_rms": rms}]) for rms in (None, 2.5e-6))
+    assert "not measured, 100 um without correction" in before
+    assert "2.5 um, 100 um" in after
+    assert after.endswith("predicted 2.0 um, 1.0 to 3.0 um (90 %)")
+
+
+def test_the_interval_of_a_correction_that_is_not_used_is_not_printed():
+    said = line(FOUND | {"trusted": False}, [{"arm_rms": 1.2e-4}])
+    assert said.startswith("First cut without correction: 120.0 um, 100 um by the twin")
+    assert "90 %" not in said
+
+
+def test_an_interval_that_is_not_known_is_not_printed():
+    said = line(FOUND | {"interval": None}, [{"arm_rms": 2.5e-6}])
+    assert said.endswith("predicted 2.0 um, of unknown accuracy for a twin of so few cuts")

@@ -10,7 +10,7 @@ from armside.scripts.cli import main
 from armside.scripts.cutting.learning import ready, run
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
-from armside.scripts.figures import kerf as kerf_figure
+from armside.scripts.figures import laser as kerf_figure
 from armside.scripts.shell.errors import InputError
 from armside.sim.estimation.springs_file import read_springs
 from armside.sim.evaluation.kerf import Kerf

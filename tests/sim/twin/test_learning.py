@@ -39,7 +39,7 @@ def largest_deviation():
         cut = Cut(pose=pose, contour=square(0.02, 0.003), speed=0.08, friction_spread=0.0)
         experiment = prepare(cut)
         motion, reference = experiment.motion, experiment.loaded.reference
-        learned = learn_in_twin(design, twin, motion, reference, cfg)
+        learned = learn_in_twin(design, twin, experiment, cfg)
         truth = design.run([twin], reference, learned.correction)[0].truth
         every = slice(None, None, round(1e-3 / float(truth.time[1])))
         return tool_error(motion, truth.time[every], truth.tool_position[every]).maxdev

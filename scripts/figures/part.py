@@ -1,0 +1,183 @@
+"""Figures of a part: its plan, and the map of its errors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from armside.arrays import Array
+from armside.sim.evaluation.tool_error import ToolError, signed_distance
+from armside.sim.part.motion import PartMotion
+from armside.sim.part.plan import Plan, PlannedCut, rapid_moves
+
+from .laser import COLORS, INK, REFERENCE, new_figure, save
+
+WIDTH = 0.035
+"""Largest drawn deviation over the size of the part."""
+BAR = 1.15
+"""Room for the bar of colours and its label [inch]."""
+COLOUR_MAP = "coolwarm"
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """One run on the part."""
+
+    k: int
+    motion: PartMotion
+    contours: Sequence[ToolError]
+    rms: float
+    """Of all contours [m]."""
+
+
+def part_map(file: Path, runs: Sequence[Mapped]) -> None:
+    """Deviation of each contour's shape, in colour and magnified, a panel for each run."""
+    deviations = [_deviations(run) for run in runs]
+    every = np.concatenate([d for run in deviations for _, d, _ in run])
+    worst = float(np.abs(every).max(initial=1e-9))
+    box = np.vstack([cut.turn.polygon() for cut in runs[0].motion.cuts])
+    size = np.ptp(box, axis=0)
+    factor = _round(WIDTH * float(size.max()) / worst)
+    height = np.clip(5.2 * size[1] / size[0], 2.2, 7.0)
+    width = 5.6 * len(runs) + 1.4
+    figure = new_figure(width, float(height) + 1.3)
+    panels = np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True))
+    right = 1.0 - BAR / width
+    figure.subplots_adjust(left=0.7 / width, right=right, bottom=0.13, top=0.8, wspace=0.06)
+    drawn = None
+    for axes, run, found in zip(panels, runs, deviations, strict=True):
+        drawn = _draw(axes, run, found, factor, 1e6 * worst)
+        axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm", loc="left", fontsize=9)
+        axes.set_xlabel("x [mm]")
+    panels[0].set_ylabel("y [mm]")
+    assert drawn is not None
+    bar = figure.add_axes((right + 0.15 / width, 0.13, 0.15 / width, 0.67))
+    figure.colorbar(drawn, cax=bar, label="deviation of the shape [µm]")
+    scale = f"magnified {factor:g} times" if factor > 1.0 else "to scale"
+    title = f"Tool beside the programmed contours, deviation {scale}"
+    figure.suptitle(title, x=0.02, y=0.97, ha="left")
+    save(figure, file)
+
+
+def _deviations(run: Mapped) -> list[tuple[Array, Array, Array]]:
+    """Of each contour points (M, 2) [m] in the drawing, deviation (M,) [m] and normal (M, 2)."""
+    found = []
+    for place, error in zip(run.motion.places, run.contours, strict=True):
+        path = error.path[np.isfinite(error.path).all(axis=1)]
+        curve, s = place.curve, place.curve.nearest(path)
+        tangent = curve.tangent(s)
+        normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+        middle = run.motion.plane.from_base(place.plane.origin)[:2] + np.array(run.motion.middle)
+        found.append((curve.point(s) + middle, signed_distance(curve, path), normal))
+    return found
+
+
+def _draw(
+    axes: Axes, run: Mapped, found: list[tuple[Array, Array, Array]], factor: float, worst: float
+) -> LineCollection:
+    drawn = None
+    for cut, (foot, deviation, normal) in zip(run.motion.cuts, found, strict=True):
+        axes.plot(*(1e3 * cut.turn.polygon()).T, color=REFERENCE, lw=0.7)
+        points = 1e3 * (foot + factor * deviation[:, np.newaxis] * normal)
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        drawn = LineCollection(list(segments), cmap=COLOUR_MAP, lw=1.6)
+        drawn.set_array(1e6 * deviation[:-1])
+        drawn.set_clim(-worst, worst)
+        axes.add_collection(drawn)
+    axes.set_aspect("equal")
+    axes.margins(0.05)
+    assert drawn is not None
+    return drawn
+
+
+def _round(factor: float) -> float:
+    """The largest of 1, 2, 5, 10, ... that is not above; at least 1."""
+    decade = 10.0 ** np.floor(np.log10(max(factor, 1.0)))
+    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= max(factor, 1.0))
+
+
+SPACING = 0.5e-3
+"""Distance of the points that are drawn [m]."""
+MOST_POINTS = 2000
+"""Points drawn of one contour."""
+MOST_NUMBERS = 60
+"""Contours up to which each is numbered."""
+SPEED_MAP = "viridis"
+
+
+def part_plan(file: Path, plan: Plan) -> None:
+    """Write the picture of a plan. Lengths in mm, speeds in mm/s."""
+    figure = new_figure(9.6, 8.4)
+    top, bottom = figure.subplots(2, 1, height_ratios=(3.2, 1.0))
+    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.07, top=0.92, hspace=0.22)
+    rapid = sum(cut.rapid for cut in plan.cuts)
+    title = f"{len(plan.cuts)} contours, {plan.seconds:.1f} s, rapid moves {1e3 * rapid:.0f} mm"
+    figure.suptitle(title, x=0.02, y=0.985, ha="left")
+    _draw_part(figure, top, plan)
+    _draw_speed(bottom, plan)
+    save(figure, file)
+
+
+def _draw_part(figure: Figure, axes: Axes, plan: Plan) -> None:
+    fastest = 1e3 * plan.cutting.speed
+    drawn = None
+    for i, cut in enumerate(plan.cuts):
+        axes.plot(*(1e3 * cut.contour.chain.polygon()).T, color=REFERENCE, lw=0.6)
+        s = _places(cut)
+        points, speed = (
+            1e3 * cut.path.point(s),
+            1e3 * np.interp(s, cut.profile.s, cut.profile.speed),
+        )
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        drawn = LineCollection(list(segments), cmap=SPEED_MAP, lw=1.8)
+        drawn.set_array(0.5 * (speed[:-1] + speed[1:]))
+        drawn.set_clim(0.0, fastest)
+        axes.add_collection(drawn)
+        if len(plan.cuts) <= MOST_NUMBERS:
+            axes.annotate(
+                f"{i + 1}",
+                points[0],
+                fontsize=8,
+                color=INK,
+                xytext=(3, 3),
+                textcoords="offset points",
+            )
+        for first, last in cut.joints:
+            axes.plot(*(1e3 * cut.path.point([first, last])).T, color=COLORS[1], lw=4.0)
+    for begin, end in 1e3 * rapid_moves(plan):
+        axes.plot(*np.array([begin, end]).T, color=COLORS[1], lw=0.8, ls=(0, (4, 3)))
+    axes.plot(*(1e3 * plan.part.box[0]), "o", color=COLORS[1], ms=5)
+    axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
+    axes.margins(0.05)
+    assert drawn is not None
+    figure.colorbar(drawn, ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
+    text = "grey: drawn; dashed: rapid moves from the dot; numbers: order"
+    if any(cut.joints for cut in plan.cuts):
+        text += "; bars: micro-joints"
+    axes.set_title(text, loc="left", fontsize=9)
+
+
+def _draw_speed(axes: Axes, plan: Plan) -> None:
+    """Asked, allowed and reached speed over the length of all cuts, one after the other."""
+    begin = 0.0
+    asked = 1e3 * plan.cutting.speed
+    for i, cut in enumerate(plan.cuts):
+        s = begin + 1e3 * cut.profile.s
+        label = ("allowed in bends", "reached") if i == 0 else (None, None)
+        axes.plot(s, 1e3 * cut.profile.allowed, color=REFERENCE, lw=1.0, label=label[0])
+        axes.plot(s, 1e3 * cut.profile.speed, color=COLORS[0], lw=1.2, label=label[1])
+        begin += 1e3 * cut.path.length
+    axes.axhline(asked, color=COLORS[1], lw=0.8, ls=(0, (4, 3)), label="asked")
+    axes.set(xlabel="length of all cuts in their order [mm]", ylabel="speed [mm/s]")
+    axes.set_ylim(0.0, 1.25 * asked)
+    axes.set_xlim(0.0, begin)
+    axes.legend(ncols=3, frameon=False, fontsize=8, loc="upper right")
+
+
+def _places(cut: PlannedCut) -> Array:
+    n = int(np.clip(cut.path.length / SPACING, 40, MOST_POINTS))
+    return np.linspace(0.0, cut.path.length, n)
