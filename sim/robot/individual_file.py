@@ -14,16 +14,16 @@
 Parameters that are left out are those of the design.
 """
 
-import json
 import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
+from armside.kinematics.robot_file import refuse_unknown
 
 from .individual import HiddenHinge, Individual
 
@@ -68,19 +68,17 @@ def read_individual(file: Path) -> Individual:
 
 def individual_toml(individual: Individual) -> str:
     """Text of a file with every parameter of an individual; every number keeps its bits."""
-    lines = ["# A robot individual: factors on its design, offsets in m and rad."]
-    for name in PARAMETERS:
-        value = np.asarray(getattr(individual, name)).tolist()
-        lines.append(f"{name} = {value}")
-    for hinge in individual.hidden:
-        lines += ["", "[[hidden]]", f"body = {json.dumps(hinge.body)}"]
-        lines += [f"axis = {list(hinge.axis)}", f"position = {list(hinge.position)}"]
-        lines += [f"stiffness = {hinge.stiffness}", f"damping = {hinge.damping}"]
-    return "\n".join(lines) + "\n"
+    import tomlkit  # takes a tenth of a second, and few runs write a file
+
+    tables: dict[str, Any] = {n: np.asarray(getattr(individual, n)).tolist() for n in PARAMETERS}
+    if individual.hidden:
+        tables["hidden"] = [asdict(hinge) for hinge in individual.hidden]
+    head = "# A robot individual: factors on its design, offsets in m and rad.\n"
+    return head + tomlkit.dumps(tables)
 
 
 def _individual(data: Mapping[str, Any]) -> Individual:
-    _refuse_unknown("the file", data, (*PARAMETERS, "hidden"))
+    refuse_unknown("the file", data, (*PARAMETERS, "hidden"))
     values: dict[str, Any] = {
         name: _within(name, value, *RANGES.get(name, (*FACTORS, "")))
         for name, value in data.items()
@@ -96,7 +94,7 @@ def _individual(data: Mapping[str, Any]) -> Individual:
 def _hinge(where: str, row: Any) -> HiddenHinge:
     if not isinstance(row, dict):
         raise ValueError(f"{where} must be a table [[hidden]], got {row!r}")
-    _refuse_unknown(where, row, ("body", *_HINGE))
+    refuse_unknown(where, row, ("body", *_HINGE))
     if missing := [name for name in ("body", "axis", "stiffness", "damping") if name not in row]:
         raise ValueError(f"{where} lacks {', '.join(missing)}")
     numbers: dict[str, Any] = {
@@ -129,8 +127,3 @@ def _leaves(value: Any) -> Collection[Any]:
     return (
         [leaf for item in value for leaf in _leaves(item)] if isinstance(value, list) else [value]
     )
-
-
-def _refuse_unknown(where: str, given: Mapping[str, Any], allowed: Collection[str]) -> None:
-    if unknown := sorted(set(given) - set(allowed)):
-        raise ValueError(f"{where} has the unknown key {unknown[0]!r}; keys: {', '.join(allowed)}")

@@ -6,30 +6,14 @@ import numpy as np
 import pytest
 
 from armside.kinematics import Convention, Joint, Link, Robot
+from armside.kinematics.codegen.languages import interpreted as interpreted_program
 from armside.kinematics.equations.inertial_model import Body, InertialModel, Motor
 
 
 @pytest.fixture(scope="session")
 def interpreted() -> Callable[..., Callable[..., np.ndarray]]:
     """A program as a Python function: the text that numba would compile, run by Python."""
-    from armside.kinematics.codegen import numba_module
-
-    def build(program) -> Callable[..., np.ndarray]:
-        text = numba_module(program).replace(
-            "from numba import njit", "def njit(*_, **__):\n    return lambda f: f"
-        )
-        namespace: dict = {}
-        exec(text, namespace)
-
-        def function(*arguments) -> np.ndarray:
-            arrays = [np.asarray(a, dtype=float) for a in arguments]
-            out = np.empty(program.outputs[0].shape)
-            namespace["one"](*arrays, out)
-            return out
-
-        return function
-
-    return build
+    return interpreted_program
 
 
 def make_robot(

@@ -6,7 +6,21 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from armside.kinematics import IRB1400, LARGE_ROBOT, Convention, Joint, Link, Robot
+from armside import kinematics
+from armside.kinematics import (
+    IRB1400,
+    LARGE_ROBOT,
+    Body,
+    Convention,
+    InertialModel,
+    Joint,
+    Limits,
+    Link,
+    Robot,
+)
+from armside.kinematics.dh import CoupledRange
+from armside.kinematics.rigid import inverse, link_transform, transform, transform_points
+from armside.kinematics.rotation import from_axis_angle
 
 
 def test_a_joint_type_that_is_none_is_refused_by_name():
@@ -90,3 +104,124 @@ def test_joint_variables_and_motor_angles_have_one_entry_for_each_joint(function
 def test_numbers_that_no_float_holds_are_refused(value):
     with pytest.raises(ValueError, match="d must be"):
         Link(d=value)
+
+
+LIMITS = Limits(
+    lower=(-1.0, -2.0, -3.0),
+    upper=(1.5, 2.5, 3.5),
+    speed=(1.0, 2.0, 3.0),
+    coupled=(CoupledRange(coefficients=(0.0, -1.0, 1.0), lower=-1.2, upper=0.8),),
+)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_each_end_of_a_range_belongs_to_it_and_what_is_beyond_does_not(axis):
+    free = Limits(lower=LIMITS.lower, upper=LIMITS.upper, speed=LIMITS.speed)
+    for end, outwards in ((free.lower[axis], -np.inf), (free.upper[axis], np.inf)):
+        phi = np.zeros(3)
+        phi[axis] = end
+        assert free.contain(phi)
+        phi[axis] = np.nextafter(end, outwards)
+        assert not free.contain(phi)
+
+
+@pytest.mark.parametrize(("difference", "inside"), [(-1.2, 1), (-1.21, 0), (0.8, 1), (0.81, 0)])
+def test_a_coupled_range_bounds_the_combination_from_both_sides(difference, inside):
+    phi = np.array([0.0, 0.5, 0.0])
+    phi[2] = phi[1] + difference
+    assert bool(LIMITS.contain(phi)) == bool(inside)
+
+
+def test_a_batch_is_judged_row_by_row():
+    phi = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert LIMITS.contain(phi).tolist() == [True, False, False]
+
+
+def test_ranges_and_speeds_of_both_robots_are_published_ones():
+    """ARTE's IRB1410; ros-industrial's irb6600_225_255. 20 deg of transmission angle are kept."""
+    small, large = kinematics.IRB1400_LIMITS, kinematics.LARGE_ROBOT_LIMITS
+    assert np.rad2deg(small.lower) == pytest.approx([-170, -70, -65, -150, -115, -300])
+    assert np.rad2deg(small.upper) == pytest.approx([170, 70, 70, 150, 115, 300])
+    assert np.rad2deg(small.speed) == pytest.approx([120, 120, 120, 280, 280, 280])
+    (linkage,) = small.coupled
+    assert np.rad2deg([linkage.lower, linkage.upper]) == pytest.approx([-70, 70])
+    assert np.rad2deg(large.lower) == pytest.approx([-180, -65, -180, -300, -120, -300])
+    assert np.rad2deg(large.upper) == pytest.approx([180, 80, 60, 300, 120, 300])
+    assert np.rad2deg(large.speed) == pytest.approx([100, 90, 90, 150, 120, 190])
+    assert large.coupled == ()
+
+
+def test_a_transform_and_its_inverse_take_a_point_there_and_back():
+    T = transform(from_axis_angle([1.0, 2.0, 3.0], 0.7), [0.1, -0.2, 0.3])
+    assert inverse(T) @ T == pytest.approx(np.eye(4), abs=1e-15)
+    p = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])
+    assert transform_points(inverse(T), transform_points(T, p)) == pytest.approx(p, abs=1e-15)
+    assert transform_points(T, p)[1] == pytest.approx([0.1, -0.2, 0.3])
+
+
+def test_gravity_is_that_of_the_thesis_unless_said_otherwise():
+    """Thesis (5.2)."""
+    model = InertialModel(Robot([Link()]), (Body(mass=1),))
+    assert model.gravity == (0, 0, -9.82)
+
+
+@pytest.mark.parametrize(("moments", "holds"), [((1, 1, 2), True), ((1, 1, 2.001), False)])
+def test_a_moment_of_inertia_is_at_most_the_sum_of_the_others(moments, holds):
+    """Equality is a flat disc."""
+    if holds:
+        Body(mass=1, inertia=(*moments, 0, 0, 0))
+    else:
+        with pytest.raises(ValueError, match="triangle inequality"):
+            Body(mass=1, inertia=(*moments, 0, 0, 0))
+
+
+def at(robot, phi):
+    """T_base_tool as the product of link transforms. Thesis (3.26)."""
+    q, T = iter(robot.joint_variables(phi)), np.eye(4)
+    for link in robot.links:
+        T = T @ link_transform(link, next(q) if link.moves else 0.0)
+    return T
+
+
+TOOL_FORWARD = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+
+
+@pytest.mark.parametrize(
+    ("robot", "position"),
+    [
+        (kinematics.IRB1400, [0.15 + 0.72 + 0.085, 0.0, 0.475 + 0.6 + 0.12]),  # thesis 4.3.4
+        (kinematics.LARGE_ROBOT, [0.320 + 1.142 + 0.200, 0.0, 0.780 + 1.075 + 0.200]),
+    ],
+)
+def test_the_zero_pose_is_arm_up_and_forearm_forward(robot, position):
+    T = at(robot, np.zeros(6))
+    assert T[:3, 3] == pytest.approx(position, abs=1e-15)
+    assert T[:3, :3] == pytest.approx(np.array(TOOL_FORWARD), abs=1e-15)
+
+
+def test_motor_3_of_the_irb1400_holds_the_upper_arm_level_whatever_motor_2_does():
+    """Thesis (4.10): theta_3 = phi_3 - phi_2; the large robot has no parallelogram."""
+    phi = np.array([0.0, 0.4, 0.0, 0.0, 0.0, 0.0])
+    leaning = at(kinematics.IRB1400, phi)
+    assert leaning[:3, :3] == pytest.approx(np.array(TOOL_FORWARD), abs=1e-15)
+    moved = leaning[:3, 3] - at(kinematics.IRB1400, np.zeros(6))[:3, 3]
+    assert moved == pytest.approx([0.6 * np.sin(0.4), 0.0, 0.6 * (np.cos(0.4) - 1.0)], abs=1e-15)
+    tilted = at(kinematics.LARGE_ROBOT, phi)[:3, :3]
+    about_y = from_axis_angle([0.0, 1.0, 0.0], 0.4)
+    assert tilted == pytest.approx(about_y @ np.array(TOOL_FORWARD), abs=1e-15)
+
+
+def test_the_imu_sits_where_the_thesis_measured_it():
+    """5.1.1: (32, -26, 90) mm from TCP0 along the base axes of the zero pose, axes aligned."""
+    tool, imu = (at(robot, np.zeros(6)) for robot in (kinematics.IRB1400, kinematics.IRB1400_IMU))
+    assert imu[:3, 3] - tool[:3, 3] == pytest.approx([0.032, -0.026, 0.090], abs=1e-15)
+    assert imu[:3, :3] == pytest.approx(np.eye(3), abs=1e-15)
+
+
+def test_motor_angles_and_joint_variables_are_each_others_inverse():
+    phi = np.random.default_rng(0).uniform(-1, 1, (5, 6))
+    for robot in (kinematics.IRB1400, kinematics.LARGE_ROBOT):
+        back = robot.motor_angles(robot.joint_variables(phi))
+        assert back == pytest.approx(phi, abs=1e-15)
+        zero = robot.joint_variables(np.zeros(6))
+        assert np.rad2deg(zero) == pytest.approx([0, -90, 0, 0, 0, 180])  # thesis (4.9)

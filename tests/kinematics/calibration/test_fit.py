@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from armside.kinematics import CATALOGUE, compile
+from armside.kinematics import CATALOGUE, Link, Robot, compile
 from armside.kinematics.calibration import (
     Choice,
     ErrorModel,
@@ -22,6 +22,7 @@ from armside.kinematics.calibration.fit import (
     normal_equations,
     residuals_and_jacobian,
 )
+from armside.kinematics.calibration.joint_errors import G, gravity_torques
 from armside.kinematics.calibration.measurements import register
 from armside.kinematics.calibration.plausibility import region
 
@@ -189,3 +190,18 @@ def test_compliance_is_found_by_its_torque(model, measured):
     fresh = measured("irb120", 50, np.random.default_rng(9), joint=sag)
     assert np.abs(rigid.residuals(fresh)).max() > 5e-5
     assert np.abs(soft.residuals(fresh)).max() < 1e-6
+
+
+ARM = Robot((Link(alpha=np.pi / 2), Link(a=0.5), Link(a=0.3)), name="upright planar arm")
+"""A vertical axis, and two horizontal ones whose positive angles lift the arm."""
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0])
+def test_a_weight_turns_an_axis_down_by_its_horizontal_distance(heading):
+    q = np.array([[heading, 0.0, 0.0], [heading, np.pi / 3, 0.0], [heading, np.pi / 3, 0.2]])
+    found = gravity_torques(ARM, q, [0, 1, 2])
+    elbow, tool = 0.5 * np.cos(q[:, 1]), 0.3 * np.cos(q[:, 1] + q[:, 2])
+    about_shoulder = np.stack([0.0 * elbow, -G * elbow, -G * (elbow + tool)], axis=1)
+    # axis 1: frames 2, 3 and tool; axis 2: frame 3 and tool; axis 3: tool
+    expected = np.column_stack([np.zeros((3, 3)), about_shoulder[:, 1:], -G * tool])
+    np.testing.assert_allclose(found, expected, atol=1e-12)

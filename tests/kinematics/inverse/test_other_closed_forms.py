@@ -97,7 +97,8 @@ def test_both_branches_of_a_scara(robot):
     assert found.phi.shape == (40, 2, 4)
     assert found.exists.all()
     check(robot, found, phi, T)
-    np.testing.assert_array_equal(scara_branches(robot, T[3]).phi, found.phi[3])
+    alone = scara_branches(robot, T[3]).phi  # sums of another length, in another order
+    np.testing.assert_allclose(alone, found.phi[3], rtol=0, atol=1e-14)
 
 
 def test_all_branches_of_an_elbow_arm_with_a2_below_zero():

@@ -275,8 +275,8 @@ def test_a_robot_as_built_has_the_numbers_of_its_individual_in_its_file(design):
     mj = built.parsed().compile()
     same = with_individual(with_hinges(design, individual.hidden), individual).mj
     for name in ("jnt_stiffness", "dof_damping", "body_pos", "body_quat", "body_mass"):
-        assert np.array_equal(getattr(mj, name), getattr(same, name)), name
-    assert np.array_equal(mj.actuator_biasprm, same.actuator_biasprm)
+        assert getattr(mj, name) == pytest.approx(getattr(same, name), rel=1e-14, abs=1e-15), name
+    assert mj.actuator_biasprm == pytest.approx(same.actuator_biasprm, rel=1e-14)
     assert available(built) == available(design)
 
 
