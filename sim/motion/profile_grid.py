@@ -18,6 +18,10 @@ FEWEST, MOST = 60, 2000
 """Number of grid points."""
 LEAST_LEFT = 0.5
 """Fraction of x = v^2 that a programme of the time leaves of the one before."""
+SLACK = 0.5
+"""Fraction of the lowest speed allowed within reach of a place that it need not fall below."""
+STANDSTILL = 0.01
+"""Fraction of a path's highest speed that counts as rest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,12 +199,6 @@ class Grid:
         one = np.ones_like(at)
         rising, sinking = (one, falling - 2.0, one, bound), (-one, falling + 2.0, -one, bound)
         return stacked([Rows(*rising), Rows(*sinking)])
-
-
-SLACK = 0.5
-"""Fraction of the lowest speed allowed within reach of a place that it need not fall below."""
-STANDSTILL = 0.01
-"""Fraction of a path's highest speed that counts as rest."""
 
 
 def nearly_at_rest(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:

@@ -60,14 +60,9 @@ def stacked(rows: Sequence[Rows]) -> Rows:
 
 
 @dataclass(frozen=True, eq=False)
-class Programme:
-    """Rows of K kinds over the N points of M paths."""
+class Programme(Rows):
+    """Rows of K kinds over the N points of M paths, (K, N) each."""
 
-    lower: Array
-    middle: Array
-    upper: Array
-    bound: Array
-    """(K, N) each."""
     starts: NDArray[np.int64]
     """(M,), first point of each path."""
     held: NDArray[np.bool_]

@@ -14,6 +14,10 @@ LARGEST = 20.0
 """Size of a drawing from which its unit is doubted [m]. ESTIMATE"""
 JOIN = 0.05 * MM
 """Largest distance between ends that are joined [m]."""
+NEAR = 1.0 * MM
+"""Gap up to which two ends that are not joined were meant to meet [m]."""
+SHORTEST = 1e-6
+"""Length from which an entity is not zero [m]."""
 
 
 class Unit(Enum):
@@ -83,12 +87,6 @@ def check_size(drawing: Drawing) -> None:
         raise ValueError(
             f"its unit is in doubt: it is {size / MM:g} mm large; say --units mm or --units inch"
         )
-
-
-NEAR = 1.0 * MM
-"""Gap up to which two ends that are not joined were meant to meet [m]."""
-SHORTEST = 1e-6
-"""Length from which an entity is not zero [m]."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ from .drawing import Drawing, Drawn, Reading, Unit
 
 FLAT = 1e-6
 """Largest difference of height within an entity, and of a normal from +-z, relative to 1."""
+IMPERIAL = (units.IN, units.FT, units.YD, units.MI)
+_LAYER_0 = "0"
 
 
 class NotFlatError(ValueError):
@@ -142,10 +144,6 @@ READERS: Mapping[str, Callable[[Any, float], Chain]] = {
     "POLYLINE": _polyline,
 }
 """By type; every other type is refused by name. INSERT is taken apart before."""
-
-
-IMPERIAL = (units.IN, units.FT, units.YD, units.MI)
-_LAYER_0 = "0"
 
 
 def read_dxf(file: Path, reading: Reading) -> Drawing:

@@ -22,6 +22,19 @@ from .drawing import Drawing, Drawn, Reading, Unit
 
 ROUND = 1e-9
 """Relative difference of half axes and of their angle from 90 deg in a circle."""
+PAGE = 1e-3
+"""Relative difference from the page within which a filled rectangle is its background."""
+UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
+"""[m], of the units that are lengths; px is one of a screen."""
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+SVG = "{http://www.w3.org/2000/svg}"
+EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
+"""Namespaces of what editors keep beside a drawing."""
+SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
+GROUPS = {"svg", "g", "a", "switch", "symbol"}
+SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
+"""Tags that draw nothing where they stand."""
+CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
 
 
 def chains(path: Any, scale: float) -> Iterator[Chain]:
@@ -117,10 +130,6 @@ def _point(point: Any, scale: float) -> Array:
     return scale * np.array([float(point.x), -float(point.y)])
 
 
-PAGE = 1e-3
-"""Relative difference from the page within which a filled rectangle is its background."""
-
-
 def invisible(shape: Any) -> bool:
     """Neither stroke nor fill; a shape whose fill is not stated is filled black."""
     values = shape.values
@@ -166,20 +175,6 @@ def _number(text: Any) -> float:
         return float(text)
     except (TypeError, ValueError):
         return 1.0
-
-
-UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
-"""[m], of the units that are lengths; px is one of a screen."""
-INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-SVG = "{http://www.w3.org/2000/svg}"
-EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
-"""Namespaces of what editors keep beside a drawing."""
-SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
-GROUPS = {"svg", "g", "a", "switch", "symbol"}
-SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
-"""Tags that draw nothing where they stand."""
-
-CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
 
 
 def read_svg(file: Path, reading: Reading) -> Drawing:

@@ -23,6 +23,8 @@ _LARGEST_ERROR = 0.02
 _TORQUE_GAIN = 0.6, 1.6
 """Measured torque over that of the nominal robot, least squares over all axes. Friction differs by
 a third between robots, units by more. ESTIMATE."""
+_OUTLIER = 5.0
+"""Held-out residual of a cut over the median of all, above which it is called corrupt. ESTIMATE."""
 
 
 def check(design: Design, cut: MeasuredCut, sensor: ToolSensor) -> None:
@@ -62,10 +64,6 @@ def _check_torque(cut: MeasuredCut, nominal: Array) -> None:
             f"{cut.name}: motor_torque is {gain:.3g} times that of the nominal robot; "
             "it must be in N m of the motor, before the gear"
         )
-
-
-_OUTLIER = 5.0
-"""Held-out residual of a cut over the median of all, above which it is called corrupt. ESTIMATE."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,15 @@ _FREE = 1e3
 """Standard deviation of bias and its drift [m/s^2]: nothing is known of them."""
 _EXACT = 1e-9
 """Standard deviation of what a data sheet says to be exact."""
+_SYNCHRONISED = 3.0
+"""[Hz], below which readings are compared: springs hardly delay them."""
+_DISPLACEMENT = 20e-6
+"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
+_REST = 10
+"""Samples before the arm moves: 0.1 s."""
+_LARGEST_TILT = 0.1
+"""Of gravity, by which a reading at rest may differ from the nominal robot's: mounting errors are a
+tenth of it. ESTIMATE."""
 
 
 def unit_errors(time: Array, reading: Array, cfg: ImuCfg) -> tuple[Array, Array]:
@@ -81,10 +90,6 @@ class UnitSampling:
         return ideal[0] + self.triad.low_passed(moved, step).reshape(ideal.shape)
 
 
-_SYNCHRONISED = 3.0
-"""[Hz], below which readings are compared: springs hardly delay them."""
-
-
 def clock_offset(
     unit_time: Array, reading: Array, expected: Array, step: float, largest: float
 ) -> float:
@@ -111,15 +116,6 @@ def clock_offset(
     found = minimize_scalar(misfit, bounds=(-bound, bound), method="bounded")
     assert isinstance(found, OptimizeResult)
     return float(found.x)
-
-
-_DISPLACEMENT = 20e-6
-"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
-_REST = 10
-"""Samples before the arm moves: 0.1 s."""
-_LARGEST_TILT = 0.1
-"""Of gravity, by which a reading at rest may differ from the nominal robot's: mounting errors are a
-tenth of it. ESTIMATE."""
 
 
 @dataclass(frozen=True, kw_only=True)

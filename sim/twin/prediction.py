@@ -47,18 +47,6 @@ Individuals from 2001 on, of which nothing was chosen, test it."""
 _IDENTIFIED = 0.7
 """Standard deviation of the linearised model over that of the prior, up to which the cuts tell of a
 parameter. ESTIMATE."""
-
-
-def standard_deviation(parameters: Parameters, covariance: Array) -> Array:
-    """(m,), of the parameters of a robot about its twin's, for covariance (m, m)."""
-    return np.minimum(WIDER * np.sqrt(np.diag(covariance)), parameters.standard_deviation)
-
-
-def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
-    """(m,) bool: the cuts tell of a parameter, beyond the prior."""
-    return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
-
-
 MEMBERS = 8
 """Two for each core of a small machine four times over: half a second. ESTIMATE."""
 SAMPLES_AT_ONCE = 20_000
@@ -69,6 +57,18 @@ which are not the judged ones. By the tracker 5e3 ranks their errors best among 
 1e4. The residual of an IMU is its own noise: of 0 the predicted errors follow those of the
 individuals, long contours above short ones, and 5e3 hides that."""
 _SEED = 0xE5
+_RESIDUAL, _SPREAD = 0.3, 0.4
+"""a and b. Individuals differ from the twin by less than the draws: b < 1."""
+
+
+def standard_deviation(parameters: Parameters, covariance: Array) -> Array:
+    """(m,), of the parameters of a robot about its twin's, for covariance (m, m)."""
+    return np.minimum(WIDER * np.sqrt(np.diag(covariance)), parameters.standard_deviation)
+
+
+def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
+    """(m,) bool: the cuts tell of a parameter, beyond the prior."""
+    return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
 
 
 def members(
@@ -114,10 +114,6 @@ def errors(
         runs = design.run(individuals[i : i + at_once], reference, correction)
         found += [twin_error(motion, run) for run in runs]
     return np.array(found)
-
-
-_RESIDUAL, _SPREAD = 0.3, 0.4
-"""a and b. Individuals differ from the twin by less than the draws: b < 1."""
 
 
 class Factors(NamedTuple):

@@ -19,6 +19,12 @@ from .kinematic_columns import from_rest, gear_error_columns, jacobians, rigid_p
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path, tool_path
 
+_LARGEST_OFFSET = 0.03
+"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
+it, a flange adapter is more. ESTIMATE."""
+_LARGEST_PATH_ERROR = 2e-3
+"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
+
 
 @dataclass(frozen=True)
 class Channels:
@@ -79,13 +85,6 @@ class ToolSensor(Protocol):
     def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
         """Comparison of a cut, which has this sensor, with runs of a design."""
         ...
-
-
-_LARGEST_OFFSET = 0.03
-"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
-it, a flange adapter is more. ESTIMATE."""
-_LARGEST_PATH_ERROR = 2e-3
-"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -41,6 +41,8 @@ _ROUNDING = 1e-9
 """Of a parameter, and of a covariance relative to the prior one."""
 FILES = _FILE, _COVARIANCE = "twin.json", "covariance.npy"
 """That a twin is read from."""
+_TWINS, _CORRECTIONS = 8, 256
+"""Kept at most; a correction of two seconds of motion takes 75 kB."""
 
 
 class TwinError(InputError):
@@ -247,10 +249,6 @@ def _content(folder: Path) -> dict[str, Any]:
         found = content.get("format") if isinstance(content, dict) else None
         raise TwinError(f"{folder} is a twin of format {found}; this armside reads {FORMAT}")
     return content
-
-
-_TWINS, _CORRECTIONS = 8, 256
-"""Kept at most; a correction of two seconds of motion takes 75 kB."""
 
 
 def digest(folder: str | PathLike[str]) -> str:
