@@ -35,8 +35,6 @@ from ..robot.virtual_robot import LOG_PERIOD
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions."""
-
-
 SensorName = Literal["tracker", "imu"]
 """Sensor of the tool that a twin is identified from."""
 _SIGNALS = "signals.parquet"
