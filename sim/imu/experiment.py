@@ -9,7 +9,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
-from ..motion.planner import JointMotion, plan_program
+from ..motion.planner import ProgramMotion, plan_program
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
@@ -26,7 +26,7 @@ class PlannedProgram:
 
     name: str
     loaded: LoadedReference
-    motion: JointMotion
+    motion: ProgramMotion
     since: float
     """End of the synchronisation [s]."""
 

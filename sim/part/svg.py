@@ -18,7 +18,7 @@ import svgelements
 from armside.arrays import Array
 
 from .chain import Chain, arc, fitted, joined, line, place
-from .drawing import Drawing, Drawn, Reading, Unit
+from .drawing import Drawing, DrawnEntity, Reading, Unit
 
 ROUND = 1e-9
 """Relative difference of half axes and of their angle from 90 deg in a circle."""
@@ -210,10 +210,10 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
     return Drawing(tuple(found), (*notes, *backgrounds))
 
 
-def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[Drawn]:
+def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[DrawnEntity]:
     try:
         path = svgelements.Path(shape).reify()
-        found = [Drawn(chain, name, layer) for chain in chains(path, scale)]
+        found = [DrawnEntity(chain, name, layer) for chain in chains(path, scale)]
         if not found and (ends := [segment.end for segment in path if segment.end is not None]):
             at = place(scale * np.array([ends[0].x, -ends[0].y]))
             raise ValueError(f"it has zero length at {at}")

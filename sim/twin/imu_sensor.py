@@ -30,7 +30,7 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .kinematic_columns import ImuKinematics, gear_waves, imu_kinematics
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path
-from .tool_sensor import Channels, Scale
+from .tool_sensor import Channels, ResidualScale
 
 _FREE = 1e3
 """Standard deviation of bias and its drift [m/s^2]: nothing is known of them."""
@@ -133,8 +133,10 @@ class ImuSensor:
         return (Channels(slice(0, 3), 1.0, float(1.0 / np.sqrt(independent))),)
 
     @property
-    def scale(self) -> Scale:
-        return Scale("acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0)
+    def scale(self) -> ResidualScale:
+        return ResidualScale(
+            "acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0
+        )
 
     def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.imu is None:
@@ -159,7 +161,7 @@ class ImuSensor:
 
 @dataclass(frozen=True, eq=False)
 class ImuComparison:
-    """See `Comparison`."""
+    """See `CutComparison`."""
 
     sensor: ImuSensor
     model: RobotModel

@@ -38,7 +38,7 @@ from ..robot.six_axes import N_AXES
 from ..robot.spread import PRODUCTION
 from .parameters import SPRINGS, Parameters
 from .recordings import SensorName
-from .simulation import Design, twin_error
+from .simulation import RobotDesign, twin_error
 
 WIDER = 4.0
 """Smallest whole factor with which, of the identified parameters of individuals 1001 and 1004, four
@@ -101,7 +101,7 @@ def members(
 
 
 def errors(
-    design: Design,
+    design: RobotDesign,
     individuals: Sequence[Individual],
     motion: Motion,
     reference: Array,
@@ -157,7 +157,7 @@ class Evidence:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prediction:
+class FirstCutPrediction:
     """Errors of the tool to expect of a first run [m]."""
 
     uncorrected: float
@@ -172,12 +172,14 @@ class Prediction:
     """The interval was fitted to twins like this one."""
 
 
-def predicted(uncorrected: float, inside: float, around: Array, evidence: Evidence) -> Prediction:
+def predicted(
+    uncorrected: float, inside: float, around: Array, evidence: Evidence
+) -> FirstCutPrediction:
     """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
     r, factors = float(np.sqrt(variance)), evidence.factors
-    return Prediction(
+    return FirstCutPrediction(
         uncorrected=uncorrected,
         inside=inside,
         expected=factors.middle * r,

@@ -37,7 +37,7 @@ class Channels:
     """Scale over root mean square: square root of samples over independent samples."""
 
 
-class Comparison(Protocol):
+class CutComparison(Protocol):
     """One recorded cut as its tool sensor saw it, against simulations. C: all columns of it."""
 
     def residual(self, run: Recording) -> Array:
@@ -54,7 +54,7 @@ class Comparison(Protocol):
 
 
 @dataclass(frozen=True)
-class Scale:
+class ResidualScale:
     """Scale that residuals of a sensor are shown on."""
 
     quantity: str
@@ -71,7 +71,7 @@ class ToolSensor(Protocol):
     """Kind of sensor at the tool."""
 
     @property
-    def scale(self) -> Scale: ...
+    def scale(self) -> ResidualScale: ...
 
     @property
     def channels(self) -> tuple[Channels, ...]:
@@ -82,7 +82,7 @@ class ToolSensor(Protocol):
         """Raise ImplausibleError for a cut without this sensor, or against the nominal robot."""
         ...
 
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> CutComparison:
         """Comparison of a cut, which has this sensor, with runs of a design."""
         ...
 
@@ -101,8 +101,10 @@ class Tracker:
         return (Channels(slice(0, 3), self.noise, self.correlation),)
 
     @property
-    def scale(self) -> Scale:
-        return Scale("motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6)
+    def scale(self) -> ResidualScale:
+        return ResidualScale(
+            "motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6
+        )
 
     def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.tool is None:
@@ -130,7 +132,7 @@ class Tracker:
 
 @dataclass(frozen=True, eq=False)
 class TrackerComparison:
-    """See `Comparison`."""
+    """See `CutComparison`."""
 
     model: RobotModel
     motor_angle: Array
