@@ -62,7 +62,7 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
-    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[twin.sensor]
+    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.twin.sensor]
     before = [
         _rms(
             Against(twin.design, twin.parameters, cut, sensor).residuals(twin.parameters.mean).tool
