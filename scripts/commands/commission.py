@@ -16,7 +16,7 @@ from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import SENSORS, Commissioned
+from armside.sim.twin.commission import SENSORS, CommissionedTwin
 from armside.sim.twin.identification import Identification
 from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
 from armside.sim.twin.prediction import is_identified, standard_deviation
@@ -28,7 +28,7 @@ from armside.sim.twin.recordings import (
     read_cut,
 )
 from armside.sim.twin.simulation import design_of
-from armside.sim.twin.tool_sensor import Scale
+from armside.sim.twin.tool_sensor import ResidualScale
 
 from ..cutting.individual import IndividualCfg, robot_state
 from ..cutting.options import LARGEST
@@ -179,7 +179,7 @@ def _cut(
     return cuts, tally.notes("cuts")
 
 
-def _results(found: Commissioned) -> dict[str, Any]:
+def _results(found: CommissionedTwin) -> dict[str, Any]:
     parameters, identified = found.twin.parameters, found.identified
     quality, of = identified.quality, (found.twin.parameters, identified.covariance)
     return {
@@ -208,7 +208,7 @@ def _results(found: Commissioned) -> dict[str, Any]:
     }
 
 
-def _show(report: Report, outcome: dict[str, Any], scale: Scale) -> None:
+def _show(report: Report, outcome: dict[str, Any], scale: ResidualScale) -> None:
     rows = [
         [c["name"], _on(scale, c["within"]), _on(scale, c["held_out"])] for c in outcome["cuts"]
     ]
@@ -222,5 +222,5 @@ def _show(report: Report, outcome: dict[str, Any], scale: Scale) -> None:
     )
 
 
-def _on(scale: Scale, value: float | None) -> float | str:
+def _on(scale: ResidualScale, value: float | None) -> float | str:
     return "-" if value is None else scale.factor * value

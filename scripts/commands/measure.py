@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from armside.sim.evaluation.recorded import (
     CircleTurn,
     ContourTurn,
-    RecordedMeasures,
+    IterationMeasures,
     measure_signals,
     measure_table,
     notes_of_signals,
@@ -102,7 +102,7 @@ def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Comm
     report.summary(outcome)
 
 
-def show(report: Report, rows: Sequence[RecordedMeasures]) -> None:
+def show(report: Report, rows: Sequence[IterationMeasures]) -> None:
     """Table of the measures that are there; what no iteration has is left out and named."""
     columns = [
         (f"motor {i + 1}", [1e3 * float(row.motor_inf[i]) for row in rows])

@@ -8,7 +8,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
-from armside.sim.twin.commission import SENSORS, Commissioned
+from armside.sim.twin.commission import SENSORS, CommissionedTwin
 from armside.sim.twin.friction_step import friction_constants, lugre
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
@@ -19,7 +19,7 @@ _CURVE = 200
 """Points of a friction curve."""
 
 
-def friction(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> None:
+def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """Friction torque over motor speed, a panel per axis: first cut, and the twin's curve.
 
     Data are measured torque less all but the friction of the twin, ripple included.
@@ -60,9 +60,9 @@ def _stribeck(speed: Array, constants: Array) -> Array:
     return np.sign(speed) * (coulomb + (static - coulomb) * np.exp(-((speed / stribeck) ** 2)))
 
 
-def residuals(file: Path, found: Commissioned, cuts: Sequence[MeasuredCut]) -> None:
+def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
-    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.measure]
+    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.twin.sensor]
     before = [
         _rms(
             Against(twin.design, twin.parameters, cut, sensor).residuals(twin.parameters.mean).tool

@@ -10,7 +10,7 @@ from armside.sim.imu import ImuExperiment, ImuResult, RestExperiment
 from armside.sim.imu.experiment import clock_errors, prepare, reprocessed, run_one
 from armside.sim.imu.phases import RECTANGLE
 from armside.sim.imu.vibration import run_rest
-from armside.sim.motion.planner import JointMotion
+from armside.sim.motion.planner import ProgramMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ def _evaluated(result: ImuResult) -> dict[str, Array]:
     return {name: np.asarray(value) for name, value in found.items()}
 
 
-def _moves(motion: JointMotion) -> dict[str, Array]:
+def _moves(motion: ProgramMotion) -> dict[str, Array]:
     rows = [(r.start, r.end, r.programmed.path or np.nan, r.reached) for r in motion.reports]
     names = ("move_start", "move_end", "move_speed", "move_reached")
     return dict(zip(names, np.array(rows).T, strict=True))

@@ -1,5 +1,4 @@
-"""Evidence: a number and its band, a table of results, the same checks over many seeds, and the
-confidence interval of a mean."""
+"""Evidence: a number and its band, tables of results, checks over many seeds, mean intervals."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,17 +11,6 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..notes import Note
-
-
-def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval by Student's t of the mean of values (n,); infinite for one value."""
-    from scipy.special import stdtrit
-
-    n, mean = len(values), float(np.mean(values))
-    if n < 2:
-        return -np.inf, np.inf
-    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
-    return mean - float(half), mean + float(half)
 
 
 @dataclass(frozen=True)
@@ -118,3 +106,14 @@ def over_seeds(title: str, by_seed: Mapping[int, Sequence[Check]], fraction: flo
         rows.append((one.id, one.statement, one.thesis, one.band, *(c.ours for c in checks), n))
     seeds = [f"seed {seed}" for seed in by_seed]
     return Table(title, ("", "what", "thesis", "band", *seeds, "holds"), rows, verdicts)
+
+
+def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
+    """Interval by Student's t of the mean of values (n,); infinite for one value."""
+    from scipy.special import stdtrit
+
+    n, mean = len(values), float(np.mean(values))
+    if n < 2:
+        return -np.inf, np.inf
+    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
+    return mean - float(half), mean + float(half)

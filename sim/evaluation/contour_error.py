@@ -17,6 +17,8 @@ LARGEST_RADIUS = 20e-3
 """Radius up to which a bend is a corner [m]."""
 BEYOND = 5e-3
 """Length behind a corner in which its overshoot belongs to it [m]."""
+REST = 0.1
+"""Time over which the position at rest before the part is averaged [s]."""
 
 
 def corner_error(curve: ChainCurve, path: Array) -> float:
@@ -45,10 +47,6 @@ def in_corners(curve: ChainCurve, s: Array) -> NDArray[np.bool_]:
     if chain.closed:
         behind = np.mod(behind, chain.length)
     return np.asarray(inside | ((behind >= 0.0) & (behind <= BEYOND)))
-
-
-REST = 0.1
-"""Time over which the position at rest before the part is averaged [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -64,7 +64,7 @@ class ContourTurn(_Turn):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordedMeasures:
+class IterationMeasures:
     """Measures of one iteration; NaN for the arm without a tracker and for a motor without samples,
     empty without motors."""
 
@@ -77,7 +77,7 @@ class RecordedMeasures:
     """[m], (9.6) and (9.7)."""
 
 
-def measure_signals(signals: Signals) -> list[RecordedMeasures]:
+def measure_signals(signals: Signals) -> list[IterationMeasures]:
     """Measures of each iteration of a stored run, along its stored path; no motion is planned.
 
     Raises ValueError for signals without programmed path or gear ratios.
@@ -110,7 +110,7 @@ def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, f
 
 def measure_table(
     table: pa.Table, gear: ArrayLike, turn: CircleTurn | ContourTurn | None
-) -> list[RecordedMeasures]:
+) -> list[IterationMeasures]:
     """Measures of each iteration k in a table.
 
     Columns: `time` [s], `reference_1..n` and `motor_angle_1..n` [rad] on the arm side of the gear;
@@ -144,7 +144,7 @@ def measure_table(
 
 def _one(
     table: pa.Table, k: int, gear: Array, turn: CircleTurn | ContourTurn | None
-) -> RecordedMeasures:
+) -> IterationMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
         float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
@@ -156,7 +156,7 @@ def _one(
     return _measures(k, error, rms, maxdev)
 
 
-def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> RecordedMeasures:
+def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> IterationMeasures:
     there = np.isfinite(motor_error)
     some = there.any(axis=0)
     inf, two = (np.full(motor_error.shape[1], np.nan) for _ in range(2))
@@ -164,7 +164,7 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Recorded
     whole = whole if there.all() else whole[there[:, some].all(axis=1)]
     if whole.size:
         inf[some], two[some] = norms.inf_norm(whole), norms.two_norm(whole)
-    return RecordedMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
+    return IterationMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
 
 
 def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:

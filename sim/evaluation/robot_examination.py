@@ -27,6 +27,15 @@ from .check import Check
 LEAST_DEXTERITY = 0.005
 """Of a named pose. ESTIMATE: the poses of thesis (9.3), near a wrist singularity, have 0.016 and
 more."""
+_ZERO = 1e-9
+"""Singular values that count as none [m/rad]."""
+HIGHEST_MODE = 0.3
+"""Largest product of frequency [Hz] and time step [s], beyond which an explicit integrator is
+unstable."""
+LOWEST_MODE = 1.0
+"""[Hz], motors locked; an arm that is softer has a spring without stiffness. ESTIMATE."""
+ROUNDING = 5e-5
+"""Of ranges [rad] and speeds [rad/s], which stand in the files with four decimals."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +50,6 @@ class NamedPose:
     dexterity: float
     """Least over greatest singular value of the Jacobian of what a contour sets: the tool's pose,
     or its position where the orientation is free. 0 at a singularity, NaN where not reached."""
-
-
-_ZERO = 1e-9
-"""Singular values that count as none [m/rad]."""
 
 
 @dataclass(frozen=True)
@@ -92,15 +97,6 @@ def _dexterity(cell: Cell, phi: Array) -> float:
     elsewhere = np.linalg.matrix_rank(jacobian(configurations(cell.limits))[:, rows], _ZERO)
     S = np.linalg.svd(jacobian(phi)[rows], compute_uv=False)
     return float(S[elsewhere.max() - 1] / S[0])
-
-
-HIGHEST_MODE = 0.3
-"""Largest product of frequency [Hz] and time step [s], beyond which an explicit integrator is
-unstable."""
-LOWEST_MODE = 1.0
-"""[Hz], motors locked; an arm that is softer has a spring without stiffness. ESTIMATE."""
-ROUNDING = 5e-5
-"""Of ranges [rad] and speeds [rad/s], which stand in the files with four decimals."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,6 +24,8 @@ CONVERGED = 1e-12
 INSIDE = 0.5
 """Radii by which the least-squares centre may lie off the path's mean. A turn that is flattened
 more is better explained by a short arc of a huge circle than by a whole circle."""
+PLACES = 100
+"""Points along the contour."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,10 +130,6 @@ def _distance(contour: ClosedCurve, p: Array) -> tuple[Array, Array]:
     s = contour.nearest(p)
     outwards = outward_normal(contour.tangent(s))
     return np.einsum("ij,ij->i", p - contour.point(s), outwards), outwards
-
-
-PLACES = 100
-"""Points along the contour."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ..motion.instructions import Program, Wait
-from ..motion.planner import JointMotion
+from ..motion.planner import ProgramMotion
 from ..robot.recording import Recording
 
 SYNCHRONISATION_PAUSE = 1.0
@@ -17,7 +17,7 @@ SLOW_CIRCLE, FAST_CIRCLE, RECTANGLE = 0.5, 1.0, 5.0
 """Programmed speeds of the parts of the simultaneous motion [m/s]."""
 
 
-def synchronised_at(program: Program, motion: JointMotion) -> float:
+def synchronised_at(program: Program, motion: ProgramMotion) -> float:
     """End of the first long wait after a move [s]: what comes before synchronises the clocks.
 
     0 for a program without one: all of it is the experiment.
@@ -32,7 +32,7 @@ def synchronised_at(program: Program, motion: JointMotion) -> float:
     return 0.0
 
 
-def under_way(motion: JointMotion, time: Array, speed: float) -> NDArray[np.bool_]:
+def under_way(motion: ProgramMotion, time: Array, speed: float) -> NDArray[np.bool_]:
     """Instants (K,) [s] at which a move programmed at this path speed [m/s] is under way."""
     flag = np.zeros(len(time), dtype=bool)
     for report in motion.reports:

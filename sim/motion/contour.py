@@ -14,6 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
+RADII: Mapping[str, float] = {"circle": 0.005, "square": 0.010, "slot": 0.015, "hexagon": 0.010}
+"""[m] by shape, where none is given; of a circle as in thesis 9.2. See `contour_of`."""
+CORNER = 0.15
+"""Corner radius over size: 40 mm/s around a corner of 3 mm is below what the planner allows."""
+
 
 class ClosedCurve(Protocol):
     """Closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
@@ -222,12 +227,6 @@ def slot(length: float, width: float) -> ArcsAndLines:
 def _require_positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
         raise ValueError(f"{name} must be > 0 m, got {value}")
-
-
-RADII: Mapping[str, float] = {"circle": 0.005, "square": 0.010, "slot": 0.015, "hexagon": 0.010}
-"""[m] by shape, where none is given; of a circle as in thesis 9.2. See `contour_of`."""
-CORNER = 0.15
-"""Corner radius over size: 40 mm/s around a corner of 3 mm is below what the planner allows."""
 
 
 def contour_of(shape: str, radius: float) -> ClosedCurve:

@@ -31,6 +31,8 @@ SMOOTH = 1e-4
 """Largest angle between elements that join smoothly [rad]."""
 SHORTEST = 1e-9
 """Length below which an element is left out [m]."""
+CORNER = 1.5
+"""Default radius of corners [mm]."""
 
 
 def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
@@ -197,10 +199,6 @@ def _kind(entity: Any) -> str:
     if kind == "LWPOLYLINE":
         kind = f"{'closed' if entity.closed else 'open'} {kind}"
     return kind
-
-
-CORNER = 1.5
-"""Default radius of corners [mm]."""
 
 
 def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:

@@ -23,6 +23,8 @@ from .timing import Timing, jerk_limited
 CORNER_FRACTION = 0.8
 """Fraction of an acceleration limit for following a bend; the rest is for changing speed."""
 TINY = 1e-12
+CHECKS = 1000
+"""Instants at which a timing is compared with its limits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,10 +188,6 @@ def _timed(limits: PieceLimits, first: float, last: float, jerk_time: float) -> 
     asked.max_acceleration = [limits.acceleration]
     asked.max_jerk = [limits.acceleration / jerk_time]
     return jerk_limited(asked, f"from {first} to {last} 1/s")
-
-
-CHECKS = 1000
-"""Instants at which a timing is compared with its limits."""
 
 
 def fastest(bounds: VaryingLimits, jerk_time: float) -> Timing:

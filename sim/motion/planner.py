@@ -43,7 +43,7 @@ class MoveReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JointMotion:
+class ProgramMotion:
     """Motor angles of a program at the log rate. Row i belongs to time[i]."""
 
     time: Array
@@ -76,7 +76,7 @@ def plan_program(
     rest_before: float = 0.5,
     rest_after: float = 0.5,
     step: float = 0.004,
-) -> JointMotion:
+) -> ProgramMotion:
     """Plan a program: geometry, corners, then the fastest timing the limits allow.
 
     Raises ProgramError, with the place in the program, for a target out of reach, a joint limit
@@ -270,7 +270,7 @@ def _sampled(
     end: float,
     step: float,
     reports: tuple[MoveReport, ...],
-) -> JointMotion:
+) -> ProgramMotion:
     """Motor angles at the log rate; between spans the robot rests."""
     time: Array = np.arange(int(np.ceil(end / step - 1e-9)) + 1, dtype=np.float64) * step
     phi = np.tile(np.array(program.start), (len(time), 1))
@@ -281,10 +281,10 @@ def _sampled(
             inside = (time >= first) & (time <= last)
             phi[inside] = curve.at(np.clip(timing.at(time[inside] - first)[0], 0.0, 1.0))
             phi[time > last] = curve.at(1.0)
-    return JointMotion(time=time, phi=phi, instruction=instruction, reports=reports)
+    return ProgramMotion(time=time, phi=phi, instruction=instruction, reports=reports)
 
 
-def slower_moves(motion: JointMotion) -> Iterator[Note]:
+def slower_moves(motion: ProgramMotion) -> Iterator[Note]:
     """A note for each limit, with the instructions that it slows down, counted from 1."""
     limits = dict.fromkeys(report.limited_by for report in motion.reports if report.limited_by)
     for limit in limits:

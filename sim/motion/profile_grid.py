@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .profile_program import Rows, stacked
+from .profile_program import LimitRows, stacked
 from .timing import PathLimits
 
 STEP = 0.4e-3
@@ -18,6 +18,10 @@ FEWEST, MOST = 60, 2000
 """Number of grid points."""
 LEAST_LEFT = 0.5
 """Fraction of x = v^2 that a programme of the time leaves of the one before."""
+SLACK = 0.5
+"""Fraction of the lowest speed allowed within reach of a place that it need not fall below."""
+STANDSTILL = 0.01
+"""Fraction of a path's highest speed that counts as rest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +137,7 @@ class Grid:
         return len(self.fixed_rows.bound)
 
     @cached_property
-    def fixed_rows(self) -> Rows:
+    def fixed_rows(self) -> LimitRows:
         """Limits of speed, of acceleration, and of the joints."""
         n, one, none = len(self.s), np.ones(len(self.s)), np.zeros(len(self.s))
         free = ~self.held
@@ -141,14 +145,14 @@ class Grid:
         steepest = np.full(n, 2.0 * self.step * self.limits.acceleration / self.unit)
         steepest[[0, -2, -1]] = np.inf
         found = (
-            Rows(none, one, none, most),
-            Rows(none, -one, none, np.where(free, 0.0, np.inf)),
-            Rows(none, -one, one, steepest),
-            Rows(none, one, -one, steepest),
+            LimitRows(none, one, none, most),
+            LimitRows(none, -one, none, np.where(free, 0.0, np.inf)),
+            LimitRows(none, -one, one, steepest),
+            LimitRows(none, one, -one, steepest),
         )
         return stacked(found if self.joints is None else (*found, self._joint_rows(self.joints)))
 
-    def _joint_rows(self, joints: Bounds) -> Rows:
+    def _joint_rows(self, joints: Bounds) -> LimitRows:
         """Limits of joints, at each point those that speed and acceleration can come to."""
         unit = self.unit
         bend, offset = joints.bend * self.caps[:, None] ** 2, joints.offset
@@ -166,7 +170,7 @@ class Grid:
         used = np.take_along_axis(near, chosen, axis=1).T
         bound = np.where(used, (1.0 - offset) / size, np.inf)
         slope, bend = slope / size, bend / size
-        return Rows(-slope, bend, slope, bound)
+        return LimitRows(-slope, bend, slope, bound)
 
     def weight(self, x: Array | None) -> Array:
         """(N,), of x in the sum. The time falls by x^(-3/2) / 2 with x, here that at x or caps."""
@@ -176,16 +180,16 @@ class Grid:
         slope = (caps if x is None else np.maximum(x, 1e-3 * caps)) ** -1.5
         return slope / slope.mean()
 
-    def rows(self, x: Array | None) -> Rows:
+    def rows(self, x: Array | None) -> LimitRows:
         """Those that change with x (N,), over its unit, of the programme before; None for none."""
         jerk = self.jerk_rows(x)
         if x is None or not self.timed:
             return jerk
         none = np.zeros_like(x)
         floor = np.where(self.held, np.inf, -LEAST_LEFT * x)
-        return stacked([jerk, Rows(none, none - 1.0, none, floor)])
+        return stacked([jerk, LimitRows(none, none - 1.0, none, floor)])
 
-    def jerk_rows(self, x: Array | None) -> Rows:
+    def jerk_rows(self, x: Array | None) -> LimitRows:
         """Limit of jerk, linearised at x (N,) over its unit; at the caps if None."""
         at = np.maximum(self.caps**2 if x is None else x * self.unit, 1e-12)
         jerk = self.fraction * self.limits.jerk * self.step**2
@@ -194,13 +198,7 @@ class Grid:
         bound[[0, -1]] = np.inf
         one = np.ones_like(at)
         rising, sinking = (one, falling - 2.0, one, bound), (-one, falling + 2.0, -one, bound)
-        return stacked([Rows(*rising), Rows(*sinking)])
-
-
-SLACK = 0.5
-"""Fraction of the lowest speed allowed within reach of a place that it need not fall below."""
-STANDSTILL = 0.01
-"""Fraction of a path's highest speed that counts as rest."""
+        return stacked([LimitRows(*rising), LimitRows(*sinking)])
 
 
 def nearly_at_rest(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:

@@ -43,7 +43,7 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class LimitRows:
     """K rows for each point; one whose bound is infinite is none."""
 
     lower: Array
@@ -53,21 +53,16 @@ class Rows:
     """(K, N) each, or (N,) of a single kind."""
 
 
-def stacked(rows: Sequence[Rows]) -> Rows:
+def stacked(rows: Sequence[LimitRows]) -> LimitRows:
     """Rows of several kinds as one, (K, N)."""
-    names = [field.name for field in fields(Rows)]
-    return Rows(*(np.vstack([getattr(row, name) for row in rows]) for name in names))
+    names = [field.name for field in fields(LimitRows)]
+    return LimitRows(*(np.vstack([getattr(row, name) for row in rows]) for name in names))
 
 
 @dataclass(frozen=True, eq=False)
-class Programme:
-    """Rows of K kinds over the N points of M paths."""
+class Programme(LimitRows):
+    """Rows of K kinds over the N points of M paths, (K, N) each."""
 
-    lower: Array
-    middle: Array
-    upper: Array
-    bound: Array
-    """(K, N) each."""
     starts: NDArray[np.int64]
     """(M,), first point of each path."""
     held: NDArray[np.bool_]
@@ -78,7 +73,7 @@ class Programme:
     @classmethod
     def of(
         cls,
-        rows: Rows,
+        rows: LimitRows,
         starts: NDArray[np.int64],
         held: NDArray[np.bool_],
         weight: Array | None = None,

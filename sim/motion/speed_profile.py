@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from .profile_grid import MOST, SLACK, STANDSTILL, BoundsAt, Grid, nearly_at_rest
-from .profile_program import GAP, Programme, Rows, largest
+from .profile_program import GAP, LimitRows, Programme, largest
 from .timing import PathLimits, Timing, profile_timing
 
 ROUNDS = 3
@@ -171,17 +171,19 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
     return [solution.get(id(grid)) for grid in grids]
 
 
-def _side_by_side(rows: Sequence[tuple[Rows, Rows]], starts: NDArray[np.int64]) -> Rows:
+def _side_by_side(
+    rows: Sequence[tuple[LimitRows, LimitRows]], starts: NDArray[np.int64]
+) -> LimitRows:
     """Rows of several grids as those of one; a kind that a grid lacks is no row there."""
     kinds = max(len(first.bound) + len(second.bound) for first, second in rows)
     n = int(starts[-1]) + rows[-1][0].bound.shape[1]
     lower, middle, upper = np.zeros((3, kinds, n))
-    every = Rows(lower, middle, upper, np.full((kinds, n), np.inf))
+    every = LimitRows(lower, middle, upper, np.full((kinds, n), np.inf))
     for own, begin in zip(rows, starts, strict=True):
         top = 0
         for part in own:
             height, width = part.bound.shape
-            for field in fields(Rows):
+            for field in fields(LimitRows):
                 block = getattr(every, field.name)[top : top + height, begin : begin + width]
                 block[:] = getattr(part, field.name)
             top += height

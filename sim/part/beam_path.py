@@ -18,6 +18,12 @@ BACK = np.radians(175.0)
 """Angle from which a contour turns back on itself [rad]."""
 UNSEEN = 1e-6
 """Distance from the drawn corner up to which a larger radius is taken [m]."""
+ROUNDING = 1e-7
+"""Relative length by which a width of exactly the beam still passes."""
+RADIUS = 2.0 * MM
+"""Radius of a lead where there is room [m]. ESTIMATE"""
+SMALLEST = 0.05 * MM
+"""Radius of a lead below which there is none [m]."""
 
 
 def smooth(chain: Chain, corner: float = CORNER) -> Chain:
@@ -82,10 +88,6 @@ def _corner(chain: Chain, before: float, after: float) -> Chain:
     return biarc(points[0], along[0], points[1], along[1])
 
 
-ROUNDING = 1e-7
-"""Relative length by which a width of exactly the beam still passes."""
-
-
 def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
     """The smooth, counter-clockwise chain moved by `half` [m] outwards or inwards, exactly.
 
@@ -118,12 +120,6 @@ def _check_width(chain: Chain, path: Chain, half: float) -> None:
     if apart.min() < half - 4 * SAGITTA:
         at = place(points[int(apart.argmin())])
         raise ValueError(f"the beam of {2 * half / MM:g} mm is wider than the slot at {at}")
-
-
-RADIUS = 2.0 * MM
-"""Radius of a lead where there is room [m]. ESTIMATE"""
-SMALLEST = 0.05 * MM
-"""Radius of a lead below which there is none [m]."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,13 @@ from ..motion.contour import chord
 MM = 1e-3
 SAGITTA = 1e-6
 """Largest distance between an arc and the polygon that stands for it [m]."""
+TOLERANCE = 1e-6
+"""Largest distance between a curve and its arcs [m]."""
+DEEPEST = 16
+"""Most times a curve is halved."""
+CHECKS = np.linspace(0.0, 1.0, 9)[1:-1]
+PointAndTangent = Callable[[float], tuple[Array, Array]]
+"""Point (2,) [m] and tangent (2,), of any length, at a parameter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,16 +188,6 @@ def place(point: ArrayLike) -> str:
     """A point [m] in the words of a message."""
     x, y = np.round(np.asarray(point) / MM, 2) + 0.0
     return f"({x:g}, {y:g}) mm"
-
-
-TOLERANCE = 1e-6
-"""Largest distance between a curve and its arcs [m]."""
-DEEPEST = 16
-"""Most times a curve is halved."""
-CHECKS = np.linspace(0.0, 1.0, 9)[1:-1]
-
-PointAndTangent = Callable[[float], tuple[Array, Array]]
-"""Point (2,) [m] and tangent (2,), of any length, at a parameter."""
 
 
 def biarc(p: Array, along_p: Array, q: Array, along_q: Array) -> Chain:

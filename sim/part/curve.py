@@ -13,6 +13,16 @@ from armside.arrays import Array
 from ..motion.contour import Circle, ClosedCurve
 from .chain import Chain
 
+SPACING = 1e-3
+"""Largest distance of the points that the search for a nearest point starts from [m]."""
+STEPS = 4
+"""Newton steps of that search; on a line or an arc the first is exact."""
+BEZIER = 3e-4
+"""Relative differences of radius within which a closed chain stands for a circle: the four cubic
+curves that other programs write differ by 2.7e-4."""
+ROUND = 1e-6
+"""Relative differences of curvature within which a closed chain is a circle."""
+
 
 class Kind(Enum):
     """Kind of a contour by its place in the part."""
@@ -27,16 +37,6 @@ class Kind(Enum):
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
-
-SPACING = 1e-3
-"""Largest distance of the points that the search for a nearest point starts from [m]."""
-STEPS = 4
-"""Newton steps of that search; on a line or an arc the first is exact."""
-BEZIER = 3e-4
-"""Relative differences of radius within which a closed chain stands for a circle: the four cubic
-curves that other programs write differ by 2.7e-4."""
-ROUND = 1e-6
-"""Relative differences of curvature within which a closed chain is a circle."""
 
 
 @dataclass(frozen=True, eq=False)

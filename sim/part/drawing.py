@@ -14,6 +14,10 @@ LARGEST = 20.0
 """Size of a drawing from which its unit is doubted [m]. ESTIMATE"""
 JOIN = 0.05 * MM
 """Largest distance between ends that are joined [m]."""
+NEAR = 1.0 * MM
+"""Gap up to which two ends that are not joined were meant to meet [m]."""
+SHORTEST = 1e-6
+"""Length from which an entity is not zero [m]."""
 
 
 class Unit(Enum):
@@ -58,7 +62,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnEntity:
     """One entity of a drawing."""
 
     chain: Chain = field(repr=False)
@@ -71,7 +75,7 @@ class Drawn:
 class Drawing:
     """Everything of a drawing that is to be cut, and notes of what is not."""
 
-    entities: tuple[Drawn, ...]
+    entities: tuple[DrawnEntity, ...]
     notes: tuple[str, ...] = ()
 
 
@@ -83,12 +87,6 @@ def check_size(drawing: Drawing) -> None:
         raise ValueError(
             f"its unit is in doubt: it is {size / MM:g} mm large; say --units mm or --units inch"
         )
-
-
-NEAR = 1.0 * MM
-"""Gap up to which two ends that are not joined were meant to meet [m]."""
-SHORTEST = 1e-6
-"""Length from which an entity is not zero [m]."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ class Joined:
         return self.names[0] + (f" and {more} more" if more else "")
 
 
-def join(entities: tuple[Drawn, ...], tolerance: float) -> list[Joined]:
+def join(entities: tuple[DrawnEntity, ...], tolerance: float) -> list[Joined]:
     """Chains of entities whose ends are at most `tolerance` [m] apart.
 
     Raises ValueError for an entity of zero length, for more than two ends in one place, and for an
@@ -126,7 +124,7 @@ def join(entities: tuple[Drawn, ...], tolerance: float) -> list[Joined]:
     return found
 
 
-def _mates(ends: Array, loose: list[Drawn], tolerance: float) -> list[int]:
+def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> list[int]:
     """Index of the end that meets each end, or -1. Ends 2 i and 2 i + 1 are those of entity i."""
     from scipy.spatial import KDTree
 
@@ -170,7 +168,7 @@ def _walks(mate: list[int]) -> list[tuple[list[int], bool]]:
 
 
 def _joined(
-    walk: list[int], closed: bool, loose: list[Drawn], ends: Array, mate: list[int]
+    walk: list[int], closed: bool, loose: list[DrawnEntity], ends: Array, mate: list[int]
 ) -> Joined:
     chains = []
     for end in walk:

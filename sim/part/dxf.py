@@ -12,10 +12,12 @@ from ezdxf import units
 from armside.arrays import Array
 
 from .chain import Chain, arc, fitted, line, place, polyline
-from .drawing import Drawing, Drawn, Reading, Unit
+from .drawing import Drawing, DrawnEntity, Reading, Unit
 
 FLAT = 1e-6
 """Largest difference of height within an entity, and of a normal from +-z, relative to 1."""
+IMPERIAL = (units.IN, units.FT, units.YD, units.MI)
+_LAYER_0 = "0"
 
 
 class NotFlatError(ValueError):
@@ -144,10 +146,6 @@ READERS: Mapping[str, Callable[[Any, float], Chain]] = {
 """By type; every other type is refused by name. INSERT is taken apart before."""
 
 
-IMPERIAL = (units.IN, units.FT, units.YD, units.MI)
-_LAYER_0 = "0"
-
-
 def read_dxf(file: Path, reading: Reading) -> Drawing:
     """Entities of the model space on the chosen layers.
 
@@ -170,7 +168,7 @@ def drawing_of(document: Any, reading: Reading) -> Drawing:
     scale = _metres(document, reading.unit)
     reading.check_layers([layer.dxf.name for layer in document.layers])
     left_out: Counter[str] = Counter()
-    found: list[Drawn] = []
+    found: list[DrawnEntity] = []
     for entity, layer, name in _entities(document.modelspace()):
         if not reading.chooses(layer, _visible(document, entity, layer)):
             left_out[layer] += 1
@@ -189,7 +187,7 @@ def _of_paper(layout: Any) -> list[Any]:
     return list(layout) if layout.is_any_paperspace else []
 
 
-def _read(entity: Any, layer: str, name: str, scale: float) -> Drawn:
+def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
     reader = READERS.get(entity.dxftype())
     label = f"{name} on layer {layer}"
     if reader is None:
@@ -202,7 +200,7 @@ def _read(entity: Any, layer: str, name: str, scale: float) -> Drawn:
         raise ValueError(f"{label}: {error}") from error
     if not np.isfinite(chain.points).all():
         raise ValueError(f"{label} has coordinates that are not finite")
-    return Drawn(chain, name, layer)
+    return DrawnEntity(chain, name, layer)
 
 
 def _entities(container: Any, layer: str = "", name: str = "") -> Iterator[tuple[Any, str, str]]:

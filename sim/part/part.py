@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
 from armside.arrays import Array
 
@@ -15,15 +16,14 @@ from ..motion.contour import ArcsAndLines
 from ..motion.contour_file import read_contour
 from .chain import MM, Chain, place
 from .curve import Kind
-from .drawing import Drawing, Drawn, Joined, Reading, check_size, join
-from .geometry import shapely
+from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contour:
+class PartContour:
     """One contour of a part, counter-clockwise if closed."""
 
     kind: Kind
@@ -39,7 +39,7 @@ class Contour:
 class Part:
     """Contours in the coordinates of the drawing."""
 
-    contours: tuple[Contour, ...]
+    contours: tuple[PartContour, ...]
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -94,12 +94,12 @@ def _different(names: list[str]) -> list[str]:
     return found
 
 
-def _contour(chain: Joined, name: str, depth: int) -> Contour:
+def _contour(chain: Joined, name: str, depth: int) -> PartContour:
     kind, drawn = Kind.OPEN, chain.chain
     if drawn.closed:
         kind = Kind.HOLE if depth % 2 else Kind.OUTLINE
         drawn = drawn if drawn.area > 0.0 else drawn.reversed
-    return Contour(kind=kind, chain=drawn, name=name, layer=chain.layer, depth=depth)
+    return PartContour(kind=kind, chain=drawn, name=name, layer=chain.layer, depth=depth)
 
 
 def _check_simple(chain: Joined, drawn: Any) -> None:
@@ -187,7 +187,7 @@ def _from_toml(file: Path, reading: Reading) -> Drawing:
         raise ValueError("a contour in TOML has no layers")
     curve = read_contour(file)
     assert isinstance(curve, ArcsAndLines)
-    return Drawing((Drawn(chain_of(curve), "points", ""),))
+    return Drawing((DrawnEntity(chain_of(curve), "points", ""),))
 
 
 def chain_of(curve: ArcsAndLines) -> Chain:

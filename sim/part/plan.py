@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import shapely
 
 from armside.arrays import Array
 
@@ -13,9 +14,8 @@ from ..motion.timing import PathLimits, rest_to_rest
 from .beam_path import CORNER, SMOOTH, Led, compensated, led, smooth
 from .chain import MM, Chain, place
 from .curve import Kind
-from .geometry import shapely
 from .order import order
-from .part import Contour, Part
+from .part import Part, PartContour
 
 TOGETHER = 64
 """Paths whose speeds are planned at once: memory does not grow with the number of contours."""
@@ -58,7 +58,7 @@ class Cutting:
 class PlannedCut:
     """One contour of a plan."""
 
-    contour: Contour
+    contour: PartContour
     path: Chain = field(repr=False)
     """Of the beam's centre: lead-in, one turn, lead-out."""
     lead: float
@@ -143,7 +143,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     return Plan(part, cutting, tuple(cuts))
 
 
-def _path(contour: Contour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
+def _path(contour: PartContour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Led, int]:
     """Path of the beam's centre, and the number of rounded corners."""
     try:
         corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))
@@ -157,7 +157,7 @@ def _path(contour: Contour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[
         raise ValueError(f"{contour.name}: {error}") from error
 
 
-def _check_moving(contour: Contour, path: Chain, profile: Profile) -> None:
+def _check_moving(contour: PartContour, path: Chain, profile: Profile) -> None:
     """Raises ValueError where the tool would all but rest within a cut for no limit's sake."""
     if len(profile.rests):
         at = float(profile.rests[0])
@@ -209,7 +209,7 @@ def _bends(elements: Array, bounds: BoundsAt | None = None) -> Bends:
     return Bends(elements[:, 0], elements[:, 1], bounds)
 
 
-def _joints(contour: Contour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:
+def _joints(contour: PartContour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:
     """Micro-joints, evenly along the outline and half a distance from its start."""
     if contour.kind is not Kind.OUTLINE or not cutting.joints:
         return

@@ -18,10 +18,23 @@ import svgelements
 from armside.arrays import Array
 
 from .chain import Chain, arc, fitted, joined, line, place
-from .drawing import Drawing, Drawn, Reading, Unit
+from .drawing import Drawing, DrawnEntity, Reading, Unit
 
 ROUND = 1e-9
 """Relative difference of half axes and of their angle from 90 deg in a circle."""
+PAGE = 1e-3
+"""Relative difference from the page within which a filled rectangle is its background."""
+UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
+"""[m], of the units that are lengths; px is one of a screen."""
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+SVG = "{http://www.w3.org/2000/svg}"
+EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
+"""Namespaces of what editors keep beside a drawing."""
+SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
+GROUPS = {"svg", "g", "a", "switch", "symbol"}
+SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
+"""Tags that draw nothing where they stand."""
+CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
 
 
 def chains(path: Any, scale: float) -> Iterator[Chain]:
@@ -117,10 +130,6 @@ def _point(point: Any, scale: float) -> Array:
     return scale * np.array([float(point.x), -float(point.y)])
 
 
-PAGE = 1e-3
-"""Relative difference from the page within which a filled rectangle is its background."""
-
-
 def invisible(shape: Any) -> bool:
     """Neither stroke nor fill; a shape whose fill is not stated is filled black."""
     values = shape.values
@@ -168,20 +177,6 @@ def _number(text: Any) -> float:
         return 1.0
 
 
-UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
-"""[m], of the units that are lengths; px is one of a screen."""
-INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-SVG = "{http://www.w3.org/2000/svg}"
-EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
-"""Namespaces of what editors keep beside a drawing."""
-SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
-GROUPS = {"svg", "g", "a", "switch", "symbol"}
-SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
-"""Tags that draw nothing where they stand."""
-
-CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
-
-
 def read_svg(file: Path, reading: Reading) -> Drawing:
     """Shapes on the chosen layers.
 
@@ -215,10 +210,10 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
     return Drawing(tuple(found), (*notes, *backgrounds))
 
 
-def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[Drawn]:
+def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[DrawnEntity]:
     try:
         path = svgelements.Path(shape).reify()
-        found = [Drawn(chain, name, layer) for chain in chains(path, scale)]
+        found = [DrawnEntity(chain, name, layer) for chain in chains(path, scale)]
         if not found and (ends := [segment.end for segment in path if segment.end is not None]):
             at = place(scale * np.array([ends[0].x, -ends[0].y]))
             raise ValueError(f"it has zero length at {at}")

@@ -33,7 +33,7 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Link:
+class BendingLink:
     """A link that bends."""
 
     body: str
@@ -63,9 +63,9 @@ class Link:
 
 
 LINKS = (
-    Link("lower_arm", (0.0, 0.0, 1.075), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), 2e7),
-    Link("tube", (1.142, 0.0, 0.0), ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 6e6),
-    Link("tilt", (0.2, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), 3e6),
+    BendingLink("lower_arm", (0.0, 0.0, 1.075), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), 2e7),
+    BendingLink("tube", (1.142, 0.0, 0.0), ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 6e6),
+    BendingLink("tilt", (0.2, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), 3e6),
 )
 """Of the large robot; places are in the axes of each body."""
 MIDDLE = 0.5

@@ -8,11 +8,11 @@ import numpy as np
 from armside.arrays import Array
 
 from ..robot.individual import Individual
-from .identification import Identification, Identified, identify
+from .identification import Identification, IdentifiedParameters, identify
 from .imu_sensor import ImuSensor
 from .recordings import ImplausibleError, MeasuredCut, SensorName
-from .simulation import Design, design_of, robot_digest
-from .tool_sensor import TRACKER, Scale, ToolSensor
+from .simulation import RobotDesign, design_of, robot_digest
+from .tool_sensor import TRACKER, ResidualScale, ToolSensor
 from .twin import Twin
 
 SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": ImuSensor()}
@@ -23,9 +23,11 @@ _LARGEST_ERROR = 0.02
 _TORQUE_GAIN = 0.6, 1.6
 """Measured torque over that of the nominal robot, least squares over all axes. Friction differs by
 a third between robots, units by more. ESTIMATE."""
+_OUTLIER = 5.0
+"""Held-out residual of a cut over the median of all, above which it is called corrupt. ESTIMATE."""
 
 
-def check(design: Design, cut: MeasuredCut, sensor: ToolSensor) -> None:
+def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
     """Raise ImplausibleError for a cut that the nominal robot could not have made."""
     _check_numbers(cut)
     _check_motors(cut)
@@ -64,17 +66,12 @@ def _check_torque(cut: MeasuredCut, nominal: Array) -> None:
         )
 
 
-_OUTLIER = 5.0
-"""Held-out residual of a cut over the median of all, above which it is called corrupt. ESTIMATE."""
-
-
 @dataclass(frozen=True, eq=False)
-class Commissioned:
+class CommissionedTwin:
     """A twin, and what its identification says of itself."""
 
     twin: Twin
-    identified: Identified
-    measure: SensorName
+    identified: IdentifiedParameters
 
 
 def commission(
@@ -85,7 +82,7 @@ def commission(
     measure: SensorName = "tracker",
     cfg: Identification = Identification(),
     progress: Callable[[], None] = lambda: None,
-) -> Commissioned:
+) -> CommissionedTwin:
     """Identify the individual that made these cuts.
 
     Args:
@@ -116,10 +113,12 @@ def commission(
         torque_residual=np.sqrt(np.mean(found.quality.torque**2, axis=0)),
         names=tuple(cut.name for cut in cuts),
     )
-    return Commissioned(twin, found, measure)
+    return CommissionedTwin(twin, found)
 
 
-def _check_agreement(cuts: Sequence[MeasuredCut], found: Identified, scale: Scale) -> None:
+def _check_agreement(
+    cuts: Sequence[MeasuredCut], found: IdentifiedParameters, scale: ResidualScale
+) -> None:
     """Raise ImplausibleError for a cut that the twin of the others does not explain at all."""
     left = found.quality.held_out
     worst = int(np.nan_to_num(left).argmax())

@@ -12,8 +12,8 @@ from ..laser.specification import Cut
 from ..part.carried import Motion
 from ..robot.individual import Individual
 from .learning import TwinLearning, learn_in_twin
-from .prediction import Evidence, Prediction, errors, predicted
-from .simulation import Design, motor_path
+from .prediction import Evidence, FirstCutPrediction, errors, predicted
+from .simulation import RobotDesign, motor_path
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,7 +26,7 @@ class Corrected:
     """(N, 6) [rad], what the twin learned, trusted or not."""
     motor_path: Array = field(repr=False)
     """(N, 6) [rad], arm side: the twin's motors with the correction in use."""
-    prediction: Prediction
+    prediction: FirstCutPrediction
     reason: str | None
     """Why the twin's correction is not used; None where it is."""
 
@@ -41,7 +41,7 @@ LARGEST_FRACTION = 0.3
 
 
 def correct(
-    design: Design,
+    design: RobotDesign,
     individual: Individual,
     around: Sequence[Individual],
     cut: Cut,
@@ -60,7 +60,7 @@ def correct(
 
 
 def correct_motion(
-    design: Design,
+    design: RobotDesign,
     individual: Individual,
     around: Sequence[Individual],
     motion: Motion,
@@ -90,7 +90,7 @@ def correct_motion(
     )
 
 
-def _objection(prediction: Prediction) -> str | None:
+def _objection(prediction: FirstCutPrediction) -> str | None:
     if not np.isfinite(prediction.high):
         return "the twin becomes unstable with its correction"
     fraction = prediction.high / prediction.uncorrected

@@ -14,7 +14,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .recordings import MeasuredCut
-from .simulation import Design
+from .simulation import RobotDesign
 from .twin import Twin
 
 _PRIOR = 0.15
@@ -69,13 +69,13 @@ def refreshed(twin: Twin, runs: Sequence[MeasuredCut], payload: float | None = N
     return Refreshed(twin=twin, growth=np.sqrt(left) / np.maximum(twin.torque_residual, least))
 
 
-def _sensitivity(design: Design, twin: Twin, run: MeasuredCut) -> tuple[Array, Array]:
+def _sensitivity(design: RobotDesign, twin: Twin, run: MeasuredCut) -> tuple[Array, Array]:
     more = replace(twin.individual, friction=twin.friction * np.exp(_STEP))
     base, other = design.run([twin.individual, more], run.reference, run.correction)
     slope = (other.motor_torque - base.motor_torque) / _STEP
     return slope[run.moving], (run.motor_torque - base.motor_torque)[run.moving]
 
 
-def _residual(design: Design, twin: Twin, run: MeasuredCut) -> Array:
+def _residual(design: RobotDesign, twin: Twin, run: MeasuredCut) -> Array:
     simulated = design.run([twin.individual], run.reference, run.correction)[0]
     return (run.motor_torque - simulated.motor_torque)[run.moving]

@@ -22,7 +22,7 @@ from .normal_equations import Compared, Solving, compared, held_out, together
 from .parameters import FRICTION, MASS, Parameters, tool_blocks
 from .recordings import MeasuredCut
 from .sensitivities import Against, Residuals
-from .simulation import Design
+from .simulation import RobotDesign
 from .tool_sensor import TRACKER, ToolSensor
 
 _AT_ONCE = 4
@@ -59,7 +59,7 @@ class Quality:
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class IdentifiedParameters:
     """Parameters with their posterior covariance."""
 
     parameters: Parameters
@@ -74,19 +74,19 @@ def torque_rms(residual: Residuals) -> Array:
     return np.sqrt(np.mean(residual.torque[residual.moving] ** 2, axis=0))
 
 
-def parameters_of(design: Design) -> Parameters:
+def parameters_of(design: RobotDesign) -> Parameters:
     """All unknown parameters of individuals of a design."""
     return Parameters((*FRICTION, MASS, *tool_blocks(len(structure_hinges(design.model)))))
 
 
 def identify(
-    design: Design,
+    design: RobotDesign,
     cuts: Sequence[MeasuredCut],
     cfg: Identification = Identification(),
     progress: Callable[[], None] = lambda: None,
     *,
     sensor: ToolSensor = TRACKER,
-) -> Identified:
+) -> IdentifiedParameters:
     """Identify an individual from recorded cuts.
 
     The first step moves friction and masses alone, by torque: what the tool does before the motors
@@ -118,4 +118,4 @@ def identify(
     without, within = held_out(last, found)
     torque = np.array([torque_rms(cut.residuals) for cut in found])
     quality = Quality(scales, without, within, torque)
-    return Identified(parameters, solving.theta, covariance, quality)
+    return IdentifiedParameters(parameters, solving.theta, covariance, quality)

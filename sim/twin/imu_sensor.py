@@ -30,12 +30,21 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .kinematic_columns import ImuKinematics, gear_waves, imu_kinematics
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path
-from .tool_sensor import Channels, Scale
+from .tool_sensor import Channels, ResidualScale
 
 _FREE = 1e3
 """Standard deviation of bias and its drift [m/s^2]: nothing is known of them."""
 _EXACT = 1e-9
 """Standard deviation of what a data sheet says to be exact."""
+_SYNCHRONISED = 3.0
+"""[Hz], below which readings are compared: springs hardly delay them."""
+_DISPLACEMENT = 20e-6
+"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
+_REST = 10
+"""Samples before the arm moves: 0.1 s."""
+_LARGEST_TILT = 0.1
+"""Of gravity, by which a reading at rest may differ from the nominal robot's: mounting errors are a
+tenth of it. ESTIMATE."""
 
 
 def unit_errors(time: Array, reading: Array, cfg: ImuCfg) -> tuple[Array, Array]:
@@ -81,10 +90,6 @@ class UnitSampling:
         return ideal[0] + self.triad.low_passed(moved, step).reshape(ideal.shape)
 
 
-_SYNCHRONISED = 3.0
-"""[Hz], below which readings are compared: springs hardly delay them."""
-
-
 def clock_offset(
     unit_time: Array, reading: Array, expected: Array, step: float, largest: float
 ) -> float:
@@ -113,15 +118,6 @@ def clock_offset(
     return float(found.x)
 
 
-_DISPLACEMENT = 20e-6
-"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
-_REST = 10
-"""Samples before the arm moves: 0.1 s."""
-_LARGEST_TILT = 0.1
-"""Of gravity, by which a reading at rest may differ from the nominal robot's: mounting errors are a
-tenth of it. ESTIMATE."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class ImuSensor:
     """IMU as the sensor of identification. Residuals are in units of its white noise."""
@@ -137,8 +133,10 @@ class ImuSensor:
         return (Channels(slice(0, 3), 1.0, float(1.0 / np.sqrt(independent))),)
 
     @property
-    def scale(self) -> Scale:
-        return Scale("acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0)
+    def scale(self) -> ResidualScale:
+        return ResidualScale(
+            "acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0
+        )
 
     def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.imu is None:
@@ -163,7 +161,7 @@ class ImuSensor:
 
 @dataclass(frozen=True, eq=False)
 class ImuComparison:
-    """See `Comparison`."""
+    """See `CutComparison`."""
 
     sensor: ImuSensor
     model: RobotModel

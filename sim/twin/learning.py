@@ -20,7 +20,7 @@ from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD
 from .friction_step import FrictionStep
-from .simulation import Design, twin_error
+from .simulation import RobotDesign, twin_error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class Learned:
 
 
 def learn_in_twin(
-    design: Design,
+    design: RobotDesign,
     individual: Individual,
     experiment: Experiment,
     cfg: TwinLearning = TwinLearning(),
@@ -111,7 +111,7 @@ def _law(plant: ArmPlant, cfg: TwinLearning) -> RegularisedInverse:
 
 
 def twin_plant(
-    design: Design, loaded: LoadedReference, run: Recording, phi: Array | None = None
+    design: RobotDesign, loaded: LoadedReference, run: Recording, phi: Array | None = None
 ) -> ArmPlant:
     """Response of the tool to corrections, linearised along a run of the twin.
 

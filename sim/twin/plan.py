@@ -21,7 +21,7 @@ from ..robot.mjcf import N_AXES
 from .identification import Identification, parameters_of
 from .recordings import MeasuredCut, measured
 from .sensitivities import Against
-from .simulation import Design, motor_path, tool_path
+from .simulation import RobotDesign, motor_path, tool_path
 
 _CONTOURS: tuple[tuple[ClosedCurve, float], ...] = (
     (Circle(0.020), 0.080),
@@ -75,7 +75,7 @@ class Choice:
 
 
 def chosen(
-    design: Design,
+    design: RobotDesign,
     count: int = MOST,
     candidates: Sequence[Cut] = CANDIDATES,
     progress: Callable[[], None] = lambda: None,
@@ -104,7 +104,7 @@ def chosen(
     return taken
 
 
-def _information(design: Design, cut: Cut) -> Array:
+def _information(design: RobotDesign, cut: Cut) -> Array:
     """Information of a cut about an individual like the design."""
     parameters, cfg = parameters_of(design), Identification()
     reference = prepare(replace(cut, friction_spread=0.0)).loaded.reference
@@ -123,7 +123,7 @@ _TORQUE, _TOOL = 2e-3, 1e-5
 """Residuals to expect: of torque over its limit, and of the tool [m]; as with hidden hinges."""
 
 
-def _nominal_run(design: Design, reference: Array) -> MeasuredCut:
+def _nominal_run(design: RobotDesign, reference: Array) -> MeasuredCut:
     parameters = parameters_of(design)
     zero = np.zeros_like(reference)
     twin = parameters.individual(parameters.mean, np.zeros((N_AXES, 4)))

@@ -38,7 +38,7 @@ from ..robot.mjcf import N_AXES
 from ..robot.spread import PRODUCTION
 from .parameters import SPRINGS, Parameters
 from .recordings import SensorName
-from .simulation import Design, twin_error
+from .simulation import RobotDesign, twin_error
 
 WIDER = 4.0
 """Smallest whole factor with which, of the identified parameters of individuals 1001 and 1004, four
@@ -47,18 +47,6 @@ Individuals from 2001 on, of which nothing was chosen, test it."""
 _IDENTIFIED = 0.7
 """Standard deviation of the linearised model over that of the prior, up to which the cuts tell of a
 parameter. ESTIMATE."""
-
-
-def standard_deviation(parameters: Parameters, covariance: Array) -> Array:
-    """(m,), of the parameters of a robot about its twin's, for covariance (m, m)."""
-    return np.minimum(WIDER * np.sqrt(np.diag(covariance)), parameters.standard_deviation)
-
-
-def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
-    """(m,) bool: the cuts tell of a parameter, beyond the prior."""
-    return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
-
-
 MEMBERS = 8
 """Two for each core of a small machine four times over: half a second. ESTIMATE."""
 SAMPLES_AT_ONCE = 20_000
@@ -69,6 +57,18 @@ which are not the judged ones. By the tracker 5e3 ranks their errors best among 
 1e4. The residual of an IMU is its own noise: of 0 the predicted errors follow those of the
 individuals, long contours above short ones, and 5e3 hides that."""
 _SEED = 0xE5
+_RESIDUAL, _SPREAD = 0.3, 0.4
+"""a and b. Individuals differ from the twin by less than the draws: b < 1."""
+
+
+def standard_deviation(parameters: Parameters, covariance: Array) -> Array:
+    """(m,), of the parameters of a robot about its twin's, for covariance (m, m)."""
+    return np.minimum(WIDER * np.sqrt(np.diag(covariance)), parameters.standard_deviation)
+
+
+def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
+    """(m,) bool: the cuts tell of a parameter, beyond the prior."""
+    return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
 
 
 def members(
@@ -101,7 +101,7 @@ def members(
 
 
 def errors(
-    design: Design,
+    design: RobotDesign,
     individuals: Sequence[Individual],
     motion: Motion,
     reference: Array,
@@ -114,10 +114,6 @@ def errors(
         runs = design.run(individuals[i : i + at_once], reference, correction)
         found += [twin_error(motion, run) for run in runs]
     return np.array(found)
-
-
-_RESIDUAL, _SPREAD = 0.3, 0.4
-"""a and b. Individuals differ from the twin by less than the draws: b < 1."""
 
 
 class Factors(NamedTuple):
@@ -161,7 +157,7 @@ class Evidence:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Prediction:
+class FirstCutPrediction:
     """Errors of the tool to expect of a first run [m]."""
 
     uncorrected: float
@@ -176,12 +172,14 @@ class Prediction:
     """The interval was fitted to twins like this one."""
 
 
-def predicted(uncorrected: float, inside: float, around: Array, evidence: Evidence) -> Prediction:
+def predicted(
+    uncorrected: float, inside: float, around: Array, evidence: Evidence
+) -> FirstCutPrediction:
     """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
     r, factors = float(np.sqrt(variance)), evidence.factors
-    return Prediction(
+    return FirstCutPrediction(
         uncorrected=uncorrected,
         inside=inside,
         expected=factors.middle * r,

@@ -35,10 +35,21 @@ from ..robot.virtual_robot import LOG_PERIOD
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions."""
-
-
 SensorName = Literal["tracker", "imu"]
 """Sensor of the tool that a twin is identified from."""
+_SIGNALS = "signals.parquet"
+CONFIG = b"armside.config"
+"""In the metadata of a table that we wrote."""
+_LOG = ("reference", "motor_angle", "motor_torque")
+_TRACKER = ("tracker_x", "tracker_y", "tracker_z")
+_ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
+_RATE = tuple(f"imu_angular_velocity_{c}" for c in "xyz")
+_SENSORS: Mapping[SensorName, tuple[str, ...]] = {
+    "tracker": _TRACKER,
+    "imu": (*_ACCELERATION, *_RATE),
+}
+_CLOCK = 1e-6
+"""[s], by which instants of the log may differ from its rate."""
 
 
 class ImplausibleError(InputError):
@@ -106,21 +117,6 @@ def tracked(time: Array, samples: TrackerSamples, name: str) -> tuple[Array, Arr
     smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(samples.position)
     at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
     return relative_to_start(smooth[at])[:, :3], smooth[at][:REST_SAMPLES].mean(axis=0)
-
-
-_SIGNALS = "signals.parquet"
-CONFIG = b"armside.config"
-"""In the metadata of a table that we wrote."""
-_LOG = ("reference", "motor_angle", "motor_torque")
-_TRACKER = ("tracker_x", "tracker_y", "tracker_z")
-_ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
-_RATE = tuple(f"imu_angular_velocity_{c}" for c in "xyz")
-_SENSORS: Mapping[SensorName, tuple[str, ...]] = {
-    "tracker": _TRACKER,
-    "imu": (*_ACCELERATION, *_RATE),
-}
-_CLOCK = 1e-6
-"""[s], by which instants of the log may differ from its rate."""
 
 
 def read_cut(source: Path, measure: SensorName = "tracker") -> MeasuredCut:

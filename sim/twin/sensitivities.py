@@ -19,8 +19,8 @@ from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
 from .parameters import BENDING, FRICTION, SPRINGS, Parameters
 from .recordings import MeasuredCut
-from .simulation import Design
-from .tool_sensor import TRACKER, Comparison, ToolSensor
+from .simulation import RobotDesign
+from .tool_sensor import TRACKER, CutComparison, ToolSensor
 
 _STEP = 0.05
 """Of log factors, compliances and relative amplitudes in difference quotients."""
@@ -55,13 +55,13 @@ class Columns:
 class Against:
     """Comparison of a cut with simulations of it."""
 
-    design: Design
+    design: RobotDesign
     parameters: Parameters
     cut: MeasuredCut
     sensor: ToolSensor = TRACKER
 
     @cached_property
-    def _tool(self) -> Comparison:
+    def _tool(self) -> CutComparison:
         return self.sensor.comparison(self.design.model, self.cut)
 
     def simulated(self, thetas: Sequence[Array]) -> Iterator[Recording]:

@@ -26,7 +26,7 @@ from .bending import bent, with_bending
 
 
 @dataclass(frozen=True)
-class Design:
+class RobotDesign:
     """Design of a robot with its tool: what every individual of it is built on."""
 
     model: RobotModel = field(repr=False)
@@ -67,11 +67,11 @@ class Design:
         return run_batch(loaded, [correction] * n, [None] * n, threads=min(n, cores()))
 
 
-def design_of(robot: str, payload: float | None) -> Design:
+def design_of(robot: str, payload: float | None) -> RobotDesign:
     """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
     plain = cell_model(CELLS[robot])
     nominal = plain if payload is None else with_payload(plain, payload)
-    return Design(with_bending(plain), payload=payload, nominal=nominal)
+    return RobotDesign(with_bending(plain), payload=payload, nominal=nominal)
 
 
 def robot_digest(robot: str) -> str:

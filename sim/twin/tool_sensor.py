@@ -19,6 +19,12 @@ from .kinematic_columns import from_rest, gear_error_columns, jacobians, rigid_p
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path, tool_path
 
+_LARGEST_OFFSET = 0.03
+"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
+it, a flange adapter is more. ESTIMATE."""
+_LARGEST_PATH_ERROR = 2e-3
+"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
+
 
 @dataclass(frozen=True)
 class Channels:
@@ -31,7 +37,7 @@ class Channels:
     """Scale over root mean square: square root of samples over independent samples."""
 
 
-class Comparison(Protocol):
+class CutComparison(Protocol):
     """One recorded cut as its tool sensor saw it, against simulations. C: all columns of it."""
 
     def residual(self, run: Recording) -> Array:
@@ -48,7 +54,7 @@ class Comparison(Protocol):
 
 
 @dataclass(frozen=True)
-class Scale:
+class ResidualScale:
     """Scale that residuals of a sensor are shown on."""
 
     quantity: str
@@ -65,7 +71,7 @@ class ToolSensor(Protocol):
     """Kind of sensor at the tool."""
 
     @property
-    def scale(self) -> Scale: ...
+    def scale(self) -> ResidualScale: ...
 
     @property
     def channels(self) -> tuple[Channels, ...]:
@@ -76,16 +82,9 @@ class ToolSensor(Protocol):
         """Raise ImplausibleError for a cut without this sensor, or against the nominal robot."""
         ...
 
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> Comparison:
+    def comparison(self, model: RobotModel, cut: MeasuredCut) -> CutComparison:
         """Comparison of a cut, which has this sensor, with runs of a design."""
         ...
-
-
-_LARGEST_OFFSET = 0.03
-"""[m], of the tool at rest from the nominal robot: geometry and sag of an individual are a tenth of
-it, a flange adapter is more. ESTIMATE."""
-_LARGEST_PATH_ERROR = 2e-3
-"""[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,8 +101,10 @@ class Tracker:
         return (Channels(slice(0, 3), self.noise, self.correlation),)
 
     @property
-    def scale(self) -> Scale:
-        return Scale("motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6)
+    def scale(self) -> ResidualScale:
+        return ResidualScale(
+            "motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6
+        )
 
     def check(self, model: RobotModel, cut: MeasuredCut) -> None:
         if cut.tool is None:
@@ -131,7 +132,7 @@ class Tracker:
 
 @dataclass(frozen=True, eq=False)
 class TrackerComparison:
-    """See `Comparison`."""
+    """See `CutComparison`."""
 
     model: RobotModel
     motor_angle: Array

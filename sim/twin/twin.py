@@ -25,7 +25,7 @@ from .identification import parameters_of
 from .parameters import Parameters
 from .prediction import Evidence, members
 from .recordings import SensorName
-from .simulation import Design, design_of, robot_digest
+from .simulation import RobotDesign, design_of, robot_digest
 
 FORMAT = 2
 """Of the folder; raised when an older one can no longer be read."""
@@ -39,6 +39,8 @@ _ROUNDING = 1e-9
 """Of a parameter, and of a covariance relative to the prior one."""
 FILES = _FILE, _COVARIANCE = "twin.json", "covariance.npy"
 """That a twin is read from."""
+_TWINS, _CORRECTIONS = 8, 256
+"""Kept at most; a correction of two seconds of motion takes 75 kB."""
 
 
 class TwinError(InputError):
@@ -72,7 +74,7 @@ class Twin:
     """(6,), friction over that at commissioning, as production runs show it."""
 
     @cached_property
-    def design(self) -> Design:
+    def design(self) -> RobotDesign:
         """Design with the tool of the commissioning."""
         return design_of(self.robot, self.payload)
 
@@ -130,7 +132,7 @@ class Twin:
         """Noise-free run of the twin in the robot's place; signals (N, 6) [rad], arm side."""
         return self.design_with(cut.payload).run([self.individual], reference, correction)[0]
 
-    def design_with(self, payload: float | None) -> Design:
+    def design_with(self, payload: float | None) -> RobotDesign:
         """Design with a tool of that mass [kg]; that of the robot's file if None."""
         return self.design if payload == self.payload else design_of(self.robot, payload)
 
@@ -245,10 +247,6 @@ def _content(folder: Path) -> dict[str, Any]:
         found = content.get("format") if isinstance(content, dict) else None
         raise TwinError(f"{folder} is a twin of format {found}; this armside reads {FORMAT}")
     return content
-
-
-_TWINS, _CORRECTIONS = 8, 256
-"""Kept at most; a correction of two seconds of motion takes 75 kB."""
 
 
 def digest(folder: str | PathLike[str]) -> str:

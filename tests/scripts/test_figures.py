@@ -16,6 +16,15 @@ UNIT = np.column_stack([np.cos(ANGLE), np.sin(ANGLE)])
 CIRCLE = RADIUS * UNIT
 
 
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures that would have been saved."""
+    found = []
+    for module in (figures, imu_figures):
+        monkeypatch.setattr(module, "save", lambda figure, file: found.append(figure))
+    return found
+
+
 def wavy(amplitude):
     return (RADIUS + amplitude * np.cos(3 * ANGLE))[:, None] * UNIT
 
@@ -44,9 +53,7 @@ def test_other_arrays_give_another_picture(tmp_path):
     assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
 
 
-def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
+def test_circles_draw_the_deviation_magnified(tmp_path, drawn):
     draw_circles(tmp_path / "c.png", np.array([2e-4, 1e-4]))
     (figure,) = drawn
     for axes, amplitude in zip(figure.axes, (2e-4, 1e-4), strict=True):
@@ -61,20 +68,16 @@ def test_circles_draw_the_deviation_magnified(tmp_path, monkeypatch):
     assert "RMS 200 µm, max 200 µm" in figure.axes[0].get_title()
 
 
-def test_large_deviations_are_drawn_to_scale(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
+def test_large_deviations_are_drawn_to_scale(tmp_path, drawn):
     draw_circles(tmp_path / "c.png", np.array([4e-3]))
     assert "to scale" in drawn[0].get_suptitle()
 
 
-def test_what_is_not_finite_leaves_a_gap_and_nothing_else(tmp_path, monkeypatch):
+def test_what_is_not_finite_leaves_a_gap_and_nothing_else(tmp_path, drawn):
     path = wavy(1e-4)
     path[10:20] = np.nan
     path[30, 0] = np.inf
     lost = np.full_like(path, np.nan)
-    drawn = []
-    monkeypatch.setattr(figures, "save", lambda figure, file: drawn.append(figure))
     numbers = [1e-4, np.nan]
     figures.circles(tmp_path / "c.png", CIRCLE, [path, lost], rms=numbers, maxdev=numbers)
     first, second = drawn[0].axes
@@ -159,9 +162,7 @@ def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monk
 
 
 @pytest.mark.parametrize("moving", [[0, 1, 2, 3, 4, 5], [3, 4, 5], [1], []])
-def test_motors_that_move_have_a_panel_and_those_at_rest_are_named(tmp_path, monkeypatch, moving):
-    drawn = []
-    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+def test_motors_that_move_have_a_panel_and_those_at_rest_are_named(tmp_path, drawn, moving):
     time = np.linspace(0.0, 1.0, 100)
     angle = np.zeros((100, 6))
     angle[:, moving] = np.sin(6.0 * time)[:, None]
@@ -178,9 +179,7 @@ def test_motors_that_move_have_a_panel_and_those_at_rest_are_named(tmp_path, mon
     assert said == ([f"Motors at rest, within 12 µrad: {names}"] if moving and resting else [])
 
 
-def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, drawn):
     time = np.linspace(0.0, 1.0, 50)
     angle = np.column_stack([np.sin(9.0 * time), 0.05 * time, np.cos(9.0 * time)])
     imu_figures.motor_angles(tmp_path / "m.png", time, angle, (False, True, False))
@@ -192,9 +191,7 @@ def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("draw", [imu_figures.position, imu_figures.acceleration])
-def test_the_legend_of_predicted_and_measured_lies_over_no_panel(tmp_path, monkeypatch, draw):
-    drawn = []
-    monkeypatch.setattr(imu_figures, "save", lambda figure, file: drawn.append(figure))
+def test_the_legend_of_predicted_and_measured_lies_over_no_panel(tmp_path, drawn, draw):
     time = np.linspace(0.0, 1.0, 50)
     values = np.column_stack([np.sin(40.0 * time)] * 3)
     draw(tmp_path / "p.png", time, values, values)

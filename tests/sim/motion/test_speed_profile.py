@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linprog
 
 from armside.sim.motion.profile_grid import SLACK, nearly_at_rest
-from armside.sim.motion.profile_program import Programme, Rows, largest, stacked
+from armside.sim.motion.profile_program import LimitRows, Programme, largest, stacked
 from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
 from armside.sim.part import plan as plan_module
@@ -110,12 +110,12 @@ def test_the_interior_point_method_finds_the_optimum_of_another_solver():
     bend = np.where(np.isin(np.arange(n), (0, n - 1)), np.inf, 0.004)
     slope = np.where(np.isin(np.arange(n), (0, n - 2, n - 1)), np.inf, 0.03)
     rows = [
-        Rows(0 * one, one, 0 * one, np.where(inside, caps, np.inf)),
-        Rows(0 * one, -one, 0 * one, np.where(inside, 0.0, np.inf)),
-        Rows(0 * one, -one, one, slope),
-        Rows(0 * one, one, -one, slope),
-        Rows(one, -2 * one, one, bend),
-        Rows(-one, 2 * one, -one, bend),
+        LimitRows(0 * one, one, 0 * one, np.where(inside, caps, np.inf)),
+        LimitRows(0 * one, -one, 0 * one, np.where(inside, 0.0, np.inf)),
+        LimitRows(0 * one, -one, one, slope),
+        LimitRows(0 * one, one, -one, slope),
+        LimitRows(one, -2 * one, one, bend),
+        LimitRows(-one, 2 * one, -one, bend),
     ]
     found, solved = largest(Programme.of(stacked(rows), np.array([0]), held), x)
     assert solved.all()

@@ -14,7 +14,7 @@ from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.imu_sensor import ImuSensor, clock_offset
 from armside.sim.twin.kinematic_columns import imu_kinematics
 from armside.sim.twin.recordings import ImplausibleError, measured
-from armside.sim.twin.simulation import Design
+from armside.sim.twin.simulation import RobotDesign
 
 NOISE_FREE = ImuCfg(
     accelerometer=replace(ACCELEROMETER, noise_density=0.0, bias_walk=0.0),
@@ -62,7 +62,7 @@ def test_errors_of_the_unit_leave_next_to_nothing_of_its_own_run(experiment, run
 
 
 def test_a_softer_gear_shows(experiment, run, comparison):
-    design = Design(experiment.nominal)
+    design = RobotDesign(experiment.nominal)
     soft = Individual(gear_stiffness=np.full(6, 0.7))
     reference = run.recording.reference
     (other,) = design.run([soft], reference, np.zeros_like(reference))
@@ -70,7 +70,7 @@ def test_a_softer_gear_shows(experiment, run, comparison):
 
 
 def test_a_change_of_the_twin_changes_the_residual_by_as_much(experiment, run, comparison):
-    design, reference = Design(experiment.nominal), run.recording.reference
+    design, reference = RobotDesign(experiment.nominal), run.recording.reference
     twins = [Individual(), Individual(gear_stiffness=np.full(6, 0.9))]
     base, other = design.run(twins, reference, np.zeros_like(reference))
     change = comparison.residual(base) - comparison.residual(other)
@@ -135,7 +135,7 @@ def _with(cut, **changes):
 
 def test_gear_errors_of_the_motor_show_as_their_columns_say(experiment, run):
     """Quasi-static columns: what a slow gear error excites in the springs is left out."""
-    design = Design(experiment.nominal)
+    design = RobotDesign(experiment.nominal)
     reference = run.recording.reference
     sine = np.zeros((6, 4))
     sine[0, 2] = 0.5

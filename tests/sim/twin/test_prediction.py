@@ -7,7 +7,7 @@ import pytest
 
 from armside.sim.twin.commission import SENSORS
 from armside.sim.twin.correction import _objection
-from armside.sim.twin.prediction import Evidence, Prediction, predicted
+from armside.sim.twin.prediction import Evidence, FirstCutPrediction, predicted
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 
@@ -83,7 +83,7 @@ def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
 
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
     error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": 2e-5, "low": 1e-5}
-    good = Prediction(**error, high=2.99e-5, calibrated=True)
+    good = FirstCutPrediction(**error, high=2.99e-5, calibrated=True)
     assert _objection(good) is None
     assert "up to 30 % of the error would be left" in str(_objection(replace(good, high=3.01e-5)))
 
@@ -91,7 +91,7 @@ def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
 @pytest.mark.parametrize("end", [np.nan, np.inf])
 def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
     error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": end, "low": end, "high": end}
-    bad = Prediction(**error, calibrated=True)
+    bad = FirstCutPrediction(**error, calibrated=True)
     assert "unstable" in str(_objection(bad))
 
 
