@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.notes import pass_notes
+from armside.sim.laser.results import pass_notes
 from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
@@ -30,8 +30,7 @@ from armside.sim.twin.recordings import (
 from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import ResidualScale
 
-from ..cutting.individual import IndividualCfg, robot_state
-from ..cutting.options import LARGEST
+from ..cutting.options import LARGEST, IndividualCfg, robot_state
 from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, options

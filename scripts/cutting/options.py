@@ -9,13 +9,13 @@ import numpy as np
 from cyclopts import Group, Parameter
 
 from armside.kinematics import Robot
-from armside.kinematics.gear_file import read_gear_file
+from armside.kinematics.robot_file import read_gear_file
 from armside.sim.cell import Cell
-from armside.sim.cell_file import find_cell
 from armside.sim.laser.design import THESIS, Design, default_design
 from armside.sim.robot.effects import TEMPERATURES, Effect
 from armside.sim.robot.individual_file import read_individual
 from armside.sim.robot.spread import Drawn
+from armside.sim.robot_file.find import find_cell
 
 from ..shell.options import LARGEST_SEED, FileToRead, check_read, options
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from armside.sim.cut.contour import Circle
-from armside.sim.cut.tool_motion import ToolMotion
 from armside.sim.evaluation.kerf import kerf
 from armside.sim.laser.experiment import Experiment, Iteration
+from armside.sim.motion.contour import Circle
+from armside.sim.motion.tool_motion import ToolMotion
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from armside.sim.evaluation.corners import LARGEST_RADIUS
+from armside.sim.evaluation.contour_error import LARGEST_RADIUS
 from armside.sim.laser.experiment import Experiment, Iteration
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan

@@ -20,8 +20,8 @@ from armside.sim.imu.phases import FAST_CIRCLE, SLOW_CIRCLE
 from armside.sim.imu.vibration import lines
 from armside.sim.robot.model import load_model
 
-from ..benchmarks.peers import pinocchio_functions, toolbox_robot
 from ..jobs.store import Result
+from .peers import pinocchio_functions, toolbox_robot
 
 MUJOCO, PINOCCHIO, TOOLBOX = (
     "MuJoCo, the closed chain",

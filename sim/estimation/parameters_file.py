@@ -8,8 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records.errors import InputError
-from ..records.files import check_file
+from ..records.files import InputError, check_file
 from .elasticity import ArmParameters, Elasticity
 
 _OF_SPRINGS = ("stiffness", "damping", "softening", "lost_motion")

@@ -11,7 +11,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
-from ..robot.free_motion import FreeMotion
+from ..robot.linkage import FreeMotion
 from ..robot.servo import interpolate
 from .elasticity import Elasticity
 from .linearised_arm import LinearisedArm

@@ -7,12 +7,10 @@ import numpy as np
 
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic, Law
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.joint_space import JointSpace
-from armside.ilc.laws.law import FirstOrderLaw
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.first_order import FirstOrderLaw
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.wrappers import Guarded, JointSpace
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .arm_plant import ArmPlant, PathPlants

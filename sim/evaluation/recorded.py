@@ -189,8 +189,6 @@ def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
     return float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
 
 
-
-
 def notes_of_signals(signals: Signals) -> list[Note]:
     """Notes of a stored run: of its programmed path, and of each iteration."""
     return together(_of_signals(signals))

@@ -9,7 +9,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..instruments.imu import ImuCfg, draw
-from ..motion.planner import JointMotion, plan_program, slower_moves
+from ..motion.planner import ProgramMotion, plan_program, slower_moves
 from ..notes import Cause, Note, together
 from ..robot.flexibility import Flexibility
 from ..robot.recording import Recording, saturation
@@ -29,7 +29,7 @@ class PlannedProgram:
 
     name: str
     loaded: LoadedReference
-    motion: JointMotion
+    motion: ProgramMotion
     since: float
     """End of the synchronisation [s]."""
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..cut.notes import motion_notes
 from ..estimation.arm_filter import ProcessNoise
 from ..estimation.elasticity import names, nominal_elasticity
 from ..estimation.estimator import ToolEstimator
@@ -17,6 +16,7 @@ from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from ..estimation.parameters_file import springs_entry
 from ..estimation.rigid_motion import rigid_motion
+from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built
 from .consistency import consistency
 from .experiment import Experiment

@@ -10,14 +10,13 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
 
-from ..cut.tool_motion import ToolMotion
 from ..evaluation.kerf import kerf
-from ..evaluation.path_accuracy import path_measures
-from ..evaluation.tool_error import ToolError
-from ..instruments.notes import beam
+from ..evaluation.tool_error import ToolError, path_measures
+from ..instruments.laser_tracker import beam
+from ..motion.tool_motion import ToolMotion
 from ..notes import Cause, Note, together
-from ..robot.limits import saturation
 from ..robot.linkage import checked_loop_error
+from ..robot.recording import saturation
 from .experiment import Experiment, Iteration, Pass, prepare
 from .learning import iterate
 from .measures import Measure, MotorAngles

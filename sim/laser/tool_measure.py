@@ -21,11 +21,11 @@ from ..estimation.tool_law import ToolLaw
 from ..estimation.validity import Validity, validity
 from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
-from ..robot.gear_terms import gear_error_of
+from ..robot.drives import gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
+from .experiment import Pass
 from .measures import Prepared, SetUp
-from .plant import Pass
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions before they are learned from."""

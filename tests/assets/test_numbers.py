@@ -11,9 +11,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from tests.calibration.parameters import Trim, differing
 
 from armside import assets, kinematics
-from armside.sim.calibration.parameters import Trim, differing
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
 

@@ -9,10 +9,9 @@ from pathlib import Path
 from statistics import median
 
 from armside.scripts.jobs.dataset import dataset
-from armside.scripts.jobs.grid import Grid, parse
-from armside.scripts.jobs.point import run_grid
+from armside.scripts.jobs.grid import Grid, parse, run_grid
 from armside.scripts.jobs.workers import Workers
-from armside.sim.cores import cores
+from armside.sim.robot.run import cores
 
 from ._timing import Row
 from .scaling import experiment

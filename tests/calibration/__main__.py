@@ -14,10 +14,10 @@ from pathlib import Path
 
 from armside import assets
 from armside.sim.cell import LARGE_CELL
-from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check
 from armside.sim.records.atomic import write_whole
-from armside.sim.robot.cell_model import cell_model
+from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot.run import cores
 
 from .. import evidence
 from .parameters import Trim, differing, rewrite

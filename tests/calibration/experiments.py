@@ -12,12 +12,11 @@ from armside.scripts.thesis.chapter9.bands import POSES, Result
 from armside.sim.evaluation.check import Check
 from armside.sim.instruments.laser_tracker import TrackerSamples
 from armside.sim.laser.design import Design
-from armside.sim.laser.experiment import Experiment, prepare
+from armside.sim.laser.experiment import Experiment, Pass, prepare
 from armside.sim.laser.job import arrays_of
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.notes import notes
-from armside.sim.laser.plant import Pass
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Note
 from armside.sim.robot.effects import Effect

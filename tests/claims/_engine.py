@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.cores import cores
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.notes import Tally
+from armside.sim.robot.run import cores
 
 ROOT = Path(__file__).parents[2]
 JUDGED = ("assets", "kinematics", "ilc", "sim", "scripts", "tests/claims")

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from armside import scripts
-from armside.scripts.studies.tuned_design import load_design
-from armside.sim.cores import cores
+from armside.scripts.studies.study import load_design
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.notes import Tally
+from armside.sim.robot.run import cores
 from armside.sim.tuning.action import VARIABLES, Motors
-from armside.sim.tuning.evaluation import Policy, always, evaluate
-from armside.sim.tuning.policy import Network
+from armside.sim.tuning.evaluation import Network, Policy, always, evaluate
 from armside.sim.tuning.rules import Rules
 from armside.sim.tuning.task import TEST_SEEDS
 

@@ -3,11 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from armside.sim.estimation.arm_identification import prepared
+from armside.sim.estimation.arm_springs import SpringPrior as SpringPrior
+from armside.sim.laser.way_measure import PathAlongWay, WayOutput
 
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import normalised_squared
-from armside.sim.estimation.arm_identification import prepared
-from armside.sim.estimation.arm_springs import SpringPrior as SpringPrior
 from armside.sim.estimation.imu_health import ImuError as ImuError
 from armside.sim.estimation.imu_health import repaired
 from armside.sim.estimation.kinematic_filter import kinematic_deviation
@@ -15,14 +16,12 @@ from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.tool_law import ToolLawKind as ToolLawKind
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
-from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.experiment import Iteration, Pass
 from armside.sim.laser.learning import first_run, learned
-from armside.sim.laser.notes import notes
 from armside.sim.laser.path_error import path_error, rigid_path
-from armside.sim.laser.plant import Pass
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath
-from armside.sim.laser.way_measure import PathAlongWay, WayOutput
 from armside.sim.notes import Tally
 
 ALONG = PathAlongWay(law=COMPARED.law)

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.cut.notes import motion_notes
 from armside.sim.evaluation.check import Check
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare, true_tool_error
-from armside.sim.laser.notes import pass_notes
+from armside.sim.laser.results import pass_notes
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.correction import Corrected
-from armside.sim.twin.measured import MeasuredCut
 from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.twin import Twin
 
 from ._tasks import JUDGED_SEED

@@ -15,14 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.laws.basis_functions import (
-    across,
-    correction_of,
-    derivatives,
-    fitted,
-    led,
-)
-from armside.ilc.models.hysteresis import stops
+from armside.ilc.identification.friction import stops
+from armside.ilc.laws.transfer import across, correction_of, derivatives, fitted, led
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import Experiment, prepare, true_tool_error

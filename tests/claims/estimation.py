@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.cut.timing import PathLimits
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 

@@ -16,7 +16,7 @@ from armside.arrays import Array
 from armside.scripts.figures.laser import COLORS, new_figure, save
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
-from armside.sim.laser.notes import notes
+from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect

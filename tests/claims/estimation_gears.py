@@ -15,11 +15,9 @@ from armside.kinematics.robot_file import GearTerm
 from armside.sim.cell import LARGE_CELL
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.gears import VIRTUAL, GearAnalysis, analyse
-from armside.sim.gears.found import discrepancies
-from armside.sim.gears.virtual_run import RUNS, recorded
+from armside.sim.gears.virtual_run import RUNS, discrepancies, recorded
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.setup import Setup
-from armside.sim.laser.specification import Cut
+from armside.sim.laser.specification import Cut, Setup
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows

@@ -17,7 +17,7 @@ from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.drift import refreshed
-from armside.sim.twin.measured import MeasuredCut, measured
+from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 
 from ._engine import Claim, Row, Rows

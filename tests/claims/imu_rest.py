@@ -8,7 +8,7 @@ from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.imu import RestExperiment
 from armside.sim.imu.vibration import lines, run_rest
 from armside.sim.notes import Tally
-from armside.sim.robot.limits import saturation
+from armside.sim.robot.recording import saturation
 
 from ._engine import Claim, Row, Rows, within
 from ._imu import axes, by_axis

@@ -13,16 +13,15 @@ from itertools import chain
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.cut.notes import motion_notes
-from armside.sim.cut.tool_motion import ToolMotion
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.tool_motion import ToolMotion, motion_notes
 from armside.sim.notes import Tally
 from armside.sim.robot.individual import Individual
-from armside.sim.robot.limits import saturation
+from armside.sim.robot.recording import saturation
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST

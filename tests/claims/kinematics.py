@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
-from armside.kinematics.links import link_transform
+from armside.kinematics.rigid import link_transform
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 

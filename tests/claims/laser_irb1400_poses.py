@@ -15,9 +15,8 @@ from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.notes import notes
 from armside.sim.laser.random_cuts import random_cut
-from armside.sim.laser.results import iteration_row
+from armside.sim.laser.results import iteration_row, notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 

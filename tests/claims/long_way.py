@@ -10,12 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.cut.contour import Circle, ClosedCurve
-from armside.sim.cut.polyline import rounded
 from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.laser.notes import GROWTH
-from armside.sim.laser.results import status
+from armside.sim.laser.results import GROWTH, status
 from armside.sim.laser.specification import Cut
+from armside.sim.motion.contour import Circle, ClosedCurve
+from armside.sim.motion.contour_file import rounded
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows, at_most, crossed

@@ -5,9 +5,9 @@ from itertools import product
 
 import numpy as np
 
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
+from armside.sim.robot_file.find import find_cell
 
 from ._engine import Claim, Row, Rows
 from .laser_irb1400_design import designed

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from armside.scripts.jobs.dataset import dataset
-from armside.scripts.jobs.grid import parse
-from armside.scripts.jobs.point import run_grid
+from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.jobs.queue import KNOWN, KNOWN_FAILED
 from armside.scripts.jobs.workers import Workers
 from armside.sim.evaluation.check import Check, all_hold

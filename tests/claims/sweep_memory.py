@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from armside.scripts.jobs.dataset import dataset
-from armside.scripts.jobs.grid import Grid
-from armside.scripts.jobs.point import run_grid
+from armside.scripts.jobs.grid import Grid, run_grid
 from armside.scripts.jobs.workers import Workers
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally

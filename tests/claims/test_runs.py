@@ -8,7 +8,6 @@ import pytest
 
 from armside.assets import IRB1400_XML
 from armside.scripts.thesis.chapter9.table import STUDIES
-from armside.sim.cell_file import find_cell
 from armside.sim.evaluation.check import Table
 from armside.sim.laser import Cut
 from armside.sim.laser.design import THESIS
@@ -17,6 +16,7 @@ from armside.sim.notes import Cause, Note, Tally
 from armside.sim.robot.effects import Effect
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.spread import Drawn
+from armside.sim.robot_file.find import find_cell
 from armside.sim.tuning.evaluation import run_episode
 from armside.sim.tuning.rules import Rules
 

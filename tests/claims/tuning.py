@@ -4,8 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.evaluation.interval import mean_interval
+from armside.sim.evaluation.check import Check, all_hold, mean_interval
 from armside.sim.notes import Tally
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules

@@ -15,13 +15,12 @@ import numpy as np
 from armside import assets
 from armside.arrays import Array
 from armside.kinematics import CATALOGUE, UrdfArm, read_urdf
-from armside.kinematics.codegen.interpreted import interpreted
-from armside.kinematics.codegen.urdf import urdf as urdf_text
+from armside.kinematics.codegen.languages import interpreted
+from armside.kinematics.codegen.robot_xml import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
-from armside.sim.arm_with_masses import arm_with_masses
-from armside.sim.cell_file import is_cell_file
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
+from armside.sim.robot_file.find import arm_with_masses, is_cell_file
 
 from ._engine import Claim, Row, Rows, at_once
 from ._urdf_files import LEAST_JOINTS, ForeignFile, PinocchioChain, foreign_files, longest_chain

@@ -10,7 +10,7 @@ import numpy as np
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import compile, find_arm
-from armside.sim.robot.six_axes import N_AXES
+from armside.sim.robot.mjcf import N_AXES
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.twin import Twin, design_of, robot_digest
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.benchmarks._arms import PANDA, PUMA_560, STANFORD_ARM
 
 from armside.kinematics import IRB1400, Joint, Link, Robot, compile
 from armside.kinematics.singularity import rank_loss, regular_rank
 from armside.kinematics.symbolic.description import manipulability
-from armside.scripts.benchmarks.arms import PANDA, PUMA_560, STANFORD_ARM
 
 PLANAR = Robot([Link(a=0.5), Link(a=0.4), Link(a=0.3)])
 SCARA = Robot([Link(a=0.3), Link(a=0.25, alpha=np.pi), Link(joint=Joint.PRISMATIC), Link()])

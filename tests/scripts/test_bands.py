@@ -9,14 +9,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.calibration.search import MARGIN, MARGINS, outside
+from tests.claims import chapter9
 
 from armside.scripts.jobs.workers import Workers
+from armside.scripts.thesis.chapter9 import bands
 from armside.scripts.thesis.chapter9.table import STUDIES
 from armside.scripts.thesis.entries import select
 from armside.scripts.thesis.report import Asked
-from armside.scripts.verifications import chapter9
-from armside.sim.calibration import bands
-from armside.sim.calibration.search import MARGIN, MARGINS, outside
 from armside.sim.evaluation.check import Check
 from armside.sim.notes import Tally
 

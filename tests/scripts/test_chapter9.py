@@ -5,17 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.claims.chapter9 import found
 
 from armside.ilc.analysis.proposal import design_for
 from armside.ilc.models.system import System
 from armside.scripts.jobs.workers import Workers
-from armside.scripts.thesis.chapter9 import ENTRIES, figures
+from armside.scripts.thesis.chapter9 import ENTRIES, bands, figures
+from armside.scripts.thesis.chapter9.bands import POSES
 from armside.scripts.thesis.chapter9.designs import CUTOFFS
 from armside.scripts.thesis.chapter9.table import STUDIES, learning_job
 from armside.scripts.thesis.report import Asked
-from armside.scripts.verifications.chapter9 import found
-from armside.sim.calibration import bands
-from armside.sim.calibration.bands import POSES
 from armside.sim.laser.job import LearningJob
 from armside.sim.notes import Tally
 

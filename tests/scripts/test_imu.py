@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from tests.claims import imu as verify_irb1400
+from tests.claims.imu_large import imu_large
 
 from armside.kinematics import robot_toml
 from armside.scripts.cli import main
 from armside.scripts.commands.imu import ImuOptions
-from armside.scripts.verifications import irb1400 as verify_irb1400
-from armside.scripts.verifications.imu_large import imu_large
 from armside.sim.imu.phases import idle_peaks
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.records.signals import read_signals

@@ -6,11 +6,11 @@ import sys
 
 import numpy as np
 import pytest
+from tests.claims.laser import laser as claim
 
 from armside import assets
 from armside.scripts.cli import main
 from armside.scripts.cutting.learning import predicted_line as line
-from armside.scripts.verifications.laser import laser as claim
 from armside.sim.records.signals import read_signals
 
 from .replay_content import content

@@ -12,7 +12,7 @@ from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import laser as kerf_figure
 from armside.scripts.shell.errors import InputError
-from armside.sim.estimation.springs_file import read_springs
+from armside.sim.estimation.parameters_file import read_springs
 from armside.sim.evaluation.kerf import Kerf
 from armside.sim.motion.contour import Circle
 

@@ -7,13 +7,14 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from tests.calibration import experiments, search
+from tests.claims import ablations, laser
+from tests.claims import laser_irb1400 as irb1400_laser
+from tests.claims._learned import Learned
+from tests.claims.claims import Claim
 
 from armside.scripts.commands import verify
 from armside.scripts.commands.commission import named
-from armside.scripts.verifications import ablations, irb1400_laser, laser
-from armside.scripts.verifications.claims import Claim
-from armside.scripts.verifications.learned import Learned
-from armside.sim.calibration import experiments, search
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.notes import Cause, Note
 from armside.sim.robot.effects import Effect

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
+from tests.claims import env as verify_env
+from tests.claims.tuning import TUNED, iterations, searched, tuning
 
 from armside.scripts.studies.study import first_action, load_design
-from armside.scripts.verifications import env as verify_env
-from armside.scripts.verifications.tuning import TUNED, iterations, searched, tuning
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.evaluation import Network, always, evaluate

@@ -13,8 +13,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, Source, ToolPath, iterate, learn, prepare
 from armside.sim.laser.experiment import evaluated
 from armside.sim.laser.learning import first_run
-from armside.sim.laser.notes import notes, pass_notes
-from armside.sim.laser.results import results
+from armside.sim.laser.results import notes, pass_notes, results
 from armside.sim.motion.contour import square
 from armside.sim.motion.planner import slower_moves
 from armside.sim.motion.timing import PathLimits

@@ -9,13 +9,12 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures import norms as measures
-from armside.sim.calibration import bands
-from armside.sim.calibration.bands import AT, POSES, Result
 from armside.sim.evaluation.check import Check, Table
 
 from ...figures.laser import circles as circle_figure
 from ..report import Asked, Entry, Part, Read, Section
-from . import figures
+from . import bands, figures
+from .bands import AT, POSES, Result
 from .designs import friction_feedforward, per_motor
 from .identification import identified_model
 from .robustness import effects, individuals, phenomena_map

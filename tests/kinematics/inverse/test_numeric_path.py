@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from tests.benchmarks._arms import CIRCLES, PANDA, PANDA_LIMITS, circle
 
 from armside.kinematics import (
     LARGE_ROBOT,
@@ -17,7 +18,6 @@ from armside.kinematics import (
     inverse_path,
 )
 from armside.kinematics.inverse.targets import limit_passed
-from armside.scripts.benchmarks.arms import CIRCLES, PANDA, PANDA_LIMITS, circle
 
 RESIDUAL = 1e-9
 SEVEN = np.array(CIRCLES[1][2])

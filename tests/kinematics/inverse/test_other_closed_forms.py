@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from tests.benchmarks._arms import PANDA, PUMA_560, STANFORD_ARM
 
 from armside.kinematics import (
     LARGE_ROBOT,
@@ -21,7 +22,6 @@ from armside.kinematics import (
     stanford_branches,
 )
 from armside.kinematics.rigid import link_frames
-from armside.scripts.benchmarks.arms import PANDA, PUMA_560, STANFORD_ARM
 
 EXACT = 1e-10
 SLIDE = Joint.PRISMATIC

@@ -12,7 +12,6 @@ from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.wiener import NonCausal
 from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
-from armside.sim.cut.contour import slot
 from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
 from armside.sim.estimation.deflection import deflection
@@ -28,6 +27,7 @@ from armside.sim.estimation.validity import validity
 from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
+from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread

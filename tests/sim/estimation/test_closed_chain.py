@@ -20,7 +20,7 @@ from armside.sim.estimation.observer import at_rest, dragged, observe
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.structure import with_structure
-from armside.sim.robot.free_motion import FreeMotion
+from armside.sim.robot.linkage import FreeMotion
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model, robot_model
 

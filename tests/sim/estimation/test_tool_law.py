@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from armside.ilc.laws import Heuristic
-from armside.ilc.laws.guarded import Guarded
-from armside.ilc.laws.joint_space import JointSpace
-from armside.ilc.laws.record_optimal import RecordOptimal
-from armside.ilc.laws.regularised_inverse import RegularisedInverse
-from armside.ilc.laws.scheduled_inverse import ScheduledInverse
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse
+from armside.ilc.laws.norm_optimal import RecordOptimal
+from armside.ilc.laws.wrappers import Guarded, JointSpace
 from armside.sim.estimation.arm_plant import PathPlants, fading
 from armside.sim.estimation.tool_law import CUTOFF, ToolLaw, ToolLawKind, pass_band
 

@@ -4,13 +4,13 @@ import pytest
 
 from armside.scripts.cutting.learning import fail_unless_done
 from armside.scripts.shell.errors import RunFailed
-from armside.sim.cut.contour import slot
-from armside.sim.cut.timing import PathLimits
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.results import GROWTH, results
+from armside.sim.motion.contour import slot
+from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import Cause
 
 pytestmark = pytest.mark.usefixtures("quick_identification")

@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from armside.sim.laser.way_measure import PathAlongWay
 
 from armside.arrays import Array
-from armside.sim.estimation.way import trust
+from armside.sim.estimation import validity as validity
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import Experiment, Iteration, Pass
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.motion.contour import hexagon
 from armside.sim.notes import Cause
 
@@ -63,6 +63,6 @@ def test_a_knock_of_the_imu_is_not_learned_from(monkeypatch: pytest.MonkeyPatch)
     reached = runs[1].tool_true.rms  # by the first run, which was sound
     assert runs[-1].tool_true.rms == pytest.approx(reached, rel=0.05)
     assert any("not trusted" in note.text for note in runs[-1].notes)
-    monkeypatch.setattr(trust, "OF_SHORT", trust.Limits(np.inf, np.inf))
+    monkeypatch.setattr(validity, "OF_SHORT", validity.Limits(np.inf, np.inf))
     believed = learned(experiment, 3, Knocked(experiment))
     assert believed[-1].tool_true.rms > 2.0 * reached
