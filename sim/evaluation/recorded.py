@@ -1,6 +1,6 @@
 """Measures and notes of recorded data, of a stored run or of any other robot: one analysis."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,7 +168,7 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Iteratio
 
 
 def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
-    time, point = float_columns(own, ["time"])[:, 0], _block(own, TRACKER)
+    time, point = float_columns(own, ["time"])[:, 0], float_columns(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan

@@ -1,4 +1,4 @@
-"""ImuComparison of the measured with the predicted motion of the IMU: thesis 5.1 as one function."""
+"""Comparison of the measured with the predicted motion of the IMU: thesis 5.1 as one function."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

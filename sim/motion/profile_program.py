@@ -54,14 +54,14 @@ class LimitRows:
 
 
 def stacked(rows: Sequence[LimitRows]) -> LimitRows:
-    """LimitRows of several kinds as one, (K, N)."""
+    """Rows of several kinds as one, (K, N)."""
     names = [field.name for field in fields(LimitRows)]
     return LimitRows(*(np.vstack([getattr(row, name) for row in rows]) for name in names))
 
 
 @dataclass(frozen=True, eq=False)
 class Programme(LimitRows):
-    """LimitRows of K kinds over the N points of M paths, (K, N) each."""
+    """Rows of K kinds over the N points of M paths, (K, N) each."""
 
     starts: NDArray[np.int64]
     """(M,), first point of each path."""
@@ -78,7 +78,7 @@ class Programme(LimitRows):
         held: NDArray[np.bool_],
         weight: Array | None = None,
     ) -> "Programme":
-        """LimitRows between two paths, and those of held points alone, must have an infinite bound.
+        """Rows between two paths, and those of held points alone, must have an infinite bound.
 
         weight: (N,), of order 1; ones if None.
         """

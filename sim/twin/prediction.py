@@ -175,7 +175,7 @@ class FirstCutPrediction:
 def predicted(
     uncorrected: float, inside: float, around: Array, evidence: Evidence
 ) -> FirstCutPrediction:
-    """FirstCutPrediction from errors in the twin and around it, (n,), all in m."""
+    """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
     r, factors = float(np.sqrt(variance)), evidence.factors

@@ -27,7 +27,7 @@ from .bending import bent, with_bending
 
 @dataclass(frozen=True)
 class RobotDesign:
-    """RobotDesign of a robot with its tool: what every individual of it is built on."""
+    """Design of a robot with its tool: what every individual of it is built on."""
 
     model: RobotModel = field(repr=False)
     payload: float | None = None
@@ -68,7 +68,7 @@ class RobotDesign:
 
 
 def design_of(robot: str, payload: float | None) -> RobotDesign:
-    """RobotDesign of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
+    """Design of a cell's robot with its links' elasticity and a tool of that mass [kg]."""
     plain = cell_model(CELLS[robot])
     nominal = plain if payload is None else with_payload(plain, payload)
     return RobotDesign(with_bending(plain), payload=payload, nominal=nominal)

@@ -34,7 +34,7 @@ class Channels:
     noise: float
     """Least scale, in the unit of the residual."""
     correlation: float
-    """ResidualScale over root mean square: square root of samples over independent samples."""
+    """Scale over root mean square: square root of samples over independent samples."""
 
 
 class CutComparison(Protocol):
@@ -55,7 +55,7 @@ class CutComparison(Protocol):
 
 @dataclass(frozen=True)
 class ResidualScale:
-    """ResidualScale that residuals of a sensor are shown on."""
+    """Scale that residuals of a sensor are shown on."""
 
     quantity: str
     unit: str
@@ -83,7 +83,7 @@ class ToolSensor(Protocol):
         ...
 
     def comparison(self, model: RobotModel, cut: MeasuredCut) -> CutComparison:
-        """CutComparison of a cut, which has this sensor, with runs of a design."""
+        """Comparison of a cut, which has this sensor, with runs of a design."""
         ...
 
 

@@ -14,7 +14,6 @@ from armside.scripts.commands import measure
 from armside.sim.cell import TOOL_QUATERNION
 from armside.sim.evaluation.recorded import measure_signals
 from armside.sim.laser import experiment
-from armside.sim.laser import experiment as plant
 from armside.sim.motion import tool_motion
 from armside.sim.motion.contour import Circle, hexagon, slot
 from armside.sim.motion.path import CuttingPath, Plane
@@ -47,7 +46,7 @@ def no_planner(monkeypatch):
 
     for module, name in (
         (tool_motion, "cut"),
-        (plant, "plan"),
+        (experiment, "plan"),
         (experiment, "plan"),
         (experiment, "prepare"),
         (measure, "cell_model"),

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from armside.sim.laser.way_measure import PathAlongWay
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.way_measure import PathAlongWay
 from armside.sim.motion.contour import Circle
 from armside.sim.twin.first_cut import FirstCut
 
