@@ -14,7 +14,7 @@ from armside.kinematics import Limits, Robot, compile
 
 from ..cell import Cell, ToolPose
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..laser.experiment import Pass, rig
+from ..laser.experiment import Pass, prepare
 from ..laser.specification import Setup
 from ..motion.tool_motion import joint_reference
 from ..recordings.recording import MotionRecording, Stream
@@ -121,7 +121,7 @@ def recorded(
     _check_turns(cell.robot, centre)
     moving, tracking = (np.random.default_rng([seed, repetition, k]) for k in (_MOTION, _TRACKING))
     reference = excitation.reference(centre, cell.limits, moving, cell.robot.slides)
-    made = rig(setup, lambda _: (None, reference), seed=seed, repetition=repetition)[1]
+    made = prepare(setup, planned=lambda _: (None, reference), seed=seed, repetition=repetition)
     plant = replace(made.plant, tracker=set_up(REFLECTOR, tracking))
     return _recording(plant.run(np.zeros_like(reference)), f"run {repetition + 1}")
 

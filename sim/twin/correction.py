@@ -7,9 +7,8 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..laser.experiment import prepare
+from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut
-from ..part.carried import Motion
 from ..robot.individual import Individual
 from .learning import TwinLearning, learn_in_twin
 from .prediction import Evidence, FirstCutPrediction, errors, predicted
@@ -50,37 +49,34 @@ def correct(
 ) -> Corrected:
     """Learn a cut inside a twin and predict what its correction leaves.
 
-    Args: as of `correct_motion`.
+    Args: as of `correct_experiment`.
     """
     nominal = design.nominal if design.payload is None else None
     plain = replace(cut, individual=None, friction_spread=0.0)
     experiment = prepare(plain, nominal=nominal)
-    motion, reference = experiment.motion, experiment.loaded.reference
-    return correct_motion(design, individual, around, motion, reference, evidence, cfg)
+    return correct_experiment(design, individual, around, experiment, evidence, cfg)
 
 
-def correct_motion(
+def correct_experiment(
     design: RobotDesign,
     individual: Individual,
     around: Sequence[Individual],
-    motion: Motion,
-    reference: Array,
+    experiment: Experiment,
     evidence: Evidence,
     cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
-    """Learn a planned motion inside a twin and predict what its correction leaves.
+    """Learn the motion of an experiment inside a twin and predict what its correction leaves.
 
     Args:
         around: individuals that commissioning cannot tell from the twin.
-        reference: (N, 6) [rad], of the motion.
         evidence: what the twin was identified from.
     """
-    learned = learn_in_twin(design, individual, motion, reference, cfg)
-    spread = errors(design, around, motion, reference, learned.correction)
+    learned = learn_in_twin(design, individual, experiment, cfg)
+    spread = errors(design, around, experiment, learned.correction)
     prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, evidence)
     reason = _objection(prediction)
     used = learned.correction if reason is None else np.zeros_like(learned.correction)
-    motors = motor_path(design.run([individual], reference, used)[0])
+    motors = motor_path(design.run([individual], experiment.loaded.reference, used)[0])
     return Corrected(
         correction=used,
         learned=learned.correction,

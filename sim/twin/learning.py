@@ -20,7 +20,7 @@ from ..robot.recording import Recording
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD
 from .friction_step import FrictionStep
-from .simulation import RobotDesign, twin_error
+from .simulation import RobotDesign
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,13 +32,14 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..part.carried import Motion
+from ..laser.experiment import Experiment
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
 from ..robot.spread import PRODUCTION
+from .learning import twin_error
 from .parameters import SPRINGS, Parameters
 from .recordings import SensorName
-from .simulation import RobotDesign, twin_error
+from .simulation import RobotDesign
 
 WIDER = 4.0
 """Smallest whole factor with which, of the identified parameters of individuals 1001 and 1004, four
@@ -103,16 +104,16 @@ def members(
 def errors(
     design: RobotDesign,
     individuals: Sequence[Individual],
-    motion: Motion,
-    reference: Array,
+    experiment: Experiment,
     correction: Array,
 ) -> Array:
     """(n,) [m], tool error of each individual with a correction."""
+    reference = experiment.loaded.reference
     at_once = max(1, int(SAMPLES_AT_ONCE / len(reference)))
     found = list[float]()
     for i in range(0, len(individuals), at_once):
         runs = design.run(individuals[i : i + at_once], reference, correction)
-        found += [twin_error(motion, run) for run in runs]
+        found += [twin_error(experiment, run) for run in runs]
     return np.array(found)
 
 

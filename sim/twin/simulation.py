@@ -4,16 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 
-import numpy as np
-
 from armside.arrays import Array
 
 from ..cell import CELLS
 from ..estimation.relative_path import relative_to_start
-from ..evaluation.contour_error import contour_errors
-from ..evaluation.tool_error import tool_error
-from ..part.carried import Motion
-from ..part.motion import PartMotion
 from ..robot.effects import available
 from ..robot.individual import Individual, embodied, with_payload
 from ..robot.kinematics_check import cell_model
@@ -21,7 +15,7 @@ from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference, cores, run_batch
 from ..robot.statics import Statics
-from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from ..robot.virtual_robot import VirtualRobot
 from .bending import bent, with_bending
 
 
@@ -89,21 +83,3 @@ def motor_path(recording: Recording) -> Array:
     """(N, 6) [rad], exact motor angles at the instants of the log."""
     every = round(float(recording.time[1] / recording.truth.time[1]))
     return recording.truth.motor_angle[::every]
-
-
-def twin_error(motion: Motion, run: Recording) -> float:
-    """RMS tool error [m] of a run of a twin: of a cut at 1 kHz, of a part over all its contours.
-
-    Infinite where the run became unstable.
-    """
-    truth = run.truth
-    if not np.isfinite(truth.tool_position).all():
-        return float("inf")
-    period = LOG_PERIOD if isinstance(motion, PartMotion) else 1e-3
-    every = slice(None, None, round(period / float(truth.time[1])))
-    seen = truth.time[every], truth.tool_position[every]
-    if not isinstance(motion, PartMotion):
-        return tool_error(motion, *seen).rms
-    length = [cut.turn.length for cut in motion.cuts]
-    squares = [error.rms**2 for error in contour_errors(motion, *seen)]
-    return float(np.sqrt(np.average(squares, weights=length)))

@@ -13,14 +13,14 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
+from ..laser.experiment import Experiment
 from ..laser.specification import Cut, Setup
-from ..part.carried import Motion
 from ..records.files import InputError, check_file
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .correction import Corrected, correct, correct_motion
+from .correction import Corrected, correct, correct_experiment
 from .identification import parameters_of
 from .parameters import Parameters
 from .prediction import Evidence, members
@@ -104,16 +104,15 @@ class Twin:
         design = self.design_with(cut.payload)
         return correct(design, self.individual, self.around, cut, self.evidence)
 
-    def correction_along(self, setup: Setup, motion: Motion, reference: Array) -> Corrected:
-        """Correction for the first run of a planned motion, such as that of a whole part.
+    def correction_of(self, experiment: Experiment) -> Corrected:
+        """Correction for the first run of an experiment, such as that of a whole part.
 
-        reference: (N, 6) [rad]. Raises TwinError as `correction`.
+        Raises TwinError as `correction`.
         """
-        self.check(setup)
-        design = self.design_with(setup.payload)
-        return correct_motion(
-            design, self.individual, self.around, motion, reference, self.evidence
-        )
+        cut = experiment.cut
+        self.check(cut)
+        design = self.design_with(cut.payload)
+        return correct_experiment(design, self.individual, self.around, experiment, self.evidence)
 
     @property
     def around(self) -> list[Individual]:
