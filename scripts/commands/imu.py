@@ -14,12 +14,12 @@ from armside.sim.imu import (
     ProcessingCfg,
     RestExperiment,
     Scheme,
-    notes,
     prepare,
     results,
     run_one,
     run_rest,
 )
+from armside.sim.imu import notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable

@@ -171,7 +171,7 @@ class LaserCfg(KnownGearsCfg):
     """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
     cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
     """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there; where the tool's path is
-    learned from, four times a circle's turns a second if that is more, up to 15, and the arm's
+    learned from 13, four times a contour's turns a second if that is more, up to 15, and the arm's
     lowest identified mode if that is more, up to 20]."""
     iterations: int = 5
     """Number of updates; one run more is made."""
@@ -186,7 +186,7 @@ class LaserCfg(KnownGearsCfg):
     twin: Path | None = None
     """Folder of `armside commission`: learn in this twin first, and correct the first run by it."""
     identification: Path | None = None
-    """Folder of `armside identify` within 600 mm, in place of identifying from the first run."""
+    """Folder of `armside identify` of this robot, in place of identifying from the first run."""
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
     """Reaction to an unusable IMU: do not learn, or go on with motor angles and model alone."""
     friction_spread: Annotated[float | None, Parameter(show_default=False)] = None
@@ -272,7 +272,7 @@ class LaserCfg(KnownGearsCfg):
 
     @property
     def up_to_mode(self) -> bool:
-        """Q is raised to the arm's lowest identified mode: the cutoff is the default."""
+        """The cutoff is the default, which follows contour and arm."""
         return self.measure != "motor" and self.cutoff == (self._pass_band(),)
 
     def _pass_band(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Group, Parameter
 
 from armside.sim.instruments.imu import ImuCfg
+from armside.sim.laser.learning import measure_of
 from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.motion.timing import PathLimits
 from armside.sim.part.chain import MM
@@ -181,6 +182,4 @@ def measure(cfg: CutCfg) -> Measure:
     """The measured output of the options."""
     if cfg.measure == "motor":
         return MotorAngles()
-    from armside.sim.part_run.tool_measure import MEASURES
-
-    return MEASURES[cfg.measure]
+    return measure_of(cfg.measure)

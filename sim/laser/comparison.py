@@ -1,19 +1,21 @@
 """The same cut learned from each measured output: motor angles, estimate, tracker, ground truth."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from ..estimation.elasticity import ArmParameters
 from ..instruments.imu import ImuCfg
 from .design import default_design
 from .experiment import Experiment, Iteration, prepare
-from .learning import Begin, first_run, iterate, learned
+from .learning import Start, first_run, iterate
 from .measures import MotorAngles
 from .specification import Cut
-from .tool_measure import ToolOutput, ToolPath
+from .tool_measure import Source, ToolOutput, ToolPath
 
 COMPARED = ToolPath()
 """Measure of the comparison and of the claims about estimation: that of `armside laser`."""
+COMPARED_OUTPUTS = ("motor", "estimate", "tracker", "oracle")
+"""Measured outputs; each may have a start of its own in `compared`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,33 +36,47 @@ class Case:
         parameters: ArmParameters | None = None,
         repeats: int = 1,
         *,
-        experiment: Experiment | None = None,
-        begin: Begin = Begin(),
+        start: Start | None = None,
     ) -> tuple[ToolOutput, Iterator[Iteration]]:
-        """Learn from the tool's path; commissioned by the first run, or on known parameters.
-
-        experiment: as `experiment()` makes one, in its place.
-        """
-        experiment = self.experiment() if experiment is None else experiment
+        """Learn from the tool's path; commissioned by the first run, or on known parameters."""
+        experiment = self.experiment()
         measure = replace(measure, imu=self.cut.imu or measure.imu, parameters=parameters)
-        arm, start = measure.assumed(experiment), begin.first_correction
+        arm = measure.assumed(experiment)
         first = first_run(experiment, start=start)
         output = measure.commissioned(experiment, arm, first)
-        how = {"repeats": repeats, "start": start, "resume": begin.resume}
-        return output, learned(experiment, output, first, iterations, **how)
+        return output, iterate(
+            experiment, lambda _: output, iterations, start=start, first=first, repeats=repeats
+        )
 
-    def from_motors(
-        self,
-        iterations: int,
-        *,
-        experiment: Experiment | None = None,
-        begin: Begin = Begin(),
-    ) -> Iterator[Iteration]:
+    def from_motors(self, iterations: int, *, start: Start | None = None) -> Iterator[Iteration]:
         """Learn from the motor angles, as the thesis does, with the default design of the robot."""
-        experiment = self.experiment() if experiment is None else experiment
+        experiment = self.experiment()
         set_up = MotorAngles(default_design(self.cut.cell)).prepare(experiment)
-        how = {"start": begin.start, "resume": begin.resume}
-        return iterate(experiment, set_up, iterations, **how)
+        return iterate(experiment, set_up, iterations, start=start)
+
+
+def compared(
+    case: Case,
+    iterations: int,
+    measure: ToolPath = COMPARED,
+    starts: Mapping[str, Start] | None = None,
+) -> dict[str, list[Iteration]]:
+    """Learned from each of `COMPARED_OUTPUTS`; one identification, by the estimate's first run,
+    serves all.
+
+    starts: by output, for those that do not start without correction.
+
+    Raises InputError where a loop to go on from is another one's.
+    """
+    known = starts or {}
+    found = {"motor": list(case.from_motors(iterations, start=known.get("motor")))}
+    parameters, sources = None, (Source.ESTIMATE, Source.TRACKER, Source.TRUTH)
+    for source, name in zip(sources, COMPARED_OUTPUTS[1:], strict=True):
+        chosen = replace(measure, source=source)
+        output, learning = case.from_tool(iterations, chosen, parameters, start=known.get(name))
+        found[name] = list(learning)
+        parameters = output.known.parameters if parameters is None else parameters
+    return found
 
 
 def rms(iterations: list[Iteration]) -> list[float]:

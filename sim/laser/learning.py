@@ -147,10 +147,9 @@ def measure_of(name: str) -> Measure:
         raise ValueError(f"Unknown measure {name!r}. Measures: {', '.join(MEASURES)}")
     if name == "motor":
         return MotorAngles()
-    from .tool_measure import Source
-    from .way_measure import PathAlongWay
+    from .tool_measure import Source, ToolPath
 
-    return PathAlongWay(source=Source(name))
+    return ToolPath(source=Source(name))
 
 
 def first_run(

@@ -24,8 +24,8 @@ from ..notes import Cause, Note
 from ..robot.drives import gear_error_of
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .experiment import Pass
-from .measures import Prepared, SetUp
+from .experiment import Experiment, Pass
+from .measures import SetUp
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions before they are learned from."""
@@ -65,7 +65,7 @@ class ToolPath:
     """Noise-free run of a model, such as a twin's, that is learned as the sensor sees it; the
     programmed path if None."""
 
-    def assumed(self, experiment: Prepared) -> NominalArm:
+    def assumed(self, experiment: Experiment) -> NominalArm:
         """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
         known, nominal = experiment.setup.gear_error, experiment.nominal
         cfg = NominalCfg(
@@ -77,12 +77,12 @@ class ToolPath:
         arm = assumed_arm(elastic, self.stiffness_error, experiment.seed, cfg)
         return replace(arm, gear_error=gear_error_of(known, nominal.n_axes)) if known else arm
 
-    def prepare(self, experiment: Prepared) -> SetUp:
+    def prepare(self, experiment: Experiment) -> SetUp:
         """Raises ValueError as `assumed`."""
         arm = self.assumed(experiment)
         return lambda first: self.commissioned(experiment, arm, first)
 
-    def commissioned(self, experiment: Prepared, arm: NominalArm, first: Pass) -> "ToolOutput":
+    def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
         """The measure set up by a run.
 
         A tracker needs no IMU: without one its law is built on the assumed springs.
@@ -103,7 +103,7 @@ class ToolOutput:
 
     measure: ToolPath
     known: Commissioned
-    experiment: Prepared
+    experiment: Experiment
     _validity: list[Validity] = field(default_factory=list, compare=False, repr=False)
     """Of the last estimate."""
 

@@ -11,8 +11,7 @@ from armside.arrays import Array
 from ..laser.experiment import Experiment, Pass
 from ..laser.measures import Measure, MotorAngles
 from ..laser.specification import Cut
-from ..laser.tool_measure import ToolPath
-from ..laser.way_measure import PathAlongWay
+from ..laser.tool_measure import Source, ToolPath
 from ..notes import Cause, Note
 from . import twin as library
 from .correction import Corrected
@@ -46,11 +45,7 @@ class FirstCut:
         if not self.found.trusted:
             return measure
         long = np.ptp(experiment.loaded.reference, axis=0).max() > LONG
-        if (
-            long
-            and isinstance(measure, PathAlongWay)
-            and measure.follows(experiment, measure.assumed(experiment))
-        ):
+        if long and isinstance(measure, ToolPath) and measure.source is Source.ESTIMATE:
             return measure
         if isinstance(measure, MotorAngles):
             return replace(measure, target=self.found.motor_path)

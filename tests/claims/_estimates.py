@@ -3,29 +3,26 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from armside.sim.estimation.arm_identification import prepared
-from armside.sim.estimation.arm_springs import SpringPrior as SpringPrior
-from armside.sim.laser.way_measure import PathAlongWay, WayOutput
 
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import normalised_squared
+from armside.sim.estimation.elasticity import SpringPrior as SpringPrior
 from armside.sim.estimation.imu_health import ImuError as ImuError
 from armside.sim.estimation.imu_health import repaired
 from armside.sim.estimation.kinematic_filter import kinematic_deviation
 from armside.sim.estimation.relative_path import relative_to_start
+from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.tool_law import ToolLawKind as ToolLawKind
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration, Pass
-from armside.sim.laser.learning import first_run, learned
+from armside.sim.laser.learning import iterate
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath
 from armside.sim.notes import Tally
 
-ALONG = PathAlongWay(law=COMPARED.law)
-"""The estimate along the path."""
 BY_TRACKER = replace(COMPARED, source=Source.TRACKER)
 
 
@@ -35,7 +32,7 @@ class Learned:
 
     case: Case
     iterations: list[Iteration]
-    output: ToolOutput | WayOutput | None = None
+    output: ToolOutput | None = None
     """None where motor angles are learned from."""
 
     @property
@@ -60,9 +57,7 @@ def case(cut: Cut, seed: int) -> Case:
     return Case(cut=cut if cut.imu else replace(cut, imu=ImuCfg()), seed=seed)
 
 
-def from_estimate(
-    of: Case, updates: int, tally: Tally, measure: ToolPath | PathAlongWay = COMPARED
-) -> Learned:
+def from_estimate(of: Case, updates: int, tally: Tally, measure: ToolPath = COMPARED) -> Learned:
     """Learn from the estimate, commissioned by the first run; notes are counted."""
     output, learning = of.from_tool(updates, measure)
     return _counted(Learned(of, list(learning), output), tally)
@@ -71,16 +66,16 @@ def from_estimate(
 def from_tracker(of: Learned, updates: int, tally: Tally) -> Learned:
     """The same cut learned from the tracker, with the law on what the estimate has identified."""
     assert of.output is not None
-    _, learning = of.case.from_tool(updates, BY_TRACKER, of.output.known.springs)
+    _, learning = of.case.from_tool(updates, BY_TRACKER, of.output.known.parameters)
     return _counted(Learned(of.case, list(learning), of.output), tally)
 
 
 def tracked_along(of: Learned, updates: int) -> Learned:
     """The same cut learned from the tracker along the path; its notes are not counted."""
-    assert isinstance(of.output, WayOutput)
+    assert of.output is not None
     output = replace(of.output, measure=replace(of.output.measure, source=Source.TRACKER))
     experiment = of.case.experiment()
-    iterations = list(learned(experiment, output, first_run(experiment), updates))
+    iterations = list(iterate(experiment, lambda _: output, updates))
     return Learned(of.case, iterations, output)
 
 
@@ -100,12 +95,12 @@ def nees(of: Learned) -> float:
     3 for an estimator that knows its error.
     """
     output, run = of.output, of.iterations[0].run
-    assert isinstance(output, WayOutput)
+    assert output is not None
     log, truth = run.recording, run.recording.truth
     every = round(float(log.time[1] / truth.time[1]))
     error: Array = (output(run) - relative_to_start(truth.tool_position[::every]))[:, :3]
     moving = slice(int(np.argmax(log.time > 0.4)), None)
-    P = output.way.tool_covariance(output.experiment.nominal)
+    P = output.known.tool_covariance(output.experiment.nominal)
     return float(normalised_squared(error[moving], P[moving]).mean())
 
 
@@ -113,8 +108,9 @@ def kinematic_path(output: ToolOutput, unit: ImuCfg, first: Pass) -> Array:
     """The tool's path by a filter without dynamics."""
     log, estimator = first.recording, output.known.estimator
     assert first.imu is not None
-    run = prepared(estimator.arm, log.time, log.motor_angle, repaired(first.imu, unit))
-    at = run.imu_time + estimator.clock_offset
-    twist = kinematic_deviation(estimator, run)
+    samples = repaired(first.imu, unit)
+    motion = rigid_motion(estimator.arm, log.time, log.motor_angle)
+    at = samples.time + estimator.parameters.clock_offset
+    twist = kinematic_deviation(estimator, motion, samples)
     moved = np.stack([np.interp(log.time, at, column) for column in twist.T], axis=1)
     return rigid_path(first) + moved

@@ -84,11 +84,11 @@ def unseen(seed: int, count: int = N_UNSEEN) -> list[tuple[str, float, float]]:
 
 def corrections(robot: Drawn, contours: Sequence[tuple[str, float, float]]) -> list[Array]:
     """Corrections of the best run of each contour by the tracker; springs identified once."""
-    found, springs = list[Array](), None
+    found, known = list[Array](), None
     for contour in contours:
         case = Case(cut=cut(*contour, robot), seed=robot.number)
-        output, learning = case.from_tool(UPDATES, BY_TRACKER, springs)
-        springs = output.known.springs
+        output, learning = case.from_tool(UPDATES, BY_TRACKER, known)
+        known = output.known.parameters
         found.append(min(learning, key=lambda one: one.tool.rms).correction)
     return found
 

@@ -21,7 +21,7 @@ from armside.sim.laser.specification import Cut, Setup
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows
-from ._estimates import ALONG, case, from_estimate
+from ._estimates import case, from_estimate
 from ._learned import POSES
 
 FIVE, TEN = 5, 10
@@ -66,7 +66,7 @@ def at(seed: int, pose: str, done: GearAnalysis, tally: Tally, updates: int = TE
     cells, diverged, start = dict[str, float](), False, np.nan
     for name, gear_error in (("without", ()), ("with", known)):
         of = case(Cut(pose=pose, gear_error=gear_error), seed)
-        learned = from_estimate(of, updates, tally, ALONG)
+        learned = from_estimate(of, updates, tally)
         um = learned.um
         start = start if name == "with" else um[0]
         for k, value in ((0, um[0]), (FIVE, um[min(FIVE, updates)]), (TEN, um[-1])):

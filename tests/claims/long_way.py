@@ -18,7 +18,7 @@ from armside.sim.motion.contour_file import rounded
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows, at_most, crossed
-from ._estimates import ALONG, case, from_estimate, nees, tracked_along
+from ._estimates import case, from_estimate, nees, tracked_along
 from ._learned import POSES
 
 DEVELOPMENT = {100: ("p1", "p2", "p3"), 101: ("p2", "p3")}
@@ -40,7 +40,7 @@ TASKS: Mapping[str, Cut] = {
 
 def run(place: tuple[int, str, str], tally: Tally) -> Iterator[Row]:
     seed, pose, task = place
-    learned = from_estimate(case(replace(TASKS[task], pose=pose), seed), UPDATES, tally, ALONG)
+    learned = from_estimate(case(replace(TASKS[task], pose=pose), seed), UPDATES, tally)
     tracked = tracked_along(learned, UPDATES)
     first, last = (learned.iterations[k].tool_true.rms for k in (0, -1))
     done = status(learned.iterations, of_tool=True) == "done"

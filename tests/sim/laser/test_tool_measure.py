@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from armside.sim.laser.way_measure import PathAlongWay
 
 from armside.arrays import Array
 from armside.sim.estimation import validity as validity
@@ -12,6 +11,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import Experiment, Iteration, Pass
 from armside.sim.laser.learning import iterate
+from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.motion.contour import hexagon
 from armside.sim.notes import Cause
 
@@ -35,7 +35,7 @@ class Knocked:
 
 
 def learned(experiment: Experiment, updates: int, plant: Knocked | None = None) -> list[Iteration]:
-    set_up = PathAlongWay().prepare(experiment)
+    set_up = ToolPath().prepare(experiment)
     return list(iterate(experiment, set_up, updates, plant=plant))
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from armside.kinematics import LARGE_ROBOT, compile, find_arm
 from armside.sim.recordings import Stream
-from armside.sim.recordings.paths import compare_logs, path_scatter, timing_errors, waypoint_path
+from armside.sim.recordings.paths import compare_logs, path_scatter, waypoint_path
+from armside.sim.recordings.paths import timing_errors
 from armside.sim.recordings.paths.comparison import perfect_scatter
 from armside.sim.recordings.paths.motor_logs import MotorLog, PathLogs, read_path_logs
 

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from armside.sim.laser.way_measure import PathAlongWay
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
+from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.motion.contour import Circle
 from armside.sim.twin.first_cut import FirstCut
 
@@ -23,8 +23,8 @@ def by_twin() -> FirstCut:
 
 def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin():
     experiment = prepare(Cut(pose="p2", imu=ImuCfg()))
-    found = by_twin().around(PathAlongWay(), experiment)
-    assert isinstance(found, PathAlongWay)
+    found = by_twin().around(ToolPath(), experiment)
+    assert isinstance(found, ToolPath)
     assert found.target is RUN
     assert not found.follows(experiment, found.assumed(experiment))
 
@@ -32,7 +32,7 @@ def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin():
 def test_a_long_way_is_estimated_along_the_way_with_a_twin_too():
     experiment, measure = (
         prepare(Cut(pose="p2", contour=Circle(0.05), imu=ImuCfg())),
-        PathAlongWay(),
+        ToolPath(),
     )
     found = by_twin().around(measure, experiment)
     assert found is measure
