@@ -63,7 +63,8 @@ def cut(
             save_state(folder, ends[-1].state)
             entries, of_twin = made.entries()
             notes = [*found["notes"], *of_twin]
-            outcome = summary("cut", cfg, common, **(found | about | entries | {"notes": notes}))
+            found |= about | entries | {"notes": notes}
+            outcome = summary("cut", cfg, common, **found)
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)
     if made is not None:
