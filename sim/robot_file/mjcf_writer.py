@@ -174,16 +174,16 @@ def _add_bodies(root: Element, tree: Tree) -> None:
     _add_mass(body, tree.masses.base)
     _add_base_shape(body, tree)
     for i, frame in enumerate(tree.chain):
-        body = SubElement(body, "body", name=f"link_{i + 1}", **pose(frame.place))
+        body = SubElement(body, "body", {"name": f"link_{i + 1}"} | pose(frame.place))
         _add_mass(body, tree.masses.links[i])
         _add_joints(body, tree, i)
         _add_shapes(body, frame, tree.masses.links[i])
     end = tree.chain[-1].end
-    SubElement(body, "site", name="tool0", **pose(end))
-    size = "0.02 0.02 0.012"
-    SubElement(body, "site", name="imu", **pose(end @ tree.imu), type="box", size=size)
-    SubElement(body, "site", name="tracker_target", **pose(end))
-    tool = SubElement(body, "body", name="tool", **pose(end))
+    SubElement(body, "site", {"name": "tool0"} | pose(end))
+    box = {"type": "box", "size": "0.02 0.02 0.012"}
+    SubElement(body, "site", {"name": "imu"} | pose(end @ tree.imu) | box)
+    SubElement(body, "site", {"name": "tracker_target"} | pose(end))
+    tool = SubElement(body, "body", {"name": "tool"} | pose(end))
     _add_mass(tool, tree.masses.tool)
     _add_tool_shape(tool, tree.masses.tool)
 
@@ -199,7 +199,9 @@ def _add_joints(body: Element, tree: Tree, i: int) -> None:
     frame = tree.chain[i]
     for hinge, spring in tree.structure:
         if hinge.link == i == 0:
-            _add_hinge(body, hinge, spring, np.linalg.inv(frame.place))
+            _add_hinge(
+                body, hinge, spring, np.asarray(np.linalg.inv(frame.place), dtype=np.float64)
+            )
     along = {"axis": f"0 0 {number(frame.sign)}"}
     if frame.joint is Joint.PRISMATIC:
         along["type"] = "slide"

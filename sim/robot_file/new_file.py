@@ -131,11 +131,14 @@ def _default(table: _Place, name: str, value: _Value | None, note: str) -> None:
 def _shown(value: _Value) -> Any:
     if isinstance(value, str):
         return value
-    return number(value) if isinstance(value, float) else [number(one) for one in value]
+    return number(value) if isinstance(value, int | float) else [number(one) for one in value]
 
 
 def _table(values: Mapping[str, Any], note: str) -> Table:
-    return tomlkit.item(dict(values)).comment(note)
+    table = tomlkit.table()
+    table.update(values)
+    table.comment(note)
+    return table
 
 
 def start(limits: Limits, kinds: tuple[Joint, ...]) -> tuple[float, ...]:
