@@ -14,12 +14,12 @@ from armside.sim.imu import (
     ProcessingCfg,
     RestExperiment,
     Scheme,
+    notes,
     prepare,
     results,
     run_one,
     run_rest,
 )
-from armside.sim.imu import notes
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable
@@ -179,13 +179,13 @@ def _recorded(cfg: ImuOptions, common: Common) -> None:
     """Chapter 5 on recordings of a real robot."""
     from armside.sim.imu.recorded import process
     from armside.sim.recordings import read_motion
-    from armside.sim.robot_file.find import find_robot
+    from armside.sim.robot_file.find import load_robot
 
     from ..figures import recorded_imu as shown
 
     report, done = Report(common), []
     with checking_input():
-        arm, topics = find_robot(cfg.robot), cfg.topics()
+        arm, topics = load_robot(cfg.robot).arm, cfg.topics()
         recordings = [read_motion(one, topics) for one in cfg.recording]
         with report.progress("aligning", total=len(recordings)) as step:
             for recording in recordings:

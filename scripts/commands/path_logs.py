@@ -36,13 +36,13 @@ def path_logs(
     """
     from armside.sim.recordings.paths import compare_logs
     from armside.sim.recordings.paths.motor_logs import read_path_logs
-    from armside.sim.robot_file.find import find_robot
+    from armside.sim.robot_file.find import load_robot
 
     from ..figures import path_logs as shown
 
     report = Report(common)
     with checking_input():
-        arm, logs = find_robot(cfg.robot), read_path_logs(data)
+        arm, logs = load_robot(cfg.robot).arm, read_path_logs(data)
         with report.progress("running", total=cfg.runs * len(logs.speeds)) as step:
             try:
                 done = compare_logs(arm, logs, cfg.runs, common.seed, step)

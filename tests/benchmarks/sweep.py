@@ -8,7 +8,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import Grid, parse, run_grid
 from armside.scripts.jobs.workers import Workers
 from armside.sim.robot.run import cores
@@ -45,7 +45,7 @@ def _swept(folder: Path, n: int) -> float:
     grid = Grid({"seed": range(n * N, (n + 1) * N)})
     start = time.perf_counter()
     with Workers() as workers:
-        run_grid(grid, dataset(folder), workers)
+        run_grid(grid, Dataset(folder), workers)
     return time.perf_counter() - start
 
 

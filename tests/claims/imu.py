@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.imu import notes
-from armside.sim.imu import prepare, reprocessed, run_one
+from armside.sim.imu import notes, prepare, reprocessed, run_one
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows, within

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.imu import causes
-from armside.sim.imu import notes
+from armside.sim.imu import causes, notes
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows

@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.jobs.queue import KNOWN, KNOWN_FAILED
 from armside.scripts.jobs.workers import Workers
@@ -39,18 +39,18 @@ def run(seeds: tuple[int, ...], _: Tally) -> Iterator[Row]:
         start = time.perf_counter()
         process.wait()
         duration = time.perf_counter() - start
-        whole = dataset(Path(folder) / "whole").read()
+        whole = Dataset(Path(folder) / "whole").read()
         for seed in seeds:
             killed = Path(folder) / str(seed)
             delay = random.Random(seed).uniform(0.0, duration)
             on_disk = _kill(killed, delay)
             with Workers() as workers:
-                counts = run_grid(grid, dataset(killed), workers)
+                counts = run_grid(grid, Dataset(killed), workers)
             known = counts[KNOWN] + counts[KNOWN_FAILED]
             yield {
                 **{"seed": seed, "delay": delay, "on_disk": on_disk, "known": known},
                 "computed": counts.total() - known,
-                "equal": dataset(killed).read().equals(whole),
+                "equal": Dataset(killed).read().equals(whole),
                 "_whole": len(whole),
             }
 
@@ -70,7 +70,7 @@ def _begun(folder: Path) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "armside", "sweep", *AXES, "--into", str(folder), "--quiet"]
     # At its end it reports on stderr that some configurations have failed, which they should.
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL)
-    while not dataset(folder).keys():
+    while not Dataset(folder).keys():
         if process.poll() is not None:
             raise RuntimeError("the sweep ended without a result")
         time.sleep(LOOK)
@@ -85,7 +85,7 @@ def _kill(folder: Path, delay: float) -> int:
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGKILL)
         process.wait()
-    return len(dataset(folder).keys())
+    return len(Dataset(folder).keys())
 
 
 CLAIM = Claim(

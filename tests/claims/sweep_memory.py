@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from armside.scripts.jobs.dataset import dataset
+from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import Grid, run_grid
 from armside.scripts.jobs.workers import Workers
 from armside.sim.evaluation.check import Check, all_hold
@@ -32,7 +32,7 @@ def run(seeds: tuple[int, ...], _: Tally) -> Iterator[Row]:
             rows.append({"configurations done": n} | dict(zip(MEMORY, memory, strict=True)))
 
     with tempfile.TemporaryDirectory() as folder, Workers() as ours:
-        counts = run_grid(grid, dataset(Path(folder)), ours, step)
+        counts = run_grid(grid, Dataset(Path(folder)), ours, step)
     yield from ({**row, "_done": counts["done"], "_asked": len(seeds)} for row in rows)
 
 

@@ -20,7 +20,7 @@ from armside.kinematics.codegen.robot_xml import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
-from armside.sim.robot_file.find import arm_with_masses, is_cell_file
+from armside.sim.robot_file.find import is_cell_file, load_robot
 
 from ._engine import Claim, Row, Rows, at_once
 from ._urdf_files import LEAST_JOINTS, ForeignFile, PinocchioChain, foreign_files, longest_chain
@@ -59,7 +59,7 @@ def shipped_robots() -> list[str]:
 
 def shipped(name: str, seeds: Sequence[int]) -> Row:
     """Row of a robot of this project, whose exported file Pinocchio reads."""
-    heavy = arm_with_masses(name)
+    heavy = load_robot(name, masses=True)
     robot, limits = heavy.arm
     joints = tuple(f"joint_{i}" for i in range(1, robot.n_joints + 1))
     with tempfile.TemporaryDirectory() as folder:

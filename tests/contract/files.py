@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from armside.assets import LARGE_ROBOT_XML
-from armside.kinematics import compile, find_arm
+from armside.kinematics import CATALOGUE, compile
 from armside.sim.robot.mjcf import N_AXES
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.twin import Twin, design_of, robot_digest
@@ -119,7 +119,7 @@ def _poses(file: Path, n: int = 60) -> None:
     """A table of poses that `calibrate-arm --robot ur10` takes."""
     rng = np.random.default_rng(0)
     phi = rng.uniform(-2.0, 2.0, (n, 6))
-    points = compile(find_arm("ur10").robot).pose(phi)[:, :3, 3] + rng.normal(0.0, 1e-4, (n, 3))
+    points = compile(CATALOGUE["ur10"].robot).pose(phi)[:, :3, 3] + rng.normal(0.0, 1e-4, (n, 3))
     names = [*(f"motor_angle_{i}" for i in range(1, 7)), *(f"target_1_{a}" for a in "xyz")]
     rows = np.hstack((phi, points))
     np.savetxt(file, rows, delimiter=",", header=",".join(names), comments="")
@@ -129,7 +129,7 @@ def _motion(folder: Path) -> None:
     """A recording that `gears --robot ur10` takes: encoders and a tracker, twelve seconds."""
     rng, time = np.random.default_rng(0), np.arange(0.0, 12.0, 0.01)
     phi = np.sin(np.outer(time, rng.uniform(0.5, 1.0, 6)) + rng.uniform(0.0, 6.0, 6))
-    tool = compile(find_arm("ur10").robot).pose(phi)[:, :3, 3]
+    tool = compile(CATALOGUE["ur10"].robot).pose(phi)[:, :3, 3]
     tables = {"encoders": [f"motor_angle_{i}" for i in range(1, 7)]}
     tables["tracker"] = [f"target_{a}" for a in "xyz"]
     folder.mkdir()

@@ -11,6 +11,7 @@ from armside import assets
 from armside.sim.imu import (
     ImuExperiment,
     RestExperiment,
+    causes,
     clock_errors,
     prepare,
     reprocessed,
@@ -18,7 +19,6 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
-from armside.sim.imu import causes
 from armside.sim.imu.phases import idle_peaks, under_way
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.model import load_model

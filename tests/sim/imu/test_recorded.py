@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.kinematics import find_arm
+from armside.kinematics import CATALOGUE
 from armside.sim.imu.recorded import mounting, process, repeatability, scale
 from armside.sim.recordings import read_motion
 
@@ -73,7 +73,7 @@ def test_differences_between_recordings_are_those_of_their_constants(done):
 
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
 def test_the_imu_of_the_aubo_repeats_over_the_days_and_its_gyro_is_predicted():
-    arm = find_arm("aubo_i5")
+    arm = CATALOGUE["aubo_i5"]
     done = [process(arm, read_motion(AUBO / day)) for day in DAYS]
     found = repeatability([one.alignment for one in done])
     assert found.gyro_scale <= 0.005

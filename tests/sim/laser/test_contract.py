@@ -6,9 +6,8 @@ import pytest
 from armside.sim.cell import CELLS, LARGE_ROBOT_POSES
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, learn, prepare
-from armside.sim.laser.experiment import prepare
 from armside.sim.laser.random_cuts import SPEEDS, random_cut
-from armside.sim.laser.specification import SPIRAL_START, Cut, LeadIn
+from armside.sim.laser.specification import SPIRAL_START, LeadIn
 from armside.sim.motion.contour import Circle
 from armside.sim.motion.tool_motion import cut
 from armside.sim.robot.effects import Effect

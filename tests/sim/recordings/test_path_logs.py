@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.kinematics import LARGE_ROBOT, compile, find_arm
+from armside.kinematics import CATALOGUE, LARGE_ROBOT, compile
 from armside.sim.recordings import Stream
-from armside.sim.recordings.paths import compare_logs, path_scatter, waypoint_path
-from armside.sim.recordings.paths import timing_errors
+from armside.sim.recordings.paths import compare_logs, path_scatter, timing_errors, waypoint_path
 from armside.sim.recordings.paths.comparison import perfect_scatter
 from armside.sim.recordings.paths.motor_logs import MotorLog, PathLogs, read_path_logs
 
@@ -104,7 +103,7 @@ def test_the_virtual_robot_runs_the_path_and_repeats_better_than_such_a_log():
         phi=phi[part],
         logs=tuple(MotorLog(name=str(k), speed=SPEED, motors=run) for k, run in enumerate(logs())),
     )
-    (one,) = compare_logs(find_arm("large"), short, runs=2, seed=0).speeds
+    (one,) = compare_logs(CATALOGUE["large"], short, runs=2, seed=0).speeds
     assert one.n_runs == 6
     assert one.virtual.scatter < 0.1 * one.virtual_logged.scatter
     assert 0.0 < one.virtual.error < 10e-3
@@ -164,7 +163,7 @@ def test_files_as_published_are_read_with_their_units(tmp_path):
 def test_scatter_of_the_irb6640_is_that_of_its_log():
     read = read_path_logs(SETS)
     assert len(read.speeds) == 3
-    for one in compare_logs(find_arm("large"), read, runs=2, seed=0).speeds:
+    for one in compare_logs(CATALOGUE["large"], read, runs=2, seed=0).speeds:
         np.testing.assert_allclose(one.timing.deviation, 0.8e-3, atol=0.12e-3)
         assert one.real.scatter == pytest.approx(one.perfect.mean(), rel=0.15)
         assert one.virtual.scatter < 5e-6

@@ -1,1 +1,0 @@
-"""The tool's path over a whole part as measured output."""
