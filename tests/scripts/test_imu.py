@@ -5,8 +5,6 @@ import json
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from tests.claims import imu as verify_irb1400
-from tests.claims.imu_large import imu_large
 
 from armside.kinematics import robot_toml
 from armside.scripts.cli import main
@@ -157,18 +155,6 @@ def test_the_unit_is_that_of_its_options_and_by_default_of_the_configuration():
     unit = options.experiment().imu
     assert unit.gyroscope.bias == pytest.approx(np.deg2rad(2.0))
     assert (unit.rate, unit.clock_offset, unit.clock_drift) == pytest.approx((200.0, 3e-3, 5e-5))
-
-
-@pytest.mark.parametrize("claim", ["imu", "imu_causes", "rest"])
-def test_every_statement_of_a_claim_holds_on_one_seed_of_it(claim):
-    """`armside verify` runs the same functions over all their seeds."""
-    table = getattr(verify_irb1400, claim)([0])
-    assert [verdict.statement for verdict in table.verdicts if not verdict.holds] == []
-
-
-def test_the_large_robot_predicts_its_imu_too():
-    table = imu_large([0])
-    assert [verdict for verdict in table.verdicts if not verdict.holds] == []
 
 
 # Recordings of a real robot

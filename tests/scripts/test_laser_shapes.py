@@ -12,7 +12,8 @@ from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import laser as kerf_figure
 from armside.scripts.shell.errors import InputError
-from armside.sim.estimation.parameters_file import read_springs
+from armside.sim.estimation.elasticity import ArmParameters, Elasticity
+from armside.sim.estimation.parameters_file import read_parameters, springs_entry
 from armside.sim.evaluation.kerf import Kerf
 from armside.sim.motion.contour import Circle
 
@@ -168,16 +169,34 @@ def test_the_assumed_arm_knows_the_payload_too():
         assert arm.mj.body("tool").mass[0] == pytest.approx(mass)
 
 
-def test_springs_identified_far_away_are_refused(tmp_path):
-    springs = {"stiffness": np.eye(6).tolist(), "damping": [0.0] * 6}
-    springs |= {"clock_offset": 0.0, "distrust": 1.0, "mounting": [0.0, 0.0, 0.0]}
-    stored = {"config": {"robot": "large"}, "place": [1.7, 0.0, 1.6], "springs": springs}
-    (tmp_path / "summary.json").write_text(json.dumps(stored))
-    assert read_springs(tmp_path, "large", (1.7, 0.5, 1.6)).process_noise == 1.0
-    with pytest.raises(InputError, match="identified 700 mm away"):
-        read_springs(tmp_path, "large", (1.7, 0.7, 1.6))
+def test_identified_parameters_are_read_back_for_the_robot_they_are_of(tmp_path):
+    four, axes = np.arange(1.0, 9.0), np.arange(6)
+    springs = Elasticity(four, 0.1 * four, axes, 0.05 * four, 1e-4 * four)
+    known = ArmParameters(springs, 0.003, 0.06, np.array([0.01, 0.0, -0.01]))
+    stored = {"config": {"robot": "large"}, "springs": springs_entry(known)}
+    file = tmp_path / "summary.json"
+
+    def write():
+        file.write_text(json.dumps(stored, default=lambda array: array.tolist()))
+
+    write()
+    found = read_parameters(tmp_path, "large")
+    for name in ("stiffness", "damping", "axes", "softening", "lost_motion"):
+        assert np.array_equal(getattr(found.springs, name), getattr(springs, name))
+    assert (found.clock_offset, found.process_noise) == (0.003, 0.06)
+    assert np.array_equal(found.mounting, known.mounting)
     with pytest.raises(InputError, match="on robot large, not on irb1400"):
-        read_springs(tmp_path, "irb1400", (1.7, 0.0, 1.6))
+        read_parameters(tmp_path, "irb1400")
+    with pytest.raises(InputError, match=r"springs.gears must be numbers of shape \(7,\)"):
+        read_parameters(tmp_path, "large", n_axes=7)
+    stored["springs"]["stiffness"] = -four
+    write()
+    with pytest.raises(InputError, match="stiffer than 0"):
+        read_parameters(tmp_path, "large")
+    del stored["springs"]["lost_motion"]
+    write()
+    with pytest.raises(InputError, match="springs lack lost_motion; identify again"):
+        read_parameters(tmp_path, "large")
 
 
 def test_the_replay_of_a_square_is_written_with_the_rest(square):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.commands import reproduce
-from armside.scripts.cutting.learning import prepared
+from armside.scripts.cutting.learning import ready
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.jobs import store as room
@@ -228,7 +228,9 @@ def test_shapes_have_their_documented_default_sizes(shape, length):
 
 
 def test_the_seed_of_a_cut_is_that_of_its_robot_and_noise():
-    first, again, other = (prepared(LaserCfg(), seed).experiment for seed in (4, 4, 5))
+    first, again, other = (
+        ready(cut(LaserCfg()), measure(LaserCfg()), seed).experiment for seed in (4, 4, 5)
+    )
     friction = [e.loaded.model.mj.actuator_biasprm[:, 3] for e in (first, again, other)]
     assert np.array_equal(friction[0], friction[1])
     assert (friction[0] != friction[2]).all()

@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
-from tests.claims import env as verify_env
-from tests.claims.tuning import TUNED, iterations, searched, tuning
+from tests.claims import tuning, tuning_iterations
+from tests.claims._engine import judged
+from tests.claims._episodes import TUNED, searched
 
 from armside.scripts.studies.study import first_action, load_design
 from armside.sim.laser.design import Design
@@ -86,21 +87,14 @@ def test_the_searched_design_is_as_good_on_its_episodes_as_the_search_says():
 
 
 def test_on_a_few_sealed_episodes_the_table_has_what_was_tuned_ahead_of_the_thesis():
-    table = tuning(range(4))
+    table = judged(tuning.CLAIM, range(4))
     ratio = {row[0]: row[1] for row in table.rows}
     assert ratio["best fixed design by search"] < 0.8 * ratio["thesis design"]
     assert ratio["learned policy"] < 0.8 * ratio["thesis design"]
 
 
-def test_random_actions_stay_in_the_spaces_with_every_kind_of_env(monkeypatch):
-    monkeypatch.setattr(verify_env, "AT_ONCE", 2)
-    table = verify_env.env(range(2 * len(verify_env.KINDS)))
-    assert len(table.rows) == len(verify_env.KINDS)
-    assert [verdict.holds for verdict in table.verdicts] == [True, True]
-
-
 def test_beyond_the_budget_the_thesis_goes_on_and_the_policy_ends():
-    table = iterations(range(3))
+    table = judged(tuning_iterations.CLAIM, range(3))
     rows = {name: values for name, *values in table.rows}
     assert (
         np.isfinite(rows["thesis design"]).sum()

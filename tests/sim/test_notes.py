@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.ilc.learning import Trial
 from armside.sim.estimation.commissioning import Commissioning, OnFault
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu import prepare as prepare_imu
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser import Cut, Source, ToolPath, iterate, learn, prepare
-from armside.sim.laser.experiment import evaluated
-from armside.sim.laser.learning import first_run
+from armside.sim.laser import Cut, MotorAngles, Source, ToolPath, iterate, learn, prepare
 from armside.sim.laser.results import notes, pass_notes, results
 from armside.sim.motion.contour import square
 from armside.sim.motion.planner import slower_moves
@@ -23,10 +20,7 @@ from armside.sim.notes import Cause, Note, counted, together
 def cut_once(cut, seed=0):
     """An experiment and its only iteration."""
     experiment = prepare(cut, seed=seed)
-    run = first_run(experiment)
-    output, u = run.recording.motor_angle, run.recording.correction
-    trial = Trial(0, u, output, run.recording.error, run)
-    return experiment, evaluated(experiment, trial, run)
+    return experiment, next(iterate(experiment, MotorAngles().prepare(experiment), 0))
 
 
 def said(cut, cause):
