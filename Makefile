@@ -8,7 +8,7 @@ STUBS := typings/mujoco-stubs
 # Names are the files of a folder; those that begin with an underscore are shared.
 names = $(subst _,-,$(filter-out _% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
 
-.PHONY: help run test docs mutants claims bench pictures calibration contract clean
+.PHONY: help run test docs mutants claims bench pictures calibration contract house clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
@@ -23,6 +23,7 @@ help:
 	@echo 'make bench    [NAME=...]  seconds on this machine, beside other libraries if installed'
 	@echo 'make pictures [NAME=...]  the pictures of the docs: docs/images'
 	@echo 'make calibration [GENERATIONS=n]   the unknown numbers of the large robot'
+	@echo 'make house                size and structure of the project: docs/house.md'
 	@echo 'make contract [LINES=n]   command lines at random, held against the contract'
 	@echo
 	@echo 'Claims:     $(call names,claims)' | fold -sw 100
@@ -37,6 +38,9 @@ bench: $(VENV)/.installed-test
 
 pictures: $(VENV)/.installed-test
 	$(BIN)/python -m tests.gallery $(NAME)
+
+house: $(VENV)/.installed-test
+	$(BIN)/python -m tests.house $(if $(SECONDS_OF_SUITE),--seconds $(SECONDS_OF_SUITE))
 
 calibration: $(VENV)/.installed
 	$(BIN)/python -m tests.calibration $(if $(GENERATIONS),--generations $(GENERATIONS))
