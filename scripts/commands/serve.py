@@ -26,14 +26,14 @@ class ServeCfg:
     """Protocol, robot and program."""
 
     protocol: Literal["egm", "rsi"] = "egm"
-    """egm: ABB's Externally Guided Motion (absolute joint angles); rsi: KUKA's Robot Sensor
-    Interface (corrections of the program)."""
+    """Protocol. egm: ABB's Externally Guided Motion (absolute joint angles); rsi: KUKA's Robot
+    Sensor Interface (corrections of the program)."""
     to: str = "127.0.0.1"
     """Host of the client. The controller speaks first, as real ones do."""
     port: int | None = None
     """UDP port of the client [default: 6510 for EGM, 59152 for RSI]."""
     robot: str = "large"
-    """large, irb1400, or a robot file (TOML)."""
+    """Robot: large, irb1400, or a robot file (.toml)."""
     program: str | None = None
     """hold[:pose=p2] (stand until guided) or cut[:pose=p2,speed=60] (options of laser)
     [default: hold for EGM, cut for RSI]."""

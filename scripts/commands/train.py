@@ -94,8 +94,10 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
 
     Sealed test seeds are refused.
 
-    Writes policy.npz and summary.json, in which `steps` is how many were done. Raises InputError
-    for a sealed seed or a folder that cannot be had, and where the extra [learn] is not installed.
+    Writes policy.npz and summary.json, in which `steps` is how many were done.
+
+    Raises InputError for a sealed seed or a folder that cannot be had, and where the extra [learn]
+    is not installed.
     """
     report = Report(common)
     with checking_input():
