@@ -66,7 +66,7 @@ def _row(entry: "HelpEntry", column: int) -> str:
     """An option, what it is, its choices and its default."""
     parts = [first_clause(_plain(entry.description))]
     if entry.choices:
-        parts = [": ".join(part for part in (*parts, "|".join(entry.choices)) if part)]
+        parts = [": ".join(part for part in (*parts, ", ".join(entry.choices)) if part)]
     if entry.default is not None:
         parts.append(f"[default: {entry.default}]")
     if entry.required:

@@ -111,7 +111,6 @@ BASE: dict[str, tuple[str, ...]] = {
     "sweep": ("iterations=0",),
     "reproduce": ("8.3",),
     "convert": ("../files/run", "--file", "a.csv"),
-    "export-correction": ("../files/run", "--file", "a.csv"),
     "robot": ("check",),
     "measure": ("../files/data.csv", "--gear", "1"),
     "train": ("--robots", "1", "--steps", "5"),
