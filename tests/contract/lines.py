@@ -60,8 +60,8 @@ def _written(field: str, hint: Any) -> str:
 
 def _option(name: str, hint: Any) -> Option:
     roles = {FileToRead: "read", FileToWrite: "write", Folder: "folder"}
-    parts = [hint, *(part for part in get_args(hint) if part in roles)]
-    role = next((roles[part] for part in parts if part in roles), "")
+    stated = [part for each in (hint, *get_args(hint)) for part in get_args(each)]
+    role = next((roles[kind] for kind in roles if all(p in stated for p in get_args(kind))), "")
     hint = _given(hint)
     inner = get_args(hint)
     if get_origin(hint) is not tuple:
