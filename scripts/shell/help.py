@@ -39,16 +39,16 @@ def overview(commands: Mapping[str, tuple[str, str]]) -> str:
 class BriefHelp:
     """Formatter of cyclopts for a command's help in plain lines."""
 
-    def render_usage(self, console: Any, _options: Any, usage: Any) -> None:
+    def render_usage(self, console: Any, options: Any, usage: Any) -> None:
         """Print the line of usage."""
         _print(console, f"Usage: {_short(_plain(usage))}\n")
 
-    def render_description(self, console: Any, _options: Any, description: Any) -> None:
+    def render_description(self, console: Any, options: Any, description: Any) -> None:
         """Print the paragraphs of a command's docstring."""
         paragraphs = _plain(description).split("\n\n")
         _print(console, "\n\n".join(_filled(text.replace("`", ""), "") for text in paragraphs))
 
-    def __call__(self, console: Any, _options: Any, panel: "HelpPanel") -> None:
+    def __call__(self, console: Any, options: Any, panel: "HelpPanel") -> None:
         """Print one group of options."""
         title = _plain(panel.title)
         if not panel.entries:

@@ -69,7 +69,7 @@ _LINES = (
     "tune --trials 99999999999",
     "tune --storage sqlite+aiosqlite:///n/x.db",
     "tune --storage postgresql:/u:SECRET@h/db",
-    "view --model ../files/still.xml",
+    "robot view ../files/still.xml",
     "laser --model ../files/still.xml",
     *(f"laser {SHORT} --model ../files/{name}" for name in MODELS),
     "laser --contour ../files/torn.dxf",

@@ -105,7 +105,6 @@ BASE: dict[str, tuple[str, ...]] = {
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),
     "identify-plant": ("../files/record.csv", "--structures", "oe", "--largest-order", "2"),
-    "two-mass": ("--figure", "8.3"),
     "learn": ("--iterations", "1", "--samples", "50"),
     "tune": ("--trials", "1", "--episodes", "1", "--iterations", "1", "--pose", "p1"),
     "sweep": ("iterations=0",),
@@ -124,7 +123,7 @@ FOR_EVER = ("--web", "--idle")
 """Options that ask to go on until Ctrl-C, without work by which a limit could be kept."""
 WEIGHTS = {
     **{"laser": 5.0, "measure": 3.0, "sweep": 3.0, "design": 2.0, "replay": 2.0, "convert": 2.0},
-    **dict.fromkeys(("reproduce", "two-mass"), 0.5),
+    "reproduce": 0.5,
 }
 """Of the commands by the kinds of input that they read; 1 for those that are not named."""
 FLOATS = {
