@@ -1,7 +1,7 @@
 """Configuration of Sphinx: `make docs` builds the pages of this folder, and one page per package.
 
 Docstrings are plain prose with Markdown's code spans. An API page lists the modules of its package,
-the page of commands what each command's `--help` prints.
+the page of commands what each command's `--help-all` prints.
 """
 
 import io
@@ -83,10 +83,10 @@ def commands_page() -> str:
 
 
 def help_of(name: str) -> str:
-    """Text of `armside NAME --help`, without trailing blanks."""
+    """Text of `armside NAME --help-all`, without trailing blanks."""
     text = io.StringIO()
     console = Console(file=text, width=98, color_system=None)
-    make_app(cli.COMMANDS, cli.load, name).help_print([name], console=console)
+    make_app(cli.COMMANDS, cli.load, name, whole=True).help_print([name], console=console)
     here = text.getvalue().replace(HERE, "armside")  # no path of this machine
     return "".join(line.rstrip() + "\n" for line in here.strip().splitlines())
 

@@ -30,7 +30,7 @@ class CalibrateArmCfg(BagCfg):
     FILE.urdf, FILE.urdf#TIP_LINK)."""
     fraction: float = 0.5
     """Fraction of the poses that is fitted; the others are held out."""
-    poses: int | None = None
+    fitted: int | None = None
     """Number of poses that are fitted, in place of the fraction."""
     in_order: bool = False
     """Fit the first poses and judge on the last [default: at random by --seed]."""
@@ -71,7 +71,7 @@ class CalibrateArmCfg(BagCfg):
             errors = JointErrors(self.harmonics, self.compliance)
         return CalibrationCfg(
             fraction=self.fraction,
-            poses=self.poses,
+            poses=self.fitted,
             in_order=self.in_order,
             parameters=self.parameters,
             joint_errors=errors,

@@ -39,7 +39,7 @@ class ConvertCfg(BagCfg):
     """File (TOML) that says which columns of a controller's log are which (docs/formats.md)."""
 
 
-def convert(source: Path, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Common()) -> None:
+def convert(source: Path, /, *, cfg: ConvertCfg = ConvertCfg(), common: Common = Common()) -> None:
     """Write a run, a recording of a real arm, or a controller's log as files of another kind.
 
     source: folder of a run; a recording (docs/real.md): a ROS bag, a folder of tables, a published

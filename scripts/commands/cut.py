@@ -1,7 +1,6 @@
 """`armside cut`: a robot cuts a whole part from its drawing, and learns all contours at once."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -17,13 +16,14 @@ from ..cutting.part_options import CutCfg, drawing, measure, part_cut
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
-from ..shell.options import Common, check_read
+from ..shell.options import Common, FileToRead
 
-Drawing = Annotated[Path | None, Parameter(validator=check_read)]
+Drawing = Annotated[FileToRead, Parameter(help="The drawing.")]
 
 
 def cut(
     part: Drawing = None,
+    /,
     *,
     cfg: CutCfg = CutCfg(),
     of: FromCfg = FromCfg(),

@@ -18,7 +18,7 @@ BUILT_IN = ("two-mass", "two-mass-arm", "servo")
 LARGEST_MODEL = 50_000
 """[bytes], of a model's file: thousands of coefficients."""
 LOWEST = 1e-3
-"""Lowest bandwidth over the Nyquist frequency."""
+"""Lowest cutoff over the Nyquist frequency."""
 NUMBERS = ("gamma", "delta", "cutoff", "contraction", "largest_gamma", "largest_cutoff")
 HEADS = ("gamma", "delta", "cutoff [Hz]", "contraction", "largest gamma", "largest cutoff [Hz]")
 
@@ -26,19 +26,19 @@ HEADS = ("gamma", "delta", "cutoff [Hz]", "contraction", "largest gamma", "large
 @options
 @dataclass(frozen=True, kw_only=True)
 class DesignCfg:
-    """Model and bandwidth of the design."""
+    """Model and cutoff of the design."""
 
     model: str = "two-mass"
-    """two-mass or two-mass-arm (chapter 8, learning from motor or arm), servo (the identified
-    model (9.12)), or a JSON file with sample_time, b and a (powers of q^-1)."""
-    bandwidth: float = 10.0
-    """Cutoff of the zero-phase Q: the bandwidth of learning [Hz]."""
+    """two-mass, two-mass-arm, servo, or a JSON file. The joint of chapter 8, learning from motor or
+    arm; the identified model (9.12); a file with sample_time, b and a (powers of q^-1)."""
+    cutoff: float = 10.0
+    """Cutoff of Q [Hz]. Zero-phase: the bandwidth of learning."""
     share: float = 0.6
-    """Largest fraction of the admissible gain that is used; the rest is margin."""
+    """Fraction of the admissible gain that is used; the rest is margin."""
 
     def __post_init__(self) -> None:
-        if not self.bandwidth > 0.0:
-            raise ValueError(f"bandwidth must be > 0 Hz, got {self.bandwidth:g}")
+        if not self.cutoff > 0.0:
+            raise ValueError(f"cutoff must be > 0 Hz, got {self.cutoff:g}")
         if not 0.0 < self.share < 1.0:
             raise ValueError(f"share must be in (0, 1), got {self.share:g}")
 
@@ -73,10 +73,10 @@ def design(*, cfg: DesignCfg = DesignCfg(), common: Common = Common()) -> None:
     with checking_input():
         model = load(cfg.model)
         lowest = LOWEST * 0.5 / model.sample_time
-        if cfg.bandwidth < lowest:
-            below = f"below which no criterion is evaluated, got {cfg.bandwidth:g}"
-            raise ValueError(f"bandwidth must be >= {lowest:g} Hz, {below}")
-        proposal = propose(model, cfg.bandwidth, fraction=cfg.share)
+        if cfg.cutoff < lowest:
+            below = f"below which no criterion is evaluated, got {cfg.cutoff:g}"
+            raise ValueError(f"cutoff must be >= {lowest:g} Hz, {below}")
+        proposal = propose(model, cfg.cutoff, fraction=cfg.share)
     sentence, numbers = proposal.sentence(), {name: getattr(proposal, name) for name in NUMBERS}
     result = {"iterations_to_5_percent": proposal.iterations_to_5_percent, "sentence": sentence}
     outcome = summary("design", cfg, common, design=numbers | result)

@@ -1,44 +1,133 @@
-"""`armside export`: equations of a robot as code in another language, or itself as URDF or MJCF."""
+"""`armside export`: a robot's equations as code, a robot as URDF or MJCF, or what a run learned."""
 
+import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
 
+import numpy as np
+from cyclopts import Parameter
+
+from armside.sim.controller import correction_export
+from armside.sim.controller.correction_export import RATES, Form
+from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
+from armside.sim.records.atomic import write_bytes
+from armside.sim.records.files import check_file_to_write
+from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary
-from armside.sim.robot_file.find import load_robot
+from armside.sim.records.tables import write_table
+from armside.sim.robot_file.find import find_cell, load_robot
 
-from ..shell.console import Report, run_folder
-from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.console import Report, keep, run_folder
+from ..shell.errors import InputError, checking_input, needs
+from ..shell.options import Common, FileToWrite, options
+
+if TYPE_CHECKING:
+    from armside.arrays import Array
+    from armside.sim.cell import Cell
 
 Equations = Literal[
     "pose", "jacobian", "jacobian-rate", "acceleration", "measurement", "measurement-jacobian"
 ]
+OfRobot = Literal["c", "matlab", "fortran", "python", "latex", "urdf", "mjcf"]
+OfRun = Literal["csv", "mat", "parquet", "rsi", "egm"]
+FORM_OF = {"rsi": "joint-correction", "egm": "joint-path"}
+"""What each protocol's messages hold."""
+CYCLE = 250.0
+"""[Hz], of both protocols."""
+_RUN = "Folder of a run of laser, cut or learn, whose correction is written."
 
 
 @options
 @dataclass(frozen=True, kw_only=True)
 class ExportCfg:
-    """The equations of a robot to write, and the language."""
+    """What is written of a robot, or of a run."""
 
-    robot: str = "irb1400"
-    """Robot by name (irb1400, irb1400-imu with the links to its IMU, large, ur10, irb120, aubo_i5)
-    or a robot file (TOML; URDF: FILE.urdf, FILE.urdf#TIP_LINK; MJCF: FILE.xml, FILE.xml#TIP)."""
-    what: Equations = "jacobian"
-    """Function of the motor angles; not used for urdf and mjcf."""
-    to: Literal["c", "matlab", "fortran", "python", "latex", "urdf", "mjcf"] = "c"
-    """Language; urdf (for ROS) and mjcf (for MuJoCo) are the robot itself, with its masses."""
+    robot: str | None = None
+    """Robot by name or a robot file [default: irb1400; of a run: its own]. irb1400, irb1400-imu
+    with the links to its IMU, large, ur10, irb120, aubo_i5; TOML; URDF: FILE.urdf,
+    FILE.urdf#TIP_LINK; MJCF: FILE.xml, FILE.xml#TIP. Of a run: its kinematics make the tool
+    path."""
+    what: Literal[Equations, Form] | None = None
+    """Equations of a robot [default: jacobian], or what is written of a run [default:
+    joint-correction]. Equations are functions of the motor angles, and not used for urdf and mjcf.
+    joint-correction: u of each axis; joint-path: r + u, the motor angles to be commanded;
+    tool-path: pose of the tool at r + u, by the nominal kinematics."""
+    to: Literal[OfRobot, OfRun] | None = None
+    """Language [default: c], or kind of file of a run [default: csv]. urdf (for ROS) and mjcf (for
+    MuJoCo) are the robot itself, with its masses. rsi: messages with axis corrections [deg], egm:
+    messages with joint angles [deg], both at 250 Hz."""
+    rate: float | None = None
+    """Of a run: samples a second [Hz; default: its own]. Its samples are then unchanged."""
+    file: FileToWrite = None
+    """Of a run: file to write [default: WHAT.TO here]."""
+    law: str | None = None
+    """Of a run of learn with several laws: the law."""
+
+    def __post_init__(self) -> None:
+        if self.rate is not None and not RATES[0] <= self.rate <= RATES[1]:
+            raise ValueError(f"rate must be {RATES[0]:g} to {RATES[1]:g} Hz, got {self.rate:g}")
+
+    def of_robot(self) -> "ExportCfg":
+        """With the defaults for a robot. Raises ValueError for options of a run."""
+        for name in ("rate", "file", "law"):
+            if getattr(self, name) is not None:
+                raise ValueError(f"--{name} is of a run: give its folder")
+        made = replace(
+            self,
+            robot=self.robot or "irb1400",
+            what=self.what or "jacobian",
+            to=self.to or "c",
+        )
+        _check(made, get_args(Equations), get_args(OfRobot), "a robot", "give the folder of a run")
+        return made
+
+    def of_run(self) -> "ExportCfg":
+        """With the defaults for a run. Raises ValueError for options of a robot, or that misfit."""
+        made = replace(self, what=self.what or "joint-correction", to=self.to or "csv")
+        _check(made, get_args(Form), get_args(OfRun), "a run", "leave the run out")
+        if (form := FORM_OF.get(str(made.to), made.what)) != made.what:
+            raise ValueError(f"{made.to} messages hold a {form}: give --what {form}")
+        if made.to in FORM_OF and made.rate not in (None, CYCLE):
+            raise ValueError(f"{made.to} has {CYCLE:g} Hz, got {made.rate:g}")
+        return made
 
 
-def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
-    """Write a robot's equations as C99, MATLAB, Fortran, Python, LaTeX, or the robot as URDF, MJCF.
+def _check(
+    cfg: ExportCfg, what: tuple[str, ...], to: tuple[str, ...], of: str, advice: str
+) -> None:
+    """Raise ValueError for a choice that is not of a robot, or not of a run."""
+    for name, given, allowed in (("what", cfg.what, what), ("to", cfg.to, to)):
+        if given not in allowed:
+            text = f"--{name} of {of} is {', '.join(allowed)}, got {given}"
+            raise ValueError(f"{text}: {advice} for that")
 
-    Files go to `--out`, or to a new folder under runs/. Their header comment states robot,
-    convention, units and the order of arguments.
+
+def export(
+    run: Annotated[Path | None, Parameter(help=_RUN)] = None,
+    /,
+    *,
+    cfg: ExportCfg = ExportCfg(),
+    common: Common = Common(),
+) -> None:
+    """Write a robot's equations as code, a robot as URDF or MJCF, or the correction of a run.
+
+    Without a run: C99, MATLAB, Fortran, Python or LaTeX, whose header states robot, convention,
+    units and the order of arguments; files go to --out, or to a new folder under runs/. With one:
+    the correction that it ended with, for a controller or a program, and nothing else. See
+    docs/formats.md for columns and resampling.
     """
     report = Report(common)
+    if run is None:
+        _export_robot(report, cfg, common)
+    else:
+        _export_correction(report, run, cfg, common)
+
+
+def _export_robot(report: Report, cfg: ExportCfg, common: Common) -> None:
     with checking_input():
+        cfg = cfg.of_robot()
         files, operations = _files(cfg)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
     with run_folder(outcome, common) as folder:
@@ -53,27 +142,96 @@ def export(cfg: ExportCfg = ExportCfg(), *, common: Common = Common()) -> None:
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     """Name and text of each file, and the number of operations of the code."""
+    named, what = str(cfg.robot), str(cfg.what)
+    word = Path(named.partition("#")[0]).stem
     if cfg.to in ("urdf", "mjcf"):
-        return _robot(cfg), None
+        return _robot(named, word, cfg.to), None
     from armside.kinematics.codegen import Language, write
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
-    robot = load_robot(cfg.robot).arm.robot
-    home = imu_equations if cfg.what.startswith("measurement") else forward_kinematics
-    program = getattr(home, cfg.what.replace("-", "_"))(robot)
-    name = re.sub(r"\W|^(?=\d)", "_", f"{_word(cfg)}_{program.name}", flags=re.ASCII)
+    robot = load_robot(named).arm.robot
+    home = imu_equations if what.startswith("measurement") else forward_kinematics
+    program = getattr(home, what.replace("-", "_"))(robot)
+    name = re.sub(r"\W|^(?=\d)", "_", f"{word}_{program.name}", flags=re.ASCII)
     return write(program, Language(cfg.to), name), program.operations
 
 
-def _robot(cfg: ExportCfg) -> dict[str, str]:
+def _robot(named: str, word: str, to: str) -> dict[str, str]:
     """The robot itself, with the masses that its source has."""
     from armside.kinematics.codegen.robot_xml import mjcf, urdf
 
-    arm, bodies, notes = load_robot(cfg.robot, masses=True)
-    write, ending = (urdf, "urdf") if cfg.to == "urdf" else (mjcf, "xml")
-    return {f"{_word(cfg)}.{ending}": write(*arm, bodies, notes)}
+    arm, bodies, notes = load_robot(named, masses=True)
+    write, ending = (urdf, "urdf") if to == "urdf" else (mjcf, "xml")
+    return {f"{word}.{ending}": write(*arm, bodies, notes)}
 
 
-def _word(cfg: ExportCfg) -> str:
-    """First part of the names of files."""
-    return Path(cfg.robot.partition("#")[0]).stem
+def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common) -> None:
+    with checking_input():
+        cfg = cfg.of_run()
+        file = cfg.file or Path(f"{cfg.what}.{cfg.to}")
+        if file.suffix.lower() != f".{cfg.to}":
+            raise InputError(f"{cfg.to} files end with .{cfg.to}: {file.name}")
+        check_file_to_write(file)
+        stored = stored_correction(read_run(run), cfg.law)
+        rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / stored.sample_time)
+        joints = correction_export.joint_values(stored, cast(Form, cfg.what), rate)
+        names = _write(file, cfg, stored, joints, rate)
+    outcome = summary(
+        "export",
+        cfg,
+        common,
+        run=run,
+        written=file,
+        largest=float(np.abs(stored.correction).max()),
+        k=stored.k,
+        law=stored.law,
+        rate=rate,
+        samples=len(joints),
+    )
+    keep(outcome, common)
+    report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
+    report.summary(outcome)
+
+
+def _cell(cfg: ExportCfg, stored: StoredCorrection) -> "Cell | None":
+    """Robot of the correction; one that is missing matters to the path of its tool alone."""
+    robot = cfg.robot or stored.robot
+    if robot is None:
+        return None
+    try:
+        return find_cell(robot)
+    except (OSError, ValueError):
+        if cfg.what == "tool-path" or cfg.robot is not None:
+            raise
+        return None
+
+
+def _write(
+    file: Path, cfg: ExportCfg, stored: StoredCorrection, joints: "Array", rate: float
+) -> str:
+    """Write the file. Words for what it holds."""
+    cell, to, form = _cell(cfg, stored), str(cfg.to), cast(Form, cfg.what)
+    unit = stored.unit if cfg.robot is None else "rad"
+    units = correction_export.units_of(cell, joints.shape[1], unit)
+    if to in FORM_OF:
+        if set(units) != {"rad"}:
+            raise InputError(f"{to} messages hold angles, these axes have {', '.join(units)}")
+        write_bytes(file, _messages(to, joints))
+        return f"{joints.shape[1]} axes [deg]"
+    if form != "tool-path":
+        found = correction_export.joint_columns(joints, form, units)
+    elif cell is None:
+        raise InputError("a tool path needs a robot, and the run names none: give --robot")
+    else:
+        found = correction_export.tool_columns(joints, cell)
+    about: dict[str, Any] = {"form": form, "rate": rate, "k": stored.k, "law": stored.law}
+    notes = {key: json.dumps(value) for key, value in about.items()}
+    write_table(file, correction_export.table(found, rate, notes))
+    return f"{len(found)} columns"
+
+
+def _messages(protocol: str, joints: "Array") -> bytes:
+    if protocol == "rsi":
+        return correction_export.rsi_lines(joints)
+    with needs("controllers", "EGM", "protobuf"):
+        return correction_export.egm_messages(joints)

@@ -35,8 +35,8 @@ class GearsOptions(IndividualCfg, BagCfg):
     robot: str
     """Robot by name (ur10, irb120, aubo_i5, irb1400, large) or a robot file (TOML, or URDF:
     FILE.urdf, FILE.urdf#TIP_LINK)."""
-    sensor: Literal["imu", "tracker"] | None = None
-    """Sensor to learn from [default: the IMU where there is one]."""
+    measure: Literal["imu", "tracker"] | None = None
+    """Learn from [default: the IMU, if there is one]."""
     band: tuple[float, float] | None = None
     """Band that is learned from [Hz] [default: 2.5 16; of a virtual robot 0.6 3.3]."""
     judged: tuple[float, float] | None = None
@@ -65,9 +65,9 @@ class GearsOptions(IndividualCfg, BagCfg):
         from armside.sim.gears import VIRTUAL, GearsCfg
 
         start = VIRTUAL if virtual else GearsCfg()
-        names = ("sensor", "band", "judged", "largest_order", "elastic")
+        names = ("band", "judged", "largest_order", "elastic")
         given = {name: value for name in names if (value := getattr(self, name)) is not None}
-        return replace(start, per_joint=self.terms, **given)
+        return replace(start, per_joint=self.terms, sensor=self.measure or start.sensor, **given)
 
     def refuse_virtual(self) -> None:
         """Raise ValueError for options of a virtual robot, where recordings are given."""

@@ -1,13 +1,13 @@
 """`armside identify`: the springs of an arm from one cut with an IMU at the tool."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from armside.sim.laser.experiment import prepare
 from armside.sim.records.summary import summary
 
-from ..cutting.options import LaserCfg
-from ..cutting.specification import cut
+from ..cutting.options import ContourCfg
+from ..cutting.specification import cut_with_imu
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, options
@@ -15,8 +15,8 @@ from ..shell.options import Common, options
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class IdentifyCfg(LaserCfg):
-    """The cut to identify from; options of learning are not used."""
+class IdentifyCfg(ContourCfg):
+    """The cut to identify from, and the springs that are assumed."""
 
     uncoupled: bool = False
     """Springs of the gears alone: no elasticity of the structure."""
@@ -27,13 +27,12 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
 
     Writes summary.json, whose folder `armside laser --identification` takes.
     """
-    from armside.sim.instruments.imu import ImuCfg
     from armside.sim.laser.identification import identified
     from armside.sim.laser.tool_measure import ToolPath
 
     report = Report(common)
     with checking_input():
-        experiment = prepare(replace(cut(cfg), imu=ImuCfg()), seed=common.seed)
+        experiment = prepare(cut_with_imu(cfg), seed=common.seed)
         measure = ToolPath(stiffness_error=cfg.stiffness_error * 1e-2, structure=not cfg.uncoupled)
         arm = measure.assumed(experiment)
     with report.progress("identifying", total=1) as step:

@@ -53,9 +53,9 @@ class ImuOptions(UnitCfg, BagCfg):
     """Motion of the robot, and processing of measurement and prediction."""
 
     robot: str = "irb1400"
-    """Robot that moves: irb1400, large, or a robot file (.toml). With --recording also other names
+    """Robot that moves: irb1400, large, or a robot file (.toml). With --recordings also other names
     (ur10, irb120, aubo_i5, ...)."""
-    recording: Annotated[
+    recordings: Annotated[
         tuple[Path, ...], Parameter(consume_multiple=True, show_default=False)
     ] = ()
     """Folders or ROS bags of a real robot's recordings (docs/real.md)."""
@@ -102,20 +102,20 @@ class ImuOptions(UnitCfg, BagCfg):
 
     def _check_choice(self) -> None:
         """Raise ValueError for a robot that is not virtual, or options that ask for one."""
-        if not self.recording:
+        if not self.recordings:
             check_named(self.robot)
             if given := [name for name in sorted(BAG_FIELDS) if getattr(self, name)]:
-                raise ValueError(f"{given[0].replace('_', '-')} needs --recording of a bag")
+                raise ValueError(f"{given[0].replace('_', '-')} needs --recordings of a bag")
             return
-        if len(self.recording) > LARGEST_NUMBER:
-            raise ValueError(f"give 1 to {LARGEST_NUMBER} recordings, got {len(self.recording)}")
-        ours = {"robot", "recording", "cutoff", *BAG_FIELDS}
+        if len(self.recordings) > LARGEST_NUMBER:
+            raise ValueError(f"give 1 to {LARGEST_NUMBER} recordings, got {len(self.recordings)}")
+        ours = {"robot", "recordings", "cutoff", *BAG_FIELDS}
         for field in fields(self):
             if field.name not in ours and getattr(self, field.name) != field.default:
                 name = field.name.replace("_", "-")
-                raise ValueError(f"--{name} is of the virtual robot, and excludes --recording")
+                raise ValueError(f"--{name} is of the virtual robot, and excludes --recordings")
         if not 0.0 < self.cutoff <= LARGEST_CUTOFF:
-            text = f"> 0 and at most {LARGEST_CUTOFF:g} Hz with --recording"
+            text = f"> 0 and at most {LARGEST_CUTOFF:g} Hz with --recordings"
             raise ValueError(f"cutoff must be {text}, got {self.cutoff:g}")
 
     def experiment(self) -> ImuExperiment | RestExperiment:
@@ -145,7 +145,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
     """
     from ..figures import imu_results as shown
 
-    if cfg.recording:
+    if cfg.recordings:
         return _recorded(cfg, common)
     report, said = Report(common), list[Note]()
     with checking_input():
@@ -186,7 +186,7 @@ def _recorded(cfg: ImuOptions, common: Common) -> None:
     report, done = Report(common), []
     with checking_input():
         arm, topics = load_robot(cfg.robot).arm, cfg.topics()
-        recordings = [read_motion(one, topics) for one in cfg.recording]
+        recordings = [read_motion(one, topics) for one in cfg.recordings]
         with report.progress("aligning", total=len(recordings)) as step:
             for recording in recordings:
                 done.append(process(arm, recording, cfg.cutoff))

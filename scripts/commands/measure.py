@@ -79,7 +79,7 @@ class MeasureCfg:
             raise ValueError(f"gear ratios must be > 0, at most {LARGEST_GEAR:g}, got {self.gear}")
 
 
-def measure(file: Path, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:
+def measure(file: Path, /, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:
     """Measure recorded data: motor errors, and how far the tool was from its circle or contour.
 
     file: folder of a run; or CSV, MATLAB, HDF5 or Parquet with columns time [s], reference_1..,

@@ -46,7 +46,7 @@ class ReportOptions(Common):
     out: Annotated[Path | None, Parameter(validator=_check_report)] = None
     """Folder of the report, new, empty, or an earlier report to be continued [default:
     runs/report]."""
-    data: Annotated[Path | None, Parameter(validator=_check_data)] = None
+    data: Annotated[Path | None, Parameter(validator=_check_data, group="Parameters")] = None
     """Folder with the sets of measurements of real arms, for `real` (docs/real.md)."""
 
 

@@ -26,14 +26,14 @@ class ServeCfg:
     """Protocol, robot and program."""
 
     protocol: Literal["egm", "rsi"] = "egm"
-    """egm: ABB's Externally Guided Motion (absolute joint angles); rsi: KUKA's Robot Sensor
-    Interface (corrections of the program)."""
-    to: str = "127.0.0.1"
+    """Protocol. egm: ABB's Externally Guided Motion (absolute joint angles); rsi: KUKA's Robot
+    Sensor Interface (corrections of the program)."""
+    host: str = "127.0.0.1"
     """Host of the client. The controller speaks first, as real ones do."""
     port: int | None = None
     """UDP port of the client [default: 6510 for EGM, 59152 for RSI]."""
     robot: str = "large"
-    """large, irb1400, or a robot file (TOML)."""
+    """Robot: large, irb1400, or a robot file (.toml)."""
     program: str | None = None
     """hold[:pose=p2] (stand until guided) or cut[:pose=p2,speed=60] (options of laser)
     [default: hold for EGM, cut for RSI]."""
@@ -72,8 +72,8 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     with checking_input():
         controller = _controller(cfg, common.seed, records.append)
         server = _server(cfg, controller)
-    if cfg.to not in LOOPBACK:
-        report.line(f"Warning: {cfg.to} is another machine, and nothing protects the connection.")
+    if cfg.host not in LOOPBACK:
+        report.line(f"Warning: {cfg.host} is another machine, and nothing protects the connection.")
     host, port = server.client
     pace = "in real time" if cfg.real_time else "as fast as the client answers"
     report.line(f"Speaking {cfg.protocol.upper()} to {host}:{port}, {pace}. Ctrl-C ends it.")
@@ -145,7 +145,7 @@ def _server(cfg: ServeCfg, controller: "VirtualController") -> "Server":
 
             wire = EgmWire()
     port = PORTS[cfg.protocol] if cfg.port is None else cfg.port
-    client = resolved(cfg.to, port)
+    client = resolved(cfg.host, port)
     return Server(controller, wire, client, real_time=cfg.real_time)
 
 

@@ -6,9 +6,10 @@ Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a s
 
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from cyclopts import Parameter
 
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
@@ -58,13 +59,13 @@ class TrainCfg:
     steps: Count = 12800
     """Learning iterations of ILC over all cells; rounded up to whole episodes of every cell, 5
     iterations each."""
-    start: FileToRead = None
+    start: Annotated[FileToRead, Parameter(name="--from")] = None
     """summary.json of armside tune: begin with the design found there [default: the middle of the
     ranges]."""
 
     def __post_init__(self) -> None:
         if self.action == "correction" and self.start is not None:
-            raise ValueError("start names a design, and actions are corrections: leave it out")
+            raise ValueError("--from names a design, and actions are corrections: leave it out")
         self.first  # noqa: B018 - raises ValueError
 
     @property
@@ -94,8 +95,10 @@ def train(*, cfg: TrainCfg = TrainCfg(), common: Common = Common()) -> None:
 
     Sealed test seeds are refused.
 
-    Writes policy.npz and summary.json, in which `steps` is how many were done. Raises InputError
-    for a sealed seed or a folder that cannot be had, and where the extra [learn] is not installed.
+    Writes policy.npz and summary.json, in which `steps` is how many were done.
+
+    Raises InputError for a sealed seed or a folder that cannot be had, and where the extra [learn]
+    is not installed.
     """
     report = Report(common)
     with checking_input():

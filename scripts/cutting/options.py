@@ -1,4 +1,4 @@
-"""Options of `armside laser` and of the robot individual that cuts, as a person types them."""
+"""Options of a cut, of `armside laser` and of the robot that cuts, as a person types them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,8 +33,8 @@ class IndividualCfg:
     """Robot individual and its state."""
 
     individual: Annotated[int | Path | None, Parameter(group=_GROUP, validator=check_read)] = None
-    """Robot individual, apart from the seed of noise and set-up: its number in the production line,
-    or a TOML file of its parameters [default: the design with a friction of its own]."""
+    """Number in the production line, or a TOML file. The robot's own parameters, apart from the
+    seed of noise and set-up [default: the design with a friction of its own]."""
     friction_drift: Annotated[float, _OF_ROBOT] = 0.0
     """Change of Coulomb and static friction [%]."""
     temperature: Annotated[float | None, _OF_ROBOT] = None
@@ -83,9 +83,9 @@ class KnownGearsCfg(IndividualCfg):
 
     gears: Annotated[
         Path | None,
-        Parameter(group=Group("Robot individual", sort_key=5), validator=check_read),
+        Parameter(group=_GROUP, validator=check_read),
     ] = None
-    """File gears.toml of `armside gears` for this robot individual: its motors then follow what
+    """File gears.toml of `armside gears`. Of this robot individual: its motors then follow what
     makes the tool right, and the estimate knows its gear error."""
 
 
@@ -124,90 +124,54 @@ SLOWEST = 1e-3
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class LaserCfg(KnownGearsCfg):
-    """Contour, place, robot and learning."""
+class ContourCfg(KnownGearsCfg):
+    """Robot, place and contour of a cut, and what is not known of the robot."""
 
     robot: str = "large"
     """Robot: large, irb1400, or a robot file (.toml)."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
-    """Mass of the tool, known to the controller [kg] [default: as in the model]."""
+    """Mass of the tool [kg] [default: as in the model]. The controller knows it."""
     pose: str = "p1"
-    """Named pose: p1, p2 or p3 of thesis (9.3), or those of the other robot."""
+    """Named pose. p1, p2 or p3 of thesis (9.3), or those of the other robot."""
     position: tuple[float, float, float] | None = None
-    """Position in place of that pose's: X Y Z of TCP0 in base axes [mm]."""
+    """X Y Z of TCP0 in base axes [mm]. In place of that pose's position."""
     quaternion: tuple[float, float, float, float] | None = None
-    """Orientation of the tool, in place of that pose's: W X Y Z, base to tool."""
+    """W X Y Z, orientation from base to tool. In place of that pose's."""
     shape: Literal["circle", "square", "slot", "hexagon"] = "circle"
-    """Shape of the contour; corners are rounded."""
+    """Contour. Corners are rounded."""
     contour: FileToRead = None
-    """File (TOML or DXF) with a closed contour to cut in place of a shape."""
+    """Closed contour (TOML, DXF) in place of a shape."""
     radius: float = RADIUS
     """Programmed radius of a circle [mm]."""
     size: float | None = None
-    """Side of a square or width across flats of a hexagon [default: 20], length of a slot [default:
-    30] [mm]."""
+    """Size of a shape [mm] [default: 20, slot 30]. Side of a square, width across flats of a
+    hexagon, length of a slot."""
     width: float | None = None
     """Width of a slot [mm] [default: a third of its length]."""
     corner: float | None = None
-    """Corner radius of a square or a hexagon [mm] [default: 15 % of its size], or of a contour."""
+    """Corner radius [mm] [default: 15 % of the size]. Of a square, a hexagon, or a contour."""
     lead_in: Literal["arc", "spiral"] = "arc"
-    """Reach the contour along itself, or spiralling outwards from inside it."""
+    """Lead-in. Along the contour itself, or spiralling outwards from inside it."""
     speed: float = 40.0
-    """Programmed speed along the path [mm/s]."""
+    """Programmed speed [mm/s]."""
     plane: Literal["base-xy", "tool"] = "base-xy"
-    """Plane of the shape: the base x-y plane, or perpendicular to the tool axis."""
-    law: Literal["auto", "heuristic", "simulated", "inverse", "norm-optimal"] = "auto"
-    """Learning law: heuristic is Q(u + gamma q^delta e), thesis (9.2), simulated the same on the
-    nominal robot between two runs (--measure motor); the others invert a model of the arm [auto:
-    heuristic for --measure motor, inverse otherwise]."""
-    measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
-    gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
-    """Learning gain, one for all motors or six [default: 0.9; 1 with --robot irb1400 --measure
-    motor]."""
-    delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
-    """Time shift [samples of 4 ms], one for all motors or six [default: 3; 8 there]."""
-    cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
-    """Cutoff of Q [Hz], one for all motors or six [default: 10; 20 there; where the tool's path is
-    learned from 13, four times a contour's turns a second if that is more, up to 15, and the arm's
-    lowest identified mode if that is more, up to 20]."""
-    iterations: int = 5
-    """Number of updates; one run more is made."""
-    repetitions: int = 0
-    """Further runs with the last correction, for path repeatability: none, or two and more."""
-    beam: float = 0.2
-    """Diameter of the laser beam [mm], for the edges of the cut."""
+    """Plane. The base x-y plane, or perpendicular to the tool axis."""
     path_acceleration: float = 1.3
-    """Limit of the controller for acceleration along and across the path [m/s^2]."""
+    """Limit of acceleration [m/s^2]. Of the controller, along and across the path."""
     stiffness_error: float = 30.0
-    """Error of the assumed stiffness of each axis, uniform up to this, drawn with the seed [%]."""
-    twin: Path | None = None
-    """Folder of `armside commission`: learn in this twin first, and correct the first run by it."""
-    identification: Path | None = None
-    """Folder of `armside identify` of this robot, in place of identifying from the first run."""
-    on_imu_fault: Literal["refuse", "go-on"] = "refuse"
-    """Reaction to an unusable IMU: do not learn, or go on with motor angles and model alone."""
+    """Error of the assumed stiffness [%]. Of each axis, uniform up to this, drawn with the seed."""
     friction_spread: Annotated[float | None, Parameter(show_default=False)] = None
-    """Friction of each axis, where no individual is given: uniform within +- this part of nominal
-    [%] [default: 2]."""
+    """Spread of friction [%] [default: 2]. Of each axis, where no individual is given: uniform
+    within +- this part of nominal."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.gears is not None and self.twin is not None:
-            raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
         if self.individual is None and self.friction_spread is None:
             object.__setattr__(self, "friction_spread", FRICTION_SPREAD)
         if self.individual is not None and self.friction_spread is not None:
             raise ValueError("friction-spread does not apply to an individual: its friction is own")
-        motor = self.measure == "motor"
-        design = default_design(self.cell) if motor else THESIS
-        cutoff = design.cutoff if motor else (self._pass_band(),)
-        defaults = {"gamma": design.gamma, "delta": design.delta, "cutoff": cutoff}
-        for name, value in defaults.items():
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, value)
         self._refuse_huge()
         for name, unit in (("radius", "mm"), ("speed", "mm/s")):
             value = getattr(self, name)
@@ -215,16 +179,10 @@ class LaserCfg(KnownGearsCfg):
                 raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
         smallest_of = dict.fromkeys(("radius", "size", "width", "corner"), SMALLEST_RADIUS)
         smallest_of |= dict.fromkeys(("size", "width"), 2.0 * SMALLEST_RADIUS)
-        for name, smallest in (smallest_of | {"beam": SMALLEST_BEAM}).items():
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value >= smallest):
-                raise ValueError(f"{name} must be >= {smallest:g} mm, got {value:g}")
+        for name, smallest in smallest_of.items():
+            self._check_least(name, smallest)
         if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
             raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
-        if self.iterations < 0:
-            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
-        if self.repetitions < 0 or self.repetitions == 1:
-            raise ValueError(f"repetitions must be 0, or 2 and more, got {self.repetitions}")
         for name in ("friction_spread", "stiffness_error"):
             value = getattr(self, name)
             if value is not None and not 0.0 <= value < 100.0:
@@ -237,6 +195,79 @@ class LaserCfg(KnownGearsCfg):
                 said, unit = name.replace("_", "-"), LARGEST[name][1]
                 got = f"{getattr(self, name):g}"
                 raise ValueError(f"{said} must be >= {SLOWEST:g} {unit}, got {got}")
+
+    @cached_property
+    def cell(self) -> Cell:
+        """Cell of the robot. Raises ValueError for an unknown name or a wrong robot file."""
+        return find_cell(self.robot)
+
+    def _check_least(self, name: str, smallest: float) -> None:
+        """Raise ValueError for a length below the smallest [mm]."""
+        value = getattr(self, name)
+        if value is not None and not (np.isfinite(value) and value >= smallest):
+            raise ValueError(f"{name} must be >= {smallest:g} mm, got {value:g}")
+
+    def _refuse_huge(self) -> None:
+        for name, (largest, unit) in LARGEST.items():
+            given = getattr(self, name, None)
+            for value in given if isinstance(given, tuple) else (given,):
+                if value is not None and abs(value) > largest:
+                    most = f"{largest:g} {unit}".rstrip()
+                    said = name.replace("_", "-")
+                    raise ValueError(f"{said} must be at most {most}, got {float(value):g}")
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class LaserCfg(ContourCfg):
+    """Robot, place, contour and learning."""
+
+    law: Literal["auto", "heuristic", "simulated", "inverse", "norm-optimal"] = "auto"
+    """Learning law. heuristic is Q(u + gamma q^delta e), thesis (9.2), simulated the same on the
+    nominal robot between two runs (--measure motor); the others invert a model of the arm [auto:
+    heuristic for --measure motor, inverse otherwise]."""
+    measure: Literal["motor", "estimate", "tracker"] = "motor"
+    """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
+    gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    """Learning gain [default: 0.9]. One for all motors or six [default with --robot irb1400
+    --measure motor: 1]."""
+    delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
+    """Time shift [samples of 4 ms] [default: 3]. One for all motors or six [default with --robot
+    irb1400 --measure motor: 8]."""
+    cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    """Cutoff of Q [Hz] [default: 10; of the tool 13 to 20]. One for all motors or six [default with
+    --robot irb1400 --measure motor: 20; where the tool's path is learned from 13, four times a
+    contour's turns a second if that is more, up to 15, and the arm's lowest identified mode if that
+    is more, up to 20]."""
+    iterations: int = 5
+    """Updates; one run more is made."""
+    repetitions: int = 0
+    """Further runs with the last correction. For path repeatability: none, or two and more."""
+    beam: float = 0.2
+    """Diameter of the laser beam [mm]. For the edges of the cut."""
+    twin: Path | None = None
+    """Folder of `armside commission`. Learn in this twin first, and correct the first run by it."""
+    identification: Path | None = None
+    """Folder of `armside identify`. Of this robot, in place of identifying from the first run."""
+    on_imu_fault: Literal["refuse", "go-on"] = "refuse"
+    """Reaction to an unusable IMU. Do not learn, or go on with motor angles and model alone."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.gears is not None and self.twin is not None:
+            raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
+        self._check_least("beam", SMALLEST_BEAM)
+        motor = self.measure == "motor"
+        design = default_design(self.cell) if motor else THESIS
+        cutoff = design.cutoff if motor else (self._pass_band(),)
+        defaults = {"gamma": design.gamma, "delta": design.delta, "cutoff": cutoff}
+        for name, value in defaults.items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
+        if self.iterations < 0:
+            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
+        if self.repetitions < 0 or self.repetitions == 1:
+            raise ValueError(f"repetitions must be 0, or 2 and more, got {self.repetitions}")
         for name in ("gamma", "delta", "cutoff"):
             axes = self.cell.robot.n_joints
             if (n := len(getattr(self, name))) not in (1, axes):
@@ -255,20 +286,6 @@ class LaserCfg(KnownGearsCfg):
         if self.law == "simulated" and self.twin is not None:
             raise ValueError("law simulated learns on the nominal robot: give no twin with it")
         Design(gamma=self.gamma, delta=self.delta, cutoff=self.cutoff)
-
-    @cached_property
-    def cell(self) -> Cell:
-        """Cell of the robot. Raises ValueError for an unknown name or a wrong robot file."""
-        return find_cell(self.robot)
-
-    def _refuse_huge(self) -> None:
-        for name, (largest, unit) in LARGEST.items():
-            given = getattr(self, name)
-            for value in given if isinstance(given, tuple) else (given,):
-                if value is not None and abs(value) > largest:
-                    most = f"{largest:g} {unit}".rstrip()
-                    said = name.replace("_", "-")
-                    raise ValueError(f"{said} must be at most {most}, got {float(value):g}")
 
     @property
     def up_to_mode(self) -> bool:

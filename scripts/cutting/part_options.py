@@ -52,46 +52,47 @@ class CutCfg(KnownGearsCfg):
     layers: Annotated[tuple[str, ...], _SEVERAL] = ()
     """Layers of the drawing to cut [default: all that are visible]."""
     units: Annotated[Literal["mm", "inch"] | None, _OF_PLAN] = None
-    """Unit of the drawing, where it does not say its own or says a wrong one."""
+    """Unit of the drawing. Where it does not say its own or says a wrong one."""
     join: Annotated[float, _OF_PLAN] = 0.05
     """Largest distance between ends that are joined [mm]."""
     corner: Annotated[float, _OF_PLAN] = 0.5
-    """Radius with which sharp corners are cut [mm]."""
+    """Radius of sharp corners [mm]."""
     beam: Annotated[float, _OF_PLAN] = 0.2
-    """Diameter of the laser beam, whose centre runs half of it beside each contour [mm]."""
+    """Diameter of the laser beam [mm]. Its centre runs half of it beside each contour."""
     speed: Annotated[float, _OF_PLAN] = 40.0
     """Programmed speed along the contours [mm/s]."""
     rapid: Annotated[float, _OF_PLAN] = 200.0
     """Speed of rapid moves between contours [mm/s]."""
     pierce: Annotated[float, _OF_PLAN] = 0.3
-    """Rest before each cut, in which the beam pierces the sheet [s]."""
+    """Rest before each cut [s]. In it the beam pierces the sheet."""
     micro_joints: Annotated[int, _OF_PLAN] = 0
     """Places along the outline at which the beam is off."""
     joint_width: Annotated[float, _OF_PLAN] = 0.3
     """Width of such a place [mm]."""
     path_acceleration: Annotated[float, _OF_PLAN] = 1.3
-    """Limit of the controller for acceleration along and across the path [m/s^2]."""
+    """Limit of acceleration [m/s^2]. Of the controller, along and across the path."""
     plan_only: Annotated[bool, _OF_PLAN] = False
     """Plan and draw the plan, and move nothing."""
     robot: str = "large"
-    """Robot: large, irb1400, or a robot file (.toml) of an arm with six axes."""
+    """large, irb1400, or a robot file (.toml) of six axes."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None
-    """Mass of the tool, known to the controller [kg] [default: as in the model]."""
+    """Mass of the tool [kg] [default: as in the model]. The controller knows it."""
     pose: str = "p1"
-    """Named pose at which the middle of the part lies, with its orientation of the tool."""
+    """Named pose. The middle of the part lies there, with its orientation of the tool."""
     plane: Literal["base-xy", "tool"] = "base-xy"
-    """Plane of the sheet: the base x-y plane, or perpendicular to the tool axis."""
+    """Plane. The base x-y plane, or perpendicular to the tool axis."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """Output that is learned from: motor angles, or the tool by an IMU estimate or the tracker."""
+    """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
     iterations: int = 5
-    """Number of updates, of each contour at most; one run more is made."""
+    """Updates, of each contour at most; one run more is made."""
     twin: Path | None = None
-    """Folder of `armside commission`: learn in this twin first, and correct the first run by it."""
+    """Folder of `armside commission`. Learn in this twin first, and correct the first run by it."""
     converged: float = 0.0
-    """A contour whose learned error falls by less than this in two updates running has converged:
-    it keeps its best correction, and the run ends when all have [%] [0: all updates are made]."""
+    """Least progress of two updates [%]. A contour whose learned error falls by less in two updates
+    running has converged: it keeps its best correction, and the run ends when all have [0: all
+    updates are made]."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

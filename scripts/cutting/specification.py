@@ -1,4 +1,4 @@
-"""Specification of a cut and of its measure, in SI, from the options of `armside laser`."""
+"""Specification of a cut and of its measure, in SI, from the options of a command."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ from armside.sim.motion.contour import CORNER, Circle, ClosedCurve, hexagon, slo
 from armside.sim.motion.timing import PathLimits
 
 from ..shell.effort import Effort, refuse_absurd
-from .options import RADIUS, LaserCfg, known_state
+from .options import RADIUS, ContourCfg, LaserCfg, known_state
 
 LEADS = 1.5
 """Length of the programmed path over that of the contour, rounded up."""
@@ -48,7 +48,19 @@ def cut(cfg: LaserCfg) -> Cut:
     if 0.5 * cfg.beam * MM >= curve.smallest_radius:
         bends = f"bends with a radius of {curve.smallest_radius / MM:g} mm"
         raise ValueError(f"a beam of {cfg.beam:g} mm is too wide for {bends}")
-    _refuse_absurd(cfg, curve.length)
+    runs = cfg.iterations + 1 + cfg.repetitions
+    _refuse_absurd(cfg, curve, runs, estimated=cfg.measure == "estimate")
+    return _cut(cfg, curve, None if cfg.measure == "motor" else ImuCfg())
+
+
+def cut_with_imu(cfg: ContourCfg) -> Cut:
+    """A single cut of the options, with an IMU at the tool. Raises ValueError as `cut`."""
+    curve = contour(cfg)
+    _refuse_absurd(cfg, curve, 1, estimated=True)
+    return _cut(cfg, curve, ImuCfg())
+
+
+def _cut(cfg: ContourCfg, curve: ClosedCurve, imu: ImuCfg | None) -> Cut:
     return Cut(
         robot=cfg.robot,
         model=cfg.model,
@@ -61,16 +73,15 @@ def cut(cfg: LaserCfg) -> Cut:
         payload=cfg.payload,
         friction_spread=(cfg.friction_spread or 0.0) * 1e-2,
         **known_state(cfg, cfg.cell.robot),
-        imu=None if cfg.measure == "motor" else ImuCfg(),
+        imu=imu,
     )
 
 
-def _refuse_absurd(cfg: LaserCfg, length: float) -> None:
-    """Raise InputError for runs that would take too long or too much memory. length: [m]."""
-    runs, speed = cfg.iterations + 1 + cfg.repetitions, cfg.speed * MM
-    what = f"{runs} runs along {length / MM:.4g} mm at {cfg.speed:g} mm/s"
-    needs = effort(length, speed, runs, estimated=cfg.measure == "estimate")
-    refuse_absurd(what, needs)
+def _refuse_absurd(cfg: ContourCfg, curve: ClosedCurve, runs: int, *, estimated: bool) -> None:
+    """Raise InputError for runs that would take too long or too much memory."""
+    speed = cfg.speed * MM
+    what = f"{runs} runs along {curve.length / MM:.4g} mm at {cfg.speed:g} mm/s"
+    refuse_absurd(what, effort(curve.length, speed, runs, estimated=estimated))
 
 
 def measure(cfg: LaserCfg) -> Measure:
@@ -101,7 +112,7 @@ def measure(cfg: LaserCfg) -> Measure:
     )
 
 
-def contour(cfg: LaserCfg) -> ClosedCurve:
+def contour(cfg: ContourCfg) -> ClosedCurve:
     """Contour of the options. Raises ValueError for sizes that the shape lacks, or that misfit."""
     mm = dimensions(cfg)
     if cfg.contour is not None:
@@ -126,7 +137,7 @@ def contour(cfg: LaserCfg) -> ClosedCurve:
     return {"square": square, "hexagon": hexagon}[cfg.shape](size * MM, corner * MM)
 
 
-def dimensions(cfg: LaserCfg) -> dict[str, float]:
+def dimensions(cfg: ContourCfg) -> dict[str, float]:
     """Sizes that the shape has [mm] by option, defaults filled in; a contour's corner if given.
 
     Raises ValueError for sizes that the shape has not.
@@ -144,7 +155,7 @@ def dimensions(cfg: LaserCfg) -> dict[str, float]:
     return {"size": size} | derived | given
 
 
-def tool_pose(cfg: LaserCfg) -> ToolPose:
+def tool_pose(cfg: ContourCfg) -> ToolPose:
     """The named pose, with position or orientation replaced where they are given."""
     named = pose(cfg.pose, cfg.cell.poses)
     position, quaternion = named.position, named.quaternion

@@ -7,9 +7,10 @@ from cyclopts import Group, Parameter
 
 from armside.sim.recordings.bags import BagTopics
 
+from .help import BAG
 from .options import options
 
-_GROUP = Group("Recording in a ROS bag", sort_key=6)
+_GROUP = Group(BAG, sort_key=6)
 _ONE = Parameter(group=_GROUP)
 _SEVERAL = Parameter(group=_GROUP, consume_multiple=True, show_default=False)
 

@@ -16,6 +16,8 @@ from cyclopts.validators import Number
 from armside.sim.records.files import check_file, check_file_to_write, check_name
 from armside.sim.records.run_folder import check_destination, check_shared_folder, check_writable
 
+from .help import COMMON
+
 options = Parameter(name="*")
 """Decorator: the fields of a dataclass become options of the command itself."""
 LARGEST_SEED = 2**63 - 1
@@ -84,7 +86,7 @@ FileToWrite = Annotated[Path | None, Parameter(validator=_check_write)]
 """Type of an option that names a file to write: its folder must be there and writable."""
 
 
-@Parameter(name="*", group=Group("Options of every command", sort_key=9))
+@Parameter(name="*", group=Group(COMMON, sort_key=9))
 @dataclass(frozen=True, kw_only=True)
 class Common:
     """Options of every command."""

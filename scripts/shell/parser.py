@@ -7,10 +7,11 @@ from importlib.metadata import version
 from inspect import getdoc
 from typing import Any
 
-from cyclopts import App, CycloptsError, Group, Parameter
-from cyclopts.exceptions import UnknownCommandError, UnusedCliTokensError
+from cyclopts import App, CycloptsError, Parameter
+from cyclopts.exceptions import UnusedCliTokensError
 
 from .errors import InputError, checking_input, printable, unknown
+from .help import BRIEF, WHOLE, BriefHelp
 from .options import read_value
 
 FOR_PROGRAMMERS = re.compile(r"(Raises|Returns|Yields)\b|(Args|Arguments|Parameters|Attributes):")
@@ -22,31 +23,31 @@ Load = Callable[[str], Callable[..., None]]
 """The function of a command."""
 
 
-def make_app(commands: Commands, load: Load, chosen: str = "") -> App:
-    """The parser of all commands, of which only the chosen one is imported and knows its options.
+def make_app(commands: Commands, load: Load, chosen: str = "", *, whole: bool = False) -> App:
+    """The parser of one command, which is imported; without one, of `--version`.
 
-    Help is the docstring of the command without the paragraphs for programmers.
+    Help is the docstring of the command without the paragraphs for programmers. whole: with the
+    whole text of each option.
     """
+    more = f"armside {chosen} {WHOLE} has the whole text of each option."
     app = App(
         name="armside",
-        help="Iterative learning control of industrial robots, seen from the arm side.",
         version=lambda: f"armside {version('armside')}",
         default_parameter=Parameter(converter=read_value, negative="", show_default=shown),
+        help_flags=(*BRIEF, WHOLE),
+        help_format="markdown" if whole else "plaintext",
+        help_formatter=None if whole else BriefHelp(),
+        help_epilogue=None if whole else more,
         print_error=False,
         exit_on_error=False,
         suppress_keyboard_interrupt=False,
         result_action="return_value",
     )
-    order = list(dict.fromkeys(group for group, _ in commands.values()))
-    groups = {name: Group(name, sort_key=i) for i, name in enumerate(order)}
-    for name, (group, line) in commands.items():
-        if name == chosen:
-            command = load(name)
-            paragraphs = (getdoc(command) or line).split("\n\n")
-            text = "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
-            app.command(command, name=name, help=text, group=groups[group])
-        else:
-            app.command(App(name=name, help=line, group=groups[group]))
+    if chosen in commands:
+        command = load(chosen)
+        paragraphs = (getdoc(command) or commands[chosen][1]).split("\n\n")
+        text = "\n\n".join(text for text in paragraphs if not FOR_PROGRAMMERS.match(text))
+        app.command(command, name=chosen, help=text)
     return app
 
 
@@ -63,12 +64,13 @@ def shown(default: Any) -> str | None:
 
 def parse(tokens: list[str], commands: Commands, load: Load) -> tuple[Callable[..., Any], Any]:
     """The function of a command line, and its arguments. Raises InputError for bad input."""
-    app = make_app(commands, load, chosen=tokens[0] if tokens else "")
+    chosen = tokens[0] if tokens else ""
+    if chosen not in (*commands, "--version"):
+        raise unknown("experiment", chosen, commands)
+    app = make_app(commands, load, chosen, whole=WHOLE in tokens)
     with checking_input():
         try:
             command, bound, _ = app.parse_args(tokens)
-        except UnknownCommandError:
-            raise unknown("experiment", tokens[0], commands) from None
         except UnusedCliTokensError as error:
             words = " ".join(error.unused_tokens or ())
             raise InputError(f"Unexpected {words!r}; options are written --name value") from None

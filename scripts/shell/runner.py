@@ -4,20 +4,29 @@ it may have for itself."""
 import os
 import sys
 import traceback
+from typing import TYPE_CHECKING
 
 from armside.sim.records.run_folder import PUBLISHED
 
 from .errors import InputError, RunFailed, one_line, printable
+from .help import BRIEF, WHOLE, overview
 from .interrupts import SIGNALS, exit_status
-from .parser import Commands, Load, parse
+
+if TYPE_CHECKING:
+    from .parser import Commands, Load
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 """Exit status; that of an interruption is in `interrupts`."""
 
 
-def run(tokens: list[str], commands: Commands, load: Load) -> int:
+def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
     """Parse and run a command line; its exit status."""
     try:
+        if not tokens or tokens[0] in (*BRIEF, WHOLE):
+            print(overview(commands), flush=True)
+            return DONE
+        from .parser import parse  # which takes half of the time of the overview
+
         command, bound = parse(tokens, commands, load)
         PUBLISHED.clear()
         command(*bound.args, **bound.kwargs)

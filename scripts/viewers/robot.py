@@ -1,4 +1,4 @@
-"""`armside view`: MuJoCo's viewer of a robot, with a slider for each motor."""
+"""`armside robot view`: MuJoCo's viewer of a robot, with a slider for each motor."""
 
 from dataclasses import dataclass
 

@@ -48,7 +48,7 @@ class LearnCfg:
     start: Annotated[Path | None, Parameter(name="--from")] = None
     """Folder of an earlier run. Options not given are that run's; with none changed learning goes
     on where it ended, otherwise it starts from its corrections. Or a file with a correction, as
-    `armside export-correction` writes it."""
+    `armside export RUN` writes it."""
 
     def __post_init__(self) -> None:
         for name, most in MOST.items():

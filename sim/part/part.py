@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 
 from armside.arrays import Array
 
@@ -17,6 +16,7 @@ from ..motion.contour_file import read_contour
 from .chain import MM, Chain, place
 from .curve import Kind
 from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join
+from .geometry import shapely
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""

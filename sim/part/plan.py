@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import shapely
 
 from armside.arrays import Array
 
@@ -14,6 +13,7 @@ from ..motion.timing import PathLimits, rest_to_rest
 from .beam_path import CORNER, SMOOTH, Led, compensated, led, smooth
 from .chain import MM, Chain, place
 from .curve import Kind
+from .geometry import shapely
 from .order import order
 from .part import Part, PartContour
 
@@ -143,7 +143,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     return Plan(part, cutting, tuple(cuts))
 
 
-def _path(contour: PartContour, cutting: Cutting, tree: shapely.STRtree) -> tuple[Led, int]:
+def _path(contour: PartContour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
     """Path of the beam's centre, and the number of rounded corners."""
     try:
         corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))

@@ -74,7 +74,7 @@ def _hooked(real: Callable[..., None], act: Callable[[Path], Any]) -> Callable[.
 
 MODULES = (
     *("laser", "imu", "identify", "commission", "compare", "replay", "convert", "measure"),
-    *("design", "identify_plant", "tune", "calibrate_arm", "gears", "cut", "export_correction"),
+    *("design", "identify_plant", "tune", "calibrate_arm", "gears", "cut", "export"),
 )
 PRELOADED = (
     *(f"armside.scripts.commands.{name}" for name in MODULES),

@@ -60,8 +60,8 @@ def _written(field: str, hint: Any) -> str:
 
 def _option(name: str, hint: Any) -> Option:
     roles = {FileToRead: "read", FileToWrite: "write", Folder: "folder"}
-    parts = [hint, *(part for part in get_args(hint) if part in roles)]
-    role = next((roles[part] for part in parts if part in roles), "")
+    stated = [part for each in (hint, *get_args(hint)) for part in get_args(each)]
+    role = next((roles[kind] for kind in roles if all(p in stated for p in get_args(kind))), "")
     hint = _given(hint)
     inner = get_args(hint)
     if get_origin(hint) is not tuple:
@@ -105,13 +105,11 @@ BASE: dict[str, tuple[str, ...]] = {
     "compare": ("--poses", "p1", "--speeds", "60", "--iterations", "1"),
     "replay": ("../files/run", "--save", "a.rrd"),
     "identify-plant": ("../files/record.csv", "--structures", "oe", "--largest-order", "2"),
-    "two-mass": ("--figure", "8.3"),
     "learn": ("--iterations", "1", "--samples", "50"),
     "tune": ("--trials", "1", "--episodes", "1", "--iterations", "1", "--pose", "p1"),
     "sweep": ("iterations=0",),
     "reproduce": ("8.3",),
     "convert": ("../files/run", "--file", "a.csv"),
-    "export-correction": ("../files/run", "--file", "a.csv"),
     "robot": ("check",),
     "measure": ("../files/data.csv", "--gear", "1"),
     "train": ("--robots", "1", "--steps", "5"),
@@ -125,7 +123,7 @@ FOR_EVER = ("--web", "--idle")
 """Options that ask to go on until Ctrl-C, without work by which a limit could be kept."""
 WEIGHTS = {
     **{"laser": 5.0, "measure": 3.0, "sweep": 3.0, "design": 2.0, "replay": 2.0, "convert": 2.0},
-    **dict.fromkeys(("reproduce", "two-mass"), 0.5),
+    "reproduce": 0.5,
 }
 """Of the commands by the kinds of input that they read; 1 for those that are not named."""
 FLOATS = {

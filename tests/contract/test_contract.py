@@ -67,9 +67,10 @@ def test_a_word_is_not_taken_for_a_number(text):
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
-def test_every_option_of_a_command_is_tried(name, armside):
+def test_every_option_of_a_command_is_tried(name, capsys):
     """Those of its help are found in its signature, but for the one that asks for tracebacks."""
-    shown = armside(f"{name} --help").out
+    assert cli.main([name, "--help-all"]) == 0
+    shown = capsys.readouterr().out
     written = [option.name for option in options_of(cli.load(name)) if option.name]
     assert "--seed" in written
     assert all(option in shown for option in written)

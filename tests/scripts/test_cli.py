@@ -13,13 +13,14 @@ import pytest
 
 from armside.scripts import cli, commands
 from armside.scripts.shell.errors import InputError
+from armside.scripts.shell.help import first_clause
 
 
 def test_help_lists_every_experiment_with_its_line(armside):
     status, out, err = armside("--help")
     assert (status, err) == (0, "")
     for name, (group, line) in cli.COMMANDS.items():
-        assert f" {group} ─" in out
+        assert f"\n{group}:\n" in out
         assert name in out
         assert line in out
 
@@ -38,19 +39,56 @@ def test_every_experiment_has_the_common_options(armside, name):
 
 def test_help_shows_units_and_defaults(armside):
     _, out, _ = armside("probe --help")
-    assert "Radius [mm]. [default: 5]" in " ".join(out.split())
+    assert "--radius X" in out
+    assert "Radius [mm] [default: 5]" in " ".join(out.split())
 
 
+@pytest.mark.parametrize("name", ["", *cli.COMMANDS])
+def test_help_is_short_and_narrow_and_names_the_help_that_is_whole(armside, name):
+    out = armside(f"{name} --help").out
+    assert out.count("\n") < 60
+    assert max(map(len, out.splitlines())) <= 80
+    assert not name or f"armside {name} --help-all" in out.splitlines()[-1]
+
+
+def test_whole_help_has_what_brief_help_leaves_out(armside):
+    brief, whole = armside("laser --help").out, armside("laser --help-all")
+    assert (whole.status, whole.err) == (0, "")
+    for text in ("correct the first run by it", "same seed, same bits"):
+        assert text not in brief
+        assert text in " ".join(whole.out.replace("│", " ").split())
+    options = set(re.findall(r"--[a-z][\w-]+", brief.split("Parameters:")[1])) - {"--help-all"}
+    assert options <= set(re.findall(r"--[a-z][\w-]+", whole.out))
+
+
+@pytest.mark.parametrize(
+    ("text", "brief"),
+    [
+        ("Cutoff of Q [Hz; default: 10]. Of all motors.", "Cutoff of Q [Hz; default: 10]"),
+        (
+            "A film (.gif; .mp4 with ffmpeg), 2.5 s; none else.",
+            "A film (.gif; .mp4 with ffmpeg), 2.5 s",
+        ),
+        ("Folder of `armside gears`", "Folder of armside gears"),
+        ("", ""),
+    ],
+)
+def test_a_clause_ends_outside_of_brackets_and_numbers(text, brief):
+    assert first_clause(text) == brief
+
+
+@pytest.mark.parametrize("which", ["--help", "--help-all"])
 @pytest.mark.parametrize("name", cli.COMMANDS)
-def test_help_shows_no_python(armside, name):
-    out = " ".join(armside(f"{name} --help").out.replace("│", " ").split())
+def test_help_shows_no_python(armside, name, which):
+    out = " ".join(armside(f"{name} {which}").out.replace("│", " ").split())
+    assert not re.search(r"\b(Raises|Returns)\b|\w+Error\b", out)
     for default in re.findall(r"default: ([^\]]*)\]", out):
         assert not re.search(r"^[(\[{'\"<]|None|True|False|\w\.[A-Z_]+$", default), default
 
 
 @pytest.mark.parametrize("name", cli.COMMANDS)
 def test_help_has_no_section_for_programmers(armside, name):
-    shown = armside(f"{name} --help").out.split("Parameters ─")[0]
+    shown = armside(f"{name} --help").out.split("Parameters:")[0]
     assert not re.search(r"^(Raises|Returns|Yields|Args|Parameters|Attributes)\b", shown, re.M)
 
 

@@ -64,6 +64,22 @@ def test_unknown_choices_are_bad_input_and_write_nothing(armside, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "--to csv",
+            "--to of a robot is c, matlab, fortran, python, latex, urdf, mjcf, got csv: give",
+        ),
+        ("--what tool-path", "--what of a robot is pose, jacobian"),
+        ("--rate 100", "--rate is of a run: give its folder"),
+        ("--law heuristic", "--law is of a run"),
+    ],
+)
+def test_options_of_a_run_need_one(words, said, bad_input):
+    bad_input(f"export {words}", said)
+
+
 def test_model_prints_table_zero_pose_reach_and_singularities(armside):
     status, out, _ = armside("robot model")
     assert status == 0

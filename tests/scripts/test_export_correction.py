@@ -1,4 +1,4 @@
-"""`armside export-correction`: the last correction alone, for a controller or another program."""
+"""`armside export RUN`: the last correction alone, for a controller or another program."""
 
 import json
 import xml.etree.ElementTree as ET
@@ -35,7 +35,7 @@ def export(place, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
     def run(name: str, *words: str) -> int:
-        return main(["export-correction", str(place / name), *words, "--quiet"])
+        return main(["export", str(place / name), *words, "--quiet"])
 
     return run
 
@@ -61,14 +61,14 @@ def test_the_last_correction_is_written_bit_for_bit_and_nothing_else(kind, expor
 
 
 def test_a_joint_path_is_reference_and_correction(export, last):
-    assert export("cut", "--as", "joint-path") == 0
+    assert export("cut", "--what", "joint-path") == 0
     np.testing.assert_array_equal(
         columns("joint-path.csv", "joint"), last.reference + last.correction
     )
 
 
 def test_a_tool_path_is_the_pose_of_the_corrected_reference(export, last):
-    assert export("cut", "--as", "tool-path", "--rate", "1000") == 0
+    assert export("cut", "--what", "tool-path", "--rate", "1000") == 0
     found = columns("tool-path.csv", "tool")
     T = kinematics.compile(LARGE_CELL.robot).pose(last.reference + last.correction)
     np.testing.assert_allclose(found[::4, :3], T[:, :3, 3], rtol=0, atol=1e-12)
@@ -87,7 +87,7 @@ def test_rsi_messages_hold_the_correction_in_degrees(export, last):
 def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
     from armside.sim.controller.egm import _messages
 
-    assert export("cut", "--as", "joint-path", "--to", "egm") == 0
+    assert export("cut", "--what", "joint-path", "--to", "egm") == 0
     kind, data, found = _messages()[1], Path("joint-path.egm").read_bytes(), []
     while data:
         size, data = data[0], data[1:]  # below 128: one byte of varint
@@ -117,11 +117,16 @@ def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
         (["two"], "has several laws, give one: heuristic, gradient"),
         (["two", "--law", "splines"], "has no law 'splines'"),
         (["cut", "--to", "rsi", "--rate", "500"], "rsi has 250 Hz"),
-        (["cut", "--to", "egm"], "give --as joint-path"),
+        (["cut", "--to", "egm"], "give --what joint-path"),
         (["cut", "--rate", "1e9"], "rate must be 1 to 20000 Hz"),
         (["cut", "--file", "a.mat"], "csv files end with .csv"),
         (["none"], "is no folder"),
+        (
+            ["cut", "--to", "c"],
+            "--to of a run is csv, mat, parquet, rsi, egm, got c: leave the run out",
+        ),
+        (["cut", "--what", "pose"], "--what of a run is joint-correction, joint-path, tool-path"),
     ],
 )
 def test_bad_input_is_one_line(bad_input, words, said, place):
-    bad_input(f"export-correction {place / words[0]} {' '.join(words[1:])}", said)
+    bad_input(f"export {place / words[0]} {' '.join(words[1:])}", said)

@@ -71,7 +71,7 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
     file = tmp_path / "servo.json"
     file.write_text(json.dumps({"sample_time": 0.004, "b": [0, 0, 0, 0.6], "a": [1, -0.4]}))
     out = tmp_path / "run"
-    assert main(["design", "--model", str(file), "--bandwidth", "12", "--out", str(out)]) == 0
+    assert main(["design", "--model", str(file), "--cutoff", "12", "--out", str(out)]) == 0
     design = json.loads((out / "summary.json").read_text())["design"]
     assert design["sentence"] in capsys.readouterr().out
     assert design["contraction"] < 0.5
@@ -90,9 +90,9 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
         ("reproduce 8.77", "Unknown figure, chapter or row '8.77'. Did you mean 8.7?"),
         ("reproduce 9.5 --gamma 0.5", "are of the figures of chapter 8, not of 9.5"),
         ("design --model nothing", "no model 'nothing'"),
-        ("design --bandwidth 50", "below the Nyquist frequency 50 Hz"),
-        ("design --bandwidth -1", "bandwidth must be > 0 Hz"),
-        ("design --model two-mass-arm --bandwidth 45", "infeasible design"),
+        ("design --cutoff 50", "below the Nyquist frequency 50 Hz"),
+        ("design --cutoff -1", "cutoff must be > 0 Hz"),
+        ("design --model two-mass-arm --cutoff 45", "infeasible design"),
         ("design --share 1.5", "share must be in (0, 1)"),
     ],
 )

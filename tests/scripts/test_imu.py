@@ -134,13 +134,13 @@ def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
         ("--motion rest --off 1000", "off must be > 0 and at most 600 s, got 1000"),
         ("--imu-rate 5", "imu-rate must be 10 to 1000 Hz, got 5"),
         ("--gyroscope-noise 11", "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
-        ("--recording . --clock-offset 3", "--clock-offset is of the virtual robot"),
-        ("--recording nowhere --robot ur10", "nowhere is no folder"),
-        ("--recording . --robot ur10", "no recording of a known form"),
-        ("--recording . --robot ur11", "ur11"),
-        ("--recording . --robot ur10 --motion rest", "--motion is of the virtual robot"),
-        ("--recording . --robot ur10 --cutoff 0", "cutoff must be"),
-        ("--recording . --robot ur10 --cutoff 49", "cutoff must be"),
+        ("--recordings . --clock-offset 3", "--clock-offset is of the virtual robot"),
+        ("--recordings nowhere --robot ur10", "nowhere is no folder"),
+        ("--recordings . --robot ur10", "no recording of a known form"),
+        ("--recordings . --robot ur11", "ur11"),
+        ("--recordings . --robot ur10 --motion rest", "--motion is of the virtual robot"),
+        ("--recordings . --robot ur10 --cutoff 0", "cutoff must be"),
+        ("--recordings . --robot ur10 --cutoff 49", "cutoff must be"),
         ("--robot ur10", "Robots: large, irb1400"),
     ],
 )
@@ -183,7 +183,7 @@ def folders(tmp_path, scenes):
 
 
 def test_summary_tables_and_figures_of_two_days(armside, tmp_path, folders):
-    line = f"imu --recording {folders[0]} {folders[1]} --robot {tmp_path / 'arm.toml'}"
+    line = f"imu --recordings {folders[0]} {folders[1]} --robot {tmp_path / 'arm.toml'}"
     status, out, err = armside(f"{line} --out {tmp_path / 'out'}")
     assert (status, err) == (0, "")
     assert "of the signal [%]" in out

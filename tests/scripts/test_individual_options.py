@@ -82,7 +82,7 @@ def test_a_run_with_hidden_hinges_is_replayed_and_measured_from_its_folder(folde
 
 
 def test_identify_judges_by_the_springs_and_hinges_of_the_individual():
-    """Options of laser are those of identify; the payload is counted once."""
+    """It cuts by the options of laser; the payload is counted once."""
     known, own = (prepare(cut(LaserCfg(individual=i, payload=60.0))) for i in (None, NUMBER))
     design, individual = arm_of(known), arm_of(own)
     expected = np.diag(design.stiffness) * own.individual.gear_stiffness

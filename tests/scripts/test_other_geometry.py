@@ -35,7 +35,6 @@ def short(tmp_path_factory):
         "laser --model {} --measure tracker --iterations 0",
         "identify --model {}",
         "sweep model={} gamma=0.5,0.9 seed=0:2",
-        "calibrate --generations 0 --file {}",
     ],
 )
 def test_every_command_with_a_model_refuses_it_in_one_line(

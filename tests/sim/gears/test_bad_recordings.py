@@ -1,4 +1,4 @@
-"""Recordings that cannot be right, for `gears` and for `imu --recording`: one error names why."""
+"""Recordings that cannot be right, for `gears` and for `imu --recordings`: one error names why."""
 
 from dataclasses import replace
 

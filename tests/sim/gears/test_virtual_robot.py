@@ -17,7 +17,7 @@ from armside.sim.robot_file.find import find_cell
 
 OTHERS = tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR)
 SETUP = Cut(pose="p2", imu=ImuCfg(), without=OTHERS)
-"""With all effects: `armside verify estimation-gears`."""
+"""With all effects: `make claims NAME=estimation-gears`."""
 QUICKER = Excitation(duration=90.0, frequency=(0.02, 0.06))
 RUNS = 2
 
