@@ -4,7 +4,6 @@ from .filters import AllPass as AllPass
 from .filters import Edge as Edge
 from .filters import End as End
 from .filters import ZeroPhaseButterworth as ZeroPhaseButterworth
-from .identification.frequency_response import frequency_response as frequency_response
 from .laws.first_order import FirstOrder as FirstOrder
 from .laws.first_order import FirstOrderLaw as FirstOrderLaw
 from .laws.first_order import Law as Law
@@ -28,5 +27,4 @@ from .models.two_mass import TwoMassLoop as TwoMassLoop
 from .models.two_mass import TwoMassPlant as TwoMassPlant
 from .plant import Plant as Plant
 from .workbench.compare import run_law as run_law
-from .workbench.task import Setting as Setting
 from .workbench.task import Task as Task
