@@ -38,7 +38,8 @@ html_theme_options = {
     "description": "Iterative learning control on the arm side",
     "page_width": "1100px",
 }
-autodoc_default_options = {"members": True, "show-inheritance": True}
+# Names that a package hands on are described where they are defined.
+autodoc_default_options = {"members": True, "show-inheritance": True, "ignore-module-all": True}
 autodoc_member_order = "bysource"
 autodoc_mock_imports = ["stable_baselines3"]  # of the extra [learn], which the pages do not need
 autodoc_typehints = "signature"

@@ -6,12 +6,6 @@ is the one before any learning. Frequencies are Hz where a person gives them (cu
 rad/sample in responses. A plant is anything with `run(correction) -> output`.
 """
 
-from .filters import AllPass as AllPass
-from .filters import Edge as Edge
-from .filters import End as End
-from .filters import ZeroPhaseButterworth as ZeroPhaseButterworth
-from .filters import shift as shift
-from .laws.heuristic import Heuristic as Heuristic
-from .learning import Trial as Trial
-from .learning import learn as learn
-from .plant import Plant as Plant
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -93,6 +93,12 @@ def python_files(folder: Path) -> list[Path]:
     return sorted(folder.rglob("*.py"))
 
 
+def source(file: Path) -> str:
+    """Text of a module, with that of the stub by which a package hands on names lazily."""
+    parts = (each for each in (file, file.with_suffix(".pyi")) if each.exists())
+    return "\n".join(part.read_text(encoding="utf-8") for part in parts)
+
+
 def lines(files: list[Path]) -> int:
     """All lines of the files."""
     return sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
@@ -104,7 +110,7 @@ class House:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.files = [file for name in PACKAGES for file in python_files(root / name)]
-        self.trees = {f: ast.parse(f.read_text(encoding="utf-8")) for f in self.files}
+        self.trees = {f: ast.parse(source(f)) for f in self.files}
         self.module = {self._name(file): file for file in self.files}
         self.imports = {file: set(self._imported(file)) - {file} for file in self.files}
 

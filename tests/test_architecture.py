@@ -39,10 +39,18 @@ MODULES = {
 
 
 def imported(module: str) -> Iterator[str]:
-    """Full names that a module imports, relative ones resolved; ours down to the module."""
+    """Full names that a module imports, relative ones resolved; ours down to the module.
+
+    What a package hands on lazily, by a stub beside it, counts as imported.
+    """
     file = MODULES[module]
     inside = module.split(".") if file.name == "__init__.py" else module.split(".")[:-1]
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    text = "\n".join(
+        each.read_text(encoding="utf-8")
+        for each in (file, file.with_suffix(".pyi"))
+        if each.exists()
+    )
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -2,13 +2,19 @@
 
 import numpy as np
 
-from armside.ilc import Heuristic, ZeroPhaseButterworth
-from armside.ilc.laws.first_order import Blend, FirstOrder, MatrixGain, PType
-from armside.ilc.laws.model_based import RegularisedInverse
+from armside.ilc import (
+    FirstOrder,
+    Guarded,
+    Heuristic,
+    LinearPlant,
+    RegularisedInverse,
+    Scheduled,
+    SystemMatrix,
+    ZeroPhaseButterworth,
+)
+from armside.ilc.laws.first_order import Blend, MatrixGain, PType
 from armside.ilc.laws.norm_optimal import RecordOptimal
-from armside.ilc.laws.wrappers import BySegment, Guarded, Scheduled, Simulated
-from armside.ilc.models.linear_plant import LinearPlant
-from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.laws.wrappers import BySegment, Simulated
 
 
 class Falling(Scheduled):

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.evaluation.recorded import CircleTurn, measure_table
-from armside.sim.records.tables import read_table
+from armside import CircleTurn, measure_table, read_table
 
 time = np.arange(500) * 0.004
 turn = np.pi * time

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.laws.first_order import FirstOrderLaw
-from armside.sim.laser import Cut, learn
+from armside import Cut, FirstOrderLaw, ZeroPhaseButterworth, learn
 
 
 @dataclass(frozen=True)

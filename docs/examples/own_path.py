@@ -8,7 +8,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 
-from armside.sim.motion.contour_file import read_contour, rounded
+from armside import read_contour, rounded
 
 house = read_contour(Path(__file__).parent / "house.toml")
 

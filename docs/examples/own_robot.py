@@ -10,9 +10,7 @@ from pathlib import Path
 
 import mujoco
 
-from armside import kinematics
-from armside.sim.cell import LARGE_CELL, Cell
-from armside.sim.laser import Cut, learn
+from armside import LARGE_CELL, Cell, Cut, kinematics, learn
 
 SHORTER = 0.1  # m
 

@@ -87,7 +87,7 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     a robot file) makes the runs. Writes summary.json, gears.toml, robot.toml with the error, and
     pictures.
     """
-    from armside.sim.gears import analyse, coverage_notes
+    from armside.sim.gears import analyse_gears, coverage_notes
 
     from ..figures import gears as shown
 
@@ -96,7 +96,7 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
         arm, recordings = _recordings(data, cfg, common.seed, report)
         scans = max(2, len(recordings)) * arm.robot.n_joints
         with report.progress("scanning", total=scans) as step:
-            done = analyse(arm, recordings, cfg.configuration(virtual=not data), step)
+            done = analyse_gears(arm, recordings, cfg.configuration(virtual=not data), step)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     notes += coverage_notes(done)
     found: dict[str, Any] = shown.results(done)

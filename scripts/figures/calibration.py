@@ -8,8 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.kinematics import robot_toml
-from armside.kinematics.calibration import Calibration
-from armside.kinematics.calibration import next_poses
+from armside.kinematics.calibration import Calibration, next_poses
 from armside.kinematics.codegen import Language
 from armside.kinematics.codegen import write as code
 from armside.kinematics.codegen.robot_xml import urdf

@@ -18,7 +18,7 @@ from armside.kinematics.calibration import (
     calibrate,
 )
 from armside.sim.evaluation.check import Check, Table
-from armside.sim.gears import analyse
+from armside.sim.gears import analyse_gears
 from armside.sim.imu.recorded import process, repeatability
 from armside.sim.recordings import MotionRecording, read_motion, read_poses
 from armside.sim.recordings.paths import compare_logs
@@ -104,7 +104,7 @@ def imu(seed: int, data: Path, folder: Path) -> Section:
 
 def gears(seed: int, data: Path, folder: Path) -> Section:
     """AUBO i5: gear error by the IMU of other days, and the fused position, against cameras."""
-    done = analyse(CATALOGUE["aubo_i5"], _days(data))
+    done = analyse_gears(CATALOGUE["aubo_i5"], _days(data))
     of_gears.draw_scan(folder / "real-gears-scan.png", done)
     of_gears.draw_fused(folder / "real-gears-fused.png", done)
     judged = [one for one in done.judgements if one.tool and one.sham_tool and one.smoothed]

@@ -10,7 +10,7 @@ from .analysis import VIRTUAL as VIRTUAL
 from .analysis import GearAnalysis as GearAnalysis
 from .analysis import GearsCfg as GearsCfg
 from .analysis import Judgement as Judgement
-from .analysis import analyse as analyse
+from .analysis import analyse_gears as analyse_gears
 from .coverage import Coverage as Coverage
 from .coverage import coverage as coverage
 from .coverage import coverage_notes as coverage_notes

@@ -86,7 +86,7 @@ class Judgement:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GearAnalysis:
-    """Result of `analyse`."""
+    """Result of `analyse_gears`."""
 
     cfg: GearsCfg
     sensor: Sensor
@@ -98,7 +98,7 @@ class GearAnalysis:
     judgements: tuple[Judgement, ...]
 
 
-def analyse(
+def analyse_gears(
     arm: Arm,
     recordings: Sequence[MotionRecording],
     cfg: GearsCfg = GearsCfg(),

@@ -1,7 +1,7 @@
 """An IMU on a moving robot: measured against predicted motion. Thesis chapter 5.
 
-`run(ImuExperiment(), seed=0)` moves the virtual robot with an IMU on its tool and predicts what the
-IMU measures from logged motor angles alone. The steps are functions of arrays of their own:
+`run_imu(ImuExperiment(), seed=0)` moves the virtual robot with an IMU on its tool and predicts what
+the IMU measures from logged motor angles alone. The steps are functions of arrays of their own:
 synchronise the clocks, predict, compensate for gravity and offsets, filter both sides alike.
 `recorded.process` does the same with a recording of a real robot, whose constants it finds.
 SI units; vectors in base axes, accelerations without gravity.
@@ -20,7 +20,7 @@ from .experiment import notes as notes
 from .experiment import prepare as prepare
 from .experiment import reprocessed as reprocessed
 from .experiment import results as results
-from .experiment import run as run
+from .experiment import run_imu as run_imu
 from .experiment import run_one as run_one
 from .prediction import Order as Order
 from .prediction import Scheme as Scheme

@@ -77,7 +77,7 @@ def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
     return planned
 
 
-def run(experiment: ImuExperiment, seed: int = 0) -> list[ImuResult]:
+def run_imu(experiment: ImuExperiment, seed: int = 0) -> list[ImuResult]:
     """Run and evaluate an experiment: one result a program, two in a sequential motion.
 
     seed: of the robot's noise and of the IMU individual.

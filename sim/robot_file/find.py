@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from armside.kinematics import CATALOGUE, Arm, Body, UrdfArm, read_robot, read_urdf
+from armside.kinematics import CATALOGUE, Arm, Body, read_robot, read_urdf
+from armside.kinematics.urdf import UrdfArm
 
 from ..cell import CELLS, Cell
 

@@ -6,9 +6,14 @@
 - `armside.assets`: MJCF models of the robots.
 - `armside.scripts`: the command `armside`.
 
-SI units and radians, unless a name says otherwise.
+The names that stay are those of the stubs `__init__.pyi` here and in the packages, each loaded when
+it is used. SI units and radians, unless a name says otherwise.
 """
 
+import lazy_loader
+
 from .gymnasium_hook import register_env
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 register_env()

@@ -10,7 +10,7 @@ import numpy as np
 
 from armside.scripts.figures.imu_results import write_runs
 from armside.sim.imu import ImuExperiment, prepare
-from armside.sim.imu import run as run_experiment
+from armside.sim.imu import run_imu as run_experiment
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.robot.flexibility import Flexibility
 

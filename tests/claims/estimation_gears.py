@@ -14,7 +14,7 @@ from armside.kinematics import Arm
 from armside.kinematics.robot_file import GearTerm
 from armside.sim.cell import LARGE_CELL
 from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.gears import VIRTUAL, GearAnalysis, analyse
+from armside.sim.gears import VIRTUAL, GearAnalysis, analyse_gears
 from armside.sim.gears.virtual_run import RUNS, discrepancies, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.specification import Cut, Setup
@@ -50,7 +50,7 @@ def found(seed: int, runs: int = RUNS) -> GearAnalysis:
     setup = Setup(pose=AROUND, imu=ImuCfg())
     recordings = [recorded(setup, seed, run) for run in range(runs)]
     arm = Arm(LARGE_CELL.robot, LARGE_CELL.limits)
-    return analyse(arm, recordings, replace(VIRTUAL, sensor="imu"))
+    return analyse_gears(arm, recordings, replace(VIRTUAL, sensor="imu"))
 
 
 def run(seed: int, tally: Tally) -> Iterator[Row]:

@@ -14,10 +14,11 @@ import numpy as np
 
 from armside import assets
 from armside.arrays import Array
-from armside.kinematics import CATALOGUE, UrdfArm, read_urdf
+from armside.kinematics import CATALOGUE, read_urdf
 from armside.kinematics.codegen.languages import interpreted
 from armside.kinematics.codegen.robot_xml import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
+from armside.kinematics.urdf import UrdfArm
 from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 from armside.sim.robot_file.find import is_cell_file, load_robot

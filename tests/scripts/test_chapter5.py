@@ -8,7 +8,7 @@ from armside.scripts.thesis import chapter5, imu_checks
 from armside.scripts.thesis.chapter5 import ENTRIES
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
 from armside.scripts.thesis.report import Asked
-from armside.sim.imu import ImuExperiment, reprocessed, run
+from armside.sim.imu import ImuExperiment, reprocessed, run_imu
 
 CHAPTER = {entry.id: entry.make for entry in ENTRIES}
 KNOWN_TO_DIFFER = {"E07.3"}
@@ -62,7 +62,7 @@ def test_what_differs_from_the_thesis_is_known_and_says_why(sections):
 
 def test_what_a_job_leaves_is_what_the_experiment_measured(read):
     experiment = ImuExperiment()
-    done = run(experiment, seed=0)[0]
+    done = run_imu(experiment, seed=0)[0]
     thesis = reprocessed(done, experiment.processing.as_in_the_thesis).measures
     left = read(ImuJob(individuals=chapter5.INDIVIDUALS))
     for name in ("acceleration_rms", "acceleration_window_max", "tool_distance", "since"):

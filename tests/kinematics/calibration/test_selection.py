@@ -14,8 +14,8 @@ from armside.kinematics.calibration import (
     Priors,
     fit,
     identifiable,
+    next_poses,
 )
-from armside.kinematics.calibration import next_poses
 from armside.kinematics.calibration.fit import jacobian_of_points
 
 # Unimation Puma 560 in the standard convention, Corke, Robotics, Vision and Control.

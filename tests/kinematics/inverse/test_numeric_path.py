@@ -9,7 +9,6 @@ from tests.benchmarks._arms import CIRCLES, PANDA, PANDA_LIMITS, circle
 from armside.kinematics import (
     LARGE_ROBOT,
     LARGE_ROBOT_LIMITS,
-    Cause,
     CoupledRange,
     Limits,
     NotConvergedError,
@@ -17,7 +16,7 @@ from armside.kinematics import (
     inverse_numeric_path,
     inverse_path,
 )
-from armside.kinematics.inverse.targets import limit_passed
+from armside.kinematics.inverse.targets import Cause, limit_passed
 
 RESIDUAL = 1e-9
 SEVEN = np.array(CIRCLES[1][2])

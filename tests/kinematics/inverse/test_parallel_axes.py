@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armside.kinematics import (
-    AUBO_I5,
     LARGE_ROBOT,
     UR10,
     UR10_LIMITS,
@@ -28,6 +27,7 @@ from armside.kinematics import (
     inverse_numeric,
     inverse_path,
 )
+from armside.kinematics.robots import AUBO_I5
 
 HALF = np.pi / 2
 RESIDUAL = 1e-10  # [m] and [-], greatest deviation of a solution's pose, near singularities too

@@ -14,13 +14,13 @@ from armside.kinematics import (
     CATALOGUE,
     Joint,
     Robot,
-    UrdfArm,
     inverse_branches,
     read_urdf,
 )
 from armside.kinematics.codegen.robot_xml import urdf
 from armside.kinematics.equations.inertial_model import InertialModel
 from armside.kinematics.rigid import link_transform
+from armside.kinematics.urdf import UrdfArm
 
 ROUNDING = 1e-12
 

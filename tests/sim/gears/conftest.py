@@ -1,6 +1,6 @@
 import pytest
 
-from armside.sim.gears import GearsCfg, analyse
+from armside.sim.gears import GearsCfg, analyse_gears
 
 CFG = GearsCfg(largest_order=200.0)
 
@@ -16,4 +16,4 @@ def recordings(scenes):
 @pytest.fixture(scope="session")
 def analysis(recordings, scenes):
     """What the IMU of the two recordings teaches."""
-    return analyse(scenes.ARM, recordings, CFG)
+    return analyse_gears(scenes.ARM, recordings, CFG)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from armside.sim.gears import GearsCfg, analyse
+from armside.sim.gears import GearsCfg, analyse_gears
 from armside.sim.imu.recorded import process
 from armside.sim.recordings import Stream, read_motion
 from armside.sim.recordings.alignment.checks import check_pair
@@ -87,7 +87,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-@pytest.mark.parametrize("use", [process, lambda arm, one: analyse(arm, [one])])
+@pytest.mark.parametrize("use", [process, lambda arm, one: analyse_gears(arm, [one])])
 def test_one_error_names_recording_and_fault(recordings, scenes, name, use):
     spoil, said = WRONG[name]
     with pytest.raises(ValueError, match="scene 1: ") as error:
@@ -109,9 +109,9 @@ def test_sensors_of_one_housing_have_the_same_axes(degrees):
 def test_a_recording_without_sensor_is_refused(recordings, scenes):
     bare = replace(recordings[0], imu=None, tracker=None)
     with pytest.raises(ValueError, match="imu or tracker"):
-        analyse(scenes.ARM, [recordings[0], bare])
+        analyse_gears(scenes.ARM, [recordings[0], bare])
     with pytest.raises(ValueError, match="every recording: tracker"):
-        analyse(scenes.ARM, [bare], GearsCfg(sensor="tracker"))
+        analyse_gears(scenes.ARM, [bare], GearsCfg(sensor="tracker"))
 
 
 def test_a_recording_without_imu_is_refused(recordings, scenes):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.sim.gears import GearsCfg, analyse, coverage, coverage_notes
+from armside.sim.gears import GearsCfg, analyse_gears, coverage, coverage_notes
 from armside.sim.recordings import Stream
 
 CFG = GearsCfg(largest_order=200.0)
@@ -35,7 +35,7 @@ def test_an_imu_that_saw_half_of_the_motion_is_said_with_the_joints_that_are_mis
     recordings, scenes
 ):
     half = kept(recordings[0], recordings[0].imu.time < 20.0)
-    done = analyse(scenes.ARM, [half], CFG)
+    done = analyse_gears(scenes.ARM, [half], CFG)
     notes = coverage_notes(done)
     assert notes[0] == "scene 1: encoders and imu saw 48 % of the motion without holes"
     assert found(done) == {1, 3}
@@ -48,7 +48,7 @@ def test_an_imu_that_saw_half_of_the_motion_is_said_with_the_joints_that_are_mis
 def test_lost_samples_count_where_they_leave_holes_too_long_for_the_band(recordings, scenes):
     one = recordings[0]
     rows = np.random.default_rng(0).random(len(one.imu.time)) > 0.6
-    done = analyse(scenes.ARM, [kept(one, rows)], CFG)
+    done = analyse_gears(scenes.ARM, [kept(one, rows)], CFG)
     usable = [joint.usable for joint in coverage(done)]
     hole = 0.5 / CFG.band[1]
     steps = np.diff(one.imu.time[rows])
@@ -57,7 +57,7 @@ def test_lost_samples_count_where_they_leave_holes_too_long_for_the_band(recordi
 
 
 def test_a_joint_that_stands_still_cannot_be_judged(scenes):
-    done = analyse(scenes.ARM, [scenes.recording(scenes.Scene(5, held=2))], CFG)
+    done = analyse_gears(scenes.ARM, [scenes.recording(scenes.Scene(5, held=2))], CFG)
     (note,) = coverage_notes(done)
     assert note == "joint 3: cannot be judged: 0 % of samples usable, 0 s of 10 needed"
 
@@ -66,7 +66,7 @@ def test_a_joint_that_stands_still_cannot_be_judged(scenes):
 def test_an_error_is_found_from_the_amplitude_on_that_is_stated(scenes, factor, seen):
     """Of exact gears that amplitude is stated; gears of such an error are made with it."""
     one = scenes.recording(scenes.Scene(3, gear=0.0))
-    smallest = np.array([c.smallest for c in coverage(analyse(scenes.ARM, [one], CFG))])
+    smallest = np.array([c.smallest for c in coverage(analyse_gears(scenes.ARM, [one], CFG))])
     gear = factor * smallest / scenes.AMPLITUDE
-    done = analyse(scenes.ARM, [scenes.recording(scenes.Scene(3, gear=gear))], CFG)
+    done = analyse_gears(scenes.ARM, [scenes.recording(scenes.Scene(3, gear=gear))], CFG)
     assert found(done) == ({1, 2, 3} if seen else set())

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside.kinematics import CATALOGUE
-from armside.sim.gears import GearsCfg, analyse
+from armside.sim.gears import GearsCfg, analyse_gears
 from armside.sim.gears.judgement import JUDGED_FROM
 from armside.sim.gears.smoother import fused
 from armside.sim.recordings import Stream, read_motion
@@ -74,7 +74,9 @@ def test_error_learned_elsewhere_explains_the_tracker_and_sham_orders_do_not(ana
 
 
 def test_tracker_finds_the_same(recordings, scenes):
-    assert_terms(analyse(scenes.ARM, recordings, replace(CFG, sensor="tracker")).found, scenes)
+    assert_terms(
+        analyse_gears(scenes.ARM, recordings, replace(CFG, sensor="tracker")).found, scenes
+    )
 
 
 def destroyed(one, aligned):
@@ -97,7 +99,7 @@ def assert_only_clock_base_and_tool_enter(arm, recordings, cfg, analysis):
     with the IMU smoothed in and without, when the tracker's fast part and second half are
     destroyed."""
     pairs = zip(recordings, analysis.aligned, strict=True)
-    ruined = analyse(arm, [destroyed(*pair) for pair in pairs], cfg)
+    ruined = analyse_gears(arm, [destroyed(*pair) for pair in pairs], cfg)
     for before, after in zip(analysis.judgements, ruined.judgements, strict=True):
         assert np.array_equal(before.found.coefficients, after.found.coefficients)
         assert np.array_equal(before.found.orders, after.found.orders)
@@ -116,14 +118,14 @@ def test_nothing_of_the_judged_tracker_but_clock_base_and_tool_enters(analysis, 
 
 def test_exact_gears_show_no_order(scenes):
     one = scenes.recording(scenes.Scene(3, gear=0.0))
-    done = analyse(scenes.ARM, [one], CFG)
+    done = analyse_gears(scenes.ARM, [one], CFG)
     assert done.found is None
     assert not done.judgements
 
 
 def test_smoothed_imu_follows_a_vibration_that_is_no_gear_error(scenes):
     one = scenes.recording(scenes.Scene(4, shake=150e-6))
-    (judged,) = analyse(scenes.ARM, [one], CFG).judgements
+    (judged,) = analyse_gears(scenes.ARM, [one], CFG).judgements
     assert judged.tool
     assert judged.smoothed
     assert judged.tool.pooled > 0.5
@@ -133,7 +135,7 @@ def test_smoothed_imu_follows_a_vibration_that_is_no_gear_error(scenes):
 @pytest.mark.skipif(not AUBO.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder aubo_i5")
 def test_aubo_shows_two_periods_per_motor_turn_on_each_day():
     recordings, arm = [read_motion(AUBO / day) for day in DAYS], CATALOGUE["aubo_i5"]
-    done = analyse(arm, recordings)
+    done = analyse_gears(arm, recordings)
     ratios = [one.tool.pooled for one in done.judgements if one.tool]
     shams = [one.sham_tool.pooled for one in done.judgements if one.sham_tool]
     assert len(ratios) == len(shams) == 3

@@ -7,7 +7,7 @@ import pytest
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import CATALOGUE
-from armside.sim.gears import VIRTUAL, Excitation, analyse
+from armside.sim.gears import VIRTUAL, Excitation, analyse_gears
 from armside.sim.gears.virtual_run import discrepancies, posture, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
@@ -36,7 +36,7 @@ def truth():
 @pytest.mark.parametrize(("sensor", "n"), [("imu", 2), ("tracker", 1)])
 def test_each_axis_that_moves_the_tool_is_found(recordings, truth, sensor, n):
     """Amplitude within 20 %, phase at the middle of the travel within 0.2 rad."""
-    done = analyse(CATALOGUE["large"], recordings[:n], replace(VIRTUAL, sensor=sensor))
+    done = analyse_gears(CATALOGUE["large"], recordings[:n], replace(VIRTUAL, sensor=sensor))
     axes = discrepancies(done, truth)
     assert [axis.joint for axis in axes] == [1, 2, 3]
     for axis in axes:

@@ -15,7 +15,7 @@ from armside.sim.imu import (
     clock_errors,
     prepare,
     reprocessed,
-    run,
+    run_imu,
     run_one,
     run_rest,
 )
@@ -30,7 +30,7 @@ KI = 5  # of a dcmotor's gain parameters
 
 @pytest.fixture(scope="module")
 def done():
-    return run(ImuExperiment(), seed=0)[0]
+    return run_imu(ImuExperiment(), seed=0)[0]
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +118,7 @@ def test_clocks_are_synchronised_to_a_millisecond(done):
 def test_the_tool_is_a_millimetre_from_its_position_by_motor_angles(done):
     assert 0.2e-3 < done.measures.tool_distance < 2e-3
     assert done.measures.loop_error < 1e-6
-    measures = run(ImuExperiment(flexibility=Flexibility.RIGID), seed=0)[0].measures
+    measures = run_imu(ImuExperiment(flexibility=Flexibility.RIGID), seed=0)[0].measures
     encoder = 2 * np.pi / 4095 / 50 * 1.5  # [m], a count of the coarsest axis on 1.5 m
     assert measures.tool_distance < encoder
 
@@ -130,7 +130,7 @@ def test_the_tool_is_a_millimetre_from_its_position_by_motor_angles(done):
 def test_idle_motors_are_pushed_less_with_feedforward(feedforward, low, high):
     """Without it the wrist, with its large friction and small inertia, comes nearest to 5e-4."""
     experiment = ImuExperiment(motion="sequential", torque_feedforward=feedforward)
-    runs = [result.measures for result in run(experiment, seed=0)]
+    runs = [result.measures for result in run_imu(experiment, seed=0)]
     assert low < np.nanmax([measures.idle_peaks for measures in runs]) < high
     assert max(measures.loop_error for measures in runs) < 1e-6
 

@@ -8,7 +8,7 @@ import pytest
 from armside import assets
 from armside.kinematics import Limits
 from armside.kinematics.dh import CoupledRange
-from armside.sim.imu import ImuExperiment, run
+from armside.sim.imu import ImuExperiment, run_imu
 from armside.sim.imu.specification import RestExperiment
 from armside.sim.motion.about_home import (
     MOTIONS,
@@ -95,7 +95,7 @@ def test_a_home_without_room_is_refused():
 
 
 def test_the_kinematics_predict_what_the_imu_of_a_robot_file_measures():
-    (found,) = run(ImuExperiment(robot=str(FILE)), seed=0)
+    (found,) = run_imu(ImuExperiment(robot=str(FILE)), seed=0)
     error, peak = found.measures.acceleration_rms, found.measures.acceleration_peak
     assert (error[:2] < 0.05 * peak[:2]).all()  # in its plane
     assert abs(found.measures.clock_offset_error) < 1e-3

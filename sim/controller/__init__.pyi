@@ -1,0 +1,11 @@
+from .client import Connection as Connection
+from .client import Egm as Egm
+from .client import Rsi as Rsi
+from .controller import Hold as Hold
+from .controller import VirtualController as VirtualController
+from .limits import GuidanceLimits as GuidanceLimits
+from .messages import Answer as Answer
+from .messages import Phase as Phase
+from .messages import State as State
+from .plant import InProcess as InProcess
+from .plant import StreamedPlant as StreamedPlant

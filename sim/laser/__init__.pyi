@@ -1,0 +1,15 @@
+from .design import THESIS as THESIS
+from .design import Design as Design
+from .experiment import Experiment as Experiment
+from .experiment import Iteration as Iteration
+from .experiment import Pass as Pass
+from .experiment import prepare as prepare
+from .learning import iterate as iterate
+from .learning import learn as learn
+from .measures import Measure as Measure
+from .measures import MotorAngles as MotorAngles
+from .measures import Output as Output
+from .specification import Cut as Cut
+from .specification import LeadIn as LeadIn
+from .tool_measure import Source as Source
+from .tool_measure import ToolPath as ToolPath
