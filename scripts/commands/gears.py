@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.specification import Setup
+from armside.sim.laser.specification import Cut
 from armside.sim.records.summary import summary
 from armside.sim.robot_file.find import find_cell, load_robot
 
@@ -131,7 +131,7 @@ def _recordings(
         raise ValueError(f"give recordings of {cfg.robot}: only {runnable} can be run")
     cell = find_cell(cfg.robot)
     pose = cfg.pose or [*cell.poses, "p1"][1]
-    setup = Setup(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
+    setup = Cut(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
     made: list[MotionRecording] = []
     runs = RUNS if cfg.runs is None else cfg.runs
     with report.progress("running", total=runs) as step:

@@ -1,39 +1,32 @@
-"""`armside robot view`: MuJoCo's viewer of a robot, with a slider for each motor."""
+"""A robot without a run: MuJoCo's viewer with a slider for each motor, and a picture."""
 
-from dataclasses import dataclass
+import copy
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from armside.arrays import Array
+from armside.sim.cell import Cell
+from armside.sim.replay.offscreen import Offscreen, drawn_model, named_camera
 from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot.model import RobotModel
 from armside.sim.robot_file.find import find_cell
 
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, options
-from ..viewers.web_viewer import check_display
+from .web_viewer import check_display
 
 SERVO = 2.0 * np.pi * 5.0
 """Bandwidth of the sliders' servos [rad/s], far below the resonances of the arm."""
+WIDTH, HEIGHT = 960, 720
+AMBIENT, DIFFUSE = 0.35, 0.6
+"""Light at the camera, of a robot without a scene beside its file."""
 
 
-@options
-@dataclass(frozen=True, kw_only=True)
-class ViewCfg:
-    """The robot to show."""
-
-    robot: str = "large"
-    """Robot: large, irb1400, or a robot file (.toml)."""
-    model: FileToRead = None
-    """MJCF file to show in place of that robot's own."""
-
-
-def view(*, cfg: ViewCfg = ViewCfg(), common: Common = Common()) -> None:
-    """Show a robot in MuJoCo's own viewer; sliders move its motors under gravity.
-
-    Needs a display. Without one: armside replay --web, --png.
-    """
+def view_robot(robot: str, model: Path | None = None) -> None:
+    """Open MuJoCo's viewer. Raises as `posable`, and InputError where there is no display."""
     with checking_input():
-        mj = posable(cfg)
+        mj = posable(robot, model)
     check_display("`armside replay DIR --web` shows a run in a browser, --png as a picture")
     from mujoco import viewer  # looks for a display when it is imported
 
@@ -42,18 +35,21 @@ def view(*, cfg: ViewCfg = ViewCfg(), common: Common = Common()) -> None:
     viewer.launch(mj, data)
 
 
-def posable(cfg: ViewCfg) -> mujoco.MjModel:
+def posable(robot: str, model: Path | None = None) -> mujoco.MjModel:
     """The robot on its floor, each motor held by a stiff position servo with a slider.
 
     The drives of the asset need the torques of a controller, which the viewer has not. The springs
     between motors and links stay as they are.
 
+    Args:
+        model: MJCF file in place of the robot's own.
+
     Raises ValueError where the file is no model, has no joints motor_1, motor_2 ..., or a robot of
     a file disagrees with its model.
     """
-    cell = find_cell(cfg.robot)
-    source = cfg.model or cell.xml
-    if cfg.model is None:
+    cell = find_cell(robot)
+    source = model or cell.xml
+    if model is None:
         cell_model(cell)  # raises for a model of another geometry
     scene = source.with_name(f"{source.stem}_scene.xml")
     spec = mujoco.MjSpec.from_file(str(scene if scene.is_file() else source))
@@ -87,3 +83,29 @@ def hold(mj: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Set every slider to the angle of its motor."""
     angles = data.qpos[mj.jnt_qposadr[mj.actuator_trnid[:, 0]]]
     data.ctrl[:] = np.clip(angles, *mj.actuator_ctrlrange.T)
+
+
+def draw_robot(file: Path, model: RobotModel, cell: Cell) -> None:
+    """Write a PNG. Raises NoGraphicsError where nothing can be drawn."""
+    import matplotlib.image
+
+    mj = drawn_model(model.mj, cell.xml)
+    alone = mj is model.mj
+    if alone:
+        mj = copy.copy(mj)
+        mj.vis.headlight.ambient[:], mj.vis.headlight.diffuse[:] = AMBIENT, DIFFUSE
+    data = mujoco.MjData(mj)
+    for i, angle in enumerate(_home(cell), 1):
+        data.qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
+    mujoco.mj_forward(mj, data)
+    with Offscreen(mj, WIDTH, HEIGHT) as screen:
+        image = screen.draw(data, named_camera(mj, "overview"))
+    if alone:  # nothing is behind it: black, which no lit shape is
+        image = np.where(image.any(axis=2, keepdims=True), image, np.uint8(255))
+    matplotlib.image.imsave(file, image)
+
+
+def _home(cell: Cell) -> Array:
+    zero = np.zeros(cell.robot.n_joints)
+    home = zero if cell.home is None else np.array(cell.home)
+    return np.clip(home, cell.limits.lower, cell.limits.upper)

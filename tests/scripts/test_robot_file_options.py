@@ -108,8 +108,6 @@ def test_a_comparison_is_of_the_poses_of_its_robot(robot):
     assert [case.cut.pose for case in cases(cfg, 0)] == ["p1", "p2", "p3"]
     with pytest.raises(ValueError, match="Unknown pose 'p9'"):
         CompareCfg(robot=str(robot), poses=("p9",))
-    with pytest.raises(ValueError, match=r"imu.png is of cuts of the large robot"):
-        CompareCfg(robot=str(robot), imu=True)
 
 
 def test_the_imu_experiment_refuses_a_robot_that_is_neither_known_nor_a_file(robot, longer):

@@ -34,7 +34,9 @@ def test_reproduce_makes_its_sections_with_the_seed_given_and_says_so(armside, m
         made = Section("x", "X", "A caption.", checks=[Check("a", "s", "t", 0.0, high=1.0)])
         return Part([], lambda read, folder: made)
 
-    monkeypatch.setattr(entries, "ENTRIES", (Entry("x", (), "", lambda: section),))
+    monkeypatch.setattr(
+        entries, "chapters", lambda: {"x": (Entry("x", lambda asked: section(asked.seed)),)}
+    )
 
     class NoWorkers:
         def __enter__(self):

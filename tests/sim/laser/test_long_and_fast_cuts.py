@@ -6,6 +6,8 @@ from armside.scripts.cutting.learning import fail_unless_done
 from armside.scripts.shell.errors import RunFailed
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
+from armside.sim.estimation.commissioning import Commissioning
+from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.results import GROWTH, results
@@ -27,9 +29,12 @@ def test_a_sound_imu_is_not_refused_on_a_fast_cut():
 
 
 def test_an_outline_on_which_the_estimate_misleads_is_never_done_in_silence():
-    """Springs of one place, as `ToolPath` has them, predict gravity sag along 700 mm wrongly."""
+    """Springs that were not identified, and a law that corrects too much on them."""
     cut = Cut(contour=slot(0.3, 0.08), speed=0.08, imu=ImuCfg())
-    iterations = list(learn(cut, measure=ToolPath(), iterations=2))
+    misled = ToolPath(
+        law=ToolLaw(gamma=1.9, guarded=False), commissioning=Commissioning(identified=False)
+    )
+    iterations = list(learn(cut, measure=misled, iterations=1))
     first, last = iterations[0].tool_true.rms, iterations[-1].tool_true.rms
     assert last > GROWTH * first  # a cut on which the tool improves shows nothing here
     found = results(prepare(cut), iterations, of_tool=True)

@@ -1,4 +1,4 @@
-"""The estimate along the way: of small contours too, and without what is no part of the motion."""
+"""The tool's path as estimated: of small contours, of a model's run, and of an IMU that fails."""
 
 from dataclasses import dataclass, replace
 
@@ -41,7 +41,7 @@ def learned(experiment: Experiment, updates: int, plant: Knocked | None = None) 
 
 @pytest.mark.parametrize("pose", ["p1", "p2", "p3"])
 def test_a_small_polygon_is_learned_and_stays_learned(pose: str):
-    """At one place 0.21 to 0.29 of k = 0 are left, and 0.35 were where it was not trusted."""
+    """Effective springs of one place left 0.21 to 0.29 of k = 0."""
     cut = Cut(pose=pose, contour=hexagon(0.008, 0.0005), imu=ImuCfg())
     left = [each.tool_true.rms for each in learned(prepare(cut), 5)]
     assert left[-1] < 0.18 * left[0]
@@ -49,7 +49,7 @@ def test_a_small_polygon_is_learned_and_stays_learned(pose: str):
 
 
 @pytest.mark.parametrize("seed", [0, 2])
-def test_a_sound_run_is_trusted_from_its_first_second_on(seed: int):
+def test_the_estimate_of_a_sound_run_is_valid_from_its_first_second_on(seed: int):
     """Corrections make a gear without load move within its lost motion: innovations grow."""
     runs = learned(prepare(Cut(imu=ImuCfg()), seed=seed), 3)
     notes = [note for run in runs for note in run.notes if note.cause is Cause.IMU]
@@ -62,7 +62,7 @@ def test_a_knock_of_the_imu_is_not_learned_from(monkeypatch: pytest.MonkeyPatch)
     runs = learned(experiment, 3, Knocked(experiment))
     reached = runs[1].tool_true.rms  # by the first run, which was sound
     assert runs[-1].tool_true.rms == pytest.approx(reached, rel=0.05)
-    assert any("not trusted" in note.text for note in runs[-1].notes)
+    assert any("not valid" in note.text for note in runs[-1].notes)
     monkeypatch.setattr(validity, "OF_SHORT", validity.Limits(np.inf, np.inf))
     believed = learned(experiment, 3, Knocked(experiment))
     assert believed[-1].tool_true.rms > 2.0 * reached
