@@ -33,7 +33,8 @@ def overview(commands: Mapping[str, tuple[str, str]]) -> str:
         lines += ["", f"{group}:"]
         own = ((name, line) for name, (of, line) in commands.items() if of == group)
         lines += [f"  {name:{column}}  {line}" for name, line in own]
-    return "\n".join([*lines, "", f"armside COMMAND {BRIEF[0]} lists its options."])
+    more = f"armside COMMAND {BRIEF[0]} lists its options, {WHOLE} with their whole text."
+    return "\n".join([*lines, "", more])
 
 
 class BriefHelp:
