@@ -12,13 +12,9 @@ import pytest
 from tests.calibration.search import MARGIN, MARGINS, outside
 from tests.claims import chapter9
 
-from armside.scripts.jobs.workers import Workers
 from armside.scripts.thesis.chapter9 import bands
-from armside.scripts.thesis.chapter9.table import STUDIES
 from armside.scripts.thesis.entries import select
 from armside.scripts.thesis.report import Asked
-from armside.sim.evaluation.check import Check
-from armside.sim.notes import Tally
 
 from .verdicts import assert_band
 
@@ -240,8 +236,6 @@ def test_the_claim_of_chapter_9_compares_the_experiments_of_its_statements(monke
     assert motors == (3, 5)
 
 
-
-
 def test_sections_of_a_report_name_jobs_of_the_seed_that_is_given():
     """The numbers on a page belong to the seed of its command."""
     for entry in select(["5", "8", "9", "F07", "9-map", "9-effects"]):
@@ -249,8 +243,6 @@ def test_sections_of_a_report_name_jobs_of_the_seed_that_is_given():
         assert {getattr(job, "seed", 31) for job in jobs} <= {31}, entry.id
         others = entry.make(Asked(32)).jobs
         assert not set(jobs) & set(others), entry.id
-
-
 
 
 @pytest.mark.parametrize("id", CHAPTER_9)
