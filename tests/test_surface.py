@@ -127,6 +127,7 @@ def test_pages_and_examples_import_declared_names(page):
     handed_on = {(package, name) for package in FOLDERS for name in declared(package)}
     deeper = imports(code(page)) - handed_on
     assert bool(deeper) == (page.name in DEEPER), deeper
+    assert not {(module, name) for module, name in deeper if module in FOLDERS}, "unknown names"
     there = {(package, name) for package, name in handed_on if package != "armside"}
     packages = {".".join(module.split(".")[:2]) for module, _ in deeper}
     hidden = {(module, name) for module, name in deeper for p in packages if (p, name) in there}
