@@ -77,7 +77,7 @@ def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, n,
         words = ("--plant", plant, *of_path, "--laws", law)
         learned(*words, "--iterations", n, "--out", "first")
         more = learned("--from", "first", "--iterations", n, "--out", "more")
-    assert more["started_from"]["how"] == "continued"
+    assert more["started_from"]["how"] == "its last runs"
     assert more["laws"][0]["error_two"] == whole["laws"][0]["error_two"][n + 1 :]
     names = [next(Path(name).glob("correction-1-*.csv")) for name in ("once", "more")]
     assert names[0].read_bytes() == names[1].read_bytes()
