@@ -8,7 +8,6 @@ a robot linearised along its path.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,28 +23,17 @@ _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
 
 
-class _Realised(Protocol):
-    @property
-    def n_inputs(self) -> int: ...
-    @property
-    def n_outputs(self) -> int: ...
-    @property
-    def realisation(self) -> Realisation: ...
-    def simulate(self, signal: Array, /) -> Array: ...
-    def adjoint(self, signal: Array, /) -> Array: ...
-
-
 class _OnRecords:
-    """Maps of records by the model's `realisation`."""
+    """Maps of records by the `realisation` of a model, which has `n_inputs` and `n_outputs`."""
 
     @records("signal")
-    def simulate(self: _Realised, signal: Array) -> Array:
+    def simulate(self: Any, signal: Array) -> Array:
         """Outputs (N, p) for inputs (N, m), from zero state."""
         check_shape(self, signal.shape, self.n_inputs, "inputs")
         return self.realisation.simulate(signal)
 
     @records("signal")
-    def adjoint(self: _Realised, signal: Array) -> Array:
+    def adjoint(self: Any, signal: Array) -> Array:
         """T^T e, shape (N, m), for e (N, p)."""
         check_shape(self, signal.shape, self.n_outputs, "outputs")
         return self.realisation.adjoint(signal)

@@ -81,17 +81,23 @@ def synchronised(
     prior: SpringPrior = SpringPrior(),
     process_noise: ProcessNoise = ProcessNoise(),
 ) -> tuple[ArmParameters, Whiteness]:
-    """Known springs with clock and mounting of another unit, found again, and the innovations.
+    """Known springs with what is not theirs found again, and the innovations.
 
-    Clocks differ from unit to unit and from start to start; springs do not.
+    Clock and mounting differ from unit to unit and from start to start, and what the springs leave
+    unexplained from cut to cut: another place turns other gears.
 
     Raises RuntimeError for springs that cannot carry the arm.
     """
     model = _Innovations(motion, known.springs, samples, imu, process_noise)
-    sd = np.array([prior.clock, *3 * (prior.mounting,)])
+    sd = np.array([prior.clock, *3 * (prior.mounting,), prior.process_noise])
 
     def own(theta: Array) -> ArmParameters:
-        return replace(known, clock_offset=float(theta[0]), mounting=theta[1:].copy())
+        return replace(
+            known,
+            clock_offset=float(theta[0]),
+            mounting=theta[1:4].copy(),
+            process_noise=process_noise.fraction * float(np.exp(theta[4])),
+        )
 
     found = estimate_parameters(lambda theta: model.on(own(theta)), 0.0 * sd, sd, [0.0 * sd])
     return own(found.theta), whiteness(found.innovation)

@@ -11,7 +11,7 @@ from ..motion.contour import Circle
 from ..part.curve import ChainCurve
 from ..part.motion import ContourPlace, PartMotion
 from .kerf import kerf
-from .tool_error import path_measures, signed_distance, tool_error
+from .tool_error import ToolError, path_measures, signed_distance, tool_error
 
 LARGEST_RADIUS = 20e-3
 """Radius up to which a bend is a corner [m]."""
@@ -50,12 +50,9 @@ def in_corners(curve: ChainCurve, s: Array) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContourError:
+class ContourError(ToolError):
     """Errors of one contour in one run [m]; NaN where samples are missing."""
 
-    rms: float
-    maxdev: float
-    """Of the shape, (9.6) and (9.7): after a best fit to the programmed contour."""
     position: float
     """Distance of its middle from its programmed place, counted from the tool at rest."""
     path_accuracy: float
@@ -64,8 +61,6 @@ class ContourError:
     """Of the edge of a round hole that a beam leaves; NaN for any other contour."""
     corner: float
     """Largest deviation of the shape in corners; NaN where there are none."""
-    path: Array
-    """(M, 2), fitted to the contour, around its middle."""
 
 
 def contour_errors(

@@ -105,7 +105,8 @@ def individual(seed: int) -> Iterator[Row]:
         r = experiment.loaded.reference
         first = error(experiment, np.zeros_like(r))
         tried = [correction_of(of(r), parameters) for of, parameters in fits]
-        tried.append(twin.correction(replace(experiment.cut, individual=None, imu=None)).correction)
+        bare = replace(cut(*contour, robot), individual=None, imu=None)
+        tried.append(twin.correction(bare).correction)
         left = [error(experiment, u) / first for u in tried]
         shape, width, speed = contour
         yield {

@@ -17,7 +17,7 @@ from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.gears import VIRTUAL, GearAnalysis, analyse_gears
 from armside.sim.gears.virtual_run import RUNS, discrepancies, recorded
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.specification import Cut, Setup
+from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows
@@ -47,7 +47,7 @@ COLUMNS = {
 
 def found(seed: int, runs: int = RUNS) -> GearAnalysis:
     """Gear error of the robot of a seed, by the IMU at its tool."""
-    setup = Setup(pose=AROUND, imu=ImuCfg())
+    setup = Cut(pose=AROUND, imu=ImuCfg())
     recordings = [recorded(setup, seed, run) for run in range(runs)]
     arm = Arm(LARGE_CELL.robot, LARGE_CELL.limits)
     return analyse_gears(arm, recordings, replace(VIRTUAL, sensor="imu"))

@@ -35,7 +35,7 @@ def test_a_key_is_that_of_the_whole_configuration():
         ({}, {"gamma": (0.9,) * 6, "delta": (3,) * 6}),
         ({}, {"stiffness_error": 10.0, "on_imu_fault": "go-on"}),
         ({}, {"position": (1316.6, 1.4, 1599.2), "pose": "p2"}),
-        ({"measure": "estimate"}, {"measure": "estimate", "law": "inverse", "cutoff": (10.0,)}),
+        ({"measure": "estimate"}, {"measure": "estimate", "law": "inverse", "cutoff": (13.0,)}),
         ({"robot": "irb1400"}, {"robot": "irb1400", "cutoff": (20.0,)}),
         ({"shape": "square"}, {"shape": "square", "size": 20.0, "corner": 3.0}),
         ({"shape": "slot", "size": 24.0}, {"shape": "slot", "size": 24.0, "width": 8.0}),
@@ -48,8 +48,8 @@ def test_options_that_come_to_the_same_run_have_the_same_key(one, other):
 @pytest.mark.parametrize(
     ("one", "other"),
     [
-        # The default cutoff is 12.7 Hz there.
-        ({"measure": "estimate", "speed": 100.0}, {"cutoff": (10.0,)}),
+        # The default cutoff is 14 Hz there.
+        ({"measure": "estimate", "speed": 110.0}, {"cutoff": (10.0,)}),
         ({"measure": "estimate"}, {"stiffness_error": 10.0}),
         ({}, {"position": (1316.6, 1.4, 1599.3)}),
         ({}, {"payload": 41.0}),
@@ -68,9 +68,9 @@ def test_a_point_is_there_once_however_often_its_grid_says_it():
 
 
 def test_a_row_has_the_options_that_were_run():
-    (fast,) = parse(("measure=estimate", "speed=100"), 0)
+    (fast,) = parse(("measure=estimate", "speed=110"), 0)
     row = failed(fast, "not run")
-    assert row["cutoff"] == pytest.approx([400.0 / (10.0 * 3.141592653589793)])
+    assert row["cutoff"] == pytest.approx([440.0 / (10.0 * 3.141592653589793)])
     assert (row["law"], row["gamma"], row["payload"]) == ("inverse", [0.9], 40.0)
     assert (row["pose"], row["position"]) == ("p1", [1316.6, 1.4, 1599.2])
     (square,) = parse(("shape=square", "position=1500/0/1599.2"), 0)

@@ -13,7 +13,7 @@ from armside.scripts import cli
 from armside.scripts.commands import measure
 from armside.sim.cell import TOOL_QUATERNION
 from armside.sim.evaluation.recorded import measure_signals
-from armside.sim.laser import experiment
+from armside.sim.laser import experiment, specification
 from armside.sim.motion import tool_motion
 from armside.sim.motion.contour import Circle, hexagon, slot
 from armside.sim.motion.path import CuttingPath, Plane
@@ -46,8 +46,7 @@ def no_planner(monkeypatch):
 
     for module, name in (
         (tool_motion, "cut"),
-        (experiment, "plan"),
-        (experiment, "plan"),
+        (specification, "plan"),
         (experiment, "prepare"),
         (measure, "cell_model"),
         (ruckig, "Ruckig"),
