@@ -99,21 +99,6 @@ def policy(folder: Path, _printed: str) -> dict[str, Any]:
         return {name: arrays[name] for name in arrays.files}
 
 
-def numbers(_folder: Path, printed: str) -> dict[str, Any]:
-    """Numbers of each row of a table, and what holds; the words may change."""
-    table = json.loads(printed)["table"]
-    rows = {
-        f"row {i}": [value for value in row if isinstance(value, (int, float))]
-        for i, row in enumerate(table["rows"])
-    }
-    return rows | {"holds": [_holds(verdict) for verdict in table["verdicts"]]}
-
-
-def _holds(verdict: Any) -> bool:
-    """Of a check, or of a pair of statement and verdict."""
-    return verdict["holds"] if isinstance(verdict, dict) else verdict[-1]
-
-
 def code(folder: Path, _printed: str) -> dict[str, Any]:
     """Assignments of generated code; its comments may change."""
     files = [file for file in sorted((folder / "out").iterdir()) if file.suffix != ".json"]
@@ -159,10 +144,8 @@ RUNS: dict[str, Run] = {
     "imu at rest": Run("imu --motion rest --off 5 --on 5 --out out --json", signals),
     "identify": Run("identify --pose p2 --seed 2 --json", summary),
     "compare": Run("compare --poses p1 --speeds 40 100 --iterations 2 --json", summary),
-    "two-mass": Run("two-mass --out out --json", summary),
     "design two-mass": Run("design --json", summary),
     "design servo": Run("design --model servo --json", summary),
-    "calibrate": Run("calibrate --generations 0 --json", summary),
     "tune": Run(
         "tune --episodes 2 --trials 6 --iterations 3 --sampler random --seed 3 "
         "--storage sqlite:///t.sqlite3 --json",
@@ -187,14 +170,6 @@ RUNS: dict[str, Run] = {
         f"reproduce {name}": Run(f"reproduce {name} --seed 2 --out out --json", checks)
         for name in ("5", "8", "9.5", "9.8", "9.11", "9.17", "repeatability", "F08", "F09")
     },
-    "verify laser": Run("verify laser --seeds 1 --docs docs --json", numbers),
-    "verify laser-irb1400": Run("verify laser-irb1400 --seeds 1 --docs docs --json", numbers),
-    "verify imu": Run("verify imu --seeds 1 --docs docs --json", numbers),
-    "verify imu-rest": Run("verify imu-rest --seeds 1 --docs docs --json", numbers),
-    "verify imu-large": Run("verify imu-large --seeds 1 --docs docs --json", numbers),
-    "verify imu-causes": Run("verify imu-causes --seeds 1 --docs docs --json", numbers),
-    "verify ablations": Run("verify ablations --seeds 1 --docs docs --json", numbers),
-    "verify chapter9": Run("verify chapter9 --seeds 1 --docs docs --json", numbers),
     **{
         f"export {robot} {what} {to}": Run(
             f"export --robot {robot} --what {what} --to {to} --out out", code
