@@ -61,7 +61,7 @@ def test_without_a_client_it_ends_in_one_line(capsys, tmp_path):
         ("--port 0", "from 1 to 65535, got 0"),
         ("--program dance", "Unknown program 'dance'"),
         ("--relative", "--protocol rsi"),
-        ("--to no.such.host.invalid", "unknown host"),
+        ("--host no.such.host.invalid", "unknown host"),
         ("--seconds 1e9", "seconds must be 0.1 to 600"),
     ],
 )
