@@ -186,7 +186,7 @@ def test_another_units_clock_and_mounting_are_found_again_on_known_springs(known
 def test_springs_that_leave_too_much_unexplained_are_refused_without_blaming_the_imu(first, known):
     soft = replace(known.parameters.springs, stiffness=0.6 * known.parameters.springs.stiffness)
     others, log = replace(known.parameters, springs=soft), first.recording
-    with pytest.raises(ImuError, match="[0-9] times as much unexplained as expected; identify"):
+    with pytest.raises(ImuError, match=r"[0-9] times as much unexplained as expected; identify"):
         commission(ROBOT, assumed(), IMU, log, first.imu, known=others)
 
 
