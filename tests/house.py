@@ -56,7 +56,7 @@ PLAN = {
 """What was read, before the rooms were joined, and what was asked."""
 
 TRACE = """
-import os, sys, threading
+import os, sys, threading, time
 root = os.environ["ROOT"]
 ours = tuple(os.path.join(root, name, "") for name in {packages})
 seen, order = set(), []
@@ -80,7 +80,7 @@ print(len(set(order)), stays, stays - len(set(order)), modules, file=sys.stderr)
 """
 LASER = """
     from armside.scripts.cli import main
-    main(["laser", "--quiet", "--out", os.path.join(os.environ["TMP"], str(len(order)))])
+    main(["laser", "--quiet", "--out", f"{os.environ['TMP']}/{time.time_ns()}"])
 """
 LEARN = """
     from {place} import Cut, learn
