@@ -5,6 +5,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -34,7 +35,7 @@ class Trial:
     """Commit of the tree that was mutated."""
 
 
-def trial(mutant: Mutant, root: Path, *, wider: bool) -> Trial:
+def trial(mutant: Mutant, root: Path = Path(), *, wider: bool) -> Trial:
     """Run the nearest tests of a mutant, then those of its package; stop at the first failure."""
     stages = [(mutant.tests, NEAREST_LIMIT)]
     if wider:
@@ -102,12 +103,14 @@ class Session:
         queue = context.Queue()
         for copy in copies:
             queue.put(copy)
-        with context.Pool(len(copies), _enter, (queue,)) as pool:
+        # no daemons: tests start processes of their own
+        with ProcessPoolExecutor(len(copies), context, _enter, (queue,)) as pool:
             if not checked:
-                pool.map(green, [sorted({test for mutant in mutants for test in mutant.tests})])
-            cases = [(mutant, wider) for mutant in mutants]
-            for mutant, outcome in pool.imap_unordered(_tried, cases):
-                self._keep(mutant, replace(outcome, commit=tree))
+                pool.submit(green, sorted({t for mutant in mutants for t in mutant.tests})).result()
+            trials = {pool.submit(trial, m, wider=wider): m for m in mutants}
+            for done in as_completed(trials):
+                mutant, outcome = trials[done], replace(done.result(), commit=tree)
+                self._keep(mutant, outcome)
                 report(mutant, outcome)
 
     def _keep(self, mutant: Mutant, outcome: Trial) -> None:
@@ -136,8 +139,3 @@ def _enter(queue: "multiprocessing.Queue[Path]") -> None:
     os.environ["PYTHONPATH"] = str(root / "src")  # of processes that tests start
     sys.path[:0] = [str(root / "src"), str(root)]
     warm_up()
-
-
-def _tried(case: tuple[Mutant, bool]) -> tuple[Mutant, Trial]:
-    mutant, wider = case
-    return mutant, trial(mutant, Path.cwd(), wider=wider)
