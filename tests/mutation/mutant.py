@@ -48,6 +48,12 @@ class Mutant:
         return self.file.partition("/")[0]
 
     @property
+    def wider_tests(self) -> str:
+        """Tests of the package; those of the folder for what judges the packages."""
+        folder = Path(self.file).parent.as_posix()
+        return folder if self.package == "tests" else f"tests/{self.package}"
+
+    @property
     def key(self) -> str:
         """Identifier of the replacement, whatever its name and its tests."""
         text = "\0".join((self.file, self.at, self.old, self.new))

@@ -39,7 +39,7 @@ def trial(mutant: Mutant, root: Path = Path(), *, wider: bool) -> Trial:
     """Run the nearest tests of a mutant, then those of its package; stop at the first failure."""
     stages = [(mutant.tests, NEAREST_LIMIT)]
     if wider:
-        stages.append(((f"tests/{mutant.package}",), WIDER_LIMIT))
+        stages.append(((mutant.wider_tests,), WIDER_LIMIT))
     with mutated(mutant, root):
         for tests, limit in stages:
             status, output = run_pytest(tests, limit)
