@@ -1,36 +1,9 @@
 """Cells on disk: a robot with its hardware or model, poses and programs in TOML.
 
-The kinematics are those of a robot file (`armside.kinematics.robot_file`: name, convention, offset,
-coupling, [[link]], [limits]), or of a URDF file. Beside them:
-
-    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file [default:
-                                         # built from this file]
-    urdf = "my_robot.urdf"               # in place of [[link]] and [limits]; a tree: FILE.urdf#TIP
-    orientation = "held"                 # or "free": contours set positions alone [default: held
-                                         # for six axes and more, free for fewer]
-    home = [0, 1.2]                      # motor angles near which poses are reached [rad; default:
-                                         # the zero pose]
-
-    [[imu]]                              # constant links from the tool to the IMU, as [[link]]
-    theta = "pi"                         # [default: the IMU is at the tool]
-
-    [pose.p1]                            # named poses of the tool, at least one
-    position = [0.7, 0.3, 1.0]           # [m], base axes
-    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]; or
-                                         # rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-
-    [program]                            # motions of the IMU experiment: program files, beside this
-    simultaneous = ["programs/my_robot.toml"]
-
-    [learning]                           # default design [default: that of the thesis]
-    gamma = 0.9
-    delta = 3                            # [samples of 4 ms]
-    cutoff = 10                          # [Hz]
-
-Drives, springs and masses are those of the MJCF. Without `model` they are those of the tables
-[hardware], [base], [[body]], [drives], [gears], [[structure]], [effects] and [tool] of this file
-(`armside.sim.robot_file`), or estimated, and the MJCF is built from them. Before anything runs, the
-kinematics of the MJCF are compared with those of this file.
+The kinematics are those of a robot file (`armside.kinematics.robot_file`) or of a URDF. Beside them
+stand `OWN` keys: model or tables of hardware, poses, programs, default design. docs/robots.md has
+all keys with units and defaults. Before anything runs, the kinematics of a model are compared with
+those of the file.
 """
 
 from collections.abc import Mapping

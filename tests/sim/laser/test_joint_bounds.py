@@ -52,7 +52,7 @@ def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(outline):
 def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(outline):
     experiment = prepare(outline)
     run = experiment.plant.run(np.zeros_like(experiment.loaded.reference)).recording
-    cell, drives = experiment.setup.cell, experiment.nominal.drives
+    cell, drives = experiment.cut.cell, experiment.nominal.drives
     speed = np.gradient(run.truth.gear_angle, run.truth.time, axis=0)
     assert (np.abs(speed) <= 1.01 * np.array(cell.limits.speed)).all()
     assert (np.abs(run.motor_torque) <= 0.99 * drives.torque_limit).all()
