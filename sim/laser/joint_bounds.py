@@ -76,7 +76,6 @@ class JointBounds:
     def _each(
         self, paths: Sequence[Chain], chosen: Sequence[int], coarser: float = 1.0
     ) -> Iterator[tuple[int, Array, Bounds]]:
-        """Index, places and limits of each chosen path."""
         batch = list[tuple[int, Array]]()
         for i in chosen:
             batch.append((i, _places(paths[i], coarser)))
@@ -92,7 +91,6 @@ class JointBounds:
         return bool((fraction * known.speed < self.speed).any() or (used > fraction).any())
 
     def _at(self, batch: Sequence[tuple[int, Chain, Array]]) -> Iterator[tuple[int, Array, Bounds]]:
-        """Limits at places of several paths."""
         phi = self._motors([path.point(s) for _, path, s in batch])
         first, second = (
             np.vstack(each)

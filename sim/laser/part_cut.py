@@ -244,7 +244,6 @@ def _check_speed(phi: Array, motion: PartMotion, most: Array) -> None:
 
 
 def _where(motion: PartMotion, sample: int) -> str:
-    """Place in the drawing of a sample of the motion."""
     in_plane = motion.plane.from_base(motion.position[sample])[:2]
     return place(in_plane + np.array(motion.middle))
 
@@ -269,7 +268,6 @@ def plan_notes(plan: Plan) -> Iterator[Note]:
 
 
 def _planned(cut: CutLeg) -> Row:
-    """A contour as it is planned. SI units."""
     return {
         "name": cut.name,
         "kind": cut.kind,

@@ -194,7 +194,6 @@ def _normalised(measure: Any, first: Any) -> Any:
 
 
 def _loop_error(experiment: Experiment, run: Pass) -> float:
-    """Widest opening of a closed chain in a run [m]; 0 for none."""
     loaded = experiment.loaded
     return checked_loop_error(loaded.model.mj, run.recording.truth.qpos[:: loaded.ratio])
 
@@ -236,5 +235,4 @@ def quality(
 
 
 def _true(run: Pass) -> tuple[Array, Array]:
-    """At the rate of the ground truth."""
     return run.recording.truth.time, run.recording.truth.tool_position

@@ -73,7 +73,6 @@ def move_curve(
 
 
 def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> Array:
-    """Motor angles of a MoveJ's target."""
     if to.motors is not None:
         return np.array(to.motors)
     T_start = robot.pose(start)

@@ -173,8 +173,6 @@ class _State(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Iterate:
-    """Point of the interior method."""
-
     x: Array
     """(N,)."""
     slack: Array

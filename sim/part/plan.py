@@ -144,7 +144,6 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
 
 
 def _path(contour: PartContour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
-    """Path of the beam's centre, and the number of rounded corners."""
     try:
         corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))
         rounded = smooth(contour.chain, cutting.corner)

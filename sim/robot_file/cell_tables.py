@@ -112,7 +112,6 @@ def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Ro
 
 
 def _beside(folder: Path, name: str, given: Any) -> Path:
-    """A file that is named relative to a folder."""
     if not isinstance(given, str) or not given:
         raise ValueError(f"{name} must be the name of a file, got {given!r}")
     file = folder / given
@@ -177,7 +176,6 @@ def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
 
 
 def _learning(table: Any) -> Learning | None:
-    """Design of a table; None without one."""
     if table is None:
         return None
     if not isinstance(table, dict):

@@ -111,7 +111,6 @@ def _lengths(chain: list[Frame]) -> Array:
 def _shares(
     given: Hardware, bodies: tuple[LinkBody, ...], lengths: Array, report: Report
 ) -> tuple[Array, float]:
-    """Mass of each link and of the base [kg]."""
     known = np.array([np.nan if body.mass is None else body.mass for body in bodies])
     weight = np.maximum(lengths, LEAST * lengths[0]) + 1e-9
     missing, total, base = np.isnan(known), given.mass, given.base.mass
