@@ -29,11 +29,6 @@ def test_tracker_and_truth_agree_on_the_circle(first):
     assert first.tool.maxdev == pytest.approx(first.tool_true.maxdev, abs=30e-6)  # noise of 785
 
 
-def test_motor_error_is_that_of_the_motor_shaft(first):
-    gear = prepare(Cut()).loaded.model.drives.gear
-    assert first.motor_error == pytest.approx(first.error * gear)
-
-
 def test_controller_knows_the_nominal_robot_only():
     """Individuals of other friction are asked for the same reference."""
     one, other = prepare(Cut(), seed=1), prepare(Cut(), seed=2)
@@ -150,7 +145,7 @@ def test_a_cell_of_ones_own_is_a_robot():
     ("arguments", "said"),
     [
         ({"cut": Cut(robot="small")}, "Unknown robot 'small'. Robots: large, irb1400"),
-        ({"cut": Cut(pose="p9")}, "Unknown pose 'p9'"),
+        ({"cut": Cut(pose="p9")}, r"Unknown pose 'p9'\. Poses: p1, p2, p3"),
         ({"cut": Cut(), "measure": "nose"}, "Unknown measure 'nose'. Measures: motor, estimate"),
         ({"cut": Cut(radius=5.0)}, "outside"),
     ],

@@ -153,26 +153,9 @@ def test_a_constant_correction_moves_the_motors_by_itself(loaded):
     assert moved[-1] == pytest.approx(np.full(6, shift), abs=0.5e-3)
 
 
-def test_a_cut_hits_no_limit_and_an_impossible_correction_hits_them(loaded):
-    assert loaded.run().limits_hit == ()
-    hits = loaded.run(0.5 * np.sin(np.linspace(0, 40, len(loaded.reference)))[:, None] * np.ones(6))
-    assert {name for name, _, _ in hits.limits_hit} >= {"torque", "speed"}
-    assert all(1 <= axis <= 6 and time > 0.0 for _, axis, time in hits.limits_hit)
-
-
 def test_more_friction_makes_a_larger_first_error(model, cut, loaded):
     rough = VirtualRobot(with_friction(model, 1.5)).load(cut[1])
     assert (np.abs(rough.run().error).max(axis=0) > np.abs(loaded.run().error).max(axis=0)).all()
-
-
-def test_friction_factors_scale_coulomb_and_static_friction(model):
-    factor = np.linspace(0.8, 1.2, 6)
-    scaled = with_friction(model, factor).mj.actuator_biasprm
-    nominal = model.mj.actuator_biasprm
-    coulomb = [1.45, 1.54, 1.07, 0.43, 0.27, 0.24]
-    assert scaled[:, 3] == pytest.approx(factor * coulomb)
-    assert scaled[:, 4] == pytest.approx(1.14 * factor * coulomb)
-    assert np.array_equal(np.delete(scaled, [3, 4], axis=1), np.delete(nominal, [3, 4], axis=1))
 
 
 @pytest.mark.parametrize(
