@@ -9,7 +9,6 @@ from armside.ilc.models.system_matrix import Model
 from armside.ilc.workbench.task import Task
 
 from ..evaluation.tool_error import tool_error
-from ..part.carried import place
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import default_design
 from .experiment import Pass, prepare
@@ -44,7 +43,7 @@ def learning_task(cut: Cut, *, seed: int = 0, name: str = "", model: Model | Non
         measures_of=measures,
         generators_of=generators,
         model=model,
-        place=place(motion),
+        place=motion.arc_length,
         cutoff=design.cutoff[0],
         design=(design.gamma[0], design.delta[0]),
     )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.claims._learned import run
 
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.measures import norms as measures
@@ -12,7 +13,6 @@ from armside.scripts.cutting.specification import measure
 from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
 from armside.sim.laser.design_from_data import design_from_data
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.results import run
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
@@ -21,7 +21,7 @@ NORMS = ("motor_two", "motor_inf")
 
 def worst_motor(cut, design=None):
     """Largest motor error after five iterations in both norms, as (9.5), and the arm's RMS."""
-    rows = run(cut, measure=MotorAngles(design), seed=1)["iterations"]
+    rows = run(cut, design, seed=1)["iterations"]
     worst = []
     for norm in NORMS:
         first, last = (np.array(rows[k][norm]) for k in (0, 5))
