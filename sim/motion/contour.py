@@ -1,7 +1,7 @@
 """Closed contours in a plane: circles, and chains of arcs and lines such as squares and slots.
 
 A `ClosedCurve` is anything with length, curvature radius, point, tangent and nearest point by arc
-length; own contours are read by `armside.sim.motion.contour_file`.
+length; own contours are read by `armside.sim.part.contour_file`.
 """
 
 from collections.abc import Mapping

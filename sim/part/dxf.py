@@ -152,15 +152,19 @@ def read_dxf(file: Path, reading: Reading) -> Drawing:
     Raises ValueError for an entity that cannot be cut, by type, handle and layer, for a unit in
     doubt, and for a file that is no drawing; OSError if it cannot be read.
     """
+    return drawing_of(opened(file), reading)
+
+
+def opened(file: Path) -> Any:
+    """Document of ezdxf. Raises as `read_dxf`."""
     try:
-        document = ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
+        return ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
     except OSError as error:
         if error.errno is not None:
             raise
         raise ValueError("this is no DXF drawing") from error  # as ezdxf says it
     except Exception as error:  # a damaged file fails anywhere in the parser
         raise ValueError(f"this is no DXF drawing: {error}") from error
-    return drawing_of(document, reading)
 
 
 def drawing_of(document: Any, reading: Reading) -> Drawing:
