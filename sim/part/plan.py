@@ -191,7 +191,7 @@ def _of_some(
     new = [key for key, bound in zip(keys, bounds, strict=True) if bound is None]
     new = [key for key in dict.fromkeys(new) if key not in known]
     limited = [
-        Bends(*each.T, bound)
+        Bends(*each.T, bounds=bound)
         for each, bound in zip(elements, bounds, strict=True)
         if bound is not None
     ]

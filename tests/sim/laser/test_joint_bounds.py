@@ -143,7 +143,7 @@ def test_memory_of_a_plan_does_not_grow_with_its_contours(monkeypatch):
     monkeypatch.setattr(speed_profile, "TOGETHER", 500)
     sheet(2).plan  # noqa: B018 - compiled functions are loaded
     above = []
-    for count in (20, 60):
+    for count in (15, 45):
         cut = sheet(count)
         tracemalloc.start()
         made = cut.plan
