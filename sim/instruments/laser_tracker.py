@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array, freeze_rows
@@ -154,17 +153,18 @@ class LaserTracker:
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
-        axis = np.zeros(3) if target_axis is None else np.array(target_axis, dtype=np.float64)
-        if target_axis is not None and not axis.any():
+        q = tool_quaternion[::every]
+        reflector = tool_position + _rotated(q, np.array(self.cfg.target_offset, dtype=np.float64))
+        beam = np.array(self.cfg.position) - reflector
+        if target_axis is None:
+            axis = _rotated(q[0] * [1.0, -1.0, -1.0, -1.0], beam[0])
+        elif not np.any(axis := np.array(target_axis, dtype=np.float64)):
             raise ValueError("target_axis must not be zero")
-        reflector, valid = _sight(
-            np.ascontiguousarray(tool_position),
-            np.ascontiguousarray(tool_quaternion[::every]),
-            np.array(self.cfg.target_offset, dtype=np.float64),
-            axis,
-            np.array(self.cfg.position, dtype=np.float64),
-            np.cos(self.cfg.acceptance_angle) - 1e-12,
-        )
+        sight = _rotated(q, axis)
+        size = np.linalg.norm(sight, axis=1) * np.linalg.norm(beam, axis=1)
+        cosine, least = (sight * beam).sum(axis=1) / size, np.cos(self.cfg.acceptance_angle) - 1e-12
+        # Once the reflector has left the cone the beam stays lost: an interferometer counts.
+        valid = np.logical_and.accumulate(cosine >= least)  # false for NaN too
         position = self.registration.to_base(self.read(reflector, rng))
         position -= reflector[0] - tool_position[0]
         position[~valid] = np.nan
@@ -195,50 +195,11 @@ def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Gener
     return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), r * np.sin(elevation)], -1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _sight(
-    tool: Array, quaternion: Array, offset: Array, axis: Array, tracker: Array, least_cosine: float
-) -> tuple[Array, NDArray[np.bool_]]:  # pragma: no cover - compiled
-    """Position of the reflector (K, 3) [m] in base axes, and a mask of samples with beam (K,).
-
-    Once the reflector has left the cone the beam stays lost: an interferometer counts. A zero axis
-    points at the tracker at the first sample.
-    """
-    reflector, holds = np.empty_like(tool), np.zeros(len(tool), dtype=np.bool_)
-    looks, held = (axis[0], axis[1], axis[2]), True
-    for i in range(len(tool)):
-        w, x, y, z = quaternion[i]
-        away = _rotated(w, x, y, z, (offset[0], offset[1], offset[2]))
-        for j in range(3):
-            reflector[i, j] = tool[i, j] + away[j]
-        to_tracker = tracker - reflector[i]
-        beam = (to_tracker[0], to_tracker[1], to_tracker[2])
-        if i == 0 and not axis.any():
-            looks = _rotated(w, -x, -y, -z, beam)
-        sight = _rotated(w, x, y, z, looks)
-        cosine = _dot(sight, beam) / np.sqrt(_dot(sight, sight) * _dot(beam, beam))
-        held = held and cosine >= least_cosine  # false for NaN too
-        holds[i] = held
-    return reflector, holds
-
-
-Vector = tuple[float, float, float]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _rotated(
-    w: float, x: float, y: float, z: float, v: Vector
-) -> Vector:  # pragma: no cover - compiled
-    """Vector rotated by a quaternion of any length: v + 2 r x (w v + r x v), r = (x, y, z)."""
-    a, b, c = v
-    d, e, f = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
-    twice = 2.0 / (w * w + x * x + y * y + z * z)
-    return a + twice * (y * f - z * e), b + twice * (z * d - x * f), c + twice * (x * e - y * d)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _dot(a: Vector, b: Vector) -> float:  # pragma: no cover - compiled
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _rotated(q: Array, v: Array) -> Array:
+    """Vectors (..., 3) rotated by quaternions (..., 4) of any length."""
+    w, r = q[..., :1], q[..., 1:]
+    twice = 2.0 / (q * q).sum(axis=-1, keepdims=True)
+    return v + twice * np.cross(r, w * v + np.cross(r, v))
 
 
 def beam(samples: TrackerSamples) -> Iterator[Note]:
