@@ -30,10 +30,6 @@ def _line(entity: Any, scale: float) -> Chain:
     return line(scale * np.array([start.x, start.y]), scale * np.array([end.x, end.y]))
 
 
-def _circle(entity: Any, scale: float) -> Chain:
-    return _round(entity, scale, 0.0, 2.0 * np.pi)
-
-
 def _arc(entity: Any, scale: float) -> Chain:
     first, last = np.radians([entity.dxf.start_angle, entity.dxf.end_angle])
     angle = np.mod(last - first, 2.0 * np.pi)
@@ -137,7 +133,7 @@ def _exactly_closed(chain: Chain) -> Chain:
 READERS: Mapping[str, Callable[[Any, float], Chain]] = {
     "LINE": _line,
     "ARC": _arc,
-    "CIRCLE": _circle,
+    "CIRCLE": lambda entity, scale: _round(entity, scale, 0.0, 2.0 * np.pi),
     "ELLIPSE": _ellipse,
     "SPLINE": _spline,
     "LWPOLYLINE": _lwpolyline,

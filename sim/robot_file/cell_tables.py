@@ -32,7 +32,8 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .build import build, cached
 from .hardware import LinkBody, Taken
 from .masses import bodies_of
-from .reading import TABLES, read_hardware
+from .reading import TABLES, needs, read_hardware
+from .reading import table as checked
 
 OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
 """Keys beside those of kinematics."""
@@ -134,9 +135,7 @@ def _poses(tables: Any) -> dict[str, ToolPose]:
 
 
 def _pose(where: str, table: Any) -> ToolPose:
-    if not isinstance(table, dict):
-        raise ValueError(f"{where} must be a table with a position")
-    refuse_unknown(where, table, ("position", "quaternion", "rotation"))
+    table = checked(where, table, ("position", "quaternion", "rotation"))
     x, y, z = _vector(f"{where}: position", table.get("position"), 3)
     if "rotation" in table:
         if "quaternion" in table:
@@ -178,11 +177,8 @@ def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
 def _learning(table: Any) -> Learning | None:
     if table is None:
         return None
-    if not isinstance(table, dict):
-        raise ValueError(f"learning must be a table, got {table!r}")
-    if missing := [name for name in _LEARNING if name not in table]:
-        raise ValueError(f"learning lacks {', '.join(missing)}")
-    refuse_unknown("learning", table, _LEARNING)
+    table = checked("learning", table, _LEARNING)
+    needs("learning", table, _LEARNING)
     gamma, delta, cutoff = (_vector(f"learning: {n}", [table[n]], 1)[0] for n in _LEARNING)
     if not gamma > 0.0:
         raise ValueError(f"learning: gamma must be > 0, got {gamma:g}")
