@@ -6,7 +6,7 @@ from the tracker; lost samples are NaN and marked, never interpolated.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -130,7 +130,21 @@ class LaserTracker:
 
     def read(self, p_base: Array, rng: np.random.Generator) -> Array:
         """Noisy readings (..., 3) [m] of points in base axes, in the tracker's own frame."""
-        return _read(self.cfg, self.bias, p_base, rng)
+
+        def reading(ideal: Array, std: float, resolution: float) -> Array:
+            noisy = ideal + noise.white(rng, ideal.shape, std)
+            return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
+
+        cfg, bias = self.cfg, self.bias
+        c, s = np.cos(cfg.heading), np.sin(cfg.heading)
+        R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
+        level = np.hypot(x, y)
+        r = reading(np.hypot(level, z) * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution)
+        azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
+        elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
+        level, height = r * np.cos(elevation), r * np.sin(elevation)
+        return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), height], -1)
 
     def measure(
         self,
@@ -175,24 +189,9 @@ def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
     """Tracker with the constant errors of a set-up, registered on its targets."""
     bias = noise.white(rng, (3,), [cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
     targets = np.repeat(np.array(cfg.reference_targets), cfg.readings_per_target, axis=0)
-    registration = best_fit(_read(cfg, bias, targets, rng), targets)
-    return LaserTracker(cfg=cfg, bias=bias, registration=registration)
-
-
-def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Generator) -> Array:
-    def reading(ideal: Array, std: float, resolution: float) -> Array:
-        noisy = ideal + noise.white(rng, ideal.shape, std)
-        return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
-
-    c, s = np.cos(cfg.heading), np.sin(cfg.heading)
-    R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
-    level = np.hypot(x, y)
-    r = reading(np.hypot(level, z) * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution)
-    azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
-    elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
-    level = r * np.cos(elevation)
-    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), r * np.sin(elevation)], -1)
+    unknown = Registration(R_base_tracker=np.eye(3), p_base_tracker=np.zeros(3), residual=0.0)
+    tracker = LaserTracker(cfg=cfg, bias=bias, registration=unknown)
+    return replace(tracker, registration=best_fit(tracker.read(targets, rng), targets))
 
 
 def _rotated(q: Array, v: Array) -> Array:
