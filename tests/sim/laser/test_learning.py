@@ -11,7 +11,7 @@ from armside.ilc.workbench.compare import read_states, save_states
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
-from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.laser.design import default_design
 from armside.sim.laser.learning import MEASURES, first_run, iterate, measure_of
 from armside.sim.part.carried import carried, follows
 from armside.sim.records.files import InputError
@@ -65,7 +65,7 @@ def test_a_robot_learns_with_its_own_default_design():
     for name in CELLS:
         experiment = prepare(Cut(robot=name))
         output = MotorAngles().prepare(experiment)(first_run(experiment))
-        assert output.law == DEFAULT_DESIGN[name].law
+        assert output.law == default_design(CELLS[name]).law
 
 
 class Returning(FirstOrderLaw):
@@ -98,7 +98,7 @@ class FirstMotors:
 @dataclass(frozen=True)
 class FirstMotorsOutput:
     reference: np.ndarray
-    law = DEFAULT_DESIGN["large"].law
+    law = default_design(LARGE_CELL).law
 
     def __call__(self, run):
         return np.hstack((run.recording.motor_angle[:, :3], self.reference[:, 3:]))

@@ -11,7 +11,7 @@ import shapely
 from armside.sim.part.beam_path import compensated, smooth
 from armside.sim.part.curve import Kind
 from armside.sim.part.drawing import Reading
-from armside.sim.part.order import order, travel
+from armside.sim.part.order import order
 from armside.sim.part.part import read_part
 from armside.sim.part.plan import Cutting, plan
 
@@ -73,6 +73,12 @@ def test_the_time_of_a_plan_is_that_of_its_moves(planned):
     for cut in planned.cuts:
         assert cut.seconds > cut.path.length / planned.cutting.speed
         assert cut.reached_speed == pytest.approx(planned.cutting.speed, rel=1e-6)
+
+
+def travel(tour, entry, leave, start):
+    """Length of the rapid moves [m]."""
+    begins = np.vstack([start, leave[tour[:-1]]])
+    return float(np.linalg.norm(entry[tour] - begins, axis=1).sum())
 
 
 @pytest.mark.parametrize("seed", range(6))
