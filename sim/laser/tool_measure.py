@@ -107,13 +107,17 @@ class ToolOutput:
     _validity: list[Validity] = field(default_factory=list, compare=False, repr=False)
     """Of the last estimate."""
 
-    @cached_property
+    @property
     def reference(self) -> Array:
         """(N, 6), path to learn, from rest.
 
         A tracker sees the tool, and learns the programmed path. An estimate is off by what its arm
         does not have: in the run of a model as in the robot's, whose errors then show.
         """
+        return self._reference
+
+    @cached_property
+    def _reference(self) -> Array:
         if self.measure.target is None or self.measure.source is not Source.ESTIMATE:
             return relative_to_start(self.experiment.programmed)
         return self._estimate_of(self.measure.target)

@@ -119,9 +119,13 @@ class PartMotion:
         """(N,) [s], from 0."""
         return np.arange(self.n_samples, dtype=np.float64) * self.step
 
-    @cached_property
+    @property
     def position(self) -> Array:
         """(N, 3) [m], base axes."""
+        return self._position
+
+    @cached_property
+    def _position(self) -> Array:
         return self.position_at(self.time)
 
     @property

@@ -44,12 +44,10 @@ def test_the_default_individual_is_the_design_to_the_last_bit(design, reference)
     assert np.array_equal(runs[0].truth.tool_position, runs[1].truth.tool_position)
 
 
-def test_same_seed_same_individual_and_the_design_is_left_alone(design):
+def test_an_individual_leaves_its_design_alone(design):
     before = design.mj.jnt_stiffness.copy(), design.mj.body_quat.copy()
-    first, again, other = (with_individual(design, _individual(design, s)) for s in (1, 1, 2))
-    assert np.array_equal(first.mj.jnt_stiffness, again.mj.jnt_stiffness)
-    assert np.array_equal(first.mj.body_quat, again.mj.body_quat)
-    assert not np.array_equal(first.mj.jnt_stiffness, other.mj.jnt_stiffness)
+    other = with_individual(design, _individual(design, 1)).mj
+    assert not np.array_equal(other.jnt_stiffness, design.mj.jnt_stiffness)
     assert np.array_equal(design.mj.jnt_stiffness, before[0])
     assert np.array_equal(design.mj.body_quat, before[1])
 
