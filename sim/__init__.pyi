@@ -25,9 +25,9 @@ from .laser.specification import LeadIn as LeadIn
 from .laser.tool_measure import Source as Source
 from .laser.tool_measure import ToolPath as ToolPath
 from .motion.contour import Circle as Circle
-from .motion.contour_file import read_contour as read_contour
-from .motion.contour_file import rounded as rounded
 from .motion.timing import PathLimits as PathLimits
+from .part.contour_file import read_contour as read_contour
+from .part.contour_file import rounded as rounded
 from .part.drawing import Reading as Reading
 from .part.drawing import Unit as Unit
 from .part.part import read_part as read_part

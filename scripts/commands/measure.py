@@ -19,7 +19,7 @@ from armside.sim.evaluation.recorded import (
     notes_of_signals,
     notes_of_table,
 )
-from armside.sim.motion.contour_file import read_contour
+from armside.sim.part.contour_file import read_contour
 from armside.sim.records.signals import signals_of
 from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary

@@ -116,7 +116,7 @@ def contour(cfg: ContourCfg) -> ClosedCurve:
     """Contour of the options. Raises ValueError for sizes that the shape lacks, or that misfit."""
     mm = dimensions(cfg)
     if cfg.contour is not None:
-        from armside.sim.motion.contour_file import read_contour
+        from armside.sim.part.contour_file import read_contour
 
         try:
             return read_contour(cfg.contour, mm["corner"] * MM if "corner" in mm else None)

@@ -6,10 +6,9 @@ from the tracker; lost samples are NaN and marked, never interpolated.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array, freeze_rows
@@ -131,7 +130,21 @@ class LaserTracker:
 
     def read(self, p_base: Array, rng: np.random.Generator) -> Array:
         """Noisy readings (..., 3) [m] of points in base axes, in the tracker's own frame."""
-        return _read(self.cfg, self.bias, p_base, rng)
+
+        def reading(ideal: Array, std: float, resolution: float) -> Array:
+            noisy = ideal + noise.white(rng, ideal.shape, std)
+            return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
+
+        cfg, bias = self.cfg, self.bias
+        c, s = np.cos(cfg.heading), np.sin(cfg.heading)
+        R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
+        level = np.hypot(x, y)
+        r = reading(np.hypot(level, z) * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution)
+        azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
+        elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
+        level, height = r * np.cos(elevation), r * np.sin(elevation)
+        return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), height], -1)
 
     def measure(
         self,
@@ -154,17 +167,18 @@ class LaserTracker:
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
-        axis = np.zeros(3) if target_axis is None else np.array(target_axis, dtype=np.float64)
-        if target_axis is not None and not axis.any():
+        q = tool_quaternion[::every]
+        reflector = tool_position + _rotated(q, np.array(self.cfg.target_offset, dtype=np.float64))
+        beam = np.array(self.cfg.position) - reflector
+        if target_axis is None:
+            axis = _rotated(q[0] * [1.0, -1.0, -1.0, -1.0], beam[0])
+        elif not np.any(axis := np.array(target_axis, dtype=np.float64)):
             raise ValueError("target_axis must not be zero")
-        reflector, valid = _sight(
-            np.ascontiguousarray(tool_position),
-            np.ascontiguousarray(tool_quaternion[::every]),
-            np.array(self.cfg.target_offset, dtype=np.float64),
-            axis,
-            np.array(self.cfg.position, dtype=np.float64),
-            np.cos(self.cfg.acceptance_angle) - 1e-12,
-        )
+        sight = _rotated(q, axis)
+        size = np.linalg.norm(sight, axis=1) * np.linalg.norm(beam, axis=1)
+        cosine, least = (sight * beam).sum(axis=1) / size, np.cos(self.cfg.acceptance_angle) - 1e-12
+        # Once the reflector has left the cone the beam stays lost: an interferometer counts.
+        valid = np.logical_and.accumulate(cosine >= least)  # false for NaN too
         position = self.registration.to_base(self.read(reflector, rng))
         position -= reflector[0] - tool_position[0]
         position[~valid] = np.nan
@@ -175,70 +189,16 @@ def set_up(cfg: LaserTrackerCfg, rng: np.random.Generator) -> LaserTracker:
     """Tracker with the constant errors of a set-up, registered on its targets."""
     bias = noise.white(rng, (3,), [cfg.range_scale_error, cfg.angle_bias, cfg.angle_bias])
     targets = np.repeat(np.array(cfg.reference_targets), cfg.readings_per_target, axis=0)
-    registration = best_fit(_read(cfg, bias, targets, rng), targets)
-    return LaserTracker(cfg=cfg, bias=bias, registration=registration)
+    unknown = Registration(R_base_tracker=np.eye(3), p_base_tracker=np.zeros(3), residual=0.0)
+    tracker = LaserTracker(cfg=cfg, bias=bias, registration=unknown)
+    return replace(tracker, registration=best_fit(tracker.read(targets, rng), targets))
 
 
-def _read(cfg: LaserTrackerCfg, bias: Array, p_base: Array, rng: np.random.Generator) -> Array:
-    def reading(ideal: Array, std: float, resolution: float) -> Array:
-        noisy = ideal + noise.white(rng, ideal.shape, std)
-        return np.rint(noisy / resolution) * resolution if resolution > 0.0 else noisy
-
-    c, s = np.cos(cfg.heading), np.sin(cfg.heading)
-    R_base_tracker = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    x, y, z = np.moveaxis((p_base - np.array(cfg.position)) @ R_base_tracker, -1, 0)
-    level = np.hypot(x, y)
-    r = reading(np.hypot(level, z) * (1.0 + bias[0]), cfg.range_noise, cfg.range_resolution)
-    azimuth = reading(np.arctan2(y, x) + bias[1], cfg.angle_noise, cfg.angle_resolution)
-    elevation = reading(np.arctan2(z, level) + bias[2], cfg.angle_noise, cfg.angle_resolution)
-    level = r * np.cos(elevation)
-    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), r * np.sin(elevation)], -1)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _sight(
-    tool: Array, quaternion: Array, offset: Array, axis: Array, tracker: Array, least_cosine: float
-) -> tuple[Array, NDArray[np.bool_]]:  # pragma: no cover - compiled
-    """Position of the reflector (K, 3) [m] in base axes, and a mask of samples with beam (K,).
-
-    Once the reflector has left the cone the beam stays lost: an interferometer counts. A zero axis
-    points at the tracker at the first sample.
-    """
-    reflector, holds = np.empty_like(tool), np.zeros(len(tool), dtype=np.bool_)
-    looks, held = (axis[0], axis[1], axis[2]), True
-    for i in range(len(tool)):
-        w, x, y, z = quaternion[i]
-        away = _rotated(w, x, y, z, (offset[0], offset[1], offset[2]))
-        for j in range(3):
-            reflector[i, j] = tool[i, j] + away[j]
-        to_tracker = tracker - reflector[i]
-        beam = (to_tracker[0], to_tracker[1], to_tracker[2])
-        if i == 0 and not axis.any():
-            looks = _rotated(w, -x, -y, -z, beam)
-        sight = _rotated(w, x, y, z, looks)
-        cosine = _dot(sight, beam) / np.sqrt(_dot(sight, sight) * _dot(beam, beam))
-        held = held and cosine >= least_cosine  # false for NaN too
-        holds[i] = held
-    return reflector, holds
-
-
-Vector = tuple[float, float, float]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _rotated(
-    w: float, x: float, y: float, z: float, v: Vector
-) -> Vector:  # pragma: no cover - compiled
-    """Vector rotated by a quaternion of any length: v + 2 r x (w v + r x v), r = (x, y, z)."""
-    a, b, c = v
-    d, e, f = w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a
-    twice = 2.0 / (w * w + x * x + y * y + z * z)
-    return a + twice * (y * f - z * e), b + twice * (z * d - x * f), c + twice * (x * e - y * d)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _dot(a: Vector, b: Vector) -> float:  # pragma: no cover - compiled
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _rotated(q: Array, v: Array) -> Array:
+    """Vectors (..., 3) rotated by quaternions (..., 4) of any length."""
+    w, r = q[..., :1], q[..., 1:]
+    twice = 2.0 / (q * q).sum(axis=-1, keepdims=True)
+    return v + twice * np.cross(r, w * v + np.cross(r, v))
 
 
 def beam(samples: TrackerSamples) -> Iterator[Note]:

@@ -8,7 +8,7 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 
-from ..cell import CELLS, Cell
+from ..cell import Cell
 from ..robot.virtual_robot import LOG_PERIOD
 
 
@@ -50,7 +50,3 @@ def default_design(cell: Cell) -> Design:
     if own is None:
         return THESIS
     return Design(gamma=(own.gamma,), delta=(own.delta,), cutoff=(own.cutoff,))
-
-
-DEFAULT_DESIGN = {name: default_design(cell) for name, cell in CELLS.items()}
-"""By name of the robot."""

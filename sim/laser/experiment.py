@@ -106,11 +106,6 @@ class Experiment(Generic[MotionT]):
     plant: CuttingPlant = field(repr=False)
 
     @property
-    def setup(self) -> Setup[MotionT]:
-        """Robot and its state."""
-        return self.cut
-
-    @property
     def programmed(self) -> Array:
         """(N, 3) [m], positions of the tool."""
         motion: Any = self.motion

@@ -88,5 +88,4 @@ def _row(iteration: Iteration, experiment: Experiment, series: bool) -> dict[str
 
 
 def _filled(rows: Array, missing: int) -> Array:
-    """(K, ...) with NaN for the iterations that were not run."""
     return np.concatenate((rows, np.full((missing, *rows.shape[1:]), np.nan, rows.dtype)))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import UnreachableError, inverse_path
+from armside.kinematics import Robot, UnreachableError, inverse_path
 from armside.kinematics import compile as compile_robot
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
@@ -76,7 +76,6 @@ class JointBounds:
     def _each(
         self, paths: Sequence[Chain], chosen: Sequence[int], coarser: float = 1.0
     ) -> Iterator[tuple[int, Array, Bounds]]:
-        """Index, places and limits of each chosen path."""
         batch = list[tuple[int, Array]]()
         for i in chosen:
             batch.append((i, _places(paths[i], coarser)))
@@ -92,7 +91,6 @@ class JointBounds:
         return bool((fraction * known.speed < self.speed).any() or (used > fraction).any())
 
     def _at(self, batch: Sequence[tuple[int, Chain, Array]]) -> Iterator[tuple[int, Array, Bounds]]:
-        """Limits at places of several paths."""
         phi = self._motors([path.point(s) for _, path, s in batch])
         first, second = (
             np.vstack(each)
@@ -154,15 +152,7 @@ class JointBounds:
                 for points in paths
             ]
         )
-        cell, quaternion = self.setup.cell, np.array(self.setup.tool_pose.quaternion)
-        T = transform(from_quaternion(quaternion), self.plane.to_base(tour - self.middle))
-        try:
-            return inverse_path(cell.robot, T, None, cell.limits)[own]
-        except UnreachableError as error:
-            far = f"{1e3 * error.distance:.1f} mm outside the workspace of {cell.robot.name}"
-            where = place(tour[error.index])
-            said = f"the part is out of reach at {where}: the wrist would lie {far}"
-            raise ValueError(said) from error
+        return motors_at(self.setup, self.plane.to_base(tour - self.middle), tour)[own]
 
     def _way(self, point: Array) -> Array:
         """(STEPS, 2), from the middle of the part to a point of the drawing."""
@@ -182,6 +172,25 @@ class JointBounds:
         friction = gear * drives.coulomb_friction + gear**2 * drives.viscous_friction * most
         limit = DRIVE * gear * drives.torque_limit
         return np.maximum(limit - friction, 0.1 * limit)
+
+
+def motors_at(setup: Setup, positions: Array, drawn: Array) -> Array:
+    """(M, 6) [rad], motor angles at places of the tool (M, 3), all of one branch.
+
+    Raises ValueError where one is out of reach, with its place in the drawing, of (M, 2).
+    """
+    cell = setup.cell
+    T = transform(from_quaternion(np.array(setup.tool_pose.quaternion)), positions)
+    try:
+        return inverse_path(cell.robot, T, None, cell.limits)
+    except UnreachableError as error:
+        raise out_of_reach(error, place(drawn[error.index]), cell.robot) from error
+
+
+def out_of_reach(error: UnreachableError, where: str, robot: Robot) -> ValueError:
+    """The error of a part of which a place cannot be reached."""
+    far = f"{1e3 * error.distance:.1f} mm outside the workspace of {robot.name}"
+    return ValueError(f"the part is out of reach at {where}: the wrist would lie {far}")
 
 
 def _between(places: Array, known: Bounds) -> BoundsAt:

@@ -206,7 +206,6 @@ def _mean(outputs: list[Array], reference: Array) -> Array:
 
 
 def _held(memory: Any, contours: Sequence[Timed]) -> tuple[bool, ...]:
-    """Whether each contour has converged and keeps its correction."""
     if isinstance(memory, SegmentMemory):
         return tuple(map(bool, memory.held))
     return (False,) * len(contours)

@@ -9,10 +9,10 @@ from armside.ilc.models.system_matrix import Model
 from armside.ilc.workbench.task import Task
 
 from ..evaluation.tool_error import tool_error
-from ..part.carried import place
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import default_design
-from .experiment import CuttingPlant, Pass, prepare
+from .experiment import Pass, prepare
+from .learning import generators
 from .specification import Cut
 
 SERVO = System(np.array([0.0] * 5 + [0.5083]), np.array([1.0, -0.4884]), LOG_PERIOD)
@@ -41,13 +41,9 @@ def learning_task(cut: Cut, *, seed: int = 0, name: str = "", model: Model | Non
         start=lambda repetition: prepare(cut, seed=seed, repetition=repetition).plant,
         output_of=lambda run: run.recording.motor_angle,
         measures_of=measures,
-        generators_of=_generators,
+        generators_of=generators,
         model=model,
-        place=place(motion),
+        place=motion.arc_length,
         cutoff=design.cutoff[0],
         design=(design.gamma[0], design.delta[0]),
     )
-
-
-def _generators(plant: CuttingPlant) -> list[np.random.Generator]:
-    return [plant.rng]

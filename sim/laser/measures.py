@@ -83,7 +83,7 @@ class MotorAngles:
     imu = None
 
     def prepare(self, experiment: Experiment) -> SetUp:
-        design = self.design or default_design(experiment.setup.cell)
+        design = self.design or default_design(experiment.cut.cell)
         reference = experiment.loaded.reference if self.target is None else self.target
         law = _on_nominal(experiment, reference, design.law) if self.simulated else design.law
         law.check(*reference.shape)

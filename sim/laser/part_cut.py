@@ -1,15 +1,13 @@
 """A part cut in one run: rest, and for each contour a rapid move, piercing and its cut."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Limits, Robot, UnreachableError, inverse_path
-from armside.kinematics.rigid import transform
-from armside.kinematics.rotation import from_quaternion
+from armside.kinematics import Limits, Robot, UnreachableError
 
 from ..evaluation.contour_error import ContourError, contour_errors
 from ..evaluation.kerf import kerf
@@ -31,7 +29,7 @@ from ..robot.kinematics_check import cell_model
 from ..robot.statics import Statics, anticipated_shift, smoothed
 from ..robot.virtual_robot import LOG_PERIOD
 from .experiment import Iteration, controlled
-from .joint_bounds import JointBounds
+from .joint_bounds import JointBounds, motors_at, out_of_reach
 from .results import named
 from .specification import Ended, Row, Setup, Timed
 
@@ -100,13 +98,9 @@ class PartCut(Setup[PartMotion]):
         """RMS by length, the largest of the rest."""
         length = [cut.turn.length for cut in motion.cuts]
 
-        def largest(name: str) -> float:
+        def largest(name: str, most: Callable[[Array], float] = np.max) -> float:
             values = np.array([getattr(error, name) for error in errors])
-            return float(values.max())
-
-        def largest_known(name: str) -> float:
-            values = np.array([getattr(error, name) for error in errors])
-            return float(np.nanmax(values)) if np.isfinite(values).any() else np.nan
+            return float(most(values)) if np.isfinite(values).any() else np.nan
 
         rms = np.array([error.rms for error in errors])
         return ContourError(
@@ -114,8 +108,8 @@ class PartCut(Setup[PartMotion]):
             maxdev=largest("maxdev"),
             position=largest("position"),
             path_accuracy=largest("path_accuracy"),
-            roundness=largest_known("roundness"),
-            corner=largest_known("corner"),
+            roundness=largest("roundness", np.nanmax),
+            corner=largest("corner", np.nanmax),
             path=np.concatenate([error.path for error in errors]),
         )
 
@@ -180,7 +174,7 @@ def sequence(setup: Setup, plan: Plan, plane: Plane) -> PartMotion:
 def _legs(setup: Setup, plan: Plan, plane: Plane) -> Iterator[Leg]:
     moves, clock = rapid_moves(plan), REST_BEFORE
     placed = plane.to_base(moves - plan.part.middle)
-    phi = _motors(setup, placed[:, 0], moves[:, 0])
+    phi = motors_at(setup, placed[:, 0], moves[:, 0])
     cell, speed = setup.cell, plan.cutting.rapid
     for cut, ends, tool, motors in zip(plan.cuts, moves, placed, phi, strict=True):
         timing = rapid_timing(tool, motors, speed, setup.limits, cell.robot, cell.limits)
@@ -199,19 +193,6 @@ def _legs(setup: Setup, plan: Plan, plane: Plane) -> Iterator[Leg]:
         )
         yield leg
         clock = on_grid(leg.end, LOG_PERIOD)
-
-
-def _motors(setup: Setup, positions: Array, drawn: Array) -> Array:
-    """(M, 6) [rad], motor angles at places of the tool, all of one branch."""
-    T = transform(from_quaternion(np.array(setup.tool_pose.quaternion)), positions)
-    try:
-        return inverse_path(setup.cell.robot, T, None, setup.cell.limits)
-    except UnreachableError as error:
-        where = place(drawn[error.index])
-        far = f"{1e3 * error.distance:.1f} mm outside the workspace of {setup.cell.robot.name}"
-        raise ValueError(
-            f"the part is out of reach at {where}: the wrist would lie {far}"
-        ) from error
 
 
 def rapid_timing(
@@ -251,11 +232,7 @@ def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
         shift = smoothed(anticipated_shift(controller, phi, LOG_PERIOD))
         return joint_reference(motion, robot, limits, start=phi[0], shift=shift)
     except UnreachableError as error:
-        where = _where(motion, error.index)
-        far = f"{1e3 * error.distance:.1f} mm outside the workspace of {robot.name}"
-        raise ValueError(
-            f"the part is out of reach at {where}: the wrist would lie {far}"
-        ) from error
+        raise out_of_reach(error, _where(motion, error.index), robot) from error
 
 
 def _check_speed(phi: Array, motion: PartMotion, most: Array) -> None:
@@ -267,7 +244,6 @@ def _check_speed(phi: Array, motion: PartMotion, most: Array) -> None:
 
 
 def _where(motion: PartMotion, sample: int) -> str:
-    """Place in the drawing of a sample of the motion."""
     in_plane = motion.plane.from_base(motion.position[sample])[:2]
     return place(in_plane + np.array(motion.middle))
 
@@ -292,7 +268,6 @@ def plan_notes(plan: Plan) -> Iterator[Note]:
 
 
 def _planned(cut: CutLeg) -> Row:
-    """A contour as it is planned. SI units."""
     return {
         "name": cut.name,
         "kind": cut.kind,

@@ -17,10 +17,8 @@ from ..motion.tool_motion import ToolMotion
 from ..notes import Cause, Note, together
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import saturation
-from .experiment import Experiment, Iteration, Pass, prepare
-from .learning import iterate
-from .measures import Measure, MotorAngles
-from .specification import Row, Setup
+from .experiment import Experiment, Iteration, Pass
+from .specification import Row
 
 GROWTH = 1.05
 """Error of the tool over that at k = 0 from which on it is noted: above the tracker's noise."""
@@ -99,15 +97,6 @@ def _growth(
 
 Status = Literal["done", "worse", "diverged"]
 """End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it."""
-
-
-def run(
-    cut: Setup, *, measure: Measure = MotorAngles(), iterations: int = 5, seed: int = 0
-) -> dict[str, Any]:
-    """Learn a cut and return its `results`."""
-    experiment = prepare(cut, seed=seed)
-    found = iterate(experiment, measure.prepare(experiment), iterations)
-    return results(experiment, found, of_tool=not isinstance(measure, MotorAngles))
 
 
 def results(
@@ -194,7 +183,6 @@ def _normalised(measure: Any, first: Any) -> Any:
 
 
 def _loop_error(experiment: Experiment, run: Pass) -> float:
-    """Widest opening of a closed chain in a run [m]; 0 for none."""
     loaded = experiment.loaded
     return checked_loop_error(loaded.model.mj, run.recording.truth.qpos[:: loaded.ratio])
 
@@ -236,5 +224,4 @@ def quality(
 
 
 def _true(run: Pass) -> tuple[Array, Array]:
-    """At the rate of the ground truth."""
     return run.recording.truth.time, run.recording.truth.tool_position

@@ -67,7 +67,7 @@ class ToolPath:
 
     def assumed(self, experiment: Experiment) -> NominalArm:
         """The assumed arm. Raises ValueError for a model that no estimator can be built on."""
-        known, nominal = experiment.setup.gear_error, experiment.nominal
+        known, nominal = experiment.cut.gear_error, experiment.nominal
         cfg = NominalCfg(
             structure=self.structure,
             damping=self.damping_factor,
@@ -128,7 +128,7 @@ class ToolOutput:
 
         A tool whose orientation is free turns as its position asks: no error of the program.
         """
-        turn_rate, free = self.experiment.turn_rate, self.experiment.setup.cell.free_rotation
+        turn_rate, free = self.experiment.turn_rate, self.experiment.cut.cell.free_rotation
         rotations = self.measure.source is not Source.TRACKER and not free
         return self.measure.law.along(self.known.plants, turn_rate, rotations=rotations)
 

@@ -1,7 +1,7 @@
 """Closed contours in a plane: circles, and chains of arcs and lines such as squares and slots.
 
 A `ClosedCurve` is anything with length, curvature radius, point, tangent and nearest point by arc
-length; own contours are read by `armside.sim.motion.contour_file`.
+length; own contours are read by `armside.sim.part.contour_file`.
 """
 
 from collections.abc import Mapping
@@ -143,7 +143,6 @@ class ArcsAndLines:
         return np.minimum(along, length)  # beyond its end another element is as near
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
-        """Element at each arc length, and the length along it."""
         wrapped = np.mod(np.asarray(s, dtype=np.float64), self.length)
         element = np.searchsorted(self._ends, wrapped, side="right") - 1
         element = np.clip(element, 0, len(self.elements) - 1)

@@ -73,7 +73,6 @@ def move_curve(
 
 
 def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> Array:
-    """Motor angles of a MoveJ's target."""
     if to.motors is not None:
         return np.array(to.motors)
     T_start = robot.pose(start)
@@ -107,16 +106,13 @@ def _end_rotation(T_start: Array, to: Target) -> Array:
     return T_start[:3, :3] if to.quaternion is None else from_quaternion(to.quaternion)
 
 
-@dataclass(frozen=True)
-class _Path:
-    length: float
-    point: Callable[[Array], Array]
-    """(N,) fractions of the length -> (N, 3) [m]."""
+_Path = tuple[float, Callable[[Array], Array]]
+"""Length [m]; (N,) fractions of it -> (N, 3) [m]."""
 
 
 def _line(T: Array, move: MoveL) -> _Path:
     start, way = T[:3, 3], np.array(move.to.position) - T[:3, 3]
-    return _Path(float(np.linalg.norm(way)), lambda u: start + u[:, np.newaxis] * way)
+    return float(np.linalg.norm(way)), lambda u: start + u[:, np.newaxis] * way
 
 
 def _arc(T: Array, move: MoveC) -> _Path:
@@ -140,7 +136,7 @@ def _arc(T: Array, move: MoveC) -> _Path:
         at = (u * angle)[:, np.newaxis]
         return start + c + radius * (np.cos(at) * x + np.sin(at) * y)
 
-    return _Path(radius * angle, point)
+    return radius * angle, point
 
 
 def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
@@ -149,11 +145,12 @@ def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRo
 
     q_start, q_end = to_quaternion(T[:3, :3]), to_quaternion(_end_rotation(T, to))
     rotation = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
-    if path.length < 1e-6 and rotation < 1e-6:
+    length, point = path
+    if length < 1e-6 and rotation < 1e-6:
         raise ValueError("the move ends where it starts")
-    n = 1 + int(np.ceil(max(path.length / NODE_DISTANCE, rotation / NODE_ANGLE, 50)))
+    n = 1 + int(np.ceil(max(length / NODE_DISTANCE, rotation / NODE_ANGLE, 50)))
     u = np.linspace(0.0, 1.0, n)
-    poses = transform(from_quaternion(slerp(q_start, q_end, u)), path.point(u))
+    poses = transform(from_quaternion(slerp(q_start, q_end, u)), point(u))
     try:
         phi = inverse_path(robot.robot, poses, start)
     except UnsolvableGeometryError:

@@ -108,7 +108,6 @@ class Spiral:
         return float(1.0 / np.max(np.abs(np.diff(heading) / np.diff(s))))
 
     def _velocity(self, x: Array, span: float) -> Array:
-        """Derivative by x."""
         on_contour = self.end - span * (1.0 - x)
         scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
         growth = 3.0 * (1.0 - self.inner) * (1.0 - x) ** 2

@@ -132,8 +132,6 @@ def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
 
 @dataclass(frozen=True)
 class _Planner:
-    """Geometry and timing of the moves of a program under the limits of a robot."""
-
     program: Program
     robot: CompiledRobot
     limits: Limits
@@ -191,7 +189,6 @@ class _Planner:
         return parts
 
     def _pieces(self, chain: Sequence[int]) -> list[_Piece]:
-        """Shortened moves and the corners between them, each with its limits."""
         cut = [self.curves[index] for index in chain]
         for j, (index, following) in enumerate(pairwise(chain)):
             zone = self.program.move(index).zone
@@ -226,7 +223,6 @@ def _slower(a: Speed, b: Speed) -> Speed:
 def _reports(
     program: Program, pieces: Sequence[_Piece], timings: Sequence[Timing], begun: float
 ) -> list[MoveReport]:
-    """Report of each move, from its first part to its last."""
     ends = begun + np.cumsum([t.duration for t in timings])
     starts = np.concatenate([[begun], ends[:-1]])
     reports = []

@@ -161,14 +161,12 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
         begin = [g.start if x is None else x for g, x in zip(able, at, strict=True)]
         gap = GAP if round_ == ROUNDS - 1 else ROUGH
         programme = Programme.of(rows, starts, held, weight)
-        x, found = largest(programme, np.concatenate(begin), gap)
+        x, solved = largest(programme, np.concatenate(begin), gap)
         for i, part in enumerate(np.split(x, starts[1:])):
-            if found[i] and (round_ == 0 or at[i] is not None):
+            if solved[i] and (round_ == 0 or at[i] is not None):
                 at[i] = np.maximum(part, 0.0)
-    solution = {
-        id(grid): None if x is None else grid.unit * x for grid, x in zip(able, at, strict=True)
-    }
-    return [solution.get(id(grid)) for grid in grids]
+    found = iter([None if x is None else g.unit * x for g, x in zip(able, at, strict=True)])
+    return [next(found) if grid.possible else None for grid in grids]
 
 
 def _side_by_side(

@@ -132,5 +132,4 @@ def profile_timing(acceleration: Array, steps: Array, jerk: float, ramp: float) 
 
 
 def _summed(change: Array) -> Array:
-    """Values at the start of each phase, from their changes."""
     return np.concatenate([[0.0], np.cumsum(change)[:-1]])

@@ -63,13 +63,11 @@ def rotated(chain: Chain, s: float) -> Chain:
 
 
 def _free(chain: Chain, at: Array, cut: Array) -> float:
-    """Length between the arcs at the first two corners [m]."""
     following = at[1] - cut[1] if len(at) > 1 else at[0] + chain.length - cut[0]
     return float(following - at[0] - cut[0])
 
 
 def _between(chain: Chain, at: Array, cut: Array) -> Chain:
-    """The chain with arcs `cut` [m] to either side of its corners at arc lengths `at` [m]."""
     begins = np.concatenate([[0.0], at + cut])
     ends = np.concatenate([at - cut, [chain.length]])
     pieces: list[Chain] = []

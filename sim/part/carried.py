@@ -13,11 +13,6 @@ SAME = 1e-9
 """[m], rounding of two plans of the same path."""
 
 
-def place(motion: Motion) -> Array:
-    """(N,) [m], arc length. Leads that are longer at a higher speed go on along the contour."""
-    return motion.arc_length
-
-
 def carried(correction: Array, before: Motion, motion: Motion, *, anywhere: bool = False) -> Array:
     """The correction (N, n) that was learned along `before`, for `motion`: (M, n).
 
@@ -31,7 +26,8 @@ def carried(correction: Array, before: Motion, motion: Motion, *, anywhere: bool
         raise ValueError(f"its {which} is another one, and a correction belongs to its path")
     if len(correction) == len(motion.time) and np.array_equal(before.position, motion.position):
         return correction
-    return along_path(correction, place(before), place(motion))
+    # Leads that are longer at a higher speed go on along the contour.
+    return along_path(correction, before.arc_length, motion.arc_length)
 
 
 def follows(before: Motion, motion: Motion, *, anywhere: bool = False) -> bool:

@@ -30,10 +30,6 @@ def _line(entity: Any, scale: float) -> Chain:
     return line(scale * np.array([start.x, start.y]), scale * np.array([end.x, end.y]))
 
 
-def _circle(entity: Any, scale: float) -> Chain:
-    return _round(entity, scale, 0.0, 2.0 * np.pi)
-
-
 def _arc(entity: Any, scale: float) -> Chain:
     first, last = np.radians([entity.dxf.start_angle, entity.dxf.end_angle])
     angle = np.mod(last - first, 2.0 * np.pi)
@@ -137,7 +133,7 @@ def _exactly_closed(chain: Chain) -> Chain:
 READERS: Mapping[str, Callable[[Any, float], Chain]] = {
     "LINE": _line,
     "ARC": _arc,
-    "CIRCLE": _circle,
+    "CIRCLE": lambda entity, scale: _round(entity, scale, 0.0, 2.0 * np.pi),
     "ELLIPSE": _ellipse,
     "SPLINE": _spline,
     "LWPOLYLINE": _lwpolyline,
@@ -152,15 +148,19 @@ def read_dxf(file: Path, reading: Reading) -> Drawing:
     Raises ValueError for an entity that cannot be cut, by type, handle and layer, for a unit in
     doubt, and for a file that is no drawing; OSError if it cannot be read.
     """
+    return drawing_of(opened(file), reading)
+
+
+def opened(file: Path) -> Any:
+    """Document of ezdxf. Raises as `read_dxf`."""
     try:
-        document = ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
+        return ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
     except OSError as error:
         if error.errno is not None:
             raise
         raise ValueError("this is no DXF drawing") from error  # as ezdxf says it
     except Exception as error:  # a damaged file fails anywhere in the parser
         raise ValueError(f"this is no DXF drawing: {error}") from error
-    return drawing_of(document, reading)
 
 
 def drawing_of(document: Any, reading: Reading) -> Drawing:

@@ -36,12 +36,6 @@ def order(entry: Array, leave: Array, depth: list[int], start: Array) -> list[in
     return found
 
 
-def travel(tour: list[int], entry: Array, leave: Array, start: Array) -> float:
-    """Length of the rapid moves [m]."""
-    begins = np.vstack([start, leave[tour[:-1]]])
-    return float(np.linalg.norm(entry[tour] - begins, axis=1).sum())
-
-
 def _nearest(entry: Array, leave: Array, start: Array) -> NDArray[np.int64]:
     tour, at = np.zeros(len(entry), dtype=np.int64), start
     free = np.ones(len(entry), dtype=bool)

@@ -12,8 +12,8 @@ import numpy as np
 from armside.arrays import Array
 
 from ..motion.contour import ArcsAndLines
-from ..motion.contour_file import read_contour
 from .chain import MM, Chain, place
+from .contour_file import read_contour
 from .curve import Kind
 from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join
 from .geometry import shapely

@@ -144,7 +144,6 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
 
 
 def _path(contour: PartContour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
-    """Path of the beam's centre, and the number of rounded corners."""
     try:
         corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))
         rounded = smooth(contour.chain, cutting.corner)
@@ -188,11 +187,11 @@ def _of_some(
     """Profiles of paths. known: by elements, of paths that no joint limits; new ones are added."""
     elements = [np.column_stack([path.lengths, path.curvature]) for path in paths]
     keys = [np.round(each, 9).tobytes() for each in elements]
-    free = {key: _bends(each) for key, each in zip(keys, elements, strict=True)}
+    free = {key: Bends(*each.T) for key, each in zip(keys, elements, strict=True)}
     new = [key for key, bound in zip(keys, bounds, strict=True) if bound is None]
     new = [key for key in dict.fromkeys(new) if key not in known]
     limited = [
-        _bends(each, bound)
+        Bends(*each.T, bounds=bound)
         for each, bound in zip(elements, bounds, strict=True)
         if bound is not None
     ]
@@ -203,10 +202,6 @@ def _of_some(
         known[key] if bound is None else next(of_limited)
         for key, bound in zip(keys, bounds, strict=True)
     ]
-
-
-def _bends(elements: Array, bounds: BoundsAt | None = None) -> Bends:
-    return Bends(elements[:, 0], elements[:, 1], bounds)
 
 
 def _joints(contour: PartContour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:

@@ -240,7 +240,6 @@ def _shapes(group: Any, layer: str) -> Iterator[tuple[Any, str]]:
 
 
 def _layer(attributes: Any, outer: str) -> str:
-    """Layer of what is inside a group."""
     if attributes.get(f"{INKSCAPE}groupmode") == "layer":
         return attributes.get(f"{INKSCAPE}label") or attributes.get("id") or outer
     return outer or attributes.get("id") or ""

@@ -5,10 +5,11 @@ of a part those of each leg. The samples at the log rate are evaluated from them
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+
+from armside.arrays import Array
 
 from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
 from ..motion.path import CuttingPath, Plane
@@ -33,9 +34,9 @@ def to_json(motion: ToolMotion | PartMotion) -> dict[str, Any]:
         given = type(path.curve).__name__
         raise ValueError(f"a contour of class {given} cannot be stored; Circle, ArcsAndLines can")
     block = {
-        "contour": asdict(path.curve),
-        "plane": asdict(path.plane),
-        "timing": asdict(motion.timing),
+        "contour": path.curve,
+        "plane": path.plane,
+        "timing": motion.timing,
         "n_samples": len(motion.time),
         "step": motion.time[1] - motion.time[0],
         "quaternion": motion.quaternion[0],
@@ -52,11 +53,10 @@ def from_json(block: Mapping[str, Any]) -> ToolMotion | PartMotion:
         return _part_motion(block)
     path = CuttingPath(
         curve=_curve(block["contour"]),
-        plane=Plane(**{name: np.array(value) for name, value in block["plane"].items()}),
+        plane=Plane(**_arrays(block["plane"])),
         **{name: block[name] for name in LEADS},
     )
-    stored = block["timing"]
-    timing = Timing(np.array(stored["start"]), np.array(stored["state"]), stored["duration"])
+    timing = _timing(block["timing"])
     first, last = block["contour_time"]
     time = np.arange(block["n_samples"], dtype=np.float64) * block["step"]
     arc_length, _, _ = timing.at(time - block["rest_before"])
@@ -83,17 +83,11 @@ def _curve(block: Mapping[str, Any]) -> ClosedCurve:
 
 def _of_part(motion: PartMotion) -> dict[str, Any]:
     block: dict[str, Any] = {name: getattr(motion, name) for name in OF_A_PART}
-    plane = {"origin": motion.plane.origin, "axes": motion.plane.axes}
-    return plain(block | {"plane": plane, "legs": [_of_leg(leg) for leg in motion.legs]})
+    return plain(block | {"plane": motion.plane, "legs": [_of_leg(leg) for leg in motion.legs]})
 
 
 def _of_leg(leg: Leg) -> dict[str, Any]:
-    timing = leg.timing
-    block: dict[str, Any] = {
-        "path": {"points": leg.path.points, "bulge": leg.path.bulge},
-        "timing": {"start": timing.start, "state": timing.state, "duration": timing.duration},
-        "start": leg.start,
-    }
+    block: dict[str, Any] = {"path": leg.path, "timing": leg.timing, "start": leg.start}
     if isinstance(leg, CutLeg):
         block |= {"name": leg.name, "kind": leg.kind}
         block |= {"lead": leg.lead, "asked_speed": leg.asked_speed}
@@ -105,18 +99,22 @@ def _part_motion(block: Mapping[str, Any]) -> PartMotion:
     for name in ("middle", "tool_quaternion"):
         scalars[name] = tuple(scalars[name])
     scalars["limits_hit"] = tuple((a, b, c) for a, b, c in scalars["limits_hit"])
-    plane = Plane(**{name: np.array(value) for name, value in block["plane"].items()})
+    plane = Plane(**_arrays(block["plane"]))
     return PartMotion(legs=tuple(_leg(leg) for leg in block["legs"]), plane=plane, **scalars)
 
 
 def _leg(block: Mapping[str, Any]) -> Leg:
-    timing = block["timing"]
-    common: dict[str, Any] = {
-        "path": Chain(**{name: np.array(value) for name, value in block["path"].items()}),
-        "timing": Timing(np.array(timing["start"]), np.array(timing["state"]), timing["duration"]),
-        "start": block["start"],
-    }
+    path, timing = Chain(**_arrays(block["path"])), _timing(block["timing"])
+    common: dict[str, Any] = {"path": path, "timing": timing, "start": block["start"]}
     if "kind" not in block:
         return Leg(**common)
     own = {name: block[name] for name in ("name", "lead", "asked_speed")}
     return CutLeg(kind=Kind(block["kind"]), **common, **own)
+
+
+def _arrays(block: Mapping[str, Any]) -> dict[str, Array]:
+    return {name: np.array(value) for name, value in block.items()}
+
+
+def _timing(block: Mapping[str, Any]) -> Timing:
+    return Timing(np.array(block["start"]), np.array(block["state"]), block["duration"])

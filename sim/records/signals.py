@@ -217,7 +217,6 @@ def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array
 
 
 def _rates(run: RecordedRun, truth_rate: float) -> dict[str, float]:
-    """Sampling rate of each stream [Hz]."""
     rates = {"log": rate_of(run.recording.time), "truth": truth_rate}
     if run.tracker:
         rates["tracker"] = rate_of(run.tracker.time)

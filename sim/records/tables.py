@@ -80,7 +80,6 @@ def units(table: pa.Table) -> dict[str, str]:
 
 
 def _metadata(table: pa.Table) -> dict[str, str]:
-    """Metadata of a table, with the units as JSON."""
     own = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
     return own | {"units": json.dumps(units(table))}
 

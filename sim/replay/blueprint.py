@@ -100,7 +100,6 @@ def _robot(layout: Layout) -> tuple[rrb.View, rrb.View]:
 
 
 def _paths(layout: Layout) -> tuple[rrb.View, rrb.View]:
-    """Paths of all iterations, and of the current one."""
     every = layout.titled(f"Tool path by iteration, deviation ×{layout.factor:g}")
     now = f"This iteration ×{layout.factor:g} [mm, y up]"
     return (
@@ -125,7 +124,6 @@ def _series(
 
 
 def _more(layout: Layout) -> list[rrb.View]:
-    """Views behind the first one: further series, and the spectrum."""
     origin, name = layout.entity("spectrum"), "Spectrum [µm over Hz]"
     spectrum = rrb.BarChartView(origin=origin, name=name, plot_legend=LEGEND)
     return [*(_series(layout, entity, title) for entity, title in MORE), spectrum]

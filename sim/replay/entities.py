@@ -263,7 +263,6 @@ def _primitive(mj: mujoco.MjModel, kind: mjtGeom, geoms: np.ndarray) -> rr.AsCom
 
 
 def _mesh(mj: mujoco.MjModel, geom: int) -> rr.Mesh3D:
-    """A mesh, moved into its body's frame."""
     mesh, R = int(mj.geom_dataid[geom]), np.empty(9)
     vertices = mj.mesh_vert[mj.mesh_vertadr[mesh] :][: mj.mesh_vertnum[mesh]]
     faces = mj.mesh_face[mj.mesh_faceadr[mesh] :][: mj.mesh_facenum[mesh]]

@@ -1,16 +1,6 @@
 """Robot individuals on disk: the parameters of `Individual` in TOML.
 
-    friction = [1.02, 0.95, 1.1, 1, 1, 0.97]         # one value for each axis, or one for all
-    gear_error = [[1, 1, 1, 1], ...]                 # four orders for each of six axes
-    position = [[0, 0, 0.0005], ...]                 # [m], three directions for each of six axes
-
-    [[hidden]]                                       # as many tables as there are hidden hinges
-    body = "tube"
-    axis = [0, 1, 0]
-    position = [0, 0, 0]                             # [m; default 0]
-    stiffness = 2e6                                  # [N m/rad]
-    damping = 400                                    # [N m s/rad]
-
+docs/formats.md has all parameters and the keys of `[[hidden]]`, a table for each hidden hinge.
 Parameters that are left out are those of the design.
 """
 

@@ -54,15 +54,6 @@ def between(T: Array, other: Array) -> tuple[Array, Array]:
     return position, 2.0 * np.arcsin(np.minimum(apart, 1.0))
 
 
-def differences(
-    model: RobotModel, robot: Robot, phi: Array, site: str = TOOL
-) -> tuple[Array, Array]:
-    """Distance [m] and rotation angle [rad], (K,) each, between a site and the last frame of the
-    D-H model at motor angles (K, n)."""
-    T_base_tool = kinematics.compile(robot).pose(np.ascontiguousarray(phi))
-    return between(site_poses(model, phi, site)[0], T_base_tool)
-
-
 POSITION = 1e-6
 """Largest difference of a site's position [m]. Learning leaves 10 um of error at the tool, which a
 tenth of it must not change; both sides compute alike to 1e-14 m."""

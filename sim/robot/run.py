@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
-from numba import njit
 
 from armside.arrays import Array
 
@@ -251,13 +250,18 @@ def truth(
     and states and sensors (M, ...) as the rollout returns them.
     """
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
-    at = slice(1, 1 + model.mj.nq)
-    qpos = np.vstack((initial_state[at], states[:-1, at]))
-    angle, spring, torque = np.empty((3, len(states), model.n_axes))
-    start, rows, inputs = map(np.ascontiguousarray, (initial_state, states, controls))
-    first = _motors(
-        start, rows, inputs, _columns(model), _servo(model), _limits(model), (angle, spring, torque)
-    )
+    drives, nq, nv = model.drives, model.mj.nq, model.mj.nv
+    rows = np.vstack((initial_state, states[:-1]))
+    qpos, qvel = rows[:, 1 : 1 + nq], rows[:, 1 + nq : 1 + nq + nv]
+    angle, speed = qpos[:, model.motor], qvel[:, model.motor]
+    # The torque of the servo law, limited, with the speed at the start of a step.
+    position, velocity, added = np.moveaxis(controls.reshape(len(states), -1, 3), 2, 0)
+    wanted = drives.kp * (position - drives.gear * angle)
+    wanted = wanted + drives.kd * (velocity - drives.gear * speed) + added
+    if len(model.integrator):
+        wanted += drives.ki * rows[:, 1 + nq + nv + model.integrator]
+    torque = np.clip(wanted, -drives.torque_limit, drives.torque_limit)
+    spring = qpos[:, model.flex] if len(model.flex) else np.zeros_like(angle)
     record = Truth(
         time=time,
         gear_angle=angle,
@@ -270,11 +274,19 @@ def truth(
         qpos=qpos,
         gear_error=model.gear_error or EXACT,
     )
-    hits = tuple(
-        (WATCHED[limit], int(axis) + 1, float(time[first[limit, axis]]))
-        for limit, axis in np.argwhere(first >= 0)
+    low, high = model.joint_range.T
+    watched = (
+        (torque, -drives.torque_limit, drives.torque_limit),
+        (speed, -drives.speed_limit, drives.speed_limit),
+        (angle, low, high),
     )
-    return record, hits
+    reached = [(value <= low) | (value >= high) for value, low, high in watched]
+    hits = [
+        (name, int(axis) + 1, float(time[np.argmax(over[:, axis])]))
+        for name, over in zip(WATCHED, reached, strict=True)
+        for axis in np.flatnonzero(over.any(axis=0))
+    ]
+    return record, tuple(hits)
 
 
 def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | None) -> Array:
@@ -287,67 +299,3 @@ def measured_angle(model: RobotModel, gear_angle: Array, encoder_noise: Array | 
     if drives.encoder_counts > 0.0:
         motor_angle = quantise(motor_angle, drives.encoder_counts, drives.gear)
     return motor_angle
-
-
-def _columns(model: RobotModel) -> np.ndarray:
-    """(4, n), columns of a state: motor angle, motor speed, integral, gear spring; -1 for none."""
-    nq, nv = model.mj.nq, model.mj.nv
-    columns = np.full((4, model.n_axes), -1)
-    columns[0], columns[1] = 1 + model.motor, 1 + nq + model.motor
-    if len(model.integrator):
-        columns[2] = 1 + nq + nv + model.integrator
-    if len(model.flex):
-        columns[3] = 1 + model.flex
-    return columns
-
-
-def _servo(model: RobotModel) -> Array:
-    """(5, n): gear ratio, gains, torque limit."""
-    drives = model.drives
-    return np.array([drives.gear, drives.kp, drives.kd, drives.ki, drives.torque_limit])
-
-
-def _limits(model: RobotModel) -> Array:
-    """(3, 2, n), lower and upper, in the order of WATCHED and the units of the truth."""
-    torque, speed = model.drives.torque_limit, model.drives.speed_limit
-    return np.array([(-torque, torque), (-speed, speed), model.joint_range.T])
-
-
-@njit(cache=True, nogil=True)
-def _motors(
-    initial_state: Array,
-    states: Array,
-    controls: Array,
-    columns: np.ndarray,
-    servo: Array,
-    limits: Array,
-    out: tuple[Array, Array, Array],
-) -> np.ndarray:  # pragma: no cover - compiled
-    """Angle, spring wind-up and torque of each axis, each (M, n), written into `out`.
-
-    The torque is that of the servo law, limited, with the speed at the start of a step.
-
-    Returns:
-        (3, n), first row at which each limit is reached, in the order of WATCHED; or -1.
-    """
-    angle, spring, torque = out
-    first = np.full((len(limits), columns.shape[1]), -1)
-    for i in range(len(states)):
-        state = initial_state if i == 0 else states[i - 1]
-        for j in range(columns.shape[1]):
-            gear, kp, kd, ki, limit = servo[:, j]
-            q, speed = state[columns[0, j]], state[columns[1, j]]
-            wanted = (
-                kp * (controls[i, 3 * j] - gear * q)
-                + kd * (controls[i, 3 * j + 1] - gear * speed)
-                + controls[i, 3 * j + 2]
-            )
-            if columns[2, j] >= 0:
-                wanted += ki * state[columns[2, j]]
-            torque[i, j] = min(max(wanted, -limit), limit)
-            angle[i, j] = q
-            spring[i, j] = 0.0 if columns[3, j] < 0 else state[columns[3, j]]
-            for k, value in enumerate((torque[i, j], speed, q)):
-                if first[k, j] < 0 and (value <= limits[k, 0, j] or value >= limits[k, 1, j]):
-                    first[k, j] = i
-    return first

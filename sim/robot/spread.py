@@ -118,8 +118,6 @@ PRODUCTION = Spread(
 
 @dataclass(frozen=True)
 class _Link:
-    """Link on which a hidden hinge may lie."""
-
     body: str
     end: tuple[float, float, float]
     """Of the link, in its own axes [m]."""

@@ -4,7 +4,7 @@ A body's z-axis is the axis of its joint. At zero motor angles it is placed by t
 and the offset; a motor that turns its joint backwards has the axis -z.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,7 +47,7 @@ def frames(robot: kinematics.Robot) -> list[Frame]:
             T = T @ before @ _shift(float(link.theta), float(link.d)) @ after
             continue
         if found:
-            found[-1] = _ended(found[-1], T @ before)
+            found[-1] = replace(found[-1], end=T @ before)
         sign, offset = next(moving)
         revolute = link.joint is Joint.REVOLUTE
         turned = _shift(float(link.theta) + (offset if revolute else 0.0), 0.0)
@@ -55,7 +55,7 @@ def frames(robot: kinematics.Robot) -> list[Frame]:
         place = T @ before @ turned if revolute else T @ before @ turned @ lifted
         T = lifted @ after if revolute else after
         found.append(Frame(link.joint, float(sign), place, T, T))
-    found[-1] = _ended(found[-1], T)
+    found[-1] = replace(found[-1], end=T)
     return found
 
 
@@ -76,10 +76,6 @@ def _signs(robot: kinematics.Robot) -> Array:
             "a robot whose motors move several joints needs a model (MJCF) of its own"
         )
     return signs
-
-
-def _ended(frame: Frame, end: Array) -> Frame:
-    return Frame(frame.joint, frame.sign, frame.place, frame.link, end)
 
 
 def _parts(link: Link, modified: bool) -> tuple[Array, Array]:

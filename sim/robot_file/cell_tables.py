@@ -1,36 +1,9 @@
 """Cells on disk: a robot with its hardware or model, poses and programs in TOML.
 
-The kinematics are those of a robot file (`armside.kinematics.robot_file`: name, convention, offset,
-coupling, [[link]], [limits]), or of a URDF file. Beside them:
-
-    model = "my_robot.xml"               # MJCF of the virtual hardware, beside this file [default:
-                                         # built from this file]
-    urdf = "my_robot.urdf"               # in place of [[link]] and [limits]; a tree: FILE.urdf#TIP
-    orientation = "held"                 # or "free": contours set positions alone [default: held
-                                         # for six axes and more, free for fewer]
-    home = [0, 1.2]                      # motor angles near which poses are reached [rad; default:
-                                         # the zero pose]
-
-    [[imu]]                              # constant links from the tool to the IMU, as [[link]]
-    theta = "pi"                         # [default: the IMU is at the tool]
-
-    [pose.p1]                            # named poses of the tool, at least one
-    position = [0.7, 0.3, 1.0]           # [m], base axes
-    quaternion = [1, 0, 0, 0]            # w first, base to tool [default: no rotation]; or
-                                         # rotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
-
-    [program]                            # motions of the IMU experiment: program files, beside this
-    simultaneous = ["programs/my_robot.toml"]
-
-    [learning]                           # default design [default: that of the thesis]
-    gamma = 0.9
-    delta = 3                            # [samples of 4 ms]
-    cutoff = 10                          # [Hz]
-
-Drives, springs and masses are those of the MJCF. Without `model` they are those of the tables
-[hardware], [base], [[body]], [drives], [gears], [[structure]], [effects] and [tool] of this file
-(`armside.sim.robot_file`), or estimated, and the MJCF is built from them. Before anything runs, the
-kinematics of the MJCF are compared with those of this file.
+The kinematics are those of a robot file (`armside.kinematics.robot_file`) or of a URDF. Beside them
+stand `OWN` keys: model or tables of hardware, poses, programs, default design. docs/robots.md has
+all keys with units and defaults. Before anything runs, the kinematics of a model are compared with
+those of the file.
 """
 
 from collections.abc import Mapping
@@ -59,7 +32,8 @@ from ..robot.virtual_robot import LOG_PERIOD
 from .build import build, cached
 from .hardware import LinkBody, Taken
 from .masses import bodies_of
-from .reading import TABLES, read_hardware
+from .reading import TABLES, needs, read_hardware
+from .reading import table as checked
 
 OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
 """Keys beside those of kinematics."""
@@ -139,7 +113,6 @@ def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Ro
 
 
 def _beside(folder: Path, name: str, given: Any) -> Path:
-    """A file that is named relative to a folder."""
     if not isinstance(given, str) or not given:
         raise ValueError(f"{name} must be the name of a file, got {given!r}")
     file = folder / given
@@ -162,9 +135,7 @@ def _poses(tables: Any) -> dict[str, ToolPose]:
 
 
 def _pose(where: str, table: Any) -> ToolPose:
-    if not isinstance(table, dict):
-        raise ValueError(f"{where} must be a table with a position")
-    refuse_unknown(where, table, ("position", "quaternion", "rotation"))
+    table = checked(where, table, ("position", "quaternion", "rotation"))
     x, y, z = _vector(f"{where}: position", table.get("position"), 3)
     if "rotation" in table:
         if "quaternion" in table:
@@ -204,14 +175,10 @@ def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
 
 
 def _learning(table: Any) -> Learning | None:
-    """Design of a table; None without one."""
     if table is None:
         return None
-    if not isinstance(table, dict):
-        raise ValueError(f"learning must be a table, got {table!r}")
-    if missing := [name for name in _LEARNING if name not in table]:
-        raise ValueError(f"learning lacks {', '.join(missing)}")
-    refuse_unknown("learning", table, _LEARNING)
+    table = checked("learning", table, _LEARNING)
+    needs("learning", table, _LEARNING)
     gamma, delta, cutoff = (_vector(f"learning: {n}", [table[n]], 1)[0] for n in _LEARNING)
     if not gamma > 0.0:
         raise ValueError(f"learning: gamma must be > 0, got {gamma:g}")

@@ -113,7 +113,7 @@ def drives(
             return
         size = DRIVES[name].size or n
         values = np.broadcast_to(np.asarray(rule(), dtype=np.float64), (size,))
-        text = _rule(DRIVES[name].default)
+        text = f"ESTIMATE: {DRIVES[name].default}"
         found[name] = report.take(f"drives: {name}", values, text, exact=name in _EXACT)
 
     slides = np.array([frame.joint is Joint.PRISMATIC for frame in chain])
@@ -158,10 +158,6 @@ _CONTROLLER = {
 """ESTIMATE: after the large robot."""
 
 
-def _rule(rule: str) -> str:
-    return f"ESTIMATE: {rule}"
-
-
 def _torque(arm: RigidArm, speed: Array) -> Array:
     needed = 2.0 * (arm.gravity_load + arm.inertia * speed / RISE)
     return np.maximum(needed, LEAST_TORQUE * needed.max())
@@ -187,7 +183,7 @@ def _stiffness(given: Hardware, usual: Array, arm: RigidArm, report: Report) -> 
         rule = "inertia of the arm at home times (2 pi frequency)^2"
         return report.take("gears: stiffness", values, rule)
     values = np.minimum(usual, arm.own_inertia * (2.0 * np.pi * STIFFEST) ** 2)
-    return report.take("gears: stiffness", values, _rule(GEARS["stiffness"].default))
+    return report.take("gears: stiffness", values, f"ESTIMATE: {GEARS['stiffness'].default}")
 
 
 def _damping(given: Hardware, stiffness: Array, arm: RigidArm, report: Report) -> Array:
@@ -195,7 +191,8 @@ def _damping(given: Hardware, stiffness: Array, arm: RigidArm, report: Report) -
         return np.zeros(0)
     if "damping" in given.gears:
         return np.array(given.gears["damping"])
-    ratio, rule = np.full(len(stiffness), DAMPING), _rule("damping ratio 0.03 of the arm at home")
+    rule = "ESTIMATE: damping ratio 0.03 of the arm at home"
+    ratio = np.full(len(stiffness), DAMPING)
     if "damping_ratio" in given.gears:
         ratio = np.array(given.gears["damping_ratio"])
         rule = "2 damping_ratio times the root of stiffness times inertia of the arm at home"

@@ -101,11 +101,9 @@ def _arm_of_file(name: str) -> Arm:
 
 def _of_tree(tree: UrdfArm) -> KnownRobot:
     arm = Arm(tree.robot, tree.limits)
-    return (
-        KnownRobot(arm, notes=(_NO_MASSES,))
-        if tree.bodies is None
-        else KnownRobot(arm, tree.bodies)
-    )
+    if tree.bodies is None:
+        return KnownRobot(arm, notes=(_NO_MASSES,))
+    return KnownRobot(arm, tree.bodies)
 
 
 def _weighed(cell: Cell) -> KnownRobot:

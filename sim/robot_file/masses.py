@@ -111,7 +111,6 @@ def _lengths(chain: list[Frame]) -> Array:
 def _shares(
     given: Hardware, bodies: tuple[LinkBody, ...], lengths: Array, report: Report
 ) -> tuple[Array, float]:
-    """Mass of each link and of the base [kg]."""
     known = np.array([np.nan if body.mass is None else body.mass for body in bodies])
     weight = np.maximum(lengths, LEAST * lengths[0]) + 1e-9
     missing, total, base = np.isnan(known), given.mass, given.base.mass
@@ -149,32 +148,26 @@ def _per_weight(total: float | None, base: float | None, known: Array, weight: A
 
 def _link(number: int, body: LinkBody, mass: float, frame: Frame, report: Report) -> Mass:
     R, origin = frame.link[:3, :3], frame.link[:3, 3]
-    name, estimated = f"body {number}", list[str]()
+    name = f"body {number}"
     if body.centre is None:
-        estimated.append("centre")
         centre = report.take(f"{name}: centre", frame.along / 2.0, "ESTIMATE: midway, joint axes")
     else:
         centre = origin + R @ np.array(body.centre)
     if body.inertia is None:
-        estimated.append("inertia")
         inertia = _estimated(f"{name}: inertia", mass, frame.along, report)
     else:
         inertia = rotated(body.inertia, R)
-    if body.mass is None:
-        estimated.insert(0, "mass")
-    return Mass(mass, centre, inertia, _source(estimated))
+    return Mass(mass, centre, inertia, _source(body))
 
 
 def _base(body: LinkBody, mass: float, shoulder: Array, report: Report) -> Mass:
-    estimated = [name for name in ("mass", "centre", "inertia") if getattr(body, name) is None]
     column = np.array([0.0, 0.0, shoulder[2]])
     centre = column / 2.0 if body.centre is None else np.array(body.centre)
     inertia = body.inertia or _estimated("base: inertia", mass, column, report)
-    return Mass(mass, centre, inertia, _source(estimated))
+    return Mass(mass, centre, inertia, _source(body))
 
 
 def _tool(body: LinkBody, whole: float, report: Report) -> Mass:
-    estimated = [name for name in ("mass", "centre", "inertia") if getattr(body, name) is None]
     mass = body.mass
     if mass is None:
         rule = f"ESTIMATE: {100 * TOOL:g} % of the robot"
@@ -187,7 +180,7 @@ def _tool(body: LinkBody, whole: float, report: Report) -> Mass:
         centre = np.array(body.centre)
     along = np.array([0.0, 0.0, size])
     inertia = body.inertia or _estimated("tool: inertia", mass, along, report)
-    return Mass(mass, centre, inertia, _source(estimated))
+    return Mass(mass, centre, inertia, _source(body))
 
 
 def _estimated(name: str, mass: float, along: Array, report: Report) -> Six:
@@ -195,7 +188,8 @@ def _estimated(name: str, mass: float, along: Array, report: Report) -> Six:
     return tuple(values.tolist())  # pyright: ignore[reportReturnType] - six of them
 
 
-def _source(estimated: list[str]) -> str:
+def _source(body: LinkBody) -> str:
+    estimated = [name for name in ("mass", "centre", "inertia") if getattr(body, name) is None]
     return f"ESTIMATE: {', '.join(estimated)}" if estimated else "of the robot file"
 
 

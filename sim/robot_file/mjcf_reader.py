@@ -81,7 +81,6 @@ def joint_name(mj: mujoco.MjModel, joint: int) -> str:
 
 
 def _body_joints(mj: mujoco.MjModel, body: int) -> Iterator[UrdfJoint]:
-    """Joints from the parent of a body to the body itself."""
     own, first = body_name(mj, body), int(mj.body_jntadr[body])
     place = _placed(mj.body_pos[body], mj.body_quat[body])
     mount = _Mount(body_name(mj, int(mj.body_parentid[body])), place)
@@ -126,7 +125,6 @@ def _range(mj: mujoco.MjModel, joint: int, kind: Kind) -> tuple[float, float]:
 
 
 def _leader(mj: mujoco.MjModel, joint: int) -> str | None:
-    """Joint that an equality makes this one follow."""
     for i in range(mj.neq):
         follows = mj.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT and mj.eq_active0[i]
         if follows and mj.eq_obj1id[i] == joint:

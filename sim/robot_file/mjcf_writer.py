@@ -132,7 +132,6 @@ def _head(name: str, given: Hardware) -> Element:
 
 
 def _effects(given: Hardware, drives: Drives, n: int) -> dict[str, ArrayLike]:
-    """Numerics of the effects that the file gives."""
     asked, found = given.effects, dict[str, ArrayLike]()
     if "lost_motion" in asked:
         soft = asked.get("soft_stiffness", tuple(_SOFT * drives.stiffness))
@@ -151,7 +150,6 @@ def _effects(given: Hardware, drives: Drives, n: int) -> dict[str, ArrayLike]:
 
 
 def _add_defaults(root: Element) -> None:
-    """Classes of joints and drives, and the materials."""
     robot = SubElement(SubElement(root, "default"), "default", {"class": "robot"})
     SubElement(robot, "geom", contype="0", conaffinity="0", group="2")
     SubElement(robot, "joint", type="hinge")
@@ -169,7 +167,6 @@ def _add_defaults(root: Element) -> None:
 
 
 def _add_bodies(root: Element, tree: Tree) -> None:
-    """The chain from base to tool with its joints, masses, shapes and sites."""
     body = SubElement(SubElement(root, "worldbody"), "body", name="base", childclass="robot")
     _add_mass(body, tree.masses.base)
     _add_base_shape(body, tree)
@@ -232,7 +229,6 @@ def _spring(spring: Spring) -> dict[str, str]:
 
 
 def _add_base_shape(body: Element, tree: Tree) -> None:
-    """A column from the floor to the first joint."""
     x, y, z = points(tree.chain)[0]
     _, radius = cylinder(tree.masses.base.mass, np.array([x, y, z]))
     top, wide = max(float(z), 0.02), min(radius, 0.2 * tree.masses.length + 0.02)

@@ -155,10 +155,9 @@ def start(limits: Limits, kinds: tuple[Joint, ...]) -> tuple[float, ...]:
 def _add_masses(doc: _Place, given: Hardware, built: Built, n: int) -> None:
     taken = {one.field: one for one in built.taken}
     hardware = tomlkit.table()
-    if (whole := taken.get("hardware: mass")) is not None:
-        _default(hardware, "mass", whole.values[0], f"[kg], tool excluded. {whole.rule}")
-    else:
-        _default(hardware, "mass", None, "[kg] of the whole robot, tool excluded")
+    whole, about = taken.get("hardware: mass"), "[kg] of the whole robot, tool excluded"
+    value, rule = (whole.values[0], f". {whole.rule}") if whole else (None, "")
+    _default(hardware, "mass", value, f"{about}{rule}")
     _default(hardware, "time_step", 0.0005, "[s]")
     hardware.add(tomlkit.nl())
     _note(hardware, "one for each moving link, in the axes of its D-H frame")

@@ -205,7 +205,7 @@ def _structure(rows: Any, n_axes: int) -> tuple[StructureHinge, ...]:
 
 def _hinge(where: str, row: Any, n_axes: int) -> StructureHinge:
     row = table(where, row, _HINGE)
-    _needs(where, row, ("name", "link", "direction", "stiffness"))
+    needs(where, row, ("name", "link", "direction", "stiffness"))
     name, link = row["name"], row["link"]
     if not (isinstance(name, str) and name.isidentifier()):
         raise ValueError(f"{where}: name must be letters, digits and _, got {name!r}")
@@ -227,6 +227,7 @@ def _hinge(where: str, row: Any, n_axes: int) -> StructureHinge:
     )
 
 
-def _needs(where: str, row: Mapping[str, Any], names: Sequence[str]) -> None:
+def needs(where: str, row: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Raise ValueError for keys that a table lacks."""
     if missing := [name for name in names if name not in row]:
         raise ValueError(f"{where} lacks {', '.join(missing)}")

@@ -42,7 +42,6 @@ def built_files(cell: Cell, stem: str) -> dict[str, str]:
 
 
 def _tables(cell: Cell, model: str) -> dict[str, Any]:
-    """Tables of the robot file of a cell."""
     known = robot_tables(cell.robot, cell.limits, number)
     tables = {name: known.pop(name) for name in ("link", "limits")}
     known |= {"model": model, "orientation": "free" if cell.free_rotation else "held"}

@@ -15,7 +15,7 @@ from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
 from armside.sim.robot.virtual_robot import VirtualRobot
 
-from .irb1400_motion import at_rest_pose, brisk_motion, through
+from .irb1400_motion import at_rest_pose, brisk_motion, held, through
 
 DH_TOLERANCE = 0.5e-6  # [m], rigid closed chain against D-H: the solver's compliance
 LOOP_TOLERANCE = 1e-6  # [m], the cut of the parallelogram in any run
@@ -28,16 +28,6 @@ def dh():
 
 
 # Data
-
-
-def test_it_compiles_and_runs_without_warnings_under_noise(full):
-    data = mujoco.MjData(full.mj)
-    noise = np.random.default_rng(0).standard_normal((2000, full.mj.nu))
-    for row in noise:
-        data.ctrl[:] = 0.2 * row
-        mujoco.mj_step(full.mj, data)
-    assert np.isfinite(data.qpos).all()
-    assert not any(warning.number for warning in data.warning)
 
 
 def test_the_scene_holds_the_robot_and_its_cameras():
@@ -53,11 +43,6 @@ def test_both_robots_expose_the_same_interface(full):
     for i in AXES:
         assert full.mj.actuator(f"axis_{i}").trnid[0] == full.mj.joint(f"motor_{i}").id
     assert full.mj.key("zero").qpos == pytest.approx(np.zeros(full.mj.nq))
-
-
-def test_the_robot_weighs_225_kg_beside_its_imu(full):
-    mount = full.mj.body("imu_mount").mass[0]
-    assert full.mj.body_mass.sum() - mount == pytest.approx(225.0, abs=1e-9)
 
 
 def test_the_wrist_reaches_1_44_m_within_the_limits_of_the_axes(full):
@@ -95,34 +80,9 @@ def test_each_centre_of_mass_lies_in_its_link(full):
         assert (com <= corners.max(axis=0)).all(), name
 
 
-def test_inertias_obey_the_triangle_inequality(full):
-    inertia = np.sort(full.mj.body_inertia[1:], axis=1)
-    assert (inertia[:, 0] > 0.0).all()
-    assert (inertia[:, 0] + inertia[:, 1] >= inertia[:, 2]).all()
-
-
 def test_its_shapes_neither_collide_nor_weigh(full):
     assert not full.mj.geom_contype.any()
     assert not full.mj.geom_conaffinity.any()
-
-
-def test_ranges_and_speeds_are_those_of_the_kinematic_description(full):
-    limits = kinematics.IRB1400_LIMITS
-    expected = np.column_stack((limits.lower, limits.upper))
-    assert full.joint_range == pytest.approx(expected, abs=1e-5)
-    assert full.drives.speed_limit == pytest.approx(limits.speed, abs=1e-6)
-    (linkage,) = limits.coupled
-    assert full.mj.joint("link_elbow").range == pytest.approx(
-        [linkage.lower, linkage.upper], abs=1e-5
-    )
-
-
-def test_drive_data_agree_with_themselves(full):
-    drives, mj = full.drives, full.mj
-    gear = [mj.actuator(f"axis_{i}").gear[0] for i in AXES]
-    assert drives.gear == pytest.approx(gear)
-    n_Jm = [1.3e-3, 1.3e-3, 1.3e-3, 2.0e-4, 1.8e-4, 1.6e-4] * drives.gear**2
-    assert mj.dof_armature[full.motor] == pytest.approx(n_Jm)
 
 
 def test_servo_gains_follow_from_the_inertia_of_the_zero_pose(full):
@@ -151,20 +111,11 @@ def test_the_passive_joints_follow_the_motors_in_every_pose(full, dh):
     """The constant map closes the loop exactly, and puts the tool where D-H with (4.10) says."""
     rng = np.random.default_rng(1)
     limits, linkage = kinematics.IRB1400_LIMITS, Linkage(full.mj)
-    phi = rng.uniform(limits.lower, limits.upper, (400, 6))
+    phi = rng.uniform(limits.lower, limits.upper, (150, 6))
     for row in phi[limits.contain(phi)]:
         data = at_rest_pose(full, row)
         assert np.abs(linkage.gap(data)).max() < ROUNDING
         assert data.site("tool0").xpos == pytest.approx(dh.pose(row)[:3, 3], abs=ROUNDING)
-
-
-def test_the_imu_is_where_the_two_constant_links_put_it(full):
-    """Thesis Table 5.1 and (5.7)-(5.9): position and axes of the site, in any pose."""
-    imu = kinematics.compile(kinematics.IRB1400_IMU)
-    for phi in np.random.default_rng(2).uniform(-0.5, 0.5, (20, 6)):
-        site, T_base_imu = at_rest_pose(full, phi).site("imu"), imu.pose(phi)
-        assert site.xpos == pytest.approx(T_base_imu[:3, 3], abs=ROUNDING)
-        assert site.xmat.reshape(3, 3) == pytest.approx(T_base_imu[:3, :3], abs=ROUNDING)
 
 
 def test_the_constant_map_is_what_the_constraint_itself_implies(rigid):
@@ -243,17 +194,3 @@ def test_the_force_in_the_rod_grows_towards_the_singularity(rigid, degrees, newt
     data = held(load_model(mj), phi)
     rod = np.linalg.norm(data.efc_force[data.efc_id == mj.eq("rod_to_lever").id])
     assert rod == pytest.approx(newton, rel=0.05)
-
-
-def held(model, phi, seconds=0.25):
-    """The robot with its brakes engaged at phi, after it came to rest."""
-    mj = model.mj
-    data = at_rest_pose(model, phi)
-    for i in AXES:
-        brake = mj.eq(f"brake_{i}").id
-        mj.eq_data[brake, 0] = phi[i - 1]
-        data.eq_active[brake] = 1
-    data.ctrl.reshape(6, 3)[:, 0] = model.drives.gear * phi
-    for _ in range(round(seconds / mj.opt.timestep)):
-        mujoco.mj_step(mj, data)
-    return data

@@ -3,8 +3,6 @@
 The modes were found with an independent prototype of the same data.
 """
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.model import load_model
 from armside.sim.robot.virtual_robot import VirtualRobot
 
-from .irb1400_motion import at_rest_pose, brisk_motion
+from .irb1400_motion import at_rest_pose, brisk_motion, held
 
 G = 9.82
 
@@ -29,20 +27,6 @@ def imu_position(truth):
     for i, q in enumerate(truth.tool_quaternion):
         mujoco.mju_rotVecQuat(moved[i], in_tool, q)
     return truth.tool_position + moved
-
-
-def held(model, phi, seconds=0.25):
-    """The robot with its brakes engaged at phi, after it came to rest."""
-    mj = model.mj
-    data = at_rest_pose(model, phi)
-    for i in AXES:
-        brake = mj.eq(f"brake_{i}").id
-        mj.eq_data[brake, 0] = phi[i - 1]
-        data.eq_active[brake] = 1
-    data.ctrl.reshape(6, 3)[:, 0] = model.drives.gear * phi
-    for _ in range(round(seconds / mj.opt.timestep)):
-        mujoco.mj_step(mj, data)
-    return data
 
 
 # Soundness of the physics
@@ -139,23 +123,6 @@ def test_brakes_hold_what_the_drives_let_go(full):
 # Variants
 
 
-def test_variants_drop_the_springs_they_name(full, rigid):
-    gears = load_model(variant(assets.IRB1400_XML, Flexibility.GEARS))
-    assert (rigid.mj.nv, gears.mj.nv, full.mj.nv) == (8, 14, 21)
-    assert len(rigid.springs) == 0
-    assert set(gears.springs) == set(gears.flex)
-    mass = [m.mj.body_mass.sum() for m in (rigid, gears)]
-    assert mass == pytest.approx([full.mj.body_mass.sum()] * 2)
-
-
-def test_scaled_springs_keep_their_damping_ratio(full):
-    scaled = variant(assets.IRB1400_XML, gear_stiffness=4.0)
-    assert scaled.jnt_stiffness[full.flex] == pytest.approx(4 * full.mj.jnt_stiffness[full.flex])
-    assert scaled.dof_damping[full.flex] == pytest.approx(2 * full.mj.dof_damping[full.flex])
-    structure = np.setdiff1d(full.springs, full.flex)
-    assert (scaled.jnt_stiffness[structure] == full.mj.jnt_stiffness[structure]).all()
-
-
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
 def test_a_stiffness_factor_that_is_not_positive_is_refused(factor):
     with pytest.raises(ValueError, match="gear stiffness factor must be > 0"):
@@ -163,14 +130,3 @@ def test_a_stiffness_factor_that_is_not_positive_is_refused(factor):
 
 
 # The servo
-
-
-def test_the_reported_torque_contains_the_integral(full):
-    """The drive's own report = net torque on the rotor plus what friction takes, at standstill."""
-    model = replace(full, drives=replace(full.drives, torque_feedforward=0.0))
-    run = VirtualRobot(model).run(brisk_motion())
-    settled = run.motor_torque[-1]
-    expected = VirtualRobot(full).run(brisk_motion()).motor_torque[-1]
-    friction = full.drives.coulomb_friction
-    assert (np.abs(settled - expected) < 2 * 1.25 * friction).all()
-    assert np.abs(run.error).max() > np.abs(VirtualRobot(full).run(brisk_motion()).error).max()

@@ -258,6 +258,8 @@ def test_limits_of_the_kinematic_description_are_those_of_the_data_set():
     (linkage,) = limits.coupled
     assert (linkage.lower, linkage.upper) == pytest.approx(np.deg2rad((-70, 70)), abs=LIMIT_DIGITS)
     assert list(linkage.coefficients) == [0, -1, 1, 0, 0, 0]
+    elbow = load_model(assets.IRB1400_XML).mj.joint("link_elbow")
+    assert elbow.range == pytest.approx([linkage.lower, linkage.upper], abs=LIMIT_DIGITS)
 
 
 def test_friction_of_the_drives_is_that_of_the_data_set(robot):
@@ -271,6 +273,22 @@ def test_friction_of_the_drives_is_that_of_the_data_set(robot):
     assert drives.viscous_friction == pytest.approx(source.viscous)
     bristles = model.mj.actuator_dynprm[:, 5:7].T
     assert bristles == pytest.approx(np.array(source.bristle), rel=FILE_DIGITS)
+
+
+def test_inertias_obey_the_triangle_inequality(robot):
+    inertia = np.sort(robot[1].mj.body_inertia[1:], axis=1)
+    assert (inertia[:, 0] > 0.0).all()
+    assert (inertia[:, 0] + inertia[:, 1] >= inertia[:, 2]).all()
+
+
+def test_it_stays_quiet_under_noise(robot):
+    mj, rng = robot[1].mj, np.random.default_rng(0)
+    data = mujoco.MjData(mj)
+    for _ in range(400):
+        data.ctrl[:] = rng.standard_normal(mj.nu)
+        mujoco.mj_step(mj, data)
+    assert np.isfinite(data.qpos).all()
+    assert not data.warning.number.any()
 
 
 def test_what_the_controller_knows_is_what_the_data_set_says(robot):

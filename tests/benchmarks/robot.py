@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.claims._learned import run as run_cut
 
 from armside import assets
 from armside.sim.cell import CELLS
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.results import run as run_cut
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.run import LoadedReference
 

@@ -6,7 +6,8 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from multiprocessing import get_context
 from statistics import median
 
-from armside.sim.laser.results import run
+from tests.claims._learned import run
+
 from armside.sim.laser.specification import Cut
 
 from ._timing import Row

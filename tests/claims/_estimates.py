@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from armside import kinematics
 from armside.arrays import Array
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.sim.estimation.elasticity import SpringPrior as SpringPrior
@@ -17,11 +18,25 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration, Pass
 from armside.sim.laser.learning import iterate
-from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath
 from armside.sim.notes import Tally
+
+
+def rigid_path(run: Pass, robot: kinematics.Robot = kinematics.LARGE_ROBOT) -> Array:
+    """(N, 6): path of the tool by rigid kinematics of the measured motor angles, from rest."""
+    angle = np.ascontiguousarray(run.recording.motor_angle)
+    return relative_to_start(kinematics.compile(robot).pose(angle)[:, :3, 3])
+
+
+def path_error(path: Array, run: Pass) -> float:
+    """RMS distance [m] of a path (N, 6) from the ground truth, at the same instants, from rest."""
+    truth = run.recording.truth
+    every = round(float(run.recording.time[1] / truth.time[1]))
+    true = relative_to_start(truth.tool_position[::every])
+    return float(np.sqrt(np.square((path - true)[:, :3]).sum(axis=1).mean()))
+
 
 BY_TRACKER = replace(COMPARED, source=Source.TRACKER)
 

@@ -1,14 +1,17 @@
 """Cuts that are learned from their motors, as claims judge them."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.measures import norms
 from armside.sim.laser.design import Design
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.results import run
+from armside.sim.laser.results import results
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Note, Tally
 
@@ -35,9 +38,15 @@ class Learned(dict[str, Array]):
         return 1e6 * float(self["arm_rms"][k])
 
 
+def run(cut: Cut, design: Design | None = None, seed: int = 0) -> dict[str, Any]:
+    """Results of a cut that is learned from its motors in five updates."""
+    experiment = prepare(cut, seed=seed)
+    return results(experiment, iterate(experiment, MotorAngles(design).prepare(experiment), 5))
+
+
 def learned(cut: Cut, seed: int, tally: Tally, design: Design | None = None) -> Learned:
     """Measures of a cut that is learned from its motors; its notes are counted."""
-    found = run(cut, measure=MotorAngles(design), seed=seed)
+    found = run(cut, design, seed)
     measures = of_rows(found["iterations"], found["notes"])
     tally.add(measures.notes)
     return measures

@@ -15,8 +15,8 @@ from armside.sim.cell import TOOL_QUATERNION, ToolPose
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.motion.contour import Circle, ClosedCurve, hexagon, slot, square
-from armside.sim.motion.contour_file import read_contour
 from armside.sim.motion.timing import PathLimits
+from armside.sim.part.contour_file import read_contour
 
 DEVELOPMENT = tuple(range(1001, 1013))
 """Individuals on which settings were chosen, with tasks of the seed 77."""

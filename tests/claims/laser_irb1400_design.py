@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from armside.ilc.analysis.proposal import FAST_ENOUGH
+from armside.sim.cell import CELLS
 from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.laser.design import default_design
 from armside.sim.laser.design_from_data import CUTOFFS, design_from_data
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
@@ -34,7 +35,7 @@ def run(seed: int, _: Tally) -> Iterator[Row]:
 
 
 def checks(rows: Rows) -> Iterator[Check]:
-    ours = DEFAULT_DESIGN[ROBOT]
+    ours = default_design(CELLS[ROBOT])
     offered = ", ".join(f"{cutoff:g}" for cutoff in CUTOFFS)
     yield all_hold(
         f"of {offered} Hz, {ours.cutoff[0]:g} is the highest cutoff that contracts by "

@@ -15,13 +15,13 @@ from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.learning import iterate
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.random_cuts import random_cut
 from armside.sim.laser.results import iteration_row, notes
 from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 
 from ._engine import Claim, Row, Rows
 from ._learned import Learned, learned, of_rows
+from ._random_cuts import random_cut
 
 ROBOT = "irb1400"
 LEARNED = 0.10

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.cell import IRB1400_CELL
+from armside.sim.laser.design import default_design
 
 from .. import evidence
 from ..scripts.verdicts import CLOSE, fails_by_itself
@@ -55,7 +56,7 @@ ESTIMATED = dict.fromkeys(estimation.LENGTHS, 100.0) | {
 ON_AN_ARM = {"start": 1000.0, "motor": 300.0, "learned": 100.0, "diverged": False}
 LEARNED = {f"worst {norm} {pose}": 0.09 for norm in ("2-norm", "inf-norm") for pose in POSES}
 ARM = {f"arm {pose}, k = {k} [um]": um for pose in POSES for k, um in ((0, 1.0), (5, 0.4))}
-OURS = DEFAULT_DESIGN["irb1400"]
+OURS = default_design(IRB1400_CELL)
 DESIGNED = {"gamma": OURS.gamma[0], "delta": OURS.delta[0], "cutoff [Hz]": OURS.cutoff[0]}
 ALONG = {"k = 0": 100.0, "estimate k = 5": 10.0, "tracker k = 5": 5.0, "NEES": 3.0}
 IMU = {

@@ -7,7 +7,7 @@ import numpy as np
 from armside.scripts.figures import first_cut
 from armside.sim.cell import TOOL_QUATERNION, ToolPose
 from armside.sim.laser.specification import Cut
-from armside.sim.motion.contour_file import rounded
+from armside.sim.part.contour_file import rounded
 from armside.sim.robot.spread import Drawn
 
 HOUSE = ((-10.0, -6.0), (10.0, -6.0), (10.0, 6.0), (0.0, 9.0), (-10.0, 6.0))

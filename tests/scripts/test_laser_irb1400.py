@@ -4,15 +4,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.claims._learned import run
 
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.measures import norms as measures
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import measure
-from armside.sim.laser.design import DEFAULT_DESIGN, THESIS
+from armside.sim.cell import IRB1400_CELL
+from armside.sim.laser.design import THESIS, default_design
 from armside.sim.laser.design_from_data import design_from_data
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.results import run
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
@@ -21,7 +22,7 @@ NORMS = ("motor_two", "motor_inf")
 
 def worst_motor(cut, design=None):
     """Largest motor error after five iterations in both norms, as (9.5), and the arm's RMS."""
-    rows = run(cut, measure=MotorAngles(design), seed=1)["iterations"]
+    rows = run(cut, design, seed=1)["iterations"]
     worst = []
     for norm in NORMS:
         first, last = (np.array(rows[k][norm]) for k in (0, 5))
@@ -47,7 +48,7 @@ def test_the_design_of_the_thesis_leaves_more_at_reversals():
 
 def test_its_design_is_what_its_own_learning_data_ask_for():
     asked = design_from_data(Cut(robot="irb1400"), seed=1).proposal
-    ours = DEFAULT_DESIGN["irb1400"]
+    ours = default_design(IRB1400_CELL)
     assert (asked.delta, asked.cutoff) == (ours.delta[0], ours.cutoff[0])
     assert asked.gamma == pytest.approx(ours.gamma[0], abs=0.05)
 
@@ -56,7 +57,7 @@ def test_a_design_belongs_to_a_robot_that_learns_from_its_motors():
     assert LaserCfg().delta == THESIS.delta
     ours = LaserCfg(robot="irb1400")
     assert (ours.gamma, ours.delta, ours.cutoff) == ((1.0,), (8,), (20.0,))
-    Q = DEFAULT_DESIGN["irb1400"].law.Q
+    Q = default_design(IRB1400_CELL).law.Q
     assert isinstance(Q, ZeroPhaseButterworth)
     assert Q.sample_time == LOG_PERIOD
     assert LaserCfg(robot="irb1400", delta=(5,)).delta == (5,)

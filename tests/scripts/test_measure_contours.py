@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.scripts import cli
-from armside.sim.motion.contour_file import read_contour
+from armside.sim.part.contour_file import read_contour
 
 HOUSE = "corner = 1.5\npoints = [[-10, -6], [10, -6], [10, 6], [0, 9], [-10, 6]]\n"
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.claims._estimates import path_error, rigid_path
 
 from armside import kinematics
 from armside.assets import LARGE_ROBOT_XML
@@ -26,7 +27,6 @@ from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.validity import validity
 from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
-from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 

@@ -42,13 +42,6 @@ def still(cfg, seconds, seed=0):
     return unit, unit.measure(time, force, np.zeros_like(force), rng(seed + 1000))
 
 
-def allan_deviation(x, period, n):
-    """Overlapping, of averages over n samples."""
-    theta = np.concatenate([[0.0], np.cumsum(x)]) * period
-    difference = theta[2 * n :] - 2 * theta[n:-n] + theta[: -2 * n]
-    return np.sqrt(np.mean(difference**2) / 2) / (n * period)
-
-
 def test_the_spectrum_at_rest_is_the_configured_density_inside_the_bandwidth():
     _, samples = still(ImuCfg(), 300.0)
     for readings, cfg in (
@@ -60,45 +53,6 @@ def test_the_spectrum_at_rest_is_the_configured_density_inside_the_bandwidth():
         density = np.sqrt(power[low].mean())
         # Aliasing from above 90 Hz and the walk below 1 Hz are each under 2 %.
         assert density == pytest.approx(cfg.noise_density, rel=0.04)
-
-
-def test_the_noise_at_rest_is_that_of_the_data_sheet_through_its_bandwidth():
-    _, samples = still(ImuCfg(), 100.0)
-    # A second-order Butterworth passes as much as an ideal one of 1.11 times its corner.
-    for readings, cfg in (
-        (samples.acceleration, ACCELEROMETER),
-        (samples.angular_velocity, GYROSCOPE),
-    ):
-        expected = cfg.noise_density * np.sqrt(1.11 * cfg.bandwidth)
-        np.testing.assert_allclose(readings.std(axis=0), expected, rtol=0.05)
-
-
-def test_the_allan_deviation_shows_white_noise_and_then_the_walk():
-    walk = replace(ACCELEROMETER, bias_walk=2e-3, bias=0.0, bits=0)
-    _, samples = still(ImuCfg(accelerometer=walk), 1000.0)
-    x = samples.acceleration
-    at_1_s = np.mean([allan_deviation(x[:, i], 0.01, 100) for i in range(3)])
-    white = walk.noise_density / np.sqrt(2.0)  # density / sqrt(2 tau)
-    assert at_1_s == pytest.approx(np.hypot(white, walk.bias_walk / np.sqrt(3)), rel=0.05)
-    at_30_s = np.mean([allan_deviation(x[:, i], 0.01, 3000) for i in range(3)])
-    # walk * sqrt(tau / 3); 33 independent averages a channel: 10 % for three of them.
-    assert at_30_s == pytest.approx(walk.bias_walk * np.sqrt(10.0), rel=0.25)
-
-
-def test_the_errors_a_unit_keeps_spread_over_units_as_configured():
-    units = [draw(ImuCfg(), rng(seed)) for seed in range(2000)]
-    n = 3 * len(units)
-    bias = np.array([unit.accelerometer.bias for unit in units])
-    assert bias.std() == pytest.approx(ACCELEROMETER.bias, rel=5 / np.sqrt(2 * n))
-    scale = np.array([np.diag(unit.gyroscope.sensitivity) - 1 for unit in units])
-    assert scale.std() == pytest.approx(GYROSCOPE.scale_error, rel=5 / np.sqrt(2 * n))
-    tilt = np.array([unit.accelerometer.sensitivity[0, 1] for unit in units])
-    assert tilt.std() == pytest.approx(ACCELEROMETER.misalignment, rel=0.1)
-    mounting = np.array([unit.R_site_imu[1, 0] for unit in units])
-    assert mounting.std() == pytest.approx(ImuCfg().mounting_error, rel=0.1)
-    offset = np.array([unit.clock_offset for unit in units])
-    assert np.abs(offset).max() <= 0.010
-    assert offset.std() == pytest.approx(0.010 / np.sqrt(3), rel=0.1)
 
 
 def test_a_triad_reads_its_sensitivity_times_the_input_plus_its_bias():

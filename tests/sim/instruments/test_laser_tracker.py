@@ -30,16 +30,6 @@ def turned(angle, axis=2):
     return q
 
 
-def test_static_standard_deviations_equal_the_configured_noise_over_1e4_readings():
-    tracker = set_up(LaserTrackerCfg(), rng())
-    readings = tracker.read(np.tile(POINT, (10_000, 1)), rng(1))
-    distance, azimuth, elevation = polar(readings)
-    cfg = tracker.cfg
-    assert distance.std() == pytest.approx(cfg.range_noise, rel=0.1)
-    assert azimuth.std() == pytest.approx(cfg.angle_noise, rel=0.1)
-    assert elevation.std() == pytest.approx(cfg.angle_noise, rel=0.1)
-
-
 def expected_residual(cfg):
     """Root mean square of a coordinate, by propagating polar noise to each reference target."""
     to_target = np.array(cfg.reference_targets) - np.array(cfg.position)

@@ -138,6 +138,7 @@ def test_every_constant_error_of_a_unit_spreads_as_configured():
     offset = np.array([unit.clock_offset for unit in units])
     assert np.abs(offset).max() <= 0.010
     assert np.abs(offset).max() > 0.0099
+    assert offset.std() == pytest.approx(0.010 / np.sqrt(3), rel=five_errors(len(units)))
     assert abs(offset.mean()) < 5 * 0.010 / np.sqrt(3 * len(units))
 
 

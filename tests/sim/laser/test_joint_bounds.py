@@ -31,28 +31,17 @@ def outline():
     return PartCut(part=part, cutting=Cutting(speed=0.167), pose="p2")
 
 
-def test_the_outline_is_cut_at_the_asked_speed_where_limits_allow(outline):
-    """95 % of the length that ramps from corners and rest leave, as if each began at its end."""
-    (cut,) = outline.plan.cuts
-    limits, radius = outline.cutting.limits, R + 0.5 * outline.cutting.beam
-    corner = np.sqrt(limits.acceleration * radius)
-    rise = 0.167 - corner
-    peak = min(limits.acceleration, np.sqrt(limits.jerk * rise))
-    ramp = 0.5 * (0.167 + corner) * (rise / peak + peak / limits.jerk)
-    lead = np.sqrt(limits.acceleration * 2e-3)  # the leads are quarter circles of 2 mm
-    rise = 0.167 - lead
-    peak = min(limits.acceleration, np.sqrt(limits.jerk * rise))
-    start = 0.5 * (0.167 + lead) * (rise / peak + peak / limits.jerk)
-    long, short = W - 2 * R, H - 2 * R
-    possible = (long - 2 * ramp) + 2 * (0.5 * long - ramp - start) + 2 * max(0.0, short - 2 * ramp)
-    fast = cut.profile.speed[:-1] >= 0.999 * 0.167
-    assert np.diff(cut.profile.s)[fast].sum() >= 0.95 * possible
+def test_limits_that_are_not_reached_cost_an_outline_nothing(outline):
+    """The profile is that without a robot, of which tests of profiles say how fast it is."""
+    (cut,), (free,) = outline.plan.cuts, plan_module.plan(outline.part, outline.cutting).cuts
+    np.testing.assert_allclose(cut.profile.speed, free.profile.speed, rtol=1e-6)
+    assert cut.profile.speed.max() == pytest.approx(0.167)
 
 
 def test_no_limit_of_a_joint_or_a_drive_is_passed_in_the_run(outline):
     experiment = prepare(outline)
     run = experiment.plant.run(np.zeros_like(experiment.loaded.reference)).recording
-    cell, drives = experiment.setup.cell, experiment.nominal.drives
+    cell, drives = experiment.cut.cell, experiment.nominal.drives
     speed = np.gradient(run.truth.gear_angle, run.truth.time, axis=0)
     assert (np.abs(speed) <= 1.01 * np.array(cell.limits.speed)).all()
     assert (np.abs(run.motor_torque) <= 0.99 * drives.torque_limit).all()
@@ -143,7 +132,7 @@ def test_memory_of_a_plan_does_not_grow_with_its_contours(monkeypatch):
     monkeypatch.setattr(speed_profile, "TOGETHER", 500)
     sheet(2).plan  # noqa: B018 - compiled functions are loaded
     above = []
-    for count in (20, 60):
+    for count in (15, 45):
         cut = sheet(count)
         tracemalloc.start()
         made = cut.plan

@@ -11,7 +11,7 @@ from armside.ilc.workbench.compare import read_states, save_states
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
-from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.laser.design import default_design
 from armside.sim.laser.learning import MEASURES, first_run, iterate, measure_of
 from armside.sim.part.carried import carried, follows
 from armside.sim.records.files import InputError
@@ -27,11 +27,6 @@ def first():
 def test_tracker_and_truth_agree_on_the_circle(first):
     assert first.tool.rms == pytest.approx(first.tool_true.rms, abs=2e-6)
     assert first.tool.maxdev == pytest.approx(first.tool_true.maxdev, abs=30e-6)  # noise of 785
-
-
-def test_motor_error_is_that_of_the_motor_shaft(first):
-    gear = prepare(Cut()).loaded.model.drives.gear
-    assert first.motor_error == pytest.approx(first.error * gear)
 
 
 def test_controller_knows_the_nominal_robot_only():
@@ -70,7 +65,7 @@ def test_a_robot_learns_with_its_own_default_design():
     for name in CELLS:
         experiment = prepare(Cut(robot=name))
         output = MotorAngles().prepare(experiment)(first_run(experiment))
-        assert output.law == DEFAULT_DESIGN[name].law
+        assert output.law == default_design(CELLS[name]).law
 
 
 class Returning(FirstOrderLaw):
@@ -103,7 +98,7 @@ class FirstMotors:
 @dataclass(frozen=True)
 class FirstMotorsOutput:
     reference: np.ndarray
-    law = DEFAULT_DESIGN["large"].law
+    law = default_design(LARGE_CELL).law
 
     def __call__(self, run):
         return np.hstack((run.recording.motor_angle[:, :3], self.reference[:, 3:]))
@@ -150,7 +145,7 @@ def test_a_cell_of_ones_own_is_a_robot():
     ("arguments", "said"),
     [
         ({"cut": Cut(robot="small")}, "Unknown robot 'small'. Robots: large, irb1400"),
-        ({"cut": Cut(pose="p9")}, "Unknown pose 'p9'"),
+        ({"cut": Cut(pose="p9")}, r"Unknown pose 'p9'\. Poses: p1, p2, p3"),
         ({"cut": Cut(), "measure": "nose"}, "Unknown measure 'nose'. Measures: motor, estimate"),
         ({"cut": Cut(radius=5.0)}, "outside"),
     ],

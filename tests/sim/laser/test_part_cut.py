@@ -34,7 +34,7 @@ def experiment(plate):
 
 def test_the_tool_follows_each_contour_at_its_place_around_the_pose(experiment, plate):
     motion = experiment.motion
-    middle = np.array(experiment.setup.tool_pose.position)
+    middle = np.array(experiment.cut.tool_pose.position)
     box = np.array([motion.position.min(axis=0), motion.position.max(axis=0)])
     np.testing.assert_allclose(box.mean(axis=0)[:2], middle[:2], atol=2e-3)  # leads stick out
     np.testing.assert_allclose(motion.position[:, 2], middle[2])

@@ -1,5 +1,6 @@
 """The tool's path as estimated: of small contours, of a model's run, and of an IMU that fails."""
 
+import os
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,7 +40,7 @@ def learned(experiment: Experiment, updates: int, plant: Knocked | None = None) 
     return list(iterate(experiment, set_up, updates, plant=plant))
 
 
-@pytest.mark.parametrize("pose", ["p1", "p2", "p3"])
+@pytest.mark.parametrize("pose", ["p1", "p2", "p3"] if os.environ.get("ARMSIDE_CI") else ["p2"])
 def test_a_small_polygon_is_learned_and_stays_learned(pose: str):
     """Effective springs of one place left 0.21 to 0.29 of k = 0."""
     cut = Cut(pose=pose, contour=hexagon(0.008, 0.0005), imu=ImuCfg())

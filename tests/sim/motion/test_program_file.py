@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from armside.assets import IRB1400_XML
 from armside.sim.motion.instructions import MoveC, MoveJ, MoveL, ProgramError, Wait
-from armside.sim.motion.program_file import parse_program, read_program
+from armside.sim.motion.program_file import parse_program
 
 GOOD = """
 start = [0, 0, 0, 0, -30, 0]
@@ -141,10 +140,3 @@ def test_an_empty_program_is_refused():
 def test_unknown_sections_are_refused():
     with pytest.raises(ProgramError, match="speeds is not known here"):
         parse_program(GOOD + "\n[speeds]\nslow = 1\n", source="bad.toml")
-
-
-@pytest.mark.parametrize(
-    "file", sorted((IRB1400_XML.parent / "programs").glob("*.toml")), ids=lambda p: p.stem
-)
-def test_shipped_programs_can_be_read(file):
-    assert read_program(file).instructions

@@ -33,32 +33,29 @@ def check(contour, length, area):
     np.testing.assert_allclose(1e6 * contour.chain.area, area, atol=1e-3 * length)
 
 
-@pytest.mark.parametrize("version", VERSIONS)
-def test_lines_are_joined(version, tmp_path):
-    document = new(version)
-    frame(document.modelspace(), 20.0, 10.0, 5.0, 5.0)
-    check(hole_of(document, tmp_path), 60.0, 200.0)
+def arc_and_line(space):
+    """An arc above half a turn, closed by a line."""
+    space.add_arc((20, 20), 5.0, 0.0, 270.0)
+    space.add_line((20, 15), (25, 20))
+
+
+EXACT = {
+    "lines": (lambda space: frame(space, 20.0, 10.0, 5.0, 5.0), 60.0, 200.0),
+    "circle": (lambda space: space.add_circle((20, 20), 5.0), 10.0 * np.pi, 25.0 * np.pi),
+    "arc": (arc_and_line, 7.5 * np.pi + 5.0 * np.sqrt(2.0), 0.75 * 25.0 * np.pi + 12.5),
+}
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_a_circle_is_exact(version, tmp_path):
+@pytest.mark.parametrize("shape", EXACT)
+def test_lines_and_arcs_are_exact(version, shape, tmp_path):
+    draw, length, area = EXACT[shape]
     document = new(version)
-    document.modelspace().add_circle((20, 20), 5.0)
+    draw(document.modelspace())
     hole = hole_of(document, tmp_path)
-    check(hole, 10.0 * np.pi, 25.0 * np.pi)
-    np.testing.assert_allclose(np.abs(hole.chain.curvature), 200.0, rtol=1e-12)
-
-
-@pytest.mark.parametrize("version", VERSIONS)
-def test_an_arc_above_half_a_turn_is_closed_by_a_line(version, tmp_path):
-    document = new(version)
-    document.modelspace().add_arc((20, 20), 5.0, 0.0, 270.0)
-    document.modelspace().add_line((20, 15), (25, 20))
-    check(
-        hole_of(document, tmp_path),
-        7.5 * np.pi + 5.0 * np.sqrt(2.0),
-        0.75 * 25.0 * np.pi + 12.5,
-    )
+    check(hole, length, area)
+    if shape == "circle":
+        np.testing.assert_allclose(np.abs(hole.chain.curvature), 200.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -1,5 +1,6 @@
 """Plans keep half a beam from every contour, cut inner contours first and travel little."""
 
+import os
 from itertools import pairwise, permutations
 from time import process_time
 
@@ -10,7 +11,7 @@ import shapely
 from armside.sim.part.beam_path import compensated, smooth
 from armside.sim.part.curve import Kind
 from armside.sim.part.drawing import Reading
-from armside.sim.part.order import order, travel
+from armside.sim.part.order import order
 from armside.sim.part.part import read_part
 from armside.sim.part.plan import Cutting, plan
 
@@ -72,6 +73,12 @@ def test_the_time_of_a_plan_is_that_of_its_moves(planned):
     for cut in planned.cuts:
         assert cut.seconds > cut.path.length / planned.cutting.speed
         assert cut.reached_speed == pytest.approx(planned.cutting.speed, rel=1e-6)
+
+
+def travel(tour, entry, leave, start):
+    """Length of the rapid moves [m]."""
+    begins = np.vstack([start, leave[tour[:-1]]])
+    return float(np.linalg.norm(entry[tour] - begins, axis=1).sum())
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -136,17 +143,18 @@ def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
     assert area == pytest.approx(w * h - (4.0 - np.pi) * r**2, rel=1e-9)
 
 
-def test_five_hundred_contours_are_planned_in_seconds(tmp_path):
-    """Of different sizes, so that no speed profile serves two. The issue asks for 5 s; a shared
-    machine is granted three times as much."""
+def test_many_contours_are_planned_in_seconds(tmp_path):
+    """Of different sizes, so that no speed profile serves two: 500 of them in 5 s, and a shared
+    machine is granted three times as much. CI plans all of them, others a fifth."""
+    n = 496 if os.environ.get("ARMSIDE_CI") else 96
     document = new()
     space = document.modelspace()
     frame(space, 480.0, 480.0, -15.0, -15.0)
-    for i in range(496):
+    for i in range(n):
         space.add_circle((20.0 * (i % 23), 20.0 * (i // 23)), 3.0 + 0.01 * i)
     file = save(document, tmp_path)
     begun = process_time()
     part = read_part(file)
     found = plan(part)
-    assert process_time() - begun < 15.0
-    assert len(found.cuts) == 497
+    assert process_time() - begun < 15.0 * (n + 100) / 596
+    assert len(found.cuts) == n + 1

@@ -9,7 +9,6 @@ import pytest
 from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, FrictionFactors, load_friction, with_effects
-from armside.sim.robot.individual import with_friction
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics
 
@@ -89,14 +88,6 @@ def test_a_drive_at_constant_speed_feels_its_friction_curve(name, effects):
         assert data.sensordata[sensors] == pytest.approx(-np.sign(speed) * sliding, rel=0.01)
         damper = data.qfrc_damper[model.motor] / gear
         assert damper == pytest.approx(-mj.actuator_damping[axes] * speed, rel=1e-6)
-
-
-def test_factors_of_friction_scale_what_load_friction_set():
-    model = with_effects(load_model(assets.LARGE_ROBOT_XML), {Effect.LOAD_FRICTION}, phi=POSE)
-    factor = np.linspace(0.7, 1.3, 6)
-    before, after = (m.mj.actuator_biasprm for m in (model, with_friction(model, factor)))
-    assert after[:, 3:5] == pytest.approx(before[:, 3:5] * factor[:, None])
-    assert after[:, 5] == pytest.approx(before[:, 5])
 
 
 def test_friction_feedforward_fades_to_zero_below_its_speed():

@@ -1,7 +1,7 @@
 """Individuals have their parameters, payloads their weight, and the design does not change."""
 
 import re
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,6 @@ import pytest
 
 from armside import assets
 from armside.sim.laser import Cut, prepare
-from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
     with_individual,
@@ -45,48 +44,12 @@ def test_the_default_individual_is_the_design_to_the_last_bit(design, reference)
     assert np.array_equal(runs[0].truth.tool_position, runs[1].truth.tool_position)
 
 
-def test_same_seed_same_individual_and_the_design_is_left_alone(design):
+def test_an_individual_leaves_its_design_alone(design):
     before = design.mj.jnt_stiffness.copy(), design.mj.body_quat.copy()
-    first, again, other = (with_individual(design, _individual(design, s)) for s in (1, 1, 2))
-    assert np.array_equal(first.mj.jnt_stiffness, again.mj.jnt_stiffness)
-    assert np.array_equal(first.mj.body_quat, again.mj.body_quat)
-    assert not np.array_equal(first.mj.jnt_stiffness, other.mj.jnt_stiffness)
+    other = with_individual(design, _individual(design, 1)).mj
+    assert not np.array_equal(other.jnt_stiffness, design.mj.jnt_stiffness)
     assert np.array_equal(design.mj.jnt_stiffness, before[0])
     assert np.array_equal(design.mj.body_quat, before[1])
-
-
-def test_the_distribution_is_the_documented_one(design):
-    robots = [_individual(design, seed) for seed in range(400)]
-    for name, of_log in (("friction", True), ("gear_stiffness", True), ("position", False)):
-        values = np.array([getattr(robot, name) for robot in robots])
-        samples = (np.log(values) if of_log else values).ravel()
-        expected = getattr(Spread(), name)
-        # The standard error of a standard deviation is 1 / sqrt(2 n) of it: 1.4 % here at most.
-        assert np.std(samples) == pytest.approx(expected, rel=0.06)
-        assert abs(np.mean(samples)) < 0.1 * expected
-
-
-def test_a_stiffer_spring_keeps_its_damping_ratio(design):
-    robot = with_individual(design, _individual(design))
-    springs = design.mj.jnt_stiffness > 0.0
-    dofs = design.mj.jnt_dofadr[springs]
-    stiffer = robot.mj.jnt_stiffness[springs] / design.mj.jnt_stiffness[springs]
-    damped = robot.mj.dof_damping[dofs] / design.mj.dof_damping[dofs]
-    assert damped == pytest.approx(np.sqrt(stiffer), rel=1e-12)
-    assert np.unique(stiffer.round(6)).size == springs.sum()  # each spring has its own
-
-
-def test_the_stiff_part_of_a_gear_with_lost_motion_scales_with_it(design):
-    soft = with_effects(design, [Effect.LOST_MOTION], phi=np.zeros(6))
-    individual = replace(Individual(), gear_stiffness=np.linspace(0.8, 1.3, 6))
-    robot = with_individual(soft, individual)
-    stiff = [
-        m.mj.jnt_stiffness[m.mj.joint(f"flex_{i}").id]
-        + m.mj.tendon_stiffness[m.mj.tendon(f"gear_{i}").id]
-        for m in (soft, robot)
-        for i in range(1, 7)
-    ]
-    assert np.divide(stiff[6:], stiff[:6]) == pytest.approx(individual.gear_stiffness)
 
 
 def test_geometry_errors_move_the_tool_by_millimetres(design, reference):
@@ -106,14 +69,6 @@ def test_geometry_errors_move_the_tool_by_millimetres(design, reference):
     assert 0.5e-3 < np.median(off) < 5e-3
     still = _individual(design, position=0.0, orientation=0.0)
     assert tool(with_individual(design, still)) == pytest.approx(tool(design), abs=1e-12)
-
-
-def test_phases_of_ripple_and_gear_error_are_the_individuals_own(design):
-    full = with_effects(design, [Effect.GEAR_ERROR, Effect.RIPPLE], phi=np.zeros(6))
-    robot = with_individual(full, replace(Individual(), ripple_phase=np.full(6, 0.5)))
-    assert robot.gear_error.phase == pytest.approx(full.gear_error.phase + 0.5)
-    axis = robot.mj.actuator("axis_3").id
-    assert robot.mj.actuator_biasprm[axis, 2] == full.mj.actuator_biasprm[axis, 2] + 0.5
 
 
 def test_the_torque_of_a_payload_at_the_elbow_is_weight_times_lever(design):

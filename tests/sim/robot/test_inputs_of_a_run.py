@@ -13,7 +13,6 @@ from scipy.signal import lfilter
 from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, with_effects
-from armside.sim.robot.individual import with_payload
 from armside.sim.robot.model import load_model
 from armside.sim.robot.run import WATCHED
 from armside.sim.robot.servo import correction_path, interpolate
@@ -218,45 +217,31 @@ def watched(run, model):
     return np.abs(truth.motor_torque), np.abs(speed), truth.gear_angle
 
 
-@pytest.mark.parametrize("axis", range(6))
-def test_each_limit_is_noticed_where_it_is_reached_and_not_before(loaded, axis):
-    """Limits are moved to just inside and just outside what the run does: by 2 %."""
+def with_limits(loaded, factor, axes=slice(None)):
+    """The run's limits of some axes moved to `factor` of what it does."""
     model, drives = loaded.model, loaded.model.drives
-    run = loaded.run()
-    assert run.limits_hit == ()
-    torque, speed, angle = (signal[:, axis] for signal in watched(run, model))
-    unlike = np.arange(6) == axis
-    for inside in (True, False):
-        factor = 1.02 if inside else 0.98
-        span = np.ptp(angle)
-        cases = {
-            "torque": {
-                "drives": replace(
-                    drives,
-                    torque_limit=np.where(unlike, factor * torque.max(), drives.torque_limit),
-                )
-            },
-            "speed": {
-                "drives": replace(
-                    drives, speed_limit=np.where(unlike, factor * speed.max(), drives.speed_limit)
-                )
-            },
-            "joint": {
-                "joint_range": np.where(
-                    unlike[:, None],
-                    [angle.min() - (factor - 1) * span, angle.max() + (factor - 1) * span],
-                    model.joint_range,
-                )
-            },
-        }
-        for name in WATCHED:
-            hits = replace(loaded, model=replace(model, **cases[name])).run().limits_hit
-            if inside:
-                assert hits == (), name
-            else:
-                ((limit, number, time),) = hits
-                assert (limit, number) == (name, axis + 1)
-                assert 0.0 <= time < run.truth.time[-1]
+    torque, speed, angle = watched(loaded.run(), model)
+    low, high = angle.min(axis=0), angle.max(axis=0)
+    out = (factor - 1.0) * (high - low)
+    torques, speeds = drives.torque_limit.copy(), drives.speed_limit.copy()
+    ranges = model.joint_range.copy()
+    torques[axes], speeds[axes] = (
+        factor * torque.max(axis=0)[axes],
+        factor * speed.max(axis=0)[axes],
+    )
+    ranges[axes] = np.column_stack((low - out, high + out))[axes]
+    moved = replace(drives, torque_limit=torques, speed_limit=speeds)
+    return replace(loaded, model=replace(model, drives=moved, joint_range=ranges))
+
+
+def test_each_limit_is_noticed_where_it_is_reached_and_not_before(loaded):
+    """Limits are moved to just inside and just outside what the run does: by 2 %."""
+    assert loaded.run().limits_hit == ()
+    assert with_limits(loaded, 1.02).run().limits_hit == ()
+    for axis in range(6):
+        hits = with_limits(loaded, 0.98, axis).run().limits_hit
+        assert [hit[:2] for hit in hits] == [(name, axis + 1) for name in WATCHED]
+        assert all(0.0 <= time < loaded.reference.shape[0] * PERIOD for _, _, time in hits)
 
 
 def test_the_instant_of_a_limit_is_the_first_beyond_it(loaded):
@@ -283,9 +268,3 @@ def test_a_load_is_refused_exactly_where_a_drive_cannot_hold_it(axis):
                 VirtualRobot(weak).load(still)
         else:
             VirtualRobot(weak).load(still)
-
-
-def test_a_payload_far_beyond_the_class_of_the_robot_is_refused():
-    heavy = with_payload(load_model(assets.LARGE_ROBOT_XML), 1500.0)
-    with pytest.raises(ValueError, match="cannot carry its load"):
-        VirtualRobot(heavy).load(np.tile(START, (10, 1)))

@@ -151,16 +151,13 @@ BODY = "[[body]]\nmass = 1\ncentre = [0, 0, 0]\ninertia = [1, 1, 1]\n"
 
 WRONG = {
     "mass zero": ("mass = 20", "mass = 0", "hardware: mass must be a finite number > 0 kg, got 0"),
-    "mass NaN": ("mass = 20", "mass = nan", "hardware: mass must be a finite number > 0 kg, got"),
     "mass of a planet": (
         "mass = 20",
         "mass = 1e300",
         r"hardware: mass must .* and <= 1e\+12 kg, g",
     ),
-    "mass of the tool": ("mass = 1\n", "mass = -1\n", "tool: mass must be a finite number > 0 kg"),
     "unknown key": ("[drives]", "[drives]\ngear = 3", "drives has the unknown key 'gear'; keys: g"),
     "unknown table": ("[drives]", "[drive]", "the file has the unknown key 'drive'; keys: name,"),
-    "sign of a gear": ("[50, 50,", "[50, -50,", "drives: gear_ratio must be a finite number > 0"),
     "number of gears": ("[50, 50,", "[50,", "drives: gear_ratio must have 4 numbers or one numb"),
     "text": ("[50, 50,", '["high", 50,', "drives: gear_ratio must be a number or text such as"),
     "limits swapped": (
@@ -177,14 +174,11 @@ WRONG = {
     "size of inertia": ("[0.001, 0.001, 0.001]", "[0.001]", "tool: inertia must be 3 or 6 numbers"),
     "centre": ("centre = [0, 0, 0.03]", "centre = [0, 0]", "tool: centre must be a list of 3 num"),
     "bodies": ("[drives]", BODY + "[drives]", "body must be 4 tables, one for each moving link, g"),
-    "table": ("[drives]", "body = 3\n[drives]", "the file|hardware has the unknown key 'body'"),
-    "springs": ("[tool]", "[gears]\nstiffness = -3\n[tool]", "gears: stiffness must be a finite"),
     "two springs": (
         "[tool]",
         "[gears]\nstiffness = 3\nfrequency = 10\n[tool]",
         "gears: give stiffness or frequency, not both",
     ),
-    "rigid": ("[tool]", "[gears]\nrigid = 1\n[tool]", "gears: rigid must be true or false, got 1"),
     "friction": (
         "[drives]",
         "[drives]\nstatic_friction = 1\ncoulomb_friction = 2",
@@ -218,7 +212,6 @@ WRONG = {
         "effects: soft_stiffness needs lost_motion",
     ),
     "speed": ("speed = [7,", "speed = [0,", "limits: speed must be > 0, got 0 on axis 1"),
-    "coupling": ('name = "SCARA"', "coupling = 3", "coupling must be a list of rows, got 3"),
     "both": ('name = "SCARA"', 'name = "SCARA"\nmodel = "a.xml"', "model has the hardware: leave"),
     "left-handed": (
         "quaternion = [0, 1, 0, 0]",

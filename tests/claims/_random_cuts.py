@@ -1,13 +1,12 @@
-"""Cuts at random places of a robot's reach, for claims that are not about its named poses."""
+"""Cuts at random places of a robot's reach."""
 
 import numpy as np
 
 from armside import kinematics
-
-from ..cell import ToolPose
-from ..robot_file.find import find_cell
-from .experiment import prepare
-from .specification import Cut
+from armside.sim.cell import ToolPose
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.specification import Cut
+from armside.sim.robot_file.find import find_cell
 
 SPEEDS = (0.012, 0.077)
 """[m/s], ends of their range."""
