@@ -41,7 +41,7 @@ class ProbeJob:
 
 def part(jobs: list[ProbeJob], high: float = 1.0) -> Part:
     def draw(read, folder: Path) -> Section:
-        from armside.scripts.figures.laser import new_figure, save  # workers need no matplotlib
+        from armside.scripts.figures.canvas import new_figure, save  # workers need no matplotlib
 
         value = float(np.sum([read(job)["value"][0] for job in jobs]))
         figure = new_figure(2.0, 1.0)

@@ -1,12 +1,14 @@
 """Figures are functions of arrays: what they are given is what they draw."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from PIL import Image
 
 from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.prediction import Prediction
-from armside.scripts.figures import convergence
+from armside.scripts.figures import canvas, convergence
 from armside.scripts.figures import imu as imu_figures
 from armside.scripts.figures import laser as figures
 
@@ -20,8 +22,7 @@ CIRCLE = RADIUS * UNIT
 def drawn(monkeypatch):
     """Figures that would have been saved."""
     found = []
-    for module in (figures, imu_figures):
-        monkeypatch.setattr(module, "save", lambda figure, file: found.append(figure))
+    monkeypatch.setattr(canvas, "save", lambda figure, file: found.append(figure))
     return found
 
 
@@ -104,7 +105,7 @@ def test_a_perfect_path_can_be_drawn(tmp_path):
     ("at_most", "factor"), [(0.3, 1), (1.9, 1), (2.0, 2), (9.99, 5), (12.5, 10), (6000, 5000)]
 )
 def test_the_magnification_is_a_round_number(at_most, factor):
-    assert figures._magnification(at_most) == factor
+    assert canvas.magnification(at_most) == factor
 
 
 def test_the_nearest_point_of_a_closed_square_is_on_its_nearest_side():
@@ -127,13 +128,13 @@ def test_errors_draw_six_motors_and_the_arm(tmp_path, n_iterations):
     figures.errors(tmp_path / "e.png", motor, [1e-4] * n_iterations, [2e-4] * n_iterations)
     with Image.open(tmp_path / "e.png") as image:
         colors = {tuple(c) for c in np.unique(np.asarray(image)[..., :3].reshape(-1, 3), axis=0)}
-    for color in figures.COLORS:
+    for color in canvas.COLORS:
         assert tuple(bytes.fromhex(color[1:])) in colors
 
 
 def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(convergence, "save", lambda figure, file: seen.extend(figure.axes))
+    monkeypatch.setattr(canvas, "save", lambda figure, file: seen.extend(figure.axes))
     expected = Prediction(errors=np.ones(3), contraction=None, spectral_radius=None)
     runs = [
         LawRun(
@@ -190,7 +191,9 @@ def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, drawn):
     assert np.ptp(slide.get_ylim()) < 0.1  # not 0.15 of the radians beside it
 
 
-@pytest.mark.parametrize("draw", [imu_figures.position, imu_figures.acceleration])
+@pytest.mark.parametrize(
+    "draw", [imu_figures.position, partial(imu_figures.vector, quantity="acceleration")]
+)
 def test_the_legend_of_predicted_and_measured_lies_over_no_panel(tmp_path, drawn, draw):
     time = np.linspace(0.0, 1.0, 50)
     values = np.column_stack([np.sin(40.0 * time)] * 3)

@@ -7,6 +7,7 @@ import numpy as np
 import optuna
 import pytest
 
+from armside.scripts.figures import canvas
 from armside.scripts.figures import tuning as tune_figures
 from armside.scripts.shell import console
 from armside.scripts.shell.options import Common
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("patient")
 
 def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
     drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+    monkeypatch.setattr(canvas, "save", lambda figure, file: drawn.append(figure))
     tried = [Outcome(0, 0.5, 0.6, True), Outcome(1, 1e3, 1e3, True), Outcome(2, 9.0, 8.0, True)]
     tune_figures.history(tmp_path / "a.png", tried, sensor="by the motors")
     (axes,) = drawn[0].axes
@@ -82,7 +83,7 @@ def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
 @pytest.mark.parametrize("ends", [(0.5, 0.4), (0.5, 1e3), (0.5, 0.4, 1e3, None)])
 def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypatch, ends):
     drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+    monkeypatch.setattr(canvas, "save", lambda figure, file: drawn.append(figure))
     tried = [Outcome(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
     tune_figures.history(tmp_path / "a.png", tried, sensor="by the estimate")
     (axes,) = drawn[0].axes
