@@ -151,7 +151,7 @@ def looks_full(png):
 def test_chromium_shows_robot_and_plots_and_asks_nobody_else(viewer, require_program):
     require_program("chromium", "google-chrome")
     driver = require_program("chromedriver")
-    from armside.scripts.viewers.browser import page
+    from tests.gallery._browser import page
 
     with page(f"{viewer.address}?renderer=webgl", driver=driver) as shown:
         png = shown.screenshot_when(looks_full, within=240)
