@@ -191,31 +191,33 @@ def wait_for_results(folder: Path, count: int) -> None:
     raise AssertionError("no results in time")
 
 
-def test_kill_9_loses_at_most_what_was_under_way(tmp_path):
+def test_what_was_finished_before_kill_9_or_ctrl_c_is_not_run_again(tmp_path):
+    """At most what was under way is lost, and Ctrl-C says how to go on."""
+
+    def begun_and_kept() -> tuple[int, int]:
+        return len((tmp_path / "ran.log").read_text().split()), len(parts(tmp_path / "report"))
+
     running = start("reproduce slow --out report --quiet", tmp_path)
     wait_for_results(tmp_path, 3)
     running.kill()
     running.wait()
     running.communicate()  # the pipe closes when the workers have ended too
-    kept = len(parts(tmp_path / "report"))
+    begun, kept = begun_and_kept()
     assert 3 <= kept < 12
-    begun = len((tmp_path / "ran.log").read_text().split())
     assert begun - kept <= len(os.sched_getaffinity(0)) + 1  # one may be queued beyond the cores
-    again = start("reproduce slow --out report --quiet", tmp_path)
-    assert again.communicate(timeout=60)[1] == ""
-    assert again.returncode == 0
-    assert len((tmp_path / "ran.log").read_text().split()) == begun + 12 - kept
-
-
-def test_an_interrupt_says_how_to_go_on(tmp_path):
     running = start("reproduce slow --out report", tmp_path)
-    wait_for_results(tmp_path, 1)
+    wait_for_results(tmp_path, kept + 1)
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=30)
     assert running.returncode == 130
     assert err == (
         "armside: interrupted; what is finished is kept in report, repeat the command to go on\n"
     )
+    begun, kept = begun_and_kept()
+    again = start("reproduce slow --out report --quiet", tmp_path)
+    assert again.communicate(timeout=60)[1] == ""
+    assert again.returncode == 0
+    assert begun_and_kept() == (begun + 12 - kept, 12)
 
 
 def test_a_full_disk_is_reported_and_what_was_written_before_stays(tmp_path):
