@@ -87,6 +87,18 @@ def ran() -> list[str]:
     return log.read_text().split() if log.exists() else []
 
 
+@pytest.mark.parametrize("seed", [0, 12])
+def test_a_report_is_made_with_the_seed_given_and_says_so(reproduced, seed):
+    from probe_part import SEEDS
+
+    SEEDS.clear()
+    assert reproduced(f"three --seed {seed}").status == 0
+    assert [seed] == SEEDS
+    for page in ("report.md", "report.html"):
+        assert f"`armside reproduce three --seed {seed}`" in Path("report", page).read_text()
+    assert json.loads(Path("report/report.json").read_text())["config"]["seed"] == seed
+
+
 def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
     status, _, err = reproduced("three")
     assert (status, err) == (0, "")
@@ -97,7 +109,6 @@ def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
     text = Path("report/report.md").read_text()
     assert "(figures/probe.png)" in text
     assert Path("report/figures/probe.png").exists()
-    assert "`armside reproduce three --seed 0`" in text
 
 
 def test_what_fails_is_shown_as_failing_with_its_reason(reproduced):
