@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics.robot_file import Arm, GearTerm, gear_toml, robot_toml
-from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining, coverage
+from armside.sim.gears import Coverage, GearAnalysis, Judgement, coverage
 from armside.sim.gears.judgement import judged_rows
 from armside.sim.gears.transmission import CONFIDENCE
 from armside.sim.recordings.alignment.encoder_motion import bandpass
@@ -85,15 +85,11 @@ def _judged(one: Judgement) -> dict[str, Any]:
         "learned_from": one.learned_from,
         "sensor_ratio": one.sensor,
         "sham_sensor_ratio": one.sham_sensor,
-        "tool": _tool(one.tool),
-        "sham_tool": _tool(one.sham_tool),
-        "smoothed": _tool(one.smoothed),
-        "bands": [vars(band) for band in one.bands],
+        "tool": one.tool,
+        "sham_tool": one.sham_tool,
+        "smoothed": one.smoothed,
+        "bands": one.bands,
     }
-
-
-def _tool(one: Remaining | None) -> dict[str, Any] | None:
-    return None if one is None else {name: getattr(one, name) for name in vars(one)}
 
 
 def _clocks(done: GearAnalysis) -> list[dict[str, Any]]:

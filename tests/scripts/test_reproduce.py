@@ -155,7 +155,7 @@ def test_what_is_done_is_not_run_again(reproduced):
 
 def test_a_second_call_adds_its_section_to_the_report(reproduced):
     reproduced("three")
-    reproduced("slow")
+    reproduced("large")
     assert Path("report/report.md").read_text().count("## A <probe>") == 2
 
 
@@ -274,7 +274,7 @@ def test_a_foreign_folder_is_refused_by_name_and_left_alone(reproduced, name, co
 def test_an_unreadable_section_of_an_earlier_report_is_named(reproduced):
     reproduced("three")
     Path("report/sections/three.json").write_text("{")
-    status, _, err = reproduced("slow")
+    status, _, err = reproduced("large")
     assert status == 2
     assert "three.json is not a section of a report" in err
 
