@@ -20,7 +20,7 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#333333"
 REFERENCE = "#9A9A9A"
-STYLE = {
+STYLE: dict[Any, Any] = {
     "axes.titlelocation": "left",
     "axes.titlesize": 9,
     "grid.color": "#DDDDDD",
@@ -28,7 +28,7 @@ STYLE = {
     "legend.fontsize": 8,
     "legend.frameon": False,
 }
-LARGE = {"axes.titlesize": 12, "legend.fontsize": 10}
+LARGE: dict[Any, Any] = {"axes.titlesize": 12, "legend.fontsize": 10}
 
 
 @contextmanager

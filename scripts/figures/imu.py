@@ -152,7 +152,7 @@ def vector(file: Path, time: Array, measured: Array, predicted: Array, *, quanti
 
 
 def comparison(
-    folder: Path, suffix: str, seen: Any, shown: Any, judged: Any, window_rms: Array, window: float
+    folder: Any, suffix: str, seen: Any, shown: Any, judged: Any, window_rms: Array, window: float
 ) -> None:
     """Measured and predicted vectors and the moving RMS (K, 3) of an `ImuComparison`.
 

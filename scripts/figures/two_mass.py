@@ -37,7 +37,11 @@ def bode(file: Path, seed: int, of: Study = THESIS) -> Table:
     f = hertz(omega, T_s)
     G_m, G_a = (G.response(omega) for G in (joint.motor(T_s), joint.arm(T_s)))
     title = "Voltage to motor, motor to arm, voltage to arm"
-    labels = {"xlabel": "frequency [Hz]", "ylabel": "magnitude [dB]", "legends": [0]}
+    labels: dict[str, Any] = {
+        "xlabel": "frequency [Hz]",
+        "ylabel": "magnitude [dB]",
+        "legends": [0],
+    }
     with charts(file, (7.0, 5.6), 1, 2, titles=[title], sharex=True, **labels) as (upper, lower):
         for name, response in (("$G_m$", G_m), ("$G_a$", G_a), ("$G_a G_m$", G_m * G_a)):
             upper.semilogx(f, decibel(response), label=name)
@@ -79,7 +83,8 @@ def tracking(file: Path, seed: int, of: Study = THESIS) -> Table:
     run, plant = runs.kept[0].result, runs.plant
     t = np.arange(len(run.motor)) * of.loop.sample_time
     rows = []
-    titles, labels = ("Motor side", "Arm side"), {"xlabel": "time [s]", "ylabel": "angle [rad]"}
+    titles = ("Motor side", "Arm side")
+    labels: dict[str, Any] = {"xlabel": "time [s]", "ylabel": "angle [rad]"}
     with charts(file, (9.0, 3.6), 2, titles=titles, legends=[0, 1], **labels) as grid:
         for axes, side, r, q, norms in (
             (grid[0], "motor", plant.motor_reference, run.motor, runs.motor),
@@ -102,7 +107,7 @@ def criterion_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     Q = {cutoff: ZeroPhaseButterworth(cutoff, of.loop.sample_time) for cutoff in FILTERS}
     rows = []
     title = f"|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = {of.gamma:g}"
-    labels = {"xlabel": "frequency [Hz]", "ylabel": "magnitude [dB]"}
+    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "magnitude [dB]"}
     with charts(file, (7.4, 4.6), titles=[title], **labels) as (axes,):
         for delta in NYQUIST_SHIFTS:
             result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
@@ -171,8 +176,11 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     titles = ("Without Q", "With Q")
     if of.is_thesis:
         titles = ("Without Q: better at first, then it grows", "With Q: it stays")
-    labels = {"xlabel": "iteration k", "ylabel": "motor error, 2-norm over its first"}
-    look = {"titles": titles, "legends": [0, 1], "sharey": True}
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k",
+        "ylabel": "motor error, 2-norm over its first",
+    }
+    look: dict[str, Any] = {"titles": titles, "legends": [0, 1], "sharey": True}
     with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
         for axes, runs in zip(grid, (without, filtered), strict=True):
             for name, run in runs.items():
@@ -189,8 +197,8 @@ def model_error(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
     runs = {"ideal model": of.learned(), "model error": of.learned(2.0)}
     rows = []
-    labels = {"xlabel": "iteration k", "ylabel": "error, 2-norm over its first"}
-    look = {"titles": ("Motor side", "Arm side"), "legends": [0, 1], "sharey": True}
+    labels: dict[str, Any] = {"xlabel": "iteration k", "ylabel": "error, 2-norm over its first"}
+    look: dict[str, Any] = {"titles": ("Motor side", "Arm side"), "legends": [0, 1], "sharey": True}
     with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
         for axes, side in zip(grid, ("motor", "arm"), strict=True):
             for name, run in runs.items():
@@ -210,8 +218,13 @@ def signals(
     r = plant.motor_reference if side == "motor" else plant.arm_reference
     t = np.arange(len(r)) * of.loop.sample_time
     titles = [f"k = {k}" for k in SHOWN]
-    labels = {"xlabel": "time [s]", "ylabel": "angle [rad]", "titles": titles, "legends": [0]}
-    shared = {"sharex": True, "sharey": "row"}
+    labels: dict[str, Any] = {
+        "xlabel": "time [s]",
+        "ylabel": "angle [rad]",
+        "titles": titles,
+        "legends": [0],
+    }
+    shared: dict[str, Any] = {"sharex": True, "sharey": "row"}
     with charts(file, (10.5, 4.6), len(SHOWN), 2, **labels, **shared) as grid:
         uppers, lowers = grid.reshape(2, -1)
         for upper, lower, k in zip(uppers, lowers, SHOWN, strict=True):

@@ -97,7 +97,7 @@ def why_q(file: Path, seed: int, of: Study = THESIS) -> Table:
     f, T_u = hertz(omega, of.loop.sample_time), of.loop.T_motor
     phase = np.degrees(np.unwrap(np.angle(T_u.response(omega))))
     rows = []
-    labels = {"xlabel": "frequency [Hz]", "ylabel": "phase of LTᵤ [°]"}
+    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "phase of LTᵤ [°]"}
     titles = ("L a shift: none stays within ± 90°", "L a rough model run backwards: most do")
     with charts(file, (10.5, 4.6), 2, titles=titles, **labels) as (left, right):
         for axes in (left, right):
@@ -133,7 +133,11 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
 def algorithms(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
     rows, plant = [], of.plant
-    labels = {"xlabel": "iteration k + 1", "ylabel": "2-norm over its first", "legends": [0]}
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k + 1",
+        "ylabel": "2-norm over its first",
+        "legends": [0],
+    }
     with charts(file, (7.0, 4.0), titles=["Motor error of three designs"], **labels) as (axes,):
         for name, law in study.algorithms(of).items():
             norms = study.run(plant, law, 100).motor
@@ -151,7 +155,7 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
     rows, rng = [], np.random.default_rng(seed)
     with panels(file, (10.0, 4.2), 1, 2, edges=PLAIN, large=True) as (left, right):
         right.set_prop_cycle(color=COLORS)
-        look = {"vmin": 0.7, "vmax": 1.3, "cmap": "RdYlGn_r"}
+        look: dict[str, Any] = {"vmin": 0.7, "vmax": 1.3, "cmap": "RdYlGn_r"}
         mesh = left.pcolormesh(factors, factors, contractions, **look)
         left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
         left.set(xscale="log", yscale="log")
@@ -181,7 +185,11 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
 def friction(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Coulomb friction and measurement noise in the joint."""
     rows = []
-    labels = {"xlabel": "iteration k", "ylabel": "2-norm of the error [rad]", "legends": [1]}
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k",
+        "ylabel": "2-norm of the error [rad]",
+        "legends": [1],
+    }
     with charts(file, (9.6, 4.0), 2, titles=("Motor side", "Arm side"), **labels) as grid:
         for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
             rng = np.random.default_rng(seed)
