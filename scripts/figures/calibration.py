@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from armside.arrays import Array
@@ -17,6 +16,7 @@ from armside.kinematics.robot_file import Arm
 from armside.sim.records.run_folder import RunFolder
 
 from ..shell.console import Report
+from .canvas import panels
 
 FITS = ("nominal", "geometry", "full")
 LISTED = 20
@@ -119,43 +119,44 @@ def write(folder: RunFolder, done: Calibration, arm: Arm, number: int, seed: int
 
 def draw_residuals(file: Path, done: Calibration) -> None:
     """Distribution of the held-out errors, and where in the workspace they lie."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
-    for name in FITS:
-        length = done.residuals(name)
-        values = 1e3 * np.sort(length[np.isfinite(length)])
-        style = "--" if name == "full" else "-"  # it may be the geometry
-        left.plot(values, np.linspace(0, 100, len(values)), style, label=name)
-    left.set(xlabel="held-out error [mm]", ylabel="poses [%]", title="Fraction below an error")
-    left.set(xlim=(0, None), ylim=(0, 100))
-    left.grid(alpha=0.3)
-    left.legend()
-    p, length = _places(done), 1e3 * np.nanmean(done.residuals("full"), axis=1)
-    top = float(np.quantile(length, 0.98))
-    dots = right.scatter(*p.T, c=length, s=9, cmap="viridis", vmin=0, vmax=top)
-    right.set(xlabel="distance from the base axis [m]", ylabel="height [m]", aspect="equal")
-    right.set(title="Error of the full model")
-    figure.colorbar(dots, ax=right, label="[mm]", extend="max")
-    figure.savefig(file, dpi=120)
-    plt.close(figure)
+    with panels(file, (11, 4.5), 1, 2, large=True) as (left, right):
+        for name in FITS:
+            length = done.residuals(name)
+            values = 1e3 * np.sort(length[np.isfinite(length)])
+            style = "--" if name == "full" else "-"  # it may be the geometry
+            left.plot(values, np.linspace(0, 100, len(values)), style, label=name)
+        left.set(xlabel="held-out error [mm]", ylabel="poses [%]", title="Fraction below an error")
+        left.set(xlim=(0, None), ylim=(0, 100))
+        left.grid(True)
+        left.legend()
+        length = 1e3 * np.nanmean(done.residuals("full"), axis=1)
+        title, top = "Error of the full model", float(np.quantile(length, 0.98))
+        _workspace(right, title, _places(done), length, extend="max", vmax=top)
 
 
 def draw_region(file: Path, done: Calibration) -> None:
     """Region of use: standard deviation of the tool, and fitted values of each joint."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
     deviation = 1e3 * done.region.standard_deviation(done.held_out.phi)
-    p, inside = _places(done), done.inside
-    dots = left.scatter(*p[inside].T, c=deviation[inside], s=9, cmap="viridis", vmin=0)
-    left.plot(*p[~inside].T, "x", color="crimson", label="refused")
-    left.set(xlabel="distance from the base axis [m]", ylabel="height [m]", aspect="equal")
-    left.set(title="Standard deviation by the posterior")
-    left.legend(loc="upper right")
-    figure.colorbar(dots, ax=left, label="[mm]")
-    for i, values in enumerate(done.region.values, 1):
-        right.plot(values, np.full(len(values), i), "|", color="C0", alpha=0.4)
-    right.set(xlabel="joint variable [rad]", ylabel="joint", title="Fitted values of each joint")
-    right.invert_yaxis()
-    figure.savefig(file, dpi=120)
-    plt.close(figure)
+    p, inside, title = _places(done), done.inside, "Standard deviation by the posterior"
+    with panels(file, (11, 4.5), 1, 2, large=True) as (left, right):
+        _workspace(left, title, p[inside], deviation[inside])
+        left.plot(*p[~inside].T, "x", color="crimson", label="refused")
+        left.legend(loc="upper right", frameon=True)
+        for i, values in enumerate(done.region.values, 1):
+            right.plot(values, np.full(len(values), i), "|", color="C0", alpha=0.4)
+        right.set(xlabel="joint variable [rad]", ylabel="joint")
+        right.set_title("Fitted values of each joint")
+        right.invert_yaxis()
+
+
+def _workspace(
+    axes: Any, title: str, p: Array, values: Array, extend: str = "neither", **look: Any
+) -> None:
+    """Values [mm] in colour at places (H, 2) [m] of the workspace."""
+    dots = axes.scatter(*p.T, c=values, s=9, cmap="viridis", vmin=0, **look)
+    axes.set(xlabel="distance from the base axis [m]", ylabel="height [m]", aspect="equal")
+    axes.set_title(title)
+    axes.figure.colorbar(dots, ax=axes, label="[mm]", extend=extend)
 
 
 def _places(done: Calibration) -> Array:

@@ -13,7 +13,7 @@ from armside.sim.twin.friction_step import friction_constants, lugre
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
 
-from .laser import COLORS, INK, new_figure, save
+from .canvas import COLORS, INK, panels
 
 _CURVE = 200
 """Points of a friction curve."""
@@ -33,25 +33,26 @@ def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -
     constants = friction_constants(loaded.model)
     simulated = lugre(exact, float(run.truth.time[1]), constants)[::every]
     data = cut.motor_torque - run.motor_torque + simulated
-    figure = new_figure(9.6, 5.4)
-    panels = figure.subplots(2, 3)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.11, top=0.84, wspace=0.28, hspace=0.42)
-    title = "Friction of {}: measured, and the twin's curve of steady sliding.\n{}"
-    before = "Near zero speed the bristles give way first: points lie beside the curve."
-    figure.suptitle(title.format(cut.name, before), x=0.02, ha="left", fontsize=10)
-    for i, axes in enumerate(panels.flat):
-        on = cut.moving
-        axes.plot(speed[on, i], data[on, i], ".", ms=2, color=COLORS[5], label="measured")
-        x = np.linspace(-1.0, 1.0, _CURVE) * np.abs(speed[on, i]).max()
-        axes.plot(x, _stribeck(x, constants[:, i]), color=COLORS[1], lw=1.5, label="twin")
-        axes.set_title(f"axis {AXES[i]}", loc="left", color=INK)
-        if i % 3 == 0:
-            axes.set_ylabel("torque [N m]")
-        if i >= 3:
-            axes.set_xlabel("motor speed [rad/s]")
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper right", ncols=2, frameon=False, markerscale=4)
-    save(figure, file)
+    title = (
+        f"Friction of {cut.name}: measured, and the twin's curve of steady sliding.\n"
+        "Near zero speed the bristles give way first: points lie beside the curve."
+    )
+    edges = 0.08, 0.985, 0.11, 0.84
+    with panels(file, (9.6, 5.4), 2, 3, edges=edges, gaps=(0.28, 0.42), large=True) as grid:
+        grid[0].figure.suptitle(title, x=0.02, ha="left", fontsize=10)
+        for i, axes in enumerate(grid):
+            x, y = speed[cut.moving, i], data[cut.moving, i]
+            axes.plot(x, y, ".", ms=2, color=COLORS[5], label="measured")
+            x = np.linspace(-1.0, 1.0, _CURVE) * np.abs(x).max()
+            axes.plot(x, _stribeck(x, constants[:, i]), color=COLORS[1], lw=1.5, label="twin")
+            axes.set_title(f"axis {AXES[i]}", color=INK)
+            if i % 3 == 0:
+                axes.set_ylabel("torque [N m]")
+            if i >= 3:
+                axes.set_xlabel("motor speed [rad/s]")
+        handles = grid[0].get_legend_handles_labels()
+        look = {"loc": "upper right", "ncols": 2, "markerscale": 4}
+        grid[0].figure.legend(*handles, **look)
 
 
 def _stribeck(speed: Array, constants: Array) -> Array:
@@ -63,35 +64,29 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
     twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.twin.sensor]
+    mean, scale = twin.parameters.mean, sensor.scale
     before = [
-        _rms(
-            Against(twin.design, twin.parameters, cut, sensor).residuals(twin.parameters.mean).tool
-        )
-        for cut in cuts
+        Against(twin.design, twin.parameters, cut, sensor).residuals(mean).tool for cut in cuts
     ]
     bars = (
-        ("design of the robot", before, COLORS[5]),
+        ("design of the robot", [_rms(residual) for residual in before], COLORS[5]),
         ("twin of the other cuts", quality.held_out, COLORS[4]),
         ("twin", quality.within, COLORS[0]),
     )
-    width = max(6.0, 0.9 * len(cuts) + 1.2)
-    figure = new_figure(width, 4.0)
-    axes = figure.add_subplot()
-    figure.subplots_adjust(left=0.7 / width, right=1.0 - 0.1 / width, bottom=0.13, top=0.8)
-    scale = sensor.scale
+    width, place = max(6.0, 0.9 * len(cuts) + 1.2), np.arange(len(cuts))
     title = (
         f"{scale.quantity.capitalize()} beyond that of its motors: what a model does not explain"
     )
-    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
-    place = np.arange(len(cuts))
-    for i, (label, values, color) in enumerate(bars):
-        heights = scale.factor * np.asarray(values)
-        bars_of = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
-        axes.bar_label(bars_of, [_short(height) for height in heights], fontsize=7, padding=1)
-    axes.set_ylabel(f"RMS [{scale.unit}]")
-    axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
-    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
-    save(figure, file)
+    edges = 0.7 / width, 1.0 - 0.1 / width, 0.13, 0.8
+    with panels(file, (width, 4.0), edges=edges) as (axes,):
+        axes.figure.suptitle(title, x=0.02, ha="left", fontsize=10)
+        for i, (label, values, color) in enumerate(bars):
+            heights = scale.factor * np.asarray(values)
+            drawn = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
+            axes.bar_label(drawn, [_short(height) for height in heights], fontsize=7, padding=1)
+        axes.set_ylabel(f"RMS [{scale.unit}]")
+        axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
 
 
 def _short(height: float) -> str:

@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 
 from armside.sim.laser.comparison import Case, rms
 from armside.sim.laser.experiment import Iteration
 
-from .laser import COLORS, MARKERS, new_figure, save
+from .canvas import COLORS, MARKERS, logarithmic, panels, whole_numbers
 
 NAMES = ("motor", "estimate", "tracker", "oracle", "twin")
 Learned = Mapping[str, list[Iteration]]
@@ -50,31 +49,26 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
     n_columns = len({case.cut.pose for case in cases})
     n_rows = -(-len(cases) // n_columns)
     width, height = max(3.3 * n_columns + 0.6, NARROWEST), 2.6 * n_rows + 0.6
-    figure = new_figure(width, height)
-    panels = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(left=0.75 / width, right=0.985, wspace=0.08)
-    figure.subplots_adjust(bottom=0.55 / height, top=1.0 - 0.55 / height, hspace=0.22)
-    for axes, case, of in zip(panels.flat, cases, found, strict=False):
-        for name, iterations in of.items():
-            i = NAMES.index(name)
-            style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
-            at = [each.k for each in iterations]
-            axes.plot(at, np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
-        axes.set_yscale("log")
-        axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
-        for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
-            formatter(StrMethodFormatter("{x:g}"))
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        speed = 1e3 * case.experiment().motion.reached_speed
-        axes.set_title(f"{case.cut.pose}, {speed:.0f} mm/s", loc="left", fontsize=9)
-        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    for axes in panels[-1]:
-        axes.set_xlabel("iteration k")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("arm RMS [µm]")
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper right", ncols=len(labels), frameon=False, fontsize=8)
-    save(figure, file)
+    edges = 0.75 / width, 0.985, 0.55 / height, 1.0 - 0.55 / height
+    look = {"edges": edges, "gaps": (0.08, 0.22), "sharex": True, "sharey": True}
+    with panels(file, (width, height), n_rows, n_columns, **look) as grid:
+        for axes, case, of in zip(grid, cases, found, strict=False):
+            for name, iterations in of.items():
+                i = NAMES.index(name)
+                style = {"marker": MARKERS[i], "color": COLORS[i], "label": name}
+                at = [each.k for each in iterations]
+                axes.plot(at, np.array(rms(iterations)) * 1e6, ms=4, lw=1.2, **style)
+            logarithmic(axes)
+            whole_numbers(axes.xaxis)
+            speed = 1e3 * case.experiment().motion.reached_speed
+            axes.set_title(f"{case.cut.pose}, {speed:.0f} mm/s")
+            axes.grid(True)
+        for axes in grid[-n_columns:]:
+            axes.set_xlabel("iteration k")
+        for axes in grid[::n_columns]:
+            axes.set_ylabel("arm RMS [µm]")
+        handles, labels = grid[0].get_legend_handles_labels()
+        grid[0].figure.legend(handles, labels, loc="upper right", ncols=len(labels))
 
 
 def write_replay(file: Path, case: Case, found: Learned) -> None:

@@ -1,6 +1,7 @@
 """Figures of a design: criterion, Nyquist curve, eigenloci of coupled motors."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -9,32 +10,37 @@ from armside.ilc.analysis.criterion import shift_response
 from armside.ilc.analysis.proposal import Proposal
 from armside.ilc.models.system import unit_circle
 
-from .laser import COLORS, INK, new_figure, save
+from .canvas import COLORS, INK, panels
+
+DISC = unit_circle(np.linspace(0.0, 2.0 * np.pi, 400))
+
+
+def draw_disc(axes: Any, centre: float) -> None:
+    """The unit circle about a real number, filled, in the complex plane."""
+    axes.fill(centre + DISC.real, DISC.imag, color="#EEF3E8")
+    axes.plot(centre + DISC.real, DISC.imag, color=INK, lw=1.0)
+    axes.set(aspect="equal")
 
 
 def draw_eigenloci(file: Path, title: str, loci: Eigenloci, sample_time: float) -> None:
     """Loci in the plane and their moduli over frequency; the largest is marked."""
-    figure = new_figure(9.6, 4.4)
-    figure.subplots_adjust(left=0.07, right=0.98, bottom=0.13, top=0.88, wspace=0.2)
-    left, right = figure.subplots(1, 2)
-    circle = unit_circle(np.linspace(0.0, 2.0 * np.pi, 400))
-    left.fill(circle.real, circle.imag, color="#EEF3E8")
-    left.plot(circle.real, circle.imag, color=INK, lw=1.0)
     f = hertz(loci.omega, sample_time)
     moving = f > 0.0
-    for i, locus in enumerate(loci.values.T):
-        color = COLORS[i % len(COLORS)]
-        left.plot(locus.real, locus.imag, color=color, lw=1.0)
-        right.semilogx(f[moving], np.abs(locus)[moving], color=color, lw=1.0)
     at = int(np.abs(loci.values).max(axis=1).argmax())
     worst = loci.values[at, np.abs(loci.values[at]).argmax()]
-    left.plot(worst.real, worst.imag, marker="o", mfc="none", color=INK, ls="none")
-    right.axhline(1.0, color=INK, lw=1.0)
-    left.set(aspect="equal", xlabel="real part", ylabel="imaginary part")
-    left.set_title(f"{title}: eigenvalues of Q (1 − L Tᵤ)", loc="left", fontsize=9)
-    right.set(xlabel="frequency [Hz]", ylabel="modulus of each")
-    right.set_title(f"largest modulus {abs(worst):.3g}, at {f[at]:.3g} Hz", loc="left", fontsize=9)
-    save(figure, file)
+    edges = 0.07, 0.98, 0.13, 0.88
+    with panels(file, (9.6, 4.4), 1, 2, edges=edges, gaps=(0.2, None)) as (left, right):
+        draw_disc(left, 0.0)
+        for i, locus in enumerate(loci.values.T):
+            color = COLORS[i % len(COLORS)]
+            left.plot(locus.real, locus.imag, color=color, lw=1.0)
+            right.semilogx(f[moving], np.abs(locus)[moving], color=color, lw=1.0)
+        left.plot(worst.real, worst.imag, marker="o", mfc="none", color=INK, ls="none")
+        right.axhline(1.0, color=INK, lw=1.0)
+        left.set(xlabel="real part", ylabel="imaginary part")
+        left.set_title(f"{title}: eigenvalues of Q (1 − L Tᵤ)")
+        right.set(xlabel="frequency [Hz]", ylabel="modulus of each")
+        right.set_title(f"largest modulus {abs(worst):.3g}, at {f[at]:.3g} Hz")
 
 
 def draw_proposal(file: Path, proposal: Proposal) -> None:
@@ -43,26 +49,19 @@ def draw_proposal(file: Path, proposal: Proposal) -> None:
     f = hertz(result.omega, T_u.sample_time)
     L = shift_response(proposal.gamma, proposal.delta, result.omega)
     curve = L * T_u.response(result.omega)
-    figure = new_figure(9.6, 4.2)
-    figure.set_layout_engine("constrained")
-    left, right = figure.subplots(1, 2)
-    shown = f > proposal.cutoff / 100.0
-    with np.errstate(divide="ignore"):
-        left.loglog(f[shown], 1.0 / result.q[shown], color=INK, ls="--", label="1/|Q|")
-    left.loglog(f[shown], result.learning[shown], color=COLORS[0], label="|1 − LTᵤ|")
-    left.set_ylim(0.5 * min(0.1, result.learning[shown].min()), 10.0)
-    left.set_xlabel("frequency [Hz]")
-    left.set_title("The solid line must stay below the dashed", loc="left")
-    left.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    left.legend(frameon=False)
-    circle = 1.0 + unit_circle(np.linspace(0.0, 2.0 * np.pi, 400))
-    right.fill(circle.real, circle.imag, color="#EEF3E8")
-    right.plot(circle.real, circle.imag, color=INK, lw=1.0)
-    right.plot(curve.real, curve.imag, color="#BBBBBB", label="LTᵤ above the cutoff")
-    below = f <= proposal.cutoff
-    right.plot(curve[below].real, curve[below].imag, color=COLORS[0], label="LTᵤ below the cutoff")
-    right.set(aspect="equal", xlabel="real part", ylabel="imaginary part")
-    right.set_title("Learned where the curve is inside the circle", loc="left")
-    below_axes = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.14), "ncols": 2}
-    right.legend(frameon=False, fontsize=8, **below_axes)
-    save(figure, file)
+    shown, below = f > proposal.cutoff / 100.0, f <= proposal.cutoff
+    with panels(file, (9.6, 4.2), 1, 2, large=True) as (left, right):
+        with np.errstate(divide="ignore"):
+            left.loglog(f[shown], 1.0 / result.q[shown], color=INK, ls="--", label="1/|Q|")
+        left.loglog(f[shown], result.learning[shown], color=COLORS[0], label="|1 − LTᵤ|")
+        left.set_ylim(0.5 * min(0.1, result.learning[shown].min()), 10.0)
+        left.set_xlabel("frequency [Hz]")
+        left.set_title("The solid line must stay below the dashed")
+        left.grid(True)
+        left.legend()
+        draw_disc(right, 1.0)
+        for part, where, color in ((curve, "above", "#BBBBBB"), (curve[below], "below", COLORS[0])):
+            right.plot(part.real, part.imag, color=color, label=f"LTᵤ {where} the cutoff")
+        right.set(xlabel="real part", ylabel="imaginary part")
+        right.set_title("Learned where the curve is inside the circle")
+        right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8)

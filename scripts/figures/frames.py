@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from armside.kinematics import Robot
 from armside.kinematics.symbolic.description import frame_positions
 
-from .laser import new_figure, save
+from .canvas import panels
 
 AXIS = 0.08
 """Drawn length of a frame's axes [m]."""
@@ -22,18 +22,17 @@ AXIS_COLORS = ("#D55E00", "#009E73", "#0072B2")
 def draw(file: Path, robot: Robot) -> None:
     """All link frames in the zero pose, x red, y green, z blue, seen from the side and front."""
     origins, axes = frame_positions(robot)
-    figure = new_figure(9.0, 5.0)
-    views = figure.subplots(1, 2)
-    for view, (across, label) in zip(views, ((0, "x [m]"), (1, "y [m]")), strict=True):
-        _frames(view, origins[:, [across, 2]], axes[:, [across, 2]])
-        view.set_xlabel(label)
-        view.set_ylabel("z [m]")
-        view.set_aspect("equal")
-    views[1].set_xlim(-HALF_WIDTH, HALF_WIDTH)
-    handles = [Line2D([], [], color=color) for color in AXIS_COLORS]
-    figure.legend(handles, ["x axis", "y axis", "z axis"], loc="lower right", frameon=False)
-    figure.suptitle(f"Frames of {robot.name} in the zero pose")
-    save(figure, file)
+    edges = (0.125, 0.9, 0.11, 0.88)
+    with panels(file, (9.0, 5.0), 1, 2, edges=edges, large=True) as views:
+        for view, across, label in zip(views, (0, 1), ("x [m]", "y [m]"), strict=True):
+            _frames(view, origins[:, [across, 2]], axes[:, [across, 2]])
+            view.set(xlabel=label, ylabel="z [m]", aspect="equal")
+        views[1].set_xlim(-HALF_WIDTH, HALF_WIDTH)
+        figure = views[0].figure
+        handles = [Line2D([], [], color=color) for color in AXIS_COLORS]
+        names = ["x axis", "y axis", "z axis"]
+        figure.legend(handles, names, loc="lower right")
+        figure.suptitle(f"Frames of {robot.name} in the zero pose")
 
 
 def _frames(view: Axes, origins: np.ndarray, axes: np.ndarray) -> None:

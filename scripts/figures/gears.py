@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics.robot_file import Arm, GearTerm, gear_toml, robot_toml
-from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining, coverage
+from armside.sim.gears import Coverage, GearAnalysis, Judgement, coverage
 from armside.sim.gears.judgement import judged_rows
 from armside.sim.gears.transmission import CONFIDENCE
 from armside.sim.recordings.alignment.encoder_motion import bandpass
 from armside.sim.records.run_folder import RunFolder
 
 from ..shell.console import Report
-from .laser import COLORS, INK, REFERENCE, new_figure, save
+from .canvas import COLORS, INK, REFERENCE, panels
 
 UM = 1e6
 
@@ -85,15 +85,11 @@ def _judged(one: Judgement) -> dict[str, Any]:
         "learned_from": one.learned_from,
         "sensor_ratio": one.sensor,
         "sham_sensor_ratio": one.sham_sensor,
-        "tool": _tool(one.tool),
-        "sham_tool": _tool(one.sham_tool),
-        "smoothed": _tool(one.smoothed),
-        "bands": [vars(band) for band in one.bands],
+        "tool": one.tool,
+        "sham_tool": one.sham_tool,
+        "smoothed": one.smoothed,
+        "bands": one.bands,
     }
-
-
-def _tool(one: Remaining | None) -> dict[str, Any] | None:
-    return None if one is None else {name: getattr(one, name) for name in vars(one)}
 
 
 def _clocks(done: GearAnalysis) -> list[dict[str, Any]]:
@@ -187,23 +183,22 @@ def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:
 def draw_scan(file: Path, done: GearAnalysis) -> None:
     """Energy that each order of each joint explains, over the joint's median."""
     n = len(done.resolution)
-    figure = new_figure(8.0, 1.2 + 1.25 * n)
-    panels = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
-    figure.subplots_adjust(left=0.11, right=0.97, bottom=0.5 / (1.2 + 1.25 * n), top=0.93)
-    found = [] if done.found is None else done.found.terms
-    for joint, panel in enumerate(panels):
-        orders = done.scan.orders[joint]
-        strength = done.scan.explained[joint] / done.scan.typical[joint]
-        panel.semilogy(orders, np.maximum(strength, 1e-2), color=COLORS[0], lw=0.9)
-        panel.axhline(1.0, color=REFERENCE, lw=0.8)
-        for term in found:
-            if term.joint == joint + 1:
-                panel.axvline(term.order, color=COLORS[1], lw=0.8, ls="--")
-        panel.set_ylabel(f"joint {joint + 1}", color=INK)
-        panel.set_ylim(0.3, 3.0 * max(10.0, float(strength.max())))
-    panels[-1].set_xlabel("order [periods per turn of the joint]")
-    figure.suptitle("Energy explained by an order, over the median; dashed: taken")
-    save(figure, file)
+    height, found = 1.2 + 1.25 * n, [] if done.found is None else done.found.terms
+    edges = 0.11, 0.97, 0.5 / height, 0.93
+    with panels(file, (8.0, height), n, edges=edges, sharex=True) as grid:
+        for joint, panel in enumerate(grid):
+            strength = done.scan.explained[joint] / done.scan.typical[joint]
+            orders = done.scan.orders[joint]
+            panel.semilogy(orders, np.maximum(strength, 1e-2), color=COLORS[0], lw=0.9)
+            panel.axhline(1.0, color=REFERENCE, lw=0.8)
+            for term in found:
+                if term.joint == joint + 1:
+                    panel.axvline(term.order, color=COLORS[1], lw=0.8, ls="--")
+            panel.set_ylabel(f"joint {joint + 1}", color=INK)
+            panel.set_ylim(0.3, 3.0 * max(10.0, float(strength.max())))
+        grid[-1].set_xlabel("order [periods per turn of the joint]")
+        title = "Energy explained by an order, over the median; dashed: taken"
+        grid[0].figure.suptitle(title)
 
 
 def draw_tool(file: Path, done: GearAnalysis) -> None:
@@ -216,43 +211,45 @@ def draw_tool(file: Path, done: GearAnalysis) -> None:
     first = int(np.flatnonzero(judged_rows(one))[0])
     rows = slice(first, first + 1000)
     time = one.motion.time[rows] - one.motion.time[0]
-    figure = new_figure(9.0, 6.0)
-    panels = figure.subplots(3, 1, sharex=True)
-    figure.subplots_adjust(left=0.09, right=0.98, bottom=0.08, top=0.92)
-    for axis, panel in zip(range(3), panels, strict=True):
-        panel.plot(time, UM * seen[rows, axis], color=REFERENCE, lw=1.0, label="encoders alone")
-        panel.plot(time, UM * left[rows, axis], color=COLORS[0], lw=1.0, label="with gear error")
-        panel.set_ylabel(f"{'xyz'[axis]} [µm]")
-    panels[0].legend(loc="upper right", ncols=2, frameon=False)
-    panels[-1].set_xlabel("time [s]")
     low, high = done.cfg.judged
-    figure.suptitle(f"Error of the tool at {low:g} to {high:g} Hz by the tracker, {one.name}")
-    save(figure, file)
+    edges = 0.09, 0.98, 0.08, 0.92
+    with panels(file, (9.0, 6.0), 3, edges=edges, sharex=True, large=True) as grid:
+        for axis, panel in enumerate(grid):
+            for x, color, label in (
+                (seen, REFERENCE, "encoders alone"),
+                (left, COLORS[0], "with gear error"),
+            ):
+                panel.plot(time, UM * x[rows, axis], color=color, lw=1.0, label=label)
+            panel.set_ylabel(f"{'xyz'[axis]} [µm]")
+        grid[0].legend(loc="upper right", ncols=2)
+        grid[-1].set_xlabel("time [s]")
+        title = f"Error of the tool at {low:g} to {high:g} Hz by the tracker, {one.name}"
+        grid[0].figure.suptitle(title)
 
 
 def draw_fused(file: Path, done: GearAnalysis) -> None:
     """Spectra of the tool's error: encoders, with gear error, with the IMU; the tracker's floor."""
     judged = [one for one in done.judgements if one.spectra is not None]
-    figure = new_figure(8.0, 1.2 + 2.2 * len(judged))
-    panels = figure.subplots(len(judged), 1, sharex=True, squeeze=False)[:, 0]
     height = 1.2 + 2.2 * len(judged)
-    figure.subplots_adjust(left=0.11, right=0.97, bottom=0.55 / height, top=1.0 - 0.5 / height)
-    for one, panel in zip(judged, panels, strict=True):
-        assert one.spectra is not None
-        curves = {"encoders": (one.spectra.encoders, REFERENCE)}
-        curves["+ gear error"] = (one.spectra.gears, COLORS[0])
-        if one.spectra.fused is not None:
-            curves["+ gear error and IMU"] = (one.spectra.fused, COLORS[1])
-        for label, (density, color) in curves.items():
-            panel.loglog(one.spectra.frequency, UM * density, color=color, lw=1.0, label=label)
-        panel.axhline(UM * floor_density(one), color=INK, lw=0.8, ls="--", label="floor")
-        panel.set_xlim(0.5, 40.0)
-        panel.set_ylabel("[µm/√Hz]")
-        panel.set_title(one.recording, loc="left", fontsize=9)
-    panels[0].legend(frameon=False, fontsize=8, ncols=2)
-    panels[-1].set_xlabel("frequency [Hz]")
-    figure.suptitle("Error of the tool by the tracker, all axes")
-    save(figure, file)
+    edges = 0.11, 0.97, 0.55 / height, 1.0 - 0.5 / height
+    with panels(file, (8.0, height), len(judged), edges=edges, sharex=True) as grid:
+        for one, panel in zip(judged, grid, strict=True):
+            assert one.spectra is not None
+            for label, density, color in (
+                ("encoders", one.spectra.encoders, REFERENCE),
+                ("+ gear error", one.spectra.gears, COLORS[0]),
+                ("+ gear error and IMU", one.spectra.fused, COLORS[1]),
+            ):
+                if density is not None:
+                    x = one.spectra.frequency
+                    panel.loglog(x, UM * density, color=color, lw=1.0, label=label)
+            panel.axhline(UM * floor_density(one), color=INK, lw=0.8, ls="--", label="floor")
+            panel.set_xlim(0.5, 40.0)
+            panel.set_ylabel("[µm/√Hz]")
+            panel.set_title(one.recording)
+        grid[0].legend(ncols=2)
+        grid[-1].set_xlabel("frequency [Hz]")
+        grid[0].figure.suptitle("Error of the tool by the tracker, all axes")
 
 
 def floor_density(one: Judgement) -> float:

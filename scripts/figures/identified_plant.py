@@ -20,7 +20,7 @@ from armside.ilc.identification.subspace import SubspaceFit, bootstrap_response_
 from armside.ilc.workbench.input_output import InputOutput
 
 from ..shell.console import Report
-from .laser import COLORS, INK, new_figure, save
+from .canvas import COLORS, INK, panels
 
 SIGMAS = 1.96  # of a normal interval of 95 %
 HEADS = ("structure", "orders", "BIC", "fit [%]", "white p", "input p", "validation [%]")
@@ -125,26 +125,31 @@ def draw(
     omega = np.pi * np.geomspace(2e-3, 0.999, 300)
     f = hertz(omega, made.sample_time)
     magnitude, band = _response(best, made, omega, fits, rng)
-    figure = new_figure(9.6, 4.2)
-    figure.subplots_adjust(left=0.08, right=0.98, bottom=0.14, top=0.91, wspace=0.18)
-    left, right = figure.subplots(1, 2)
     named = "model" if np.isnan(band).all() else "model, 95 %"
-    for i, (G, width) in enumerate(zip(magnitude.T, band.T, strict=True)):
-        color = COLORS[i % len(COLORS)]
-        left.loglog(f, G, color=color, lw=1.2, label=named if i == 0 else None)
-        left.fill_between(f, np.maximum(G - width, 1e-3 * G), G + width, color=color, alpha=0.2)
-    if measured is not None:
-        at, size = hertz(measured.omega, made.sample_time), np.abs(measured.response[:, 0, 0])
-        bars = measured.radius()[:, 0, 0]
-        left.errorbar(at, size, bars, fmt=".", color=INK, ms=4, lw=0.8, label="measured, 95 %")
-    left.set(xlabel="frequency [Hz]", title="|response|")
-    left.legend(frameon=False)
     time = made.sample_time * np.arange(len(made.y))
-    right.plot(time, made.y[:, 0], color=INK, lw=1.0, label="measured")
-    right.plot(time, best.system.simulate(made.u)[:, 0], color=COLORS[0], lw=1.0, label="simulated")
-    right.set(xlabel="time [s]", title="first output")
-    right.legend(frameon=False)
-    save(figure, file)
+    edges = 0.08, 0.98, 0.14, 0.91
+    with panels(file, (9.6, 4.2), 1, 2, edges=edges, gaps=(0.18, None), large=True) as (
+        left,
+        right,
+    ):
+        for i, (G, width) in enumerate(zip(magnitude.T, band.T, strict=True)):
+            color = COLORS[i % len(COLORS)]
+            left.loglog(f, G, color=color, lw=1.2, label=named if i == 0 else None)
+            left.fill_between(f, np.maximum(G - width, 1e-3 * G), G + width, color=color, alpha=0.2)
+        if measured is not None:
+            at, size = hertz(measured.omega, made.sample_time), np.abs(measured.response[:, 0, 0])
+            bars = measured.radius()[:, 0, 0]
+            left.errorbar(at, size, bars, fmt=".", color=INK, ms=4, lw=0.8, label="measured, 95 %")
+        left.set_xlabel("frequency [Hz]")
+        for values, color, label in (
+            (made.y, INK, "measured"),
+            (best.system.simulate(made.u), COLORS[0], "simulated"),
+        ):
+            right.plot(time, values[:, 0], color=color, lw=1.0, label=label)
+        right.set_xlabel("time [s]")
+        for axes, title in ((left, "|response|"), (right, "first output")):
+            axes.set_title(title, loc="center")
+            axes.legend()
 
 
 def _response(

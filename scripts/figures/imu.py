@@ -1,9 +1,10 @@
 """Figures of thesis chapter 5 as PNG files, from arrays alone."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,9 +12,14 @@ from matplotlib.ticker import MaxNLocator
 
 from armside.arrays import Array
 
-from .laser import COLORS, INK, REFERENCE, new_figure, save
+from .canvas import COLORS, INK, REFERENCE, new_figure, panels
 
 AXES = "xyz"
+VECTORS = {
+    "angular_velocity": ("Angular velocity", "ω", "rad/s"),
+    "acceleration": ("Linear acceleration", "a", "m/s²"),
+}
+"""Measured vectors: name, symbol and unit."""
 SHADE = "#EFEFEF"
 WIDE = "#A9D5F0"
 """Of a wide line under a thin one: where the two agree, both are seen."""
@@ -23,6 +29,9 @@ AT_REST = 1e-3
 """Range of a motor that counts as at rest, over the largest."""
 STACKED = 3
 """Most panels in one column."""
+_EDGES = (0.11, 0.98, 0.1, 0.91)
+_stack = partial(panels, size=(8.0, 5.6), rows=3, edges=_EDGES, gaps=(None, 0.15), sharex=True)
+"""Three panels above each other, for the axes of a vector."""
 
 
 def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> None:
@@ -30,21 +39,24 @@ def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> N
 
     time: (K,) [s]. acceleration: (K, 3) [m/s^2].
     """
-    with _stack(file, "Acceleration at rest: motors off, then on", "Time [s]") as panels:
-        for axes, name, values in zip(panels, AXES, acceleration.T, strict=True):
+    with _stack(file, title="Acceleration at rest: motors off, then on") as grid:
+        for axes, name, values in zip(grid, AXES, acceleration.T, strict=True):
             axes.plot(time, values, color=COLORS[0], lw=0.5)
             axes.axvline(motors_on_at, color=INK, lw=0.8, ls="--")
             axes.set_ylabel(f"a$_{name}$ [m/s²]")
+        grid[-1].set_xlabel("Time [s]")
 
 
 def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
     """Power spectra of the accelerometer at rest, (F, 3) [(m/s^2)^2/Hz]. Thesis 5.1.1."""
-    with _stack(file, "Acceleration at rest: power spectrum", "Frequency [Hz]") as panels:
-        for i, axes in enumerate(panels):
-            axes.semilogy(frequency[1:], off[1:, i], color=REFERENCE, lw=1.0, label="motors off")
-            axes.semilogy(frequency[1:], on[1:, i], color=COLORS[0], lw=1.0, label="motors on")
+    with _stack(file, title="Acceleration at rest: power spectrum") as grid:
+        for i, axes in enumerate(grid):
+            for values, color, label in ((off, REFERENCE, "off"), (on, COLORS[0], "on")):
+                x, y = frequency[1:], values[1:, i]
+                axes.semilogy(x, y, color=color, lw=1.0, label=f"motors {label}")
             axes.set_ylabel(f"{AXES[i]} [(m/s²)²/Hz]")
-        panels[0].legend(frameon=False, fontsize=8, ncols=2)
+        grid[0].legend(ncols=2)
+        grid[-1].set_xlabel("Frequency [Hz]")
 
 
 def motor_angles(
@@ -59,32 +71,35 @@ def motor_angles(
     sliding = np.zeros(len(moved), dtype=bool) if slides is None else np.array(slides)
     resting = moved <= AT_REST * moved.max()
     moving = np.flatnonzero(~resting) if moved.any() else np.arange(len(moved))
-    n_columns = 1 if len(moving) <= STACKED else 2
-    figure = new_figure(9.0, 6.4)
-    figure.suptitle("Logged motor angles, arm side", x=0.02, ha="left")
-    if len(moving) < len(moved):
-        names = ", ".join(str(i + 1) for i in np.flatnonzero(resting))
-        unit = "µrad, µm of a slide" if sliding[resting].any() else "µrad"
-        said = f"Motors at rest, within {1e6 * moved[resting].max():.0f} {unit}: {names}"
-        figure.text(0.98, 0.955, said, ha="right", fontsize=9)
-    grid = figure.subplots(-(-len(moving) // n_columns), n_columns, sharex=True, squeeze=False)
-    figure.subplots_adjust(left=0.08, right=0.98, bottom=0.09, top=0.9, hspace=0.32, wspace=0.2)
-    for k, (i, axes) in enumerate(zip(moving, grid.flat, strict=False)):
-        axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
-        axes.set_title(f"Motor {i + 1}", loc="left", fontsize=9)
-        middle = 0.5 * float(angle[:, i].min() + angle[:, i].max())
-        widest = float(moved[sliding == sliding[i]].max())
-        half = 0.56 * max(float(moved[i]), LEAST * widest, 1e-6)
-        axes.set_ylim(middle - half, middle + half)
-        if sliding[i]:
-            axes.set_ylabel("position [m]", fontsize=8)
-        elif k % n_columns == 0:
-            axes.set_ylabel("angle [rad]", fontsize=8)
-    for axes in grid.flat[len(moving) :]:
-        axes.set_visible(False)
-    for axes in grid[-1]:
-        axes.set_xlabel("Time [s]")
-    save(figure, file)
+    columns = 1 if len(moving) <= STACKED else 2
+    title, edges = "Logged motor angles, arm side", (0.08, 0.98, 0.09, 0.9)
+    look = {"title": title, "edges": edges, "gaps": (0.2, 0.32), "sharex": True}
+    with panels(file, (9.0, 6.4), -(-len(moving) // columns), columns, **look) as grid:
+        if len(moving) < len(moved):
+            names = ", ".join(str(i + 1) for i in np.flatnonzero(resting))
+            unit = "µrad, µm of a slide" if sliding[resting].any() else "µrad"
+            text = f"Motors at rest, within {1e6 * moved[resting].max():.0f} {unit}: {names}"
+            grid[0].figure.text(0.98, 0.955, text, ha="right", fontsize=9)
+        for k, (i, axes) in enumerate(zip(moving, grid, strict=False)):
+            axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
+            axes.set_title(f"Motor {i + 1}")
+            widest = float(moved[sliding == sliding[i]].max())
+            half = 0.56 * max(float(moved[i]), LEAST * widest, 1e-6)
+            axes.set_ylim(*_around(angle[:, i], half))
+            if sliding[i]:
+                axes.set_ylabel("position [m]", fontsize=8)
+            elif k % columns == 0:
+                axes.set_ylabel("angle [rad]", fontsize=8)
+        for axes in grid[len(moving) :]:
+            axes.set_visible(False)
+        for axes in grid[-columns:]:
+            axes.set_xlabel("Time [s]")
+
+
+def _around(values: Array, half: float) -> tuple[float, float]:
+    """Limits about the middle of some values."""
+    middle = 0.5 * float(values.min() + values.max())
+    return middle - half, middle + half
 
 
 def path(file: Path, position: Array) -> None:
@@ -106,56 +121,58 @@ def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
 
     tool, predicted: (N, 3) [m]. All axes have the same scale.
     """
-    figure = new_figure(9.0, 6.4)
-    figure.suptitle("Position of TCP0, base axes", x=0.02, ha="left")
-    grid = figure.subplots(3, 2, sharex=True)
     half = 0.55 * max(float(np.ptp(predicted, axis=0).max()), 1e-3)
     furthest = 1.1e3 * max(float(np.abs(tool - predicted).max()), 1e-6)
-    figure.subplots_adjust(left=0.09, right=0.98, bottom=0.09, top=0.9, hspace=0.2, wspace=0.25)
-    for i, (left, right) in enumerate(grid):
-        left.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="D-H of motor angles")
-        left.plot(time, tool[:, i], color=COLORS[1], lw=1.0, label="tool")
-        left.set_ylabel(f"{AXES[i]} [m]")
-        middle = 0.5 * float(predicted[:, i].min() + predicted[:, i].max())
-        left.set_ylim(middle - half, middle + half)
-        right.set_ylim(-furthest, furthest)
-        right.plot(time, 1e3 * (tool - predicted)[:, i], color=INK, lw=0.8)
-        right.set_ylabel("difference [mm]", fontsize=8)
-    _legend_beside_title(grid[0, 0])
-    for axes in grid[-1]:
-        axes.set_xlabel("Time [s]")
-    save(figure, file)
+    title, edges = "Position of TCP0, base axes", (0.09, 0.98, 0.09, 0.9)
+    look = {"title": title, "edges": edges, "gaps": (0.25, 0.2), "sharex": True}
+    with panels(file, (9.0, 6.4), 3, 2, **look) as grid:
+        for i, (left, right) in enumerate(grid.reshape(3, 2)):
+            _under(left, time, predicted[:, i], "D-H of motor angles")
+            left.plot(time, tool[:, i], color=COLORS[1], lw=1.0, label="tool")
+            left.set_ylabel(f"{AXES[i]} [m]")
+            left.set_ylim(*_around(predicted[:, i], half))
+            right.set_ylim(-furthest, furthest)
+            right.plot(time, 1e3 * (tool - predicted)[:, i], color=INK, lw=0.8)
+            right.set_ylabel("difference [mm]", fontsize=8)
+        _legend_beside_title(grid[0])
+        for axes in grid[-2:]:
+            axes.set_xlabel("Time [s]")
 
 
-def angular_velocity(file: Path, time: Array, measured: Array, predicted: Array) -> None:
-    """Angular velocity of the IMU in base axes, (K, 3) [rad/s]. Thesis Fig. 5.8."""
-    title = "Angular velocity of the IMU, base axes"
-    _both_sides(file, title, time, measured, predicted, "ω", "rad/s")
-
-
-def acceleration(file: Path, time: Array, measured: Array, predicted: Array) -> None:
-    """Acceleration of the IMU in base axes, without gravity, (K, 3) [m/s^2]. Thesis Fig. 5.9."""
-    title = "Linear acceleration of the IMU, base axes"
-    _both_sides(file, title, time, measured, predicted, "a", "m/s²")
-
-
-def _legend_beside_title(axes: Axes) -> None:
-    """Legend of the curves of a panel in the figure's upper right corner, over no curve."""
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    names = axes.get_legend_handles_labels()
-    figure.legend(*names, frameon=False, fontsize=8, ncols=2, loc="upper right")
-
-
-def _both_sides(
-    file: Path, title: str, time: Array, measured: Array, predicted: Array, symbol: str, unit: str
-) -> None:
-    with _stack(file, title, "Time [s]") as panels:
-        for i, axes in enumerate(panels):
-            axes.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="predicted")
+def vector(file: Path, time: Array, measured: Array, predicted: Array, *, quantity: str) -> None:
+    """A quantity of `VECTORS` of the IMU in base axes, (K, 3). Thesis Figs. 5.8, 5.9."""
+    title, symbol, unit = VECTORS[quantity]
+    with _stack(file, title=f"{title} of the IMU, base axes") as grid:
+        for i, axes in enumerate(grid):
+            _under(axes, time, predicted[:, i], "predicted")
             axes.plot(time, measured[:, i], color=COLORS[1], lw=0.9, label="measured")
             axes.set_ylabel(f"{symbol}$_{AXES[i]}$ [{unit}]")
-        _legend_beside_title(panels[0])
+        _legend_beside_title(grid[0])
+        grid[-1].set_xlabel("Time [s]")
+
+
+def comparison(
+    folder: Any, suffix: str, seen: Any, shown: Any, judged: Any, window_rms: Array, window: float
+) -> None:
+    """Measured and predicted vectors and the moving RMS (K, 3) of an `ImuComparison`.
+
+    shown, judged: rows of the vectors and of the error.
+    """
+    for quantity in VECTORS:
+        sides = (getattr(seen, f"{quantity}_{side}")[shown] for side in ("measured", "predicted"))
+        file = folder / f"{quantity.replace('_', '-')}{suffix}.png"
+        vector(file, seen.time[shown], *sides, quantity=quantity)
+    file = folder / f"acceleration-error{suffix}.png"
+    acceleration_error(file, seen.time[judged], {"": window_rms[judged]}, window)
+
+
+def _under(axes: Axes, time: Array, values: Array, label: str) -> None:
+    axes.plot(time, values, color=WIDE, lw=4.0, label=label)
+
+
+def _legend_beside_title(axes: Any) -> None:
+    """Legend of the curves of a panel in the figure's upper right corner, over no curve."""
+    axes.figure.legend(*axes.get_legend_handles_labels(), ncols=2, loc="upper right")
 
 
 def acceleration_error(
@@ -169,9 +186,9 @@ def acceleration_error(
 
     curves: label: (K, 3) [m/s^2]. shaded: label: a part of the motion, from and to [s].
     """
-    with _stack(file, f"Acceleration error: RMS over {window:g} s", "Time [s]") as panels:
+    with _stack(file, title=f"Acceleration error: RMS over {window:g} s") as grid:
         top = 1.08 * max(float(values.max()) for values in curves.values())
-        for i, axes in enumerate(panels):
+        for i, axes in enumerate(grid):
             for part in shaded.values():
                 axes.axvspan(*part, color=SHADE, lw=0)
             for (label, values), color in zip(curves.items(), COLORS, strict=False):
@@ -180,9 +197,10 @@ def acceleration_error(
             axes.set_ylim(0.0, top)
         for label, part in shaded.items():
             middle = float(np.mean(part))
-            panels[0].text(middle, 0.93 * top, label, ha="center", va="top", fontsize=8, color=INK)
+            grid[0].text(middle, 0.93 * top, label, ha="center", va="top", fontsize=8, color=INK)
         if len(curves) > 1:
-            panels[-1].legend(frameon=False, fontsize=8, ncols=2)
+            grid[-1].legend(ncols=2)
+        grid[-1].set_xlabel("Time [s]")
 
 
 def clocks(
@@ -193,37 +211,25 @@ def clocks(
     time: (K,) [s], of the robot. measured, predicted: (K,) [rad/s]. offset: of the IMU's clock [s].
     errors: of the offsets estimated for other IMUs (n,) [s].
     """
-    figure = new_figure(10.0, 3.4)
-    figure.suptitle("Synchronisation of the clocks", x=0.02, ha="left")
-    whole, near, found = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
-    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.15, top=0.8, wspace=0.32)
     steepest = int(np.abs(np.diff(predicted)).argmax())
-    for axes in (whole, near):
-        axes.plot(time, predicted, color=INK, lw=2.0, label="predicted from motor angles")
-        axes.plot(time - offset, measured, color=COLORS[1], lw=1.0, label="IMU, its own clock")
-        axes.plot(time, measured, color=COLORS[0], lw=1.2, ls="--", label="IMU, offset found")
-        axes.set_xlabel("Time [s]")
-    whole.set_ylabel("ω$_z$ [rad/s]")
-    whole.set_title("The movement", loc="left", fontsize=9)
     shown = slice(max(steepest - 4, 0), steepest + 5)
-    near.set_xlim(time[shown][0], time[shown][-1])
-    near.set_ylim(predicted[shown].min(), predicted[shown].max())
-    near.set_title(f"Its steepest part, {1e3 * abs(offset):.1f} ms apart", loc="left", fontsize=9)
-    near.legend(frameon=False, fontsize=8)
-    found.plot(1e3 * errors, np.arange(len(errors)), "o", color=COLORS[0], ms=4)
-    found.axvline(0.0, color=INK, lw=0.8)
-    found.set(xlim=(-1.0, 1.0), xlabel="error [ms]", yticks=[])
-    found.set_title(f"Offset found, {len(errors)} others", loc="left", fontsize=9)
-    save(figure, file)
-
-
-@contextmanager
-def _stack(file: Path, title: str, x_label: str) -> Iterator[Sequence[Axes]]:
-    """Three panels above each other with a common x axis, saved when the block ends well."""
-    figure = new_figure(8.0, 5.6)
-    figure.suptitle(title, x=0.02, ha="left")
-    panels: Sequence[Axes] = figure.subplots(3, 1, sharex=True)
-    figure.subplots_adjust(left=0.11, right=0.98, bottom=0.1, top=0.91, hspace=0.15)
-    panels[-1].set_xlabel(x_label)
-    yield panels
-    save(figure, file)
+    look = {"title": "Synchronisation of the clocks", "edges": (0.07, 0.985, 0.15, 0.8)}
+    widths = (3, 3, 1.5)
+    with panels(file, (10.0, 3.4), 1, 3, gaps=(0.32, None), width_ratios=widths, **look) as grid:
+        whole, near, found = grid
+        for axes in (whole, near):
+            axes.plot(time, predicted, color=INK, lw=2.0, label="predicted from motor angles")
+            axes.plot(time - offset, measured, color=COLORS[1], lw=1.0, label="IMU, its own clock")
+            axes.plot(time, measured, color=COLORS[0], lw=1.2, ls="--", label="IMU, offset found")
+            axes.set_xlabel("Time [s]")
+        whole.set_ylabel("ω$_z$ [rad/s]")
+        near.set_xlim(time[shown][0], time[shown][-1])
+        near.set_ylim(predicted[shown].min(), predicted[shown].max())
+        near.legend()
+        found.plot(1e3 * errors, np.arange(len(errors)), "o", color=COLORS[0], ms=4)
+        found.axvline(0.0, color=INK, lw=0.8)
+        found.set(xlim=(-1.0, 1.0), xlabel="error [ms]", yticks=[])
+        apart = f"Its steepest part, {1e3 * abs(offset):.1f} ms apart"
+        titles = "The movement", apart, f"Offset found, {len(errors)} others"
+        for axes, title in zip(grid, titles, strict=True):
+            axes.set_title(title)

@@ -26,27 +26,16 @@ def write_runs(results: Sequence[ImuResult], folder: RunFolder, config: dict[str
     write_imu_signals(folder / "imu.parquet", results, config=config)
     write_imu_replay(folder / "replay.rrd", results)
     for one in results:
-        _draw(folder, one, f"-{one.planned.name}" if len(results) > 1 else "")
-
-
-def _draw(folder: RunFolder, result: ImuResult, suffix: str) -> None:
-    def file(name: str) -> Any:
-        return folder / f"{name}{suffix}.png"
-
-    recording, evaluation = result.run.recording, result.evaluation
-    comparison = evaluation.comparison
-    omega = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
-    a = comparison.acceleration_measured, comparison.acceleration_predicted
-    tool = evaluation.tool, evaluation.tool_predicted
-    slides = result.experiment.cell.robot.slides
-    figures.motor_angles(file("motor-angles"), recording.time, recording.motor_angle, slides)
-    figures.path(file("path"), result.imu_position)
-    figures.position(file("position"), recording.time, *tool)
-    figures.angular_velocity(file("angular-velocity"), comparison.time, *omega)
-    figures.acceleration(file("acceleration"), comparison.time, *a)
-    late = comparison.time >= result.planned.since
-    curve = {"": evaluation.window_rms[late]}
-    figures.acceleration_error(file("acceleration-error"), comparison.time[late], curve, WINDOW)
+        suffix = f"-{one.planned.name}" if len(results) > 1 else ""
+        recording, evaluation, cell = one.run.recording, one.evaluation, one.experiment.cell
+        file, angles = folder / f"motor-angles{suffix}.png", recording.motor_angle
+        figures.motor_angles(file, recording.time, angles, cell.robot.slides)
+        figures.path(folder / f"path{suffix}.png", one.imu_position)
+        tool = evaluation.tool, evaluation.tool_predicted
+        figures.position(folder / f"position{suffix}.png", recording.time, *tool)
+        seen, rms = evaluation.comparison, evaluation.window_rms
+        late = seen.time >= one.planned.since
+        figures.comparison(folder, suffix, seen, slice(None), late, rms, WINDOW)
 
 
 def error_tables(results: Sequence[ImuResult], report: Report) -> None:

@@ -1,7 +1,4 @@
-"""The figures of a run as PNG files, from arrays alone: same arrays, same bytes.
-
-Colours are those of Okabe and Ito, which stay apart in colour-blind eyes; markers differ too.
-"""
+"""Figures of a run as PNG files, from arrays alone."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,23 +6,33 @@ from pathlib import Path
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator
 
 from armside.arrays import Array
 from armside.sim.evaluation.kerf import Kerf
 
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-MARKERS = ("o", "s", "^", "D", "v", "P")
-INK = "#333333"
-REFERENCE = "#9A9A9A"
+from .canvas import (
+    COLORS,
+    MARKERS,
+    REFERENCE,
+    logarithmic,
+    magnification,
+    magnified,
+    new_figure,
+    panels,
+    save,
+    tiles,
+    whole_numbers,
+)
+
 SHOWN_DEVIATION = 0.6
 """Largest magnified deviation in `circles.png`, relative to half the shape's smaller side."""
 FLATTEST = 0.25
 """Smallest height of a panel relative to its width."""
+SIDE = 2.7
+"""Width of a panel [inch]."""
 MOST_PANELS = 12
 SHORT = 10
 """Letters of a panel's name that leave room for its numbers in the same line."""
@@ -56,33 +63,43 @@ def circles(
     foot = [_nearest(path, reference) for path in measured]
     half_width = 0.5 * float(np.ptp(reference, axis=0).min())
     worst = _largest([np.hypot(*(p - f).T) for p, f in zip(measured, foot, strict=True)])
-    factor = _magnification(SHOWN_DEVIATION * half_width / max(worst, 1e-12))
+    factor = magnification(SHOWN_DEVIATION * half_width / max(worst, 1e-12))
 
-    magnified = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
+    drawn = [(f + factor * (p - f)) * 1e3 for p, f in zip(measured, foot, strict=True)]
     closed = np.vstack([reference, reference[:1]]) * 1e3
-    reach = [1.06 * _largest([path[:, axis] for path in (closed, *magnified)]) for axis in (0, 1)]
+    reach = [1.06 * _largest([path[:, axis] for path in (closed, *drawn)]) for axis in (0, 1)]
     reach[0] = max(reach)  # panels are square, or wider than high
-    scale = f"magnified {factor:g} times" if factor > 1 else "to scale"
 
     if names is None:
         names = [f"k = {k}" for k in range(len(measured))]
     shown = _panels(len(measured))
-    between = "\n" if max(map(len, names)) > SHORT else "    "
-    aspect = max(reach[1] / reach[0], FLATTEST)
-    figure, panels = _panel_grid(len(shown), aspect, n_lines=1 + between.count("\n"))
-    figure.suptitle(f"{title}, deviation {scale}", x=0.02, y=0.985, ha="left")
-    for axes, k in zip(panels, shown, strict=True):
-        axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
-        axes.plot(*magnified[k].T, color=COLORS[0], lw=1.2, label=f"{label}, {scale}")
-        axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
-        n_rows = max(1, round(7 * reach[1] / reach[0]))
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=n_rows, steps=[1, 2, 5, 10], min_n_ticks=1))
-        numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
-        axes.set_title(f"{names[k]}{between}{numbers}", fontsize=9)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=2, frameon=False)
-    save(figure, file)
+    long = max(map(len, names)) > SHORT
+    between, extra = ("\n", 0.17) if long else ("    ", 0.0)  # a second line of the title [inch]
+    with tiles(
+        file,
+        len(shown),
+        3,
+        (SIDE, max(reach[1] / reach[0], FLATTEST) * SIDE),
+        edges=(0.6, 0.1, 0.85, 0.7 + extra),
+        gaps=(0.35, 0.35 + extra),
+        labels=("x [mm]", "y [mm]"),
+        sharex=True,
+        sharey=True,
+    ) as grid:
+        figure = grid[0].figure
+        heading = f"{title}, deviation {magnified(factor)}"
+        figure.suptitle(heading, x=0.02, y=0.985, ha="left")
+        for axes, k in zip(grid, shown, strict=True):
+            axes.plot(*closed.T, color=REFERENCE, lw=1.0, label="reference")
+            axes.plot(*drawn[k].T, color=COLORS[0], lw=1.2, label=f"{label}, {magnified(factor)}")
+            axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
+            n_rows = max(1, round(7 * reach[1] / reach[0]))
+            for axis, n in ((axes.xaxis, 7), (axes.yaxis, n_rows)):
+                axis.set_major_locator(MaxNLocator(n, steps=[1, 2, 5, 10], min_n_ticks=1))
+            numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
+            axes.set_title(f"{names[k]}{between}{numbers}", loc="center")
+        handles = grid[0].get_legend_handles_labels()
+        figure.legend(*handles, loc="lower center", ncols=2, fontsize=10)
 
 
 def _microns(value: float | None) -> str:
@@ -103,71 +120,34 @@ def errors(
     motor: (K, n) normalised motor errors. arm_rms, arm_maxdev: (K,) [m]. ks: (K,) iterations,
     0 .. K - 1 if None.
     """
-    figure = new_figure(9.6, 4.0)
-    left, right = figure.subplots(1, 2)
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.15, top=0.91, wspace=0.24)
     iterations = np.arange(len(motor)) if ks is None else np.array(ks)
-    for i, values in enumerate(motor.T):
-        label, color, marker = f"motor {i + 1}", COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]
-        left.plot(iterations, values, marker=marker, color=color, ms=5, lw=1.3, label=label)
-    left.set_yscale("log")
-    left.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
-    left.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    left.yaxis.set_minor_formatter(StrMethodFormatter("{x:g}"))
-    left.set_title("Motor side: what the robot sees", loc="left")
-    left.set_ylabel(motor_label)
-    left.legend(ncols=2, frameon=False, fontsize=8)
-    for values, label, style in ((arm_maxdev, "maximum", "s-"), (arm_rms, "RMS", "o-")):
-        color = COLORS[1] if label == "maximum" else COLORS[0]
-        microns = np.asarray(values, np.float64) * 1e6  # a missing value is NaN
-        right.plot(iterations, microns, style, color=color, lw=1.3, label=label)
-    right.set_ylim(bottom=0.0)
-    right.set_title("Arm side: what the tool does", loc="left")
-    right.set_ylabel("tool deviation [µm]")
-    right.legend(frameon=False, fontsize=8)
-    for axes in (left, right):
-        axes.set_xlabel("iteration k")
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
-        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-    save(figure, file)
-
-
-def new_figure(width: float, height: float) -> Figure:
-    """Empty figure of width and height [inch], independent of matplotlib's global state."""
-    figure = Figure(figsize=(width, height), dpi=120)
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _panel_grid(n_panels: int, aspect: float = 1.0, n_lines: int = 1) -> tuple[Figure, list[Axes]]:
-    """Panels of height over width `aspect`, below titles of `n_lines`, placed by hand [inch]: a
-    layout engine would draw everything twice."""
-    side, gap, left, right, bottom, top = 2.7, 0.35, 0.6, 0.1, 0.85, 0.53 + 0.17 * n_lines
-    n_columns = min(3, n_panels)
-    n_rows = -(-n_panels // n_columns)
-    width = left + n_columns * side + (n_columns - 1) * gap + right
-    tall, between = aspect * side, gap + 0.17 * (n_lines - 1)
-    height = bottom + n_rows * tall + (n_rows - 1) * between + top
-    figure = new_figure(width, height)
-    grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    figure.subplots_adjust(left=left / width, right=1 - right / width, wspace=gap / side)
-    figure.subplots_adjust(bottom=bottom / height, top=1 - top / height, hspace=between / tall)
-    for axes in grid.flat[n_panels:]:
-        axes.set_visible(False)
-    for axes in grid[:, 0]:
-        axes.set_ylabel("y [mm]")
-    for axes in grid[-1, :]:
-        axes.set_xlabel("x [mm]")
-    return figure, list(grid.flat[:n_panels])
-
-
-def save(figure: Figure, file: Path) -> None:
-    """Give all axes the common look and write a PNG that depends on the figure alone."""
-    for axes in figure.axes:
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.tick_params(which="both", colors=INK, labelsize=8)
-    figure.savefig(file, metadata={"Software": None})
+    edges = 0.08, 0.985, 0.15, 0.91
+    with panels(file, (9.6, 4.0), 1, 2, edges=edges, gaps=(0.24, None), large=True) as (
+        left,
+        right,
+    ):
+        for i, values in enumerate(motor.T):
+            style = {"color": COLORS[i % len(COLORS)], "marker": MARKERS[i % len(MARKERS)], "ms": 5}
+            left.plot(iterations, values, lw=1.3, label=f"motor {i + 1}", **style)
+        logarithmic(left)
+        left.set_title("Motor side: what the robot sees")
+        left.set_ylabel(motor_label)
+        left.legend(ncols=2, fontsize=8)
+        for values, label, style, color in (
+            (arm_maxdev, "maximum", "s-", COLORS[1]),
+            (arm_rms, "RMS", "o-", COLORS[0]),
+        ):
+            microns = np.asarray(values, np.float64) * 1e6  # a missing value is NaN
+            right.plot(iterations, microns, style, color=color, lw=1.3, label=label)
+        right.set_ylim(bottom=0.0)
+        right.set_title("Arm side: what the tool does")
+        right.set_ylabel("tool deviation [µm]")
+        right.legend(fontsize=8)
+        for axes in (left, right):
+            axes.set_xlabel("iteration k")
+            whole_numbers(axes.xaxis)
+            axes.xaxis.set_major_formatter("{x:.0f}")
+            axes.grid(True)
 
 
 def _panels(n_iterations: int) -> list[int]:
@@ -180,12 +160,6 @@ def _largest(arrays: Sequence[Array]) -> float:
     """The largest magnitude among all finite values; 0 if there are none."""
     values = np.abs(np.concatenate([array.ravel() for array in arrays]))
     return float(values.max(where=np.isfinite(values), initial=0.0))
-
-
-def _magnification(at_most: float) -> float:
-    """The largest of 1, 2, 5, 10, 20, ... that is not above `at_most`; at least 1."""
-    decade = 10.0 ** np.floor(np.log10(max(at_most, 1.0)))
-    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= max(at_most, 1.0))
 
 
 def _nearest(points: Array, path: Array) -> Array:

@@ -86,17 +86,11 @@ def write_run(
     write_robot(folder / "robot.xml", as_built(experiment.nominal, own).parsed())
     scene = laser_scene(outcome, model.mj, runs, experiment.motion)
     write_scenes(folder / "replay.rrd", [scene])
-    motor, rms, maxdev = (
-        [row[key] for row in rows] for key in ("motor_inf_normalised", "arm_rms", "arm_maxdev")
-    )
-    figures.errors(
-        folder / "errors.png",
-        np.array(motor),
-        rms,
-        maxdev,
-        motor_label="motor error, ∞-norm, normalised",
-        ks=[row["k"] for row in rows],
-    )
+    keys = "motor_inf_normalised", "arm_rms", "arm_maxdev", "k"
+    motor, rms, maxdev, ks = ([row[key] for row in rows] for key in keys)
+    label = "motor error, ∞-norm, normalised"
+    file = folder / "errors.png"
+    figures.errors(file, np.array(motor), rms, maxdev, motor_label=label, ks=ks)
 
 
 def show(report: Report, outcome: dict[str, Any], path: Path) -> None:

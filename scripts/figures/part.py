@@ -3,18 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from armside.arrays import Array
 from armside.sim.evaluation.tool_error import ToolError, signed_distance
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan, PlannedCut, rapid_moves
 
-from .laser import COLORS, INK, REFERENCE, new_figure, save
+from .canvas import COLORS, INK, REFERENCE, magnification, magnified, panels
 
 WIDTH = 0.035
 """Largest drawn deviation over the size of the part."""
@@ -41,26 +41,29 @@ def part_map(file: Path, runs: Sequence[Mapped]) -> None:
     worst = float(np.abs(every).max(initial=1e-9))
     box = np.vstack([cut.turn.polygon() for cut in runs[0].motion.cuts])
     size = np.ptp(box, axis=0)
-    factor = _round(WIDTH * float(size.max()) / worst)
-    height = np.clip(5.2 * size[1] / size[0], 2.2, 7.0)
+    factor = magnification(WIDTH * float(size.max()) / worst)
+    height = float(np.clip(5.2 * size[1] / size[0], 2.2, 7.0)) + 1.3
     width = 5.6 * len(runs) + 1.4
-    figure = new_figure(width, float(height) + 1.3)
-    panels = np.atleast_1d(figure.subplots(1, len(runs), sharex=True, sharey=True))
     right = 1.0 - BAR / width
-    figure.subplots_adjust(left=0.7 / width, right=right, bottom=0.13, top=0.8, wspace=0.06)
-    drawn = None
-    for axes, run, found in zip(panels, runs, deviations, strict=True):
-        drawn = _draw(axes, run, found, factor, 1e6 * worst)
-        axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm", loc="left", fontsize=9)
-        axes.set_xlabel("x [mm]")
-    panels[0].set_ylabel("y [mm]")
-    assert drawn is not None
-    bar = figure.add_axes((right + 0.15 / width, 0.13, 0.15 / width, 0.67))
-    figure.colorbar(drawn, cax=bar, label="deviation of the shape [µm]")
-    scale = f"magnified {factor:g} times" if factor > 1.0 else "to scale"
-    title = f"Tool beside the programmed contours, deviation {scale}"
-    figure.suptitle(title, x=0.02, y=0.97, ha="left")
-    save(figure, file)
+    lines: list[LineCollection] = []
+    look = {"edges": (0.7 / width, right, 0.13, 0.8), "gaps": (0.06, None)}
+    with panels(file, (width, height), 1, len(runs), sharex=True, sharey=True, **look) as grid:
+        for axes, run, found in zip(grid, runs, deviations, strict=True):
+            for cut, (foot, deviation, normal) in zip(run.motion.cuts, found, strict=True):
+                axes.plot(*(1e3 * cut.turn.polygon()).T, color=REFERENCE, lw=0.7)
+                points = 1e3 * (foot + factor * deviation[:, np.newaxis] * normal)
+                line = 1e6 * deviation[:-1], (-1e6 * worst, 1e6 * worst)
+                lines.append(_coloured(axes, points, *line, cmap=COLOUR_MAP, lw=1.6))
+            axes.set_aspect("equal")
+            axes.margins(0.05)
+            axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm")
+            axes.set_xlabel("x [mm]")
+        grid[0].set_ylabel("y [mm]")
+        figure = grid[0].figure
+        bar = figure.add_axes((right + 0.15 / width, 0.13, 0.15 / width, 0.67))
+        figure.colorbar(lines[0], cax=bar, label="deviation of the shape [µm]")
+        title = f"Tool beside the programmed contours, deviation {magnified(factor)}"
+        figure.suptitle(title, x=0.02, y=0.97, ha="left")
 
 
 def _deviations(run: Mapped) -> list[tuple[Array, Array, Array]]:
@@ -76,28 +79,15 @@ def _deviations(run: Mapped) -> list[tuple[Array, Array, Array]]:
     return found
 
 
-def _draw(
-    axes: Axes, run: Mapped, found: list[tuple[Array, Array, Array]], factor: float, worst: float
+def _coloured(
+    axes: Axes, points: Array, values: Array, limits: tuple[float, float], **look: Any
 ) -> LineCollection:
-    drawn = None
-    for cut, (foot, deviation, normal) in zip(run.motion.cuts, found, strict=True):
-        axes.plot(*(1e3 * cut.turn.polygon()).T, color=REFERENCE, lw=0.7)
-        points = 1e3 * (foot + factor * deviation[:, np.newaxis] * normal)
-        segments = np.stack([points[:-1], points[1:]], axis=1)
-        drawn = LineCollection(list(segments), cmap=COLOUR_MAP, lw=1.6)
-        drawn.set_array(1e6 * deviation[:-1])
-        drawn.set_clim(-worst, worst)
-        axes.add_collection(drawn)
-    axes.set_aspect("equal")
-    axes.margins(0.05)
-    assert drawn is not None
-    return drawn
-
-
-def _round(factor: float) -> float:
-    """The largest of 1, 2, 5, 10, ... that is not above; at least 1."""
-    decade = 10.0 ** np.floor(np.log10(max(factor, 1.0)))
-    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= max(factor, 1.0))
+    """A line through points (M, 2), coloured by the values (M - 1,) of its pieces."""
+    lines = LineCollection(list(np.stack([points[:-1], points[1:]], axis=1)), **look)
+    lines.set_array(values)
+    lines.set_clim(*limits)
+    axes.add_collection(lines)
+    return lines
 
 
 SPACING = 0.5e-3
@@ -111,41 +101,27 @@ SPEED_MAP = "viridis"
 
 def part_plan(file: Path, plan: Plan) -> None:
     """Write the picture of a plan. Lengths in mm, speeds in mm/s."""
-    figure = new_figure(9.6, 8.4)
-    top, bottom = figure.subplots(2, 1, height_ratios=(3.2, 1.0))
-    figure.subplots_adjust(left=0.08, right=0.985, bottom=0.07, top=0.92, hspace=0.22)
     rapid = sum(cut.rapid for cut in plan.cuts)
     title = f"{len(plan.cuts)} contours, {plan.seconds:.1f} s, rapid moves {1e3 * rapid:.0f} mm"
-    figure.suptitle(title, x=0.02, y=0.985, ha="left")
-    _draw_part(figure, top, plan)
-    _draw_speed(bottom, plan)
-    save(figure, file)
+    look = {"edges": (0.08, 0.985, 0.07, 0.92), "gaps": (None, 0.22)}
+    with panels(file, (9.6, 8.4), 2, height_ratios=(3.2, 1.0), **look) as (top, bottom):
+        top.figure.suptitle(title, x=0.02, y=0.985, ha="left")
+        _draw_part(top, plan)
+        _draw_speed(bottom, plan)
 
 
-def _draw_part(figure: Figure, axes: Axes, plan: Plan) -> None:
-    fastest = 1e3 * plan.cutting.speed
-    drawn = None
-    for i, cut in enumerate(plan.cuts):
+def _draw_part(axes: Any, plan: Plan) -> None:
+    fastest, lines = 1e3 * plan.cutting.speed, list[LineCollection]()
+    for i, cut in enumerate(plan.cuts, 1):
         axes.plot(*(1e3 * cut.contour.chain.polygon()).T, color=REFERENCE, lw=0.6)
         s = _places(cut)
-        points, speed = (
-            1e3 * cut.path.point(s),
-            1e3 * np.interp(s, cut.profile.s, cut.profile.speed),
-        )
-        segments = np.stack([points[:-1], points[1:]], axis=1)
-        drawn = LineCollection(list(segments), cmap=SPEED_MAP, lw=1.8)
-        drawn.set_array(0.5 * (speed[:-1] + speed[1:]))
-        drawn.set_clim(0.0, fastest)
-        axes.add_collection(drawn)
+        points, speed = cut.path.point(s), np.interp(s, cut.profile.s, cut.profile.speed)
+        middle = 0.5e3 * (speed[:-1] + speed[1:])
+        look = {"cmap": SPEED_MAP, "lw": 1.8}
+        lines.append(_coloured(axes, 1e3 * points, middle, (0.0, fastest), **look))
         if len(plan.cuts) <= MOST_NUMBERS:
-            axes.annotate(
-                f"{i + 1}",
-                points[0],
-                fontsize=8,
-                color=INK,
-                xytext=(3, 3),
-                textcoords="offset points",
-            )
+            place = {"xytext": (3, 3), "textcoords": "offset points"}
+            axes.annotate(f"{i}", 1e3 * points[0], fontsize=8, color=INK, **place)
         for first, last in cut.joints:
             axes.plot(*(1e3 * cut.path.point([first, last])).T, color=COLORS[1], lw=4.0)
     for begin, end in 1e3 * rapid_moves(plan):
@@ -153,12 +129,9 @@ def _draw_part(figure: Figure, axes: Axes, plan: Plan) -> None:
     axes.plot(*(1e3 * plan.part.box[0]), "o", color=COLORS[1], ms=5)
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.margins(0.05)
-    assert drawn is not None
-    figure.colorbar(drawn, ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
+    axes.figure.colorbar(lines[0], ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
     text = "grey: drawn; dashed: rapid moves from the dot; numbers: order"
-    if any(cut.joints for cut in plan.cuts):
-        text += "; bars: micro-joints"
-    axes.set_title(text, loc="left", fontsize=9)
+    axes.set_title(text + "; bars: micro-joints" * any(cut.joints for cut in plan.cuts))
 
 
 def _draw_speed(axes: Axes, plan: Plan) -> None:
@@ -175,7 +148,7 @@ def _draw_speed(axes: Axes, plan: Plan) -> None:
     axes.set(xlabel="length of all cuts in their order [mm]", ylabel="speed [mm/s]")
     axes.set_ylim(0.0, 1.25 * asked)
     axes.set_xlim(0.0, begin)
-    axes.legend(ncols=3, frameon=False, fontsize=8, loc="upper right")
+    axes.legend(ncols=3, loc="upper right")
 
 
 def _places(cut: PlannedCut) -> Array:

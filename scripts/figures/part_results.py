@@ -28,24 +28,24 @@ MISSING = f"roundness is that of round holes, corner of bends up to {1e3 * LARGE
 
 def show_plan(report: Report, plan: Plan) -> None:
     """Table of the contours in their order."""
-    asked = 1e3 * plan.cutting.speed
-    report.table(
-        f"Plan: {len(plan.cuts)} contours in {plan.seconds:.1f} s, {asked:g} mm/s asked",
-        ["", "contour", "layer", "kind", "length [mm]", "reached [mm/s]", "lowest in bends", "s"],
-        [
-            [
-                i + 1,
-                cut.contour.name,
-                cut.contour.layer,
-                cut.contour.kind.value,
-                1e3 * (cut.path.length - 2.0 * cut.lead),
-                1e3 * cut.reached_speed,
-                1e3 * cut.lowest_allowed,
-                cut.seconds,
-            ]
-            for i, cut in enumerate(plan.cuts)
-        ],
-    )
+    asked, rows = 1e3 * plan.cutting.speed, []
+    for i, cut in enumerate(plan.cuts, 1):
+        speeds = (1e3 * speed for speed in (cut.reached_speed, cut.lowest_allowed))
+        length, contour = 1e3 * (cut.path.length - 2.0 * cut.lead), cut.contour
+        named = [i, contour.name, contour.layer, contour.kind.value]
+        rows.append([*named, length, *speeds, cut.seconds])
+    title = f"Plan: {len(plan.cuts)} contours in {plan.seconds:.1f} s, {asked:g} mm/s asked"
+    heads = [
+        "",
+        "contour",
+        "layer",
+        "kind",
+        "length [mm]",
+        "reached [mm/s]",
+        "lowest in bends",
+        "s",
+    ]
+    report.table(title, heads, rows)
 
 
 def show_results(report: Report, outcome: dict[str, Any]) -> None:
@@ -67,24 +67,14 @@ def show_results(report: Report, outcome: dict[str, Any]) -> None:
         report.line(f"Converged: {sum(converged)} of {len(converged)} contours, by k = {last}")
     title = f"Tool by the tracker before learning and at k = {last} [µm]"
     report.table(title, columns, rows, missing=MISSING)
-    report.table(
-        "All contours: largest motor error [mrad of the motor shaft], tool [µm]",
-        [
-            "k",
-            *(f"motor {i}" for i in range(1, len(outcome["iterations"][0]["motor_inf"]) + 1)),
-            "RMS",
-            "max",
-            "position",
-        ],
-        [
-            [
-                row["k"],
-                *(1e3 * value if value is not None else None for value in row["motor_inf"]),
-                *(_microns(row[name]) for name in ("arm_rms", "arm_maxdev", "arm_position")),
-            ]
-            for row in outcome["iterations"]
-        ],
-    )
+    rows = []
+    for row in outcome["iterations"]:
+        motors = (None if value is None else 1e3 * value for value in row["motor_inf"])
+        tool = (_microns(row[name]) for name in ("arm_rms", "arm_maxdev", "arm_position"))
+        rows.append([row["k"], *motors, *tool])
+    heads = ["k", *(f"motor {i}" for i in range(1, len(rows[0]) - 3)), "RMS", "max", "position"]
+    title = "All contours: largest motor error [mrad of the motor shaft], tool [µm]"
+    report.table(title, heads, rows)
 
 
 def write_results(

@@ -8,7 +8,7 @@ import numpy as np
 from armside.sim.recordings.paths import AtSpeed, PathComparison
 
 from ..shell.console import Report
-from .laser import COLORS, INK, REFERENCE, new_figure, save
+from .canvas import COLORS, INK, REFERENCE, panels
 
 MM = 1e3
 
@@ -69,24 +69,26 @@ def tables(report: Report, done: PathComparison) -> None:
 
 def draw(file: Path, done: PathComparison) -> None:
     """Error and scatter by speed, real and virtual."""
-    speed = [MM * one.speed for one in done.speeds]
-    figure = new_figure(9.0, 4.2)
-    left, right = figure.subplots(1, 2)
-    figure.subplots_adjust(left=0.09, right=0.98, bottom=0.14, top=0.85, wspace=0.3)
-    for label, color, of in (("real", COLORS[1], "real"), ("virtual", COLORS[0], "virtual")):
-        measures = [getattr(one, of) for one in done.speeds]
-        left.semilogy(speed, [MM * m.error for m in measures], "o-", color=color, label=label)
-        flat = [MM * m.error_in_plane for m in measures]
-        left.semilogy(speed, flat, "o--", color=color, label=f"{label}, in the plane")
-        scatter = [MM * m.scatter for m in measures]
-        right.semilogy(speed, scatter, "o-", color=color, label=label)
-    perfect = [MM * one.perfect.mean() for one in done.speeds]
-    right.semilogy(speed, perfect, "s--", color=REFERENCE, label="log of perfect runs")
-    logged = [MM * one.virtual_logged.scatter for one in done.speeds]
-    right.semilogy(speed, logged, "s--", color=INK, label="virtual, by such a log")
-    for axes, title in ((left, "Error, mean removed, RMS"), (right, "Scatter of repeated runs")):
-        axes.set(xlabel="programmed speed [mm/s]", ylabel="across the path [mm]")
-        axes.set_title(title, loc="left", fontsize=9)
-        axes.legend(frameon=False, fontsize=8)
-    figure.suptitle("Path of the motors at constant speed", x=0.02, ha="left")
-    save(figure, file)
+
+    def line(axes: Any, values: Any, style: str, color: str, label: str) -> None:
+        speed = [MM * one.speed for one in done.speeds]
+        axes.semilogy(speed, [MM * value for value in values], style, color=color, label=label)
+
+    title, edges = "Path of the motors at constant speed", (0.09, 0.98, 0.14, 0.85)
+    with panels(file, (9.0, 4.2), 1, 2, title=title, edges=edges, gaps=(0.3, None)) as grid:
+        left, right = grid
+        for name, color in (("real", COLORS[1]), ("virtual", COLORS[0])):
+            measures = [getattr(one, name) for one in done.speeds]
+            line(left, [m.error for m in measures], "o-", color, name)
+            flat = [m.error_in_plane for m in measures]
+            line(left, flat, "o--", color, f"{name}, in the plane")
+            line(right, [m.scatter for m in measures], "o-", color, name)
+        perfect = [one.perfect.mean() for one in done.speeds]
+        line(right, perfect, "s--", REFERENCE, "log of perfect runs")
+        logged = [one.virtual_logged.scatter for one in done.speeds]
+        line(right, logged, "s--", INK, "virtual, by such a log")
+        titles = "Error, mean removed, RMS", "Scatter of repeated runs"
+        for axes, heading in zip(grid, titles, strict=True):
+            axes.set(xlabel="programmed speed [mm/s]", ylabel="across the path [mm]")
+            axes.set_title(heading)
+            axes.legend()

@@ -50,28 +50,16 @@ def _constants(one: ImuAlignment) -> dict[str, Any]:
 def write(folder: RunFolder, done: Sequence[RecordedImu]) -> None:
     """Figures of each recording: motor angles, path of the IMU, and what was judged."""
     for one in done:
-        _draw(folder, one, f"-{one.name}" if len(done) > 1 else "")
-
-
-def _draw(folder: RunFolder, one: RecordedImu, suffix: str) -> None:
-    def file(name: str) -> Any:
-        return folder / f"{name}{suffix}.png"
-
-    motion, comparison = one.motion, one.comparison
-    rows = comparison.time < comparison.time[0] + SHOWN
-    time = comparison.time[rows]
-    omega = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
-    a = comparison.acceleration_measured, comparison.acceleration_predicted
-    imu = motion.T[:, :3, 3] + motion.lever(one.alignment.lever)
-    if motion.phi.shape[1] == 6:
-        figures.motor_angles(file("motor-angles"), motion.time, motion.phi)
-    figures.path(file("path"), imu)
-    figures.angular_velocity(file("angular-velocity"), time, *(x[rows] for x in omega))
-    figures.acceleration(file("acceleration"), time, *(x[rows] for x in a))
-    curve = {"": one.window_rms}
-    figures.acceleration_error(file("acceleration-error"), comparison.time, curve, WINDOW)
-    if (tool := one.tool()) is not None:
-        figures.position(file("position"), *tool)
+        suffix = f"-{one.name}" if len(done) > 1 else ""
+        motion, seen = one.motion, one.comparison
+        if motion.phi.shape[1] == 6:
+            figures.motor_angles(folder / f"motor-angles{suffix}.png", motion.time, motion.phi)
+        imu = motion.T[:, :3, 3] + motion.lever(one.alignment.lever)
+        figures.path(folder / f"path{suffix}.png", imu)
+        shown = seen.time < seen.time[0] + SHOWN
+        figures.comparison(folder, suffix, seen, shown, slice(None), one.window_rms, WINDOW)
+        if (tool := one.tool()) is not None:
+            figures.position(folder / f"position{suffix}.png", *tool)
 
 
 def tables(report: Report, done: Sequence[RecordedImu]) -> None:

@@ -100,23 +100,13 @@ def print_check(report: Report, found: dict[str, Any], checks: list[Check]) -> N
 
 
 def _print_axes(report: Report, axes: list[dict[str, Any]]) -> None:
-    heads = (
-        "axis",
-        "from",
-        "to",
-        "speed",
-        "unit",
-        "gear",
-        "limit [N m]",
-        "inertia [kg m^2]",
-        "load",
-    )
-    report.table(
+    title = (
         "Axes, arm side of the gear; speed: unit per second; load: greatest torque of gravity over "
-        "the drive's limit; of a prismatic axis [mm], [N] and [kg]",
-        heads,
-        [_axis_row(one) for one in axes],
+        "the drive's limit; of a prismatic axis [mm], [N] and [kg]"
     )
+    drive = "gear", "limit [N m]", "inertia [kg m^2]", "load"
+    heads = "axis", "from", "to", "speed", "unit", *drive
+    report.table(title, heads, [_axis_row(one) for one in axes])
 
 
 def _axis_row(one: dict[str, Any]) -> tuple[Any, ...]:
@@ -141,17 +131,15 @@ def print_estimates(report: Report, estimates: list[dict[str, Any]]) -> None:
 
 def print_data(report: Report, name: str, found: dict[str, Any]) -> None:
     """Tables of D-H parameters, limits and drives."""
+    rows = []
+    for i, row in enumerate(found["table"], 1):
+        theta, alpha = (float(np.rad2deg(row[angle])) for angle in ("theta", "alpha"))
+        lengths = 1e3 * row["d"], 1e3 * row["a"]
+        rows.append((str(i), theta, *lengths, alpha, row["joint"], row["motion"]))
     report.table(
         f"{name}: D-H table at zero motor angles",
         ("link", "theta [deg]", "d [mm]", "a [mm]", "alpha [deg]", "joint", "moved by"),
-        [
-            (
-                str(i),
-                *(float(np.rad2deg(row["theta"])), 1e3 * row["d"], 1e3 * row["a"]),
-                *(float(np.rad2deg(row["alpha"])), row["joint"], row["motion"]),
-            )
-            for i, row in enumerate(found["table"], 1)
-        ],
+        rows,
     )
     _print_axes(report, found["axes"])
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from armside.sim.tuning.objective import WORST
 
 from ..studies.study import Outcome
-from .laser import COLORS, REFERENCE, new_figure, save
+from .canvas import COLORS, REFERENCE, panels, whole_numbers
 
 HEIGHT = 4.2
 """[inch], of the history."""
@@ -30,36 +30,35 @@ def history(file: Path, outcomes: Sequence[Outcome], *, sensor: str) -> None:
     true = np.array([one.true for one in outcomes], dtype=float)
     complete = np.array([one.complete for one in outcomes])
     diverged = value >= WORST
-    figure = new_figure(8.0, HEIGHT)
-    axes = figure.subplots()
-    axes.axhline(1.0, color="#DDDDDD", lw=1.0)
-    for chosen, marker, label in (
-        (complete & ~diverged, "o", "design"),
-        (~complete, "x", "given up, at its last iteration"),
-    ):
-        if chosen.any():
-            axes.plot(number[chosen], value[chosen], marker, ms=4, color=REFERENCE, label=label)
-    if diverged.any():
-        edge = np.full(diverged.sum(), 0.98)
-        above = {"transform": axes.get_xaxis_transform(), "label": "diverged, beyond the axis"}
-        axes.plot(number[diverged], edge, "^", ms=5, color=COLORS[1], **above)
     holder = _holders(np.where(complete, value, np.inf))
-    best = np.where(holder < 0, np.nan, value[holder])
-    axes.step(number, best, where="post", color=COLORS[0], label=f"best so far, {sensor}")
-    best = np.where(holder < 0, np.nan, true[holder])
-    axes.step(number, best, "--", where="post", color=COLORS[2], label="same design, ground truth")
-    axes.set_yscale("log")
-    axes.margins(y=0.1)
-    axes.yaxis.set_major_locator(LogLocator(subs=LEVELS))
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(xlabel="trial", ylabel="RMS of the tool, after learning / before")
-    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": COLUMNS}
-    legend = axes.legend(**place, frameon=False, fontsize=8)
-    top = 1.0 - (0.2 + 0.2 * -(-len(legend.get_texts()) // COLUMNS)) / HEIGHT
-    figure.subplots_adjust(left=0.1, right=0.98, bottom=0.12, top=top)
-    save(figure, file)
+    with panels(file, (8.0, HEIGHT), edges=(0.1, 0.98, 0.12, 0.9)) as (axes,):
+        axes.axhline(1.0, color="#DDDDDD", lw=1.0)
+        for chosen, marker, label in (
+            (complete & ~diverged, "o", "design"),
+            (~complete, "x", "given up, at its last iteration"),
+        ):
+            if chosen.any():
+                axes.plot(number[chosen], value[chosen], marker, ms=4, color=REFERENCE, label=label)
+        if diverged.any():
+            edge = np.full(diverged.sum(), 0.98)
+            above = {"transform": axes.get_xaxis_transform(), "label": "diverged, beyond the axis"}
+            axes.plot(number[diverged], edge, "^", ms=5, color=COLORS[1], **above)
+        for values, style, color, label in (
+            (value, "-", COLORS[0], f"best so far, {sensor}"),
+            (true, "--", COLORS[2], "same design, ground truth"),
+        ):
+            best = np.where(holder < 0, np.nan, values[holder])
+            axes.step(number, best, style, where="post", color=color, label=label)
+        axes.set_yscale("log")
+        axes.margins(y=0.1)
+        axes.yaxis.set_major_locator(LogLocator(subs=LEVELS))
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        whole_numbers(axes.xaxis)
+        axes.set(xlabel="trial", ylabel="RMS of the tool, after learning / before")
+        legend = axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=COLUMNS)
+        rows = -(-len(legend.get_texts()) // COLUMNS)
+        axes.figure.subplots_adjust(top=1.0 - (0.2 + 0.2 * rows) / HEIGHT)
 
 
 def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
@@ -68,17 +67,15 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
     found: `Importance` of each as a mapping, the largest first.
     """
     names, height = list(found)[::-1], 1.4 + 0.28 * len(found)
-    figure = new_figure(7.0, height)
-    axes = figure.subplots()
-    figure.subplots_adjust(left=0.15, right=0.98, bottom=0.6 / height, top=1.0 - 0.35 / height)
     share, chance = ([found[name][key] for name in names] for key in ("share", "by_chance"))
     colors = [COLORS[0] if s > c else REFERENCE for s, c in zip(share, chance, strict=True)]
-    axes.barh(names, share, color=colors)
-    axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
-    axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
-    axes.set_xlabel("importance (PED-ANOVA); grey: not above chance")
-    figure.legend(loc="upper right", frameon=False, fontsize=8)
-    save(figure, file)
+    edges = 0.15, 0.98, 0.6 / height, 1.0 - 0.35 / height
+    with panels(file, (7.0, height), edges=edges) as (axes,):
+        axes.barh(names, share, color=colors)
+        axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
+        axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
+        axes.set_xlabel("importance (PED-ANOVA); grey: not above chance")
+        axes.figure.legend(loc="upper right")
 
 
 def _holders(values: np.ndarray) -> np.ndarray:

@@ -14,15 +14,13 @@ from armside.ilc.two_mass_study import SHIFTS as SEARCHED_SHIFTS
 from armside.sim.evaluation.check import Table
 
 from . import two_mass_designs as designs
-from .laser import COLORS, INK, REFERENCE, save
-from .two_mass_designs import THESIS, decibel, finish, panels
+from .canvas import COLORS, INK, REFERENCE, panels
+from .two_mass_designs import NYQUIST_SHIFTS, THESIS, charts, decibel
 
 SHOWN = (0, 1, 2, 5)
 """Iterations of the time signals."""
 COUNTED = (0, 1, 2, 3, 5, 10, 25, 100, 500)
 """Iterations in the tables."""
-SHIFTS = (0, 2, 4, 6)
-"""Shifts of Fig 8.6 [samples]."""
 FILTERS = (11.0, 22.0, 38.0)
 """Cutoffs of Fig 8.6 [Hz]."""
 THESIS_SHIFT = {"motor": 5, "arm": 15}
@@ -38,14 +36,18 @@ def bode(file: Path, seed: int, of: Study = THESIS) -> Table:
     joint, T_s = of.loop.joint, of.loop.sample_time
     f = hertz(omega, T_s)
     G_m, G_a = (G.response(omega) for G in (joint.motor(T_s), joint.arm(T_s)))
-    upper, lower = grid = panels(7.0, 5.6, 2, sharex=True)
-    for name, response in (("$G_m$", G_m), ("$G_a$", G_a), ("$G_a G_m$", G_m * G_a)):
-        upper.semilogx(f, decibel(response), label=name)
-        lower.semilogx(f, np.degrees(np.unwrap(np.angle(response))))
-    upper.set_ylim(-90, 10)
-    lower.set_ylabel("phase [°]")
     title = "Voltage to motor, motor to arm, voltage to arm"
-    finish(file, grid, "frequency [Hz]", "magnitude [dB]", titles=[title], legends=[0])
+    labels: dict[str, Any] = {
+        "xlabel": "frequency [Hz]",
+        "ylabel": "magnitude [dB]",
+        "legends": [0],
+    }
+    with charts(file, (7.0, 5.6), 1, 2, titles=[title], sharex=True, **labels) as (upper, lower):
+        for name, response in (("$G_m$", G_m), ("$G_a$", G_a), ("$G_a G_m$", G_m * G_a)):
+            upper.semilogx(f, decibel(response), label=name)
+            lower.semilogx(f, np.degrees(np.unwrap(np.angle(response))))
+        upper.set_ylim(-90, 10)
+        lower.set_ylabel("phase [°]")
     arm, motor = decibel(G_a), decibel(G_m)
     undamped = float(np.sqrt(joint.k / joint.Ja) / (2 * np.pi))
     near = (f > 0.44 * undamped) & (f < 1.24 * undamped)
@@ -63,11 +65,12 @@ def reference(file: Path, seed: int, of: Study = THESIS) -> Table:
     r_a = of.learned().plant.arm_reference[:, 0]
     speed = np.diff(r_a, prepend=0.0) / of.loop.sample_time
     t = np.arange(len(r_a)) * of.loop.sample_time
-    (axes,) = grid = panels(7.0, 3.6)
-    axes.plot(t, r_a, label="$r_a$ [rad]")
-    axes.plot(t, speed, label="its speed [rad/s]")
-    axes.set_xlim(0.5, 2.5)
-    finish(file, grid, "time [s]", titles=["Arm reference"], legends=[0])
+    with charts(file, (7.0, 3.6), xlabel="time [s]", titles=["Arm reference"], legends=[0]) as (
+        axes,
+    ):
+        axes.plot(t, r_a, label="$r_a$ [rad]")
+        axes.plot(t, speed, label="its speed [rad/s]")
+        axes.set_xlim(0.5, 2.5)
     moving = np.flatnonzero(speed)
     rows = [("move from [s]", t[moving[0]]), ("to [s]", t[moving[-1]])]
     rows.append(("largest speed [rad/s]", speed.max()))
@@ -79,19 +82,19 @@ def tracking(file: Path, seed: int, of: Study = THESIS) -> Table:
     runs = of.learned()
     run, plant = runs.kept[0].result, runs.plant
     t = np.arange(len(run.motor)) * of.loop.sample_time
-    grid = panels(9.0, 3.6, 1, 2)
     rows = []
-    for axes, side, r, q, norms in (
-        (grid[0], "motor", plant.motor_reference, run.motor, runs.motor),
-        (grid[1], "arm", plant.arm_reference, run.arm, runs.arm),
-    ):
-        axes.plot(t, r, color=REFERENCE, lw=2.5, label=f"$r_{side[0]}$")
-        axes.plot(t, q, label=f"$q_{side[0]}$")
-        axes.set_xlim(0.5, 4.0)
-        goal = 1.0 / of.loop.joint.rg if side == "motor" else 1.0
-        rows.append((side, norms[0], *_extremes(r, q, goal), float(r[-1, 0])))
     titles = ("Motor side", "Arm side")
-    finish(file, grid, "time [s]", "angle [rad]", titles=titles, legends=[0, 1])
+    labels: dict[str, Any] = {"xlabel": "time [s]", "ylabel": "angle [rad]"}
+    with charts(file, (9.0, 3.6), 2, titles=titles, legends=[0, 1], **labels) as grid:
+        for axes, side, r, q, norms in (
+            (grid[0], "motor", plant.motor_reference, run.motor, runs.motor),
+            (grid[1], "arm", plant.arm_reference, run.arm, runs.arm),
+        ):
+            axes.plot(t, r, color=REFERENCE, lw=2.5, label=f"$r_{side[0]}$")
+            axes.plot(t, q, label=f"$q_{side[0]}$")
+            axes.set_xlim(0.5, 4.0)
+            goal = 1.0 / of.loop.joint.rg if side == "motor" else 1.0
+            rows.append((side, norms[0], *_extremes(r, q, goal), float(r[-1, 0])))
     errors = ("2-norm of the error [rad]", "largest error [rad]", "overshoot [rad]")
     columns = ("side", *errors, "reference ends at [rad]")
     return Table("Fig 8.5: tracking without learning", columns, rows)
@@ -102,29 +105,29 @@ def criterion_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     T_u, omega = of.loop.T_motor, frequency_grid(4000)
     f = hertz(omega, of.loop.sample_time)
     Q = {cutoff: ZeroPhaseButterworth(cutoff, of.loop.sample_time) for cutoff in FILTERS}
-    (axes,) = grid = panels(7.4, 4.6)
     rows = []
-    for delta in SHIFTS:
-        result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
-        axes.semilogx(f, decibel(result.learning), label=f"δ = {delta}")
-        worst = float(hertz(result.limiting_omega, of.loop.sample_time))
-        met = [heuristic_criterion(T_u, of.gamma, delta, q, omega).is_met for q in Q.values()]
-        edge = analysis.largest_cutoff(T_u, of.gamma, delta)
-        answers = ("yes" if each else "no" for each in met)
-        rows.append((delta, float(decibel(result.contraction)), worst, edge, *answers))
-    for cutoff in FILTERS:
-        bound = -decibel(Q[cutoff].response(omega[:-1]))
-        axes.semilogx(f[:-1], bound, color=INK, lw=1.0, ls="--")
-        labelled = f[np.searchsorted(bound, 2.4)]
-        axes.text(labelled, 2.4, f"{cutoff:g} Hz ", color=INK, fontsize=8, ha="right")
-    axes.axhline(0.0, color=INK, lw=1.0)
-    axes.text(2.1, 0.08, "1/|Q| for Q = 1", color=INK, fontsize=8)
-    axes.set(xlim=(2, 45), ylim=(-3, 3))
-    axes.set_xticks([2, 5, 10, 20, 40], ["2", "5", "10", "20", "40"])
-    axes.set_xticks([], minor=True)
-    axes.legend(frameon=False, loc="lower right")
     title = f"|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = {of.gamma:g}"
-    finish(file, grid, "frequency [Hz]", "magnitude [dB]", titles=[title])
+    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "magnitude [dB]"}
+    with charts(file, (7.4, 4.6), titles=[title], **labels) as (axes,):
+        for delta in NYQUIST_SHIFTS:
+            result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
+            axes.semilogx(f, decibel(result.learning), label=f"δ = {delta}")
+            worst = float(hertz(result.limiting_omega, of.loop.sample_time))
+            met = [heuristic_criterion(T_u, of.gamma, delta, q, omega).is_met for q in Q.values()]
+            edge = analysis.largest_cutoff(T_u, of.gamma, delta)
+            answers = ("yes" if each else "no" for each in met)
+            rows.append((delta, float(decibel(result.contraction)), worst, edge, *answers))
+        for cutoff in FILTERS:
+            bound = -decibel(Q[cutoff].response(omega[:-1]))
+            axes.semilogx(f[:-1], bound, color=INK, lw=1.0, ls="--")
+            labelled = f[np.searchsorted(bound, 2.4)]
+            axes.text(labelled, 2.4, f"{cutoff:g} Hz ", color=INK, fontsize=8, ha="right")
+        axes.axhline(0.0, color=INK, lw=1.0)
+        axes.text(2.1, 0.08, "1/|Q| for Q = 1", color=INK, fontsize=8)
+        axes.set(xlim=(2, 45), ylim=(-3, 3))
+        axes.set_xticks([2, 5, 10, 20, 40], ["2", "5", "10", "20", "40"])
+        axes.set_xticks([], minor=True)
+        axes.legend(loc="lower right")
     criteria = ("delta", "max |1-LTu| [dB]", "at [Hz]", "largest cutoff [Hz]")
     columns = (*criteria, *(f"{cutoff:g} Hz met" for cutoff in FILTERS))
     return Table(f"Fig 8.6: criterion with gamma = {of.gamma:g}, motor side", columns, rows)
@@ -133,31 +136,29 @@ def criterion_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
 def gamma_maps(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.7: admissible gain over shift and cutoff."""
     shifts, cutoffs = SEARCHED_SHIFTS, SEARCHED_CUTOFFS
-    grid = panels(10.0, 4.2, 1, 2, sharey=True)
-    grid[0].figure.set_layout_engine("constrained")
     rows = []
-    for axes, side in zip(grid, THESIS_SHIFT, strict=True):
-        T_u = of.loop.T_motor if side == "motor" else of.loop.T_arm
-        gain = analysis.largest_gamma(T_u, shifts, cutoffs)
-        weighted = gain * T_u.static_gain
-        axes.pcolormesh(shifts, cutoffs, weighted.T, vmin=0.0, vmax=2.0, cmap="viridis")
-        best = weighted.argmax(axis=0)
-        of_fives = shifts[::5][weighted[::5].argmax(axis=0)]
-        at_thesis = gain[shifts == THESIS_SHIFT[side]][0]
-        seen = weighted.max(axis=0) > 1e-3
-        axes.plot(shifts[best][seen], cutoffs[seen], color="white", lw=1.2)
-        axes.set_title(f"Learning from the {side}", loc="left")
-        axes.set_xlabel("shift δ [samples]")
-        for cutoff in (0.5, 1.0, 5.0, 10.0, 17.0, 25.0, 30.0):
-            j = int(np.abs(cutoffs - cutoff).argmin())
-            i = best[j]
-            gains = (gain[i, j], weighted[i, j])
-            rows.append((side, cutoff, int(shifts[i]), *gains, int(of_fives[j]), at_thesis[j]))
-    grid[0].set_ylabel("cutoff of Q [Hz]")
-    label = "largest γ · |Tᵤ(0)|   (white: best shift)"
-    bar = grid[0].figure.colorbar(grid[0].collections[0], ax=list(grid), label=label)
-    bar.outline.set_visible(False)
-    save(grid[0].figure, file)
+    with panels(file, (10.0, 4.2), 1, 2, large=True, sharey=True) as grid:
+        for axes, side in zip(grid, THESIS_SHIFT, strict=True):
+            T_u = of.loop.T_motor if side == "motor" else of.loop.T_arm
+            gain = analysis.largest_gamma(T_u, shifts, cutoffs)
+            weighted = gain * T_u.static_gain
+            axes.pcolormesh(shifts, cutoffs, weighted.T, vmin=0.0, vmax=2.0, cmap="viridis")
+            best = weighted.argmax(axis=0)
+            of_fives = shifts[::5][weighted[::5].argmax(axis=0)]
+            at_thesis = gain[shifts == THESIS_SHIFT[side]][0]
+            seen = weighted.max(axis=0) > 1e-3
+            axes.plot(shifts[best][seen], cutoffs[seen], color="white", lw=1.2)
+            axes.set_title(f"Learning from the {side}")
+            axes.set_xlabel("shift δ [samples]")
+            for cutoff in (0.5, 1.0, 5.0, 10.0, 17.0, 25.0, 30.0):
+                j = int(np.abs(cutoffs - cutoff).argmin())
+                i = best[j]
+                gains = (gain[i, j], weighted[i, j])
+                rows.append((side, cutoff, int(shifts[i]), *gains, int(of_fives[j]), at_thesis[j]))
+        grid[0].set_ylabel("cutoff of Q [Hz]")
+        label = "largest γ · |Tᵤ(0)|   (white: best shift)"
+        bar = grid[0].figure.colorbar(grid[0].collections[0], ax=list(grid), label=label)
+        bar.outline.set_visible(False)
     found = ("side", "cutoff [Hz]", "best delta", "largest gamma", "gamma |Tu(0)|")
     columns = (*found, "best multiple of 5", AT_THESIS_SHIFT)
     return Table("Fig 8.7: best shift and largest admissible gain", columns, rows)
@@ -172,15 +173,18 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     filtered = {f"{f:g} Hz": of.heuristic(f) for f in CUTOFFS}
     if of.law is not None:
         filtered[of.name] = of.learned()
-    grid = panels(9.6, 4.0, 1, 2, sharey=True)
-    for axes, runs in zip(grid, (without, filtered), strict=True):
-        for name, run in runs.items():
-            axes.semilogy(run.motor / run.motor[0], label=name)
     titles = ("Without Q", "With Q")
     if of.is_thesis:
         titles = ("Without Q: better at first, then it grows", "With Q: it stays")
-    ylabel = "motor error, 2-norm over its first"
-    finish(file, grid, "iteration k", ylabel, titles=titles, legends=[0, 1])
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k",
+        "ylabel": "motor error, 2-norm over its first",
+    }
+    look: dict[str, Any] = {"titles": titles, "legends": [0, 1], "sharey": True}
+    with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
+        for axes, runs in zip(grid, (without, filtered), strict=True):
+            for name, run in runs.items():
+                axes.semilogy(run.motor / run.motor[0], label=name)
     rows = [
         (name, *run.motor[list(COUNTED)], run.motor.min(), int(run.motor.argmin()))
         for name, run in (without | filtered).items()
@@ -191,17 +195,16 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
 
 def model_error(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
-    runs = {"ideal model": of.learned()}
-    runs["model error"] = of.learned(2.0)
-    grid = panels(9.6, 4.0, 1, 2, sharey=True)
+    runs = {"ideal model": of.learned(), "model error": of.learned(2.0)}
     rows = []
-    for axes, side in zip(grid, ("motor", "arm"), strict=True):
-        for name, run in runs.items():
-            norms = getattr(run, side)
-            axes.semilogy(norms / norms[0], label=name)
-            rows.append((side, name, *norms[list(COUNTED)]))
-    titles = ("Motor side", "Arm side")
-    finish(file, grid, "iteration k", "error, 2-norm over its first", titles=titles, legends=[0, 1])
+    labels: dict[str, Any] = {"xlabel": "iteration k", "ylabel": "error, 2-norm over its first"}
+    look: dict[str, Any] = {"titles": ("Motor side", "Arm side"), "legends": [0, 1], "sharey": True}
+    with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
+        for axes, side in zip(grid, ("motor", "arm"), strict=True):
+            for name, run in runs.items():
+                norms = getattr(run, side)
+                axes.semilogy(norms / norms[0], label=name)
+                rows.append((side, name, *norms[list(COUNTED)]))
     columns = ("side", "F_r", *(f"k = {k}" for k in COUNTED))
     return Table("Fig 8.11: 2-norms [rad]; model error: stiffness doubled in F_r", columns, rows)
 
@@ -214,17 +217,23 @@ def signals(
     plant, letter = runs.plant, side[0]
     r = plant.motor_reference if side == "motor" else plant.arm_reference
     t = np.arange(len(r)) * of.loop.sample_time
-    grid = panels(10.5, 4.6, 2, len(SHOWN), sharex=True, sharey="row")
-    uppers, lowers = grid.reshape(2, -1)
-    for upper, lower, k in zip(uppers, lowers, SHOWN, strict=True):
-        q = getattr(runs.kept[k].result, side)
-        upper.plot(t, r, color=REFERENCE, lw=2.5, label=f"$r_{letter}$")
-        upper.plot(t, q, label=f"$q_{letter}$")
-        lower.plot(t, r - q, color=COLORS[1])
-    uppers[0].set_xlim(0.5, 6.0)
-    lowers[0].set_ylabel("error [rad]")
     titles = [f"k = {k}" for k in SHOWN]
-    finish(file, grid, "time [s]", "angle [rad]", titles=titles, legends=[0])
+    labels: dict[str, Any] = {
+        "xlabel": "time [s]",
+        "ylabel": "angle [rad]",
+        "titles": titles,
+        "legends": [0],
+    }
+    shared: dict[str, Any] = {"sharex": True, "sharey": "row"}
+    with charts(file, (10.5, 4.6), len(SHOWN), 2, **labels, **shared) as grid:
+        uppers, lowers = grid.reshape(2, -1)
+        for upper, lower, k in zip(uppers, lowers, SHOWN, strict=True):
+            q = getattr(runs.kept[k].result, side)
+            upper.plot(t, r, color=REFERENCE, lw=2.5, label=f"$r_{letter}$")
+            upper.plot(t, q, label=f"$q_{letter}$")
+            lower.plot(t, r - q, color=COLORS[1])
+        uppers[0].set_xlim(0.5, 6.0)
+        lowers[0].set_ylabel("error [rad]")
     rows = []
     for k, trial in runs.kept.items():
         q = getattr(trial.result, side)

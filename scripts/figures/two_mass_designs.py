@@ -1,11 +1,11 @@
 """Figures beyond chapter 8 on its joint: choice of L and Q, algorithms, robustness, friction."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from armside.arrays import Array
 from armside.ilc import two_mass_study as study
@@ -13,49 +13,50 @@ from armside.ilc.analysis import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.analysis.criterion import shift_response
 from armside.ilc.analysis.robustness import contraction_map, monte_carlo
 from armside.ilc.filters import ALL_PASS
-from armside.ilc.models.system import unit_circle
 from armside.ilc.models.two_mass import FrictionPlant, TwoMassLoop
 from armside.ilc.two_mass_study import Study
 from armside.sim.evaluation.check import Table
 
-from .laser import COLORS, INK, new_figure, save
+from .canvas import COLORS, INK, panels
+from .design import draw_disc
 
 LOOP = TwoMassLoop()
 """Joint and controller of the thesis."""
 THESIS = Study()
 """Joint and design of the thesis."""
+PLAIN = (0.125, 0.9, 0.11, 0.88)
+"""Edges of a figure as matplotlib has them."""
+NYQUIST_SHIFTS = (0, 2, 4, 6)
+"""[samples]."""
 
 
-def panels(width: float, height: float, rows: int = 1, columns: int = 1, **shared: Any) -> Any:
-    """Axes of a new figure of this size [inch], row by row: curves take the colours in turn."""
-    grid = new_figure(width, height).subplots(rows, columns, squeeze=False, **shared).ravel()
-    for axes in grid:
-        axes.set_prop_cycle(color=COLORS)
-    return grid
-
-
-def finish(
+@contextmanager
+def charts(
     file: Path,
-    grid: Sequence[Axes],
+    size: tuple[float, float],
+    columns: int = 1,
+    rows: int = 1,
+    *,
     xlabel: str,
     ylabel: str = "",
-    *,
     titles: Sequence[str] = (),
     legends: Sequence[int] = (),
-) -> None:
-    """Label the panels and write the figure; legends: indices of the panels that have one."""
-    for axes, title in zip(grid, titles, strict=False):
-        axes.set_title(title, loc="left")
-    grid[0].set_ylabel(ylabel)
-    for i in legends:
-        grid[i].legend(frameon=False)
-    for axes in grid:
-        axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
-        if axes.get_subplotspec().is_last_row():  # type: ignore[union-attr]
+    **shared: Any,
+) -> Iterator[Any]:
+    """Panels whose curves take the colours in turn; legends: indices of those that have one."""
+    with panels(file, size, rows, columns, large=True, **shared) as grid:
+        for axes in grid:
+            axes.set_prop_cycle(color=COLORS)
+        yield grid
+        for axes, title in zip(grid, titles, strict=False):
+            axes.set_title(title)
+        grid[0].set_ylabel(ylabel)
+        for i in legends:
+            grid[i].legend()
+        for axes in grid:
+            axes.grid(True)
+        for axes in grid[-columns:]:
             axes.set_xlabel(xlabel)
-    figure = grid[0].figure
-    figure.set_layout_engine("constrained")  # type: ignore[union-attr]
-    save(figure, file)  # type: ignore[arg-type]
 
 
 def decibel(value: Any) -> Any:
@@ -67,23 +68,21 @@ def nyquist(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Learning transients: the Nyquist curve of L T_u and the unit circle at +1 (thesis 7.4)."""
     omega = frequency_grid(4000)
     T_u, f = of.loop.T_motor, hertz(omega, of.loop.sample_time)
-    grid = panels(9.0, 4.6, 1, 2)
-    circle = 1 + unit_circle(np.linspace(0, 2 * np.pi, 400))
-    for axes in grid:
-        axes.fill(circle.real, circle.imag, color="#EEF3E8")
-        axes.plot(circle.real, circle.imag, color=INK, lw=1.0)
-        for delta in (0, 2, 4, 6):
-            curve = shift_response(of.gamma, delta, omega) * T_u.response(omega)
-            axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
-        axes.set(aspect="equal", xlabel="real part of LTᵤ")
-    grid[0].set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
-    grid[1].set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
-    grid[0].set_title("Inside the circle, a frequency is learned", loc="left")
-    grid[1].set_title("Near the origin every curve leaves it", loc="left")
-    grid[1].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    save(grid[0].figure, file)
     rows = []
-    for delta in (0, 2, 4, 6):
+    with panels(file, (9.0, 4.6), 1, 2, edges=PLAIN, large=True) as (whole, near):
+        for axes in (whole, near):
+            axes.set_prop_cycle(color=COLORS)
+            draw_disc(axes, 1.0)
+            for delta in NYQUIST_SHIFTS:
+                curve = shift_response(of.gamma, delta, omega) * T_u.response(omega)
+                axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
+            axes.set_xlabel("real part of LTᵤ")
+        whole.set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
+        near.set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
+        whole.set_title("Inside the circle, a frequency is learned")
+        near.set_title("Near the origin every curve leaves it")
+        near.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    for delta in NYQUIST_SHIFTS:
         result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
         outside = np.flatnonzero(result.learning >= 1.0)
         leaves = f[outside[0]] if outside.size else None
@@ -97,28 +96,28 @@ def why_q(file: Path, seed: int, of: Study = THESIS) -> Table:
     omega = frequency_grid(4000)
     f, T_u = hertz(omega, of.loop.sample_time), of.loop.T_motor
     phase = np.degrees(np.unwrap(np.angle(T_u.response(omega))))
-    left, right = grid = panels(10.5, 4.6, 1, 2)
-    for axes in grid:
-        axes.axhspan(-90, 90, color="#EEF3E8")
-        axes.set_xlim(0.2, 50)
-        axes.set_xscale("log")
-        axes.xaxis.set_major_formatter("{x:g}")
     rows = []
-    for delta in (0, 1, 2, 3, 5):
-        shifted = phase + np.degrees(delta * omega)
-        left.plot(f, shifted, label=f"δ = {delta}")
-        rows.append((f"shift, delta = {delta}", *_beyond(f, shifted)))
-    for name, model in study.rough_models(of.loop).items():
-        difference = np.degrees(study.phase_error(model, T_u, omega))
-        right.plot(f, difference, label=name)
-        rows.append((f"model backwards: {name}", *_beyond(f, difference)))
-    left.text(0.25, 66, "here a small enough gain learns", color=INK, fontsize=9)
-    left.set(ylim=(-270, 360), yticks=[-270, -180, -90, 0, 90, 180, 270, 360])
-    right.set(ylim=(-190, 190), yticks=[-180, -90, 0, 90, 180])
-    left.legend(frameon=False, loc="upper left")
-    right.legend(frameon=False, loc="upper left", fontsize=8, bbox_to_anchor=(0.0, 0.98))
+    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "phase of LTᵤ [°]"}
     titles = ("L a shift: none stays within ± 90°", "L a rough model run backwards: most do")
-    finish(file, grid, "frequency [Hz]", "phase of LTᵤ [°]", titles=titles)
+    with charts(file, (10.5, 4.6), 2, titles=titles, **labels) as (left, right):
+        for axes in (left, right):
+            axes.axhspan(-90, 90, color="#EEF3E8")
+            axes.set_xlim(0.2, 50)
+            axes.set_xscale("log")
+            axes.xaxis.set_major_formatter("{x:g}")
+        for delta in (0, 1, 2, 3, 5):
+            shifted = phase + np.degrees(delta * omega)
+            left.plot(f, shifted, label=f"δ = {delta}")
+            rows.append((f"shift, delta = {delta}", *_beyond(f, shifted)))
+        for name, model in study.rough_models(of.loop).items():
+            difference = np.degrees(study.phase_error(model, T_u, omega))
+            right.plot(f, difference, label=name)
+            rows.append((f"model backwards: {name}", *_beyond(f, difference)))
+        left.text(0.25, 66, "here a small enough gain learns", color=INK, fontsize=9)
+        left.set(ylim=(-270, 360), yticks=[-270, -180, -90, 0, 90, 180, 270, 360])
+        right.set(ylim=(-190, 190), yticks=[-180, -90, 0, 90, 180])
+        left.legend(loc="upper left")
+        right.legend(loc="upper left", fontsize=8, bbox_to_anchor=(0.0, 0.98))
     title = "Why Q: where the phase of L Tu is beyond 90 degrees, with Q = 1"
     return Table(title, ("L", "first [Hz]", "last [Hz]", "largest phase [deg]"), rows)
 
@@ -133,15 +132,18 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
 
 def algorithms(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
-    (axes,) = grid = panels(7.0, 4.0)
     rows, plant = [], of.plant
-    for name, law in study.algorithms(of).items():
-        norms = study.run(plant, law, 100).motor
-        axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
-        reached = study.iterations_to(norms, 0.05)
-        rows.append((name, norms[1], norms[5], norms[100], norms[100] / norms[0], reached))
-    titles = ["Motor error of three designs"]
-    finish(file, grid, "iteration k + 1", "2-norm over its first", titles=titles, legends=[0])
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k + 1",
+        "ylabel": "2-norm over its first",
+        "legends": [0],
+    }
+    with charts(file, (7.0, 4.0), titles=["Motor error of three designs"], **labels) as (axes,):
+        for name, law in study.algorithms(of).items():
+            norms = study.run(plant, law, 100).motor
+            axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
+            reached = study.iterations_to(norms, 0.05)
+            rows.append((name, norms[1], norms[5], norms[100], norms[100] / norms[0], reached))
     columns = ("algorithm", "k = 1", "k = 5", "k = 100", "k = 100 / k = 0", "k at 5 %")
     return Table("Algorithms 1 to 3: 2-norm of the motor error [rad]", columns, rows)
 
@@ -149,30 +151,31 @@ def algorithms(file: Path, seed: int, of: Study = THESIS) -> Table:
 def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Contraction over uncertain joints: a map and a Monte Carlo."""
     factors, law = np.geomspace(0.2, 5.0, 25), of.one_heuristic
-    left, right = panels(10.0, 4.2, 1, 2)
     contractions = contraction_map(of.loop, law, ("Jm", factors), ("k", factors))
-    mesh = left.pcolormesh(factors, factors, contractions, vmin=0.7, vmax=1.3, cmap="RdYlGn_r")
-    left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
-    left.set(xscale="log", yscale="log")
-    for axis in (left.xaxis, left.yaxis):
-        axis.set_major_formatter("{x:g}")
-        axis.set_ticks([0.2, 0.5, 1, 2, 5])
-        axis.set_ticks([], minor=True)
-    left.set(xlabel="stiffness k, times nominal", ylabel="motor inertia Jₘ, times nominal")
-    left.set_title("Worst |Q(1 − LTᵤ)|; line: 1", loc="left")
-    left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
     rows, rng = [], np.random.default_rng(seed)
-    for spread in (0.2, 0.5, 1.0):
-        sampled = monte_carlo(of.loop, law, spread, 200, rng)
-        x = np.sort(sampled.contraction)
-        right.plot(x, np.linspace(0, 100, len(x)), label=f"factors up to {1 + spread:g}")
-        converge = 100 * sampled.fraction_converging
-        rows.append((f"{1 + spread:g}", converge, x[-1], sampled.most_harmful()))
-    right.axvline(1.0, color=INK, lw=1.0)
-    right.set(xlabel="worst |Q(1 − LTᵤ)|", ylabel="joints at or below [%]")
-    right.set_title("All parameters uncertain, 200 joints each", loc="left")
-    right.legend(frameon=False)
-    save(right.figure, file)
+    with panels(file, (10.0, 4.2), 1, 2, edges=PLAIN, large=True) as (left, right):
+        right.set_prop_cycle(color=COLORS)
+        look: dict[str, Any] = {"vmin": 0.7, "vmax": 1.3, "cmap": "RdYlGn_r"}
+        mesh = left.pcolormesh(factors, factors, contractions, **look)
+        left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
+        left.set(xscale="log", yscale="log")
+        for axis in (left.xaxis, left.yaxis):
+            axis.set_major_formatter("{x:g}")
+            axis.set_ticks([0.2, 0.5, 1, 2, 5])
+            axis.set_ticks([], minor=True)
+        left.set(xlabel="stiffness k, times nominal", ylabel="motor inertia Jₘ, times nominal")
+        left.set_title("Worst |Q(1 − LTᵤ)|; line: 1")
+        left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
+        for spread in (0.2, 0.5, 1.0):
+            sampled = monte_carlo(of.loop, law, spread, 200, rng)
+            x = np.sort(sampled.contraction)
+            right.plot(x, np.linspace(0, 100, len(x)), label=f"factors up to {1 + spread:g}")
+            converge = 100 * sampled.fraction_converging
+            rows.append((f"{1 + spread:g}", converge, x[-1], sampled.most_harmful()))
+        right.axvline(1.0, color=INK, lw=1.0)
+        right.set(xlabel="worst |Q(1 − LTᵤ)|", ylabel="joints at or below [%]")
+        right.set_title("All parameters uncertain, 200 joints each")
+        right.legend()
     design = f"gamma = {of.gamma:g}, delta = {of.delta}, {of.cutoff:g} Hz"
     title = f"Robustness of {design} to the joint's parameters"
     columns = ("factors up to", "contract [%]", "worst contraction", "most harmful")
@@ -181,17 +184,21 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
 
 def friction(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Coulomb friction and measurement noise in the joint."""
-    grid = panels(9.6, 4.0, 1, 2)
     rows = []
-    for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
-        plant = FrictionPlant(loop=of.loop, coulomb=c, noise=noise, rng=np.random.default_rng(seed))
-        runs = study.run(plant, of.one_law, 50)
-        name = f"c = {c:g} N m" + (f", noise {noise:g} rad" if noise else "")
-        for axes, norms in zip(grid, (runs.motor, runs.arm), strict=True):
-            axes.semilogy(norms, label=name)
-        rows.append((name, *runs.motor[[0, 5, 50]], *runs.arm[[0, 5, 50]]))
-    titles = ("Motor side", "Arm side")
-    finish(file, grid, "iteration k", "2-norm of the error [rad]", titles=titles, legends=[1])
+    labels: dict[str, Any] = {
+        "xlabel": "iteration k",
+        "ylabel": "2-norm of the error [rad]",
+        "legends": [1],
+    }
+    with charts(file, (9.6, 4.0), 2, titles=("Motor side", "Arm side"), **labels) as grid:
+        for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
+            rng = np.random.default_rng(seed)
+            plant = FrictionPlant(loop=of.loop, coulomb=c, noise=noise, rng=rng)
+            runs = study.run(plant, of.one_law, 50)
+            name = f"c = {c:g} N m" + (f", noise {noise:g} rad" if noise else "")
+            for axes, norms in zip(grid, (runs.motor, runs.arm), strict=True):
+                axes.semilogy(norms, label=name)
+            rows.append((name, *runs.motor[[0, 5, 50]], *runs.arm[[0, 5, 50]]))
     title = "Coulomb friction c and measurement noise: 2-norms [rad] at k = 0, 5, 50"
     columns = ("", "motor 0", "motor 5", "motor 50", "arm 0", "arm 5", "arm 50")
     return Table(title, columns, rows)

@@ -114,7 +114,8 @@ def connect(storage: str) -> "optuna.storages.RDBStorage":
     logging.getLogger("sqlalchemy.pool").addHandler(logging.NullHandler())
     options = _options(storage)
     _refuse_foreign(storage, options)
-    _make_folder(storage)
+    if (file := _file(storage)) is not None:
+        file.parent.mkdir(parents=True, exist_ok=True)
     for attempt in range(1, ATTEMPTS + 1):
         try:
             # Optuna fills a template in: braces in a path or a password are none.
@@ -177,17 +178,13 @@ def _options(storage: str) -> dict[str, Any]:
 
 
 def _watched() -> dict[str, Any]:
-    """Running trials give signs of life; one that stops to is failed, and tried again."""
-    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
-    return times | {"heartbeat_stale_trial_callback": _again()}
-
-
-def _again() -> "optuna.storages.RetryHeartbeatStaleTrialCallback":
-    """What queues a dead trial again."""
+    """Running trials give signs of life; one that stops to is failed, and queued again."""
     from optuna.storages import RetryHeartbeatStaleTrialCallback
 
     with _experiments_allowed():
-        return RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
+    return times | {"heartbeat_stale_trial_callback": again}
 
 
 def _file(storage: str) -> Path | None:
@@ -199,15 +196,11 @@ def _file(storage: str) -> Path | None:
     return None if not ours or url.database in (":memory:",) or "uri" in url.query else Path(ours)
 
 
-def _make_folder(storage: str) -> None:
-    if (file := _file(storage)) is not None:
-        file.parent.mkdir(parents=True, exist_ok=True)
-
-
 def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
     """Raise InputError for tables of another program: Optuna would add its own beside them."""
     import sqlalchemy
 
+    foreign = f"storage {redacted(storage)!r} belongs to another program: its table"
     engine = sqlalchemy.create_engine(storage, **options["engine_kwargs"])
     try:
         if (file := _file(storage)) is not None and not file.exists():
@@ -217,18 +210,13 @@ def _refuse_foreign(storage: str, options: dict[str, Any]) -> None:
         names = set(known.get_table_names())
         for table in sorted(set(TABLES) & names):
             if TABLES[table] not in [column["name"] for column in known.get_columns(table)]:
-                raise InputError(_foreign(storage, table))
+                raise InputError(f"{foreign} {table!r} is none of Optuna's")
         # A file is of one program; a server's database may serve several, but not two that migrate.
         others = names if file is not None else names & {MIGRATIONS}
         if others and not set(TABLES) <= names:
-            raise InputError(_foreign(storage, min(others)))
+            raise InputError(f"{foreign} {min(others)!r} is none of Optuna's")
     finally:
         engine.dispose()
-
-
-def _foreign(storage: str, table: str) -> str:
-    said = f"its table {table!r} is none of Optuna's"
-    return f"storage {redacted(storage)!r} belongs to another program: {said}"
 
 
 @contextmanager

@@ -208,7 +208,7 @@ def position(folder: Path, *runs: Result) -> Drawn:
 
 @_section("5.8", "Fig. 5.8: angular velocity of the IMU", MOVING, also=("E08",))
 def angular_velocity(folder: Path, result: Result) -> Drawn:
-    figures.angular_velocity(folder / "5.8.png", *_both_sides(result, "angular_velocity"))
+    _draw_vector(folder / "5.8.png", result, "angular_velocity")
     title = "Angular velocity, measured minus predicted, RMS [rad/s]"
     return (
         "The gyro against the D-H equations with differentiated motor angles, "
@@ -224,7 +224,7 @@ def angular_velocity(folder: Path, result: Result) -> Drawn:
 
 @_section("5.9", "Fig. 5.9: linear acceleration of the IMU", MOVING, also=("E09",))
 def acceleration(folder: Path, result: Result) -> Drawn:
-    figures.acceleration(folder / "5.9.png", *_both_sides(result, "acceleration"))
+    _draw_vector(folder / "5.9.png", result, "acceleration")
     title = "Acceleration, measured minus predicted, RMS [m/s²]"
     return (
         "The accelerometer without gravity and offsets against twice differentiated "
@@ -235,10 +235,10 @@ def acceleration(folder: Path, result: Result) -> Drawn:
     )
 
 
-def _both_sides(result: Result, name: str) -> list[Array]:
-    """Time, measured and predicted values of a vector after the synchronisation."""
-    late = result["time"] >= result["since"]
-    return [result[key][late] for key in ("time", f"{name}_measured", f"{name}_predicted")]
+def _draw_vector(file: Path, result: Result, name: str) -> None:
+    """A vector, measured and predicted, after the synchronisation."""
+    late, keys = result["time"] >= result["since"], (f"{name}_measured", f"{name}_predicted")
+    figures.vector(file, *(result[key][late] for key in ("time", *keys)), quantity=name)
 
 
 @_section(

@@ -84,7 +84,7 @@ def imu(seed: int, data: Path, folder: Path) -> Section:
     found, one = repeatability([day.alignment for day in done]), done[0]
     comparison = one.comparison
     pair = comparison.angular_velocity_measured, comparison.angular_velocity_predicted
-    of_imu.angular_velocity(folder / "real-imu.png", comparison.time, *pair)
+    of_imu.vector(folder / "real-imu.png", comparison.time, *pair, quantity="angular_velocity")
     rows: list[Sequence[object]] = []
     for day in done:
         m = day.measures

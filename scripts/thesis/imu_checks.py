@@ -21,7 +21,7 @@ from armside.sim.imu.vibration import lines
 from armside.sim.robot.model import load_model
 
 from ..jobs.store import Result
-from .peers import pinocchio_functions, toolbox_robot
+from .peers import pinocchio_model, toolbox_robot
 
 MUJOCO, PINOCCHIO, TOOLBOX = (
     "MuJoCo, the closed chain",
@@ -47,13 +47,25 @@ def differences() -> dict[str, float | None]:
     found: dict[str, float | None] = {MUJOCO: _largest(_by_mujoco(phi) - ours)}
     found |= dict.fromkeys((PINOCCHIO, TOOLBOX))
     with suppress(ImportError):
-        pose = pinocchio_functions(IRB1400).pose
-        found[PINOCCHIO] = _largest(np.array([np.array(pose(each)) for each in q]) - ours)
+        found[PINOCCHIO] = _largest(_by_pinocchio(q) - ours)
     with suppress(ImportError):
         peer = toolbox_robot(IRB1400)
         offset = [float(link.theta) for link in IRB1400.links]
         found[TOOLBOX] = _largest(np.array([peer.fkine(each - offset).A for each in q]) - ours)
     return found
+
+
+def _by_pinocchio(q: Array) -> Array:
+    """Raises ImportError where it is not installed."""
+    import pinocchio as pin  # pyright: ignore[reportMissingImports]
+
+    model, tool = pinocchio_model(IRB1400)
+    data = model.createData()
+    found = []
+    for each in q:
+        pin.framesForwardKinematics(model, data, each)
+        found.append(data.oMf[tool].homogeneous)
+    return np.array(found)
 
 
 def _by_mujoco(phi: Array) -> Array:

@@ -29,9 +29,10 @@ from armside.kinematics import (
     inverse_numeric,
     inverse_numeric_path,
 )
-from armside.scripts.thesis.peers import pinocchio_dynamics, pinocchio_functions, toolbox_robot
+from armside.scripts.thesis.peers import toolbox_robot
 
 from ._arms import CIRCLES, PANDA, PANDA_LIMITS, PUMA_560, STANFORD_ARM, STANFORD_LIMITS, circle
+from ._pinocchio import pinocchio_dynamics, pinocchio_functions
 from ._timing import Row, interleaved
 
 BATCH = 100_000

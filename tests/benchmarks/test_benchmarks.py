@@ -144,7 +144,7 @@ def test_peers_and_ours_compute_the_same():
     from armside.kinematics import LARGE_ROBOT, Body, InertialModel, compile, compile_dynamics
 
     pytest.importorskip("pinocchio", reason="pinocchio (pip install pin) is an optional peer")
-    from armside.scripts.thesis.peers import pinocchio_dynamics, pinocchio_functions
+    from ._pinocchio import pinocchio_dynamics, pinocchio_functions
 
     phi, rate, rate_dot = np.random.default_rng(0).uniform(-1, 1, (3, 6))
     q = LARGE_ROBOT.joint_variables(phi)

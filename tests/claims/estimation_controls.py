@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armside.arrays import Array
-from armside.scripts.figures.laser import COLORS, new_figure, save
+from armside.scripts.figures.canvas import COLORS, new_figure, save
 from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.results import notes

@@ -9,8 +9,9 @@ import numpy as np
 from PIL import Image
 
 from armside.scripts.shell.errors import InputError, RunFailed
-from armside.scripts.viewers.browser import page
 from armside.scripts.viewers.web_viewer import WebViewer
+
+from ._browser import page
 
 DRAWING_TIME = 120.0
 """Longest wait for the browser to draw the replay on the CPU [s]."""

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from armside.scripts import cli
+from armside.scripts.figures import canvas
 from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.studies import storage
@@ -92,6 +93,14 @@ def assert_complete():
         assert all(np.isfinite(check.ours) for check in section.checks)
 
     return check
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Figures that would have been saved."""
+    found = []
+    monkeypatch.setattr(canvas, "save", lambda figure, file: found.append(figure))
+    return found
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ class ProbeJob:
 
 def part(jobs: list[ProbeJob], high: float = 1.0) -> Part:
     def draw(read, folder: Path) -> Section:
-        from armside.scripts.figures.laser import new_figure, save  # workers need no matplotlib
+        from armside.scripts.figures.canvas import new_figure, save  # workers need no matplotlib
 
         value = float(np.sum([read(job)["value"][0] for job in jobs]))
         figure = new_figure(2.0, 1.0)
@@ -62,7 +62,12 @@ def _log() -> str:
     return str(Path("ran.log").absolute())
 
 
+SEEDS: list[int] = []
+"""That `three` was made with."""
+
+
 def three(seed: int) -> Part:
+    SEEDS.append(seed)
     return part([ProbeJob(name, _log()) for name in "abc"])
 
 

@@ -1,9 +1,17 @@
 """A search that takes a second: one pose, one update of each trial."""
 
 from armside.scripts.studies.options import TuneCfg
+from armside.scripts.studies.proposals import Pruner, Sampler
+from armside.scripts.studies.study import open_study
 from armside.sim.tuning.objective import Objective, prepare
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+
+
+def opened(folder, config=None, sampler: Sampler = "tpe", pruner: Pruner = "none"):
+    """The study `a` of the database `a.db` in a folder."""
+    url, config = f"sqlite:///{folder}/a.db", config or {}
+    return open_study(url, "a", config, sampler=sampler, pruner=pruner, seed=0)
 
 
 def objective_at_p1(**options) -> Objective:

@@ -1,12 +1,14 @@
 """Figures are functions of arrays: what they are given is what they draw."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from PIL import Image
 
 from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.prediction import Prediction
-from armside.scripts.figures import convergence
+from armside.scripts.figures import canvas, convergence
 from armside.scripts.figures import imu as imu_figures
 from armside.scripts.figures import laser as figures
 
@@ -14,15 +16,6 @@ RADIUS = 5e-3
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
 UNIT = np.column_stack([np.cos(ANGLE), np.sin(ANGLE)])
 CIRCLE = RADIUS * UNIT
-
-
-@pytest.fixture
-def drawn(monkeypatch):
-    """Figures that would have been saved."""
-    found = []
-    for module in (figures, imu_figures):
-        monkeypatch.setattr(module, "save", lambda figure, file: found.append(figure))
-    return found
 
 
 def wavy(amplitude):
@@ -33,24 +26,19 @@ def draw_circles(file, amplitudes):
     figures.circles(file, CIRCLE, [wavy(a) for a in amplitudes], rms=amplitudes, maxdev=amplitudes)
 
 
-@pytest.mark.parametrize("n_iterations", [1, 2, 6, 40])
-def test_circles_draw_any_number_of_iterations(tmp_path, n_iterations):
-    draw_circles(tmp_path / "c.png", 2e-4 * 0.5 ** np.arange(n_iterations))
+@pytest.mark.parametrize("amplitudes", [[0.0], [2e-4, 1e-4], 2e-4 * 0.5 ** np.arange(40)])
+def test_circles_draw_a_perfect_path_and_any_number_of_iterations(tmp_path, amplitudes):
+    draw_circles(tmp_path / "c.png", np.array(amplitudes))
     with Image.open(tmp_path / "c.png") as image:
         assert image.width > 300
         assert np.asarray(image.convert("L")).min() < 128
 
 
-def test_the_same_arrays_give_the_same_bytes(tmp_path):
-    for name in ("a.png", "b.png"):
-        draw_circles(tmp_path / name, np.array([2e-4, 1e-4]))
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-
-
-def test_other_arrays_give_another_picture(tmp_path):
-    draw_circles(tmp_path / "a.png", np.array([2e-4, 1e-4]))
-    draw_circles(tmp_path / "b.png", np.array([2e-4, 1.5e-4]))
-    assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
+def test_the_same_arrays_give_the_same_bytes_and_others_do_not(tmp_path):
+    for name, last in (("a", 1e-4), ("b", 1e-4), ("c", 1.5e-4)):
+        draw_circles(tmp_path / f"{name}.png", np.array([2e-4, last]))
+    a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
+    assert a == b != c
 
 
 def test_circles_draw_the_deviation_magnified(tmp_path, drawn):
@@ -95,16 +83,11 @@ def test_errors_of_a_run_that_diverged_can_be_drawn(tmp_path):
     assert (tmp_path / "e.png").exists()
 
 
-def test_a_perfect_path_can_be_drawn(tmp_path):
-    draw_circles(tmp_path / "c.png", np.array([0.0]))
-    assert (tmp_path / "c.png").exists()
-
-
 @pytest.mark.parametrize(
     ("at_most", "factor"), [(0.3, 1), (1.9, 1), (2.0, 2), (9.99, 5), (12.5, 10), (6000, 5000)]
 )
 def test_the_magnification_is_a_round_number(at_most, factor):
-    assert figures._magnification(at_most) == factor
+    assert canvas.magnification(at_most) == factor
 
 
 def test_the_nearest_point_of_a_closed_square_is_on_its_nearest_side():
@@ -121,19 +104,16 @@ def test_many_iterations_show_the_first_and_the_last():
     assert figures._panels(6) == [0, 1, 2, 3, 4, 5]
 
 
-@pytest.mark.parametrize("n_iterations", [1, 6])
-def test_errors_draw_six_motors_and_the_arm(tmp_path, n_iterations):
-    motor = np.full((n_iterations, 6), 0.1)
-    figures.errors(tmp_path / "e.png", motor, [1e-4] * n_iterations, [2e-4] * n_iterations)
+@pytest.mark.parametrize("n", [1, 6])
+def test_errors_draw_six_motors_and_the_arm(tmp_path, n):
+    figures.errors(tmp_path / "e.png", np.full((n, 6), 0.1), [1e-4] * n, [2e-4] * n)
     with Image.open(tmp_path / "e.png") as image:
         colors = {tuple(c) for c in np.unique(np.asarray(image)[..., :3].reshape(-1, 3), axis=0)}
-    for color in figures.COLORS:
+    for color in canvas.COLORS:
         assert tuple(bytes.fromhex(color[1:])) in colors
 
 
-def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monkeypatch):
-    seen = []
-    monkeypatch.setattr(convergence, "save", lambda figure, file: seen.extend(figure.axes))
+def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, drawn):
     expected = Prediction(errors=np.ones(3), contraction=None, spectral_radius=None)
     runs = [
         LawRun(
@@ -152,7 +132,7 @@ def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, monk
         for i in range(20)
     ]
     convergence.draw_convergence(tmp_path / "c.png", "laws", runs)
-    lines = [line for line in seen[0].lines if len(line.get_xdata())]
+    lines = [line for line in drawn[0].axes[0].lines if len(line.get_xdata())]
     kinds = {(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines}
     assert len(kinds) == len(lines) == 40
     solid = [line.get_markersize() for line in lines if line.get_linestyle() == "-"]
@@ -190,7 +170,9 @@ def test_a_slide_has_metres_and_a_scale_of_its_own(tmp_path, drawn):
     assert np.ptp(slide.get_ylim()) < 0.1  # not 0.15 of the radians beside it
 
 
-@pytest.mark.parametrize("draw", [imu_figures.position, imu_figures.acceleration])
+@pytest.mark.parametrize(
+    "draw", [imu_figures.position, partial(imu_figures.vector, quantity="acceleration")]
+)
 def test_the_legend_of_predicted_and_measured_lies_over_no_panel(tmp_path, drawn, draw):
     time = np.linspace(0.0, 1.0, 50)
     values = np.column_stack([np.sin(40.0 * time)] * 3)

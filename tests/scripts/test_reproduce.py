@@ -87,6 +87,18 @@ def ran() -> list[str]:
     return log.read_text().split() if log.exists() else []
 
 
+@pytest.mark.parametrize("seed", [0, 12])
+def test_a_report_is_made_with_the_seed_given_and_says_so(reproduced, seed):
+    from probe_part import SEEDS
+
+    SEEDS.clear()
+    assert reproduced(f"three --seed {seed}").status == 0
+    assert [seed] == SEEDS
+    for page in ("report.md", "report.html"):
+        assert f"`armside reproduce three --seed {seed}`" in Path("report", page).read_text()
+    assert json.loads(Path("report/report.json").read_text())["config"]["seed"] == seed
+
+
 def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
     status, _, err = reproduced("three")
     assert (status, err) == (0, "")
@@ -97,7 +109,6 @@ def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
     text = Path("report/report.md").read_text()
     assert "(figures/probe.png)" in text
     assert Path("report/figures/probe.png").exists()
-    assert "`armside reproduce three --seed 0`" in text
 
 
 def test_what_fails_is_shown_as_failing_with_its_reason(reproduced):
@@ -144,7 +155,7 @@ def test_what_is_done_is_not_run_again(reproduced):
 
 def test_a_second_call_adds_its_section_to_the_report(reproduced):
     reproduced("three")
-    reproduced("slow")
+    reproduced("large")
     assert Path("report/report.md").read_text().count("## A <probe>") == 2
 
 
@@ -191,31 +202,33 @@ def wait_for_results(folder: Path, count: int) -> None:
     raise AssertionError("no results in time")
 
 
-def test_kill_9_loses_at_most_what_was_under_way(tmp_path):
+def test_what_was_finished_before_kill_9_or_ctrl_c_is_not_run_again(tmp_path):
+    """At most what was under way is lost, and Ctrl-C says how to go on."""
+
+    def begun_and_kept() -> tuple[int, int]:
+        return len((tmp_path / "ran.log").read_text().split()), len(parts(tmp_path / "report"))
+
     running = start("reproduce slow --out report --quiet", tmp_path)
     wait_for_results(tmp_path, 3)
     running.kill()
     running.wait()
     running.communicate()  # the pipe closes when the workers have ended too
-    kept = len(parts(tmp_path / "report"))
+    begun, kept = begun_and_kept()
     assert 3 <= kept < 12
-    begun = len((tmp_path / "ran.log").read_text().split())
     assert begun - kept <= len(os.sched_getaffinity(0)) + 1  # one may be queued beyond the cores
-    again = start("reproduce slow --out report --quiet", tmp_path)
-    assert again.communicate(timeout=60)[1] == ""
-    assert again.returncode == 0
-    assert len((tmp_path / "ran.log").read_text().split()) == begun + 12 - kept
-
-
-def test_an_interrupt_says_how_to_go_on(tmp_path):
     running = start("reproduce slow --out report", tmp_path)
-    wait_for_results(tmp_path, 1)
+    wait_for_results(tmp_path, kept + 1)
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=30)
     assert running.returncode == 130
     assert err == (
         "armside: interrupted; what is finished is kept in report, repeat the command to go on\n"
     )
+    begun, kept = begun_and_kept()
+    again = start("reproduce slow --out report --quiet", tmp_path)
+    assert again.communicate(timeout=60)[1] == ""
+    assert again.returncode == 0
+    assert begun_and_kept() == (begun + 12 - kept, 12)
 
 
 def test_a_full_disk_is_reported_and_what_was_written_before_stays(tmp_path):
@@ -261,7 +274,7 @@ def test_a_foreign_folder_is_refused_by_name_and_left_alone(reproduced, name, co
 def test_an_unreadable_section_of_an_earlier_report_is_named(reproduced):
     reproduced("three")
     Path("report/sections/three.json").write_text("{")
-    status, _, err = reproduced("slow")
+    status, _, err = reproduced("large")
     assert status == 2
     assert "three.json is not a section of a report" in err
 

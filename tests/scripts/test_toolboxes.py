@@ -4,13 +4,14 @@ import mujoco
 import numpy as np
 import pytest
 import sympy as sp
+from tests.benchmarks._pinocchio import pinocchio_functions
 
 from armside import kinematics
 from armside.kinematics import IRB1400
 from armside.kinematics.symbolic import procedures as dh
 from armside.scripts.thesis import imu_checks
 from armside.scripts.thesis.imu_checks import MUJOCO, differences, motor_angles
-from armside.scripts.thesis.peers import pinocchio_functions, toolbox_robot
+from armside.scripts.thesis.peers import toolbox_robot
 from armside.sim.cell import CELLS
 from armside.sim.robot.model import load_model
 

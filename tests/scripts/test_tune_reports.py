@@ -14,19 +14,17 @@ from armside.scripts.studies import report as tune_report
 from armside.scripts.studies import study as studies
 from armside.scripts.studies.report import importance
 from armside.scripts.studies.search import search
-from armside.scripts.studies.study import Outcome, open_study
+from armside.scripts.studies.study import Outcome
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.sensor import RewardSensor
 
-from .quick_tuning import QUICK
+from .quick_tuning import QUICK, opened
 
 pytestmark = pytest.mark.usefixtures("patient")
 
 
-def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+def test_the_history_marks_what_lies_beyond_its_axis(tmp_path, drawn):
     tried = [Outcome(0, 0.5, 0.6, True), Outcome(1, 1e3, 1e3, True), Outcome(2, 9.0, 8.0, True)]
     tune_figures.history(tmp_path / "a.png", tried, sensor="by the motors")
     (axes,) = drawn[0].axes
@@ -80,9 +78,7 @@ def test_a_new_best_design_is_told_in_short_lines(capsys, motors):
 
 
 @pytest.mark.parametrize("ends", [(0.5, 0.4), (0.5, 1e3), (0.5, 0.4, 1e3, None)])
-def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, monkeypatch, ends):
-    drawn = []
-    monkeypatch.setattr(tune_figures, "save", lambda figure, file: drawn.append(figure))
+def test_the_legend_stands_on_the_axes_and_inside_the_picture(tmp_path, drawn, ends):
     tried = [Outcome(i, r or 0.9, r or 0.9, r is not None) for i, r in enumerate(ends)]
     tune_figures.history(tmp_path / "a.png", tried, sensor="by the estimate")
     (axes,) = drawn[0].axes
@@ -106,10 +102,7 @@ def test_what_other_processes_add_is_counted_and_told_once(tmp_path, monkeypatch
         return 0.5
 
     better = {0: 0.4, 3: 0.2}
-    url = f"sqlite:///{tmp_path}/a.db"
-    ours, other = (
-        open_study(url, "a", {}, sampler="random", pruner="none", seed=0) for _ in range(2)
-    )
+    ours, other = (opened(tmp_path, sampler="random") for _ in range(2))
     told, steps = [], []
     monkeypatch.setattr(studies, "ask_first", lambda *_: None)
     search(

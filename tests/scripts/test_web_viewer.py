@@ -1,5 +1,7 @@
 """The web viewer's server, without Rerun behind it."""
 
+import os
+import signal
 import socket
 import struct
 import threading
@@ -24,6 +26,25 @@ def viewer(tmp_path, monkeypatch):
     yield viewer
     viewer.close()
     thread.join()
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_and_the_handlers_of_before_are_back(tmp_path, monkeypatch, ending):
+    monkeypatch.setattr(web_viewer, "viewer_pages", lambda replay: PAGES)
+    (tmp_path / "a.rrd").write_bytes(b"")
+    before, said = signal.getsignal(ending), []
+
+    def say(text):
+        said.append(text)
+        if len(said) == 1:
+            threading.Timer(0.2, os.kill, [os.getpid(), ending]).start()
+
+    web_viewer.serve(tmp_path / "a.rrd", say, port=0, telemetry=False)
+    port = said[0].partition("127.0.0.1:")[2].partition("/")[0]
+    assert said[1:] == ["ended"]
+    assert signal.getsignal(ending) is before
+    with socket.socket() as free:
+        assert free.connect_ex(("127.0.0.1", int(port))) != 0
 
 
 def leave_in_mid_answer(viewer, path):

@@ -7,16 +7,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ...figures.laser import COLORS, INK, MARKERS, REFERENCE, new_figure, save
+from ...figures import canvas
+from ...figures.canvas import COLORS, INK, MARKERS, REFERENCE, logarithmic, whole_numbers
 from .bands import Band
 
 Curves = Mapping[str, ArrayLike]
@@ -52,13 +50,10 @@ def panels(
         for axes, curves in zip(grid, content.values(), strict=True):
             _draw(axes, curves, x, ordered)
             if log:
-                axes.set_yscale("log")
-                axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
-                for formatter in (axes.yaxis.set_major_formatter, axes.yaxis.set_minor_formatter):
-                    formatter(StrMethodFormatter("{x:g}"))
+                logarithmic(axes)
             if x is None:
-                axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-            axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+                whole_numbers(axes.xaxis)
+            axes.grid(True)
         if not log:
             tops = [np.nanmax(values) for curves in content.values() for values in curves.values()]
             grid[0].set_ylim(0.0, 1.06 * float(max(tops)))
@@ -82,17 +77,14 @@ def by_motor(
 
 def by_position(file: Path, positions: Sequence[str], errors: Array) -> None:
     """Normalised errors (P, 6) without learning, motors side by side. Thesis Fig. 9.5."""
-    figure = new_figure(8.0, 3.6)
-    axes = figure.subplots()
-    figure.subplots_adjust(left=0.08, right=0.86, bottom=0.12, top=0.88)
-    figure.suptitle("Largest motor error without learning", x=0.02, ha="left")
-    places = np.arange(len(positions))
-    for i in range(6):
-        axes.bar(places + 0.13 * (i - 2.5), errors[:, i], 0.12, color=COLORS[i], label=MOTORS[i])
-    axes.set_xticks(places, positions)
-    axes.set_ylabel("error (9.5), ∞-norm")
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    save(figure, file)
+    title, edges = "Largest motor error without learning", (0.08, 0.86, 0.12, 0.88)
+    with canvas.panels(file, (8.0, 3.6), title=title, edges=edges) as (axes,):
+        at = np.arange(len(positions))
+        for i in range(6):
+            axes.bar(at + 0.13 * (i - 2.5), errors[:, i], 0.12, color=COLORS[i], label=MOTORS[i])
+        axes.set_xticks(at, positions)
+        axes.set_ylabel("error (9.5), ∞-norm")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def criterion(
@@ -114,8 +106,8 @@ def criterion(
                 shown = np.where(values < 3.0, values, np.nan)
                 axes.semilogx(frequency, shown, color=INK, ls=style, lw=1.2, label=label)
             axes.set(ylim=(0.0, 2.0), xlim=(frequency[0], frequency[-1]))
-            axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-            axes.grid(True, which="major", color="#DDDDDD", lw=0.6)
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.grid(True)
 
 
 def simulated(file: Path, sample_time: float, cases: Mapping[str, tuple[Array, Array]]) -> None:
@@ -142,7 +134,7 @@ def distributions(
                 axes.axvspan(start, stop, color=COLORS[2], alpha=0.18, lw=0, label="band")
                 axes.set_xlim(min(left, start), max(right, stop))
             axes.axvline(float(np.median(values)), color=COLORS[1], lw=1.5, label="median")
-            axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+            whole_numbers(axes.yaxis)
 
 
 def fields(
@@ -187,53 +179,29 @@ def _panels(
     *,
     share_y: bool = False,
     names: float = 9,
-) -> Iterator[list[Axes]]:
-    """Panels named by `content`, width x height [inch], to draw into; then saved to the file.
+) -> Iterator[Any]:
+    """Panels named by `content`, width x height [inch]. One title above, one legend below.
 
-    One title above, one legend below, labels at the outer axes. names: their font size.
+    names: their font size.
     """
-    titles = list(content)
-    columns = min(columns, len(titles))
-    rows = -(-len(titles) // columns)
-    left, right, bottom, top, gap_x, gap_y = 0.75, 0.15, 0.95, 0.62, 0.45, 0.62
-    total_width = left + right + columns * width + (columns - 1) * gap_x
-    total_height = bottom + top + rows * height + (rows - 1) * gap_y
-    figure = new_figure(total_width, total_height)
-    grid = list(figure.subplots(rows, columns, squeeze=False, sharey=share_y).flat)
-    figure.subplots_adjust(
-        left=left / total_width,
-        right=1.0 - right / total_width,
-        bottom=bottom / total_height,
-        top=1.0 - top / total_height,
-        wspace=gap_x / width,
-        hspace=gap_y / height,
-    )
-    figure.suptitle(title, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
-    used = grid[: len(titles)]
-    yield used
-    for axes, name in zip(used, titles, strict=True):
-        axes.set_title(name, loc="left", fontsize=names)
-    for axes in used[-columns:]:
-        axes.set_xlabel(xlabel)
-    for axes in used[::columns]:
-        axes.set_ylabel(ylabel, fontsize=9)
-    for axes in grid[len(titles) :]:
-        axes.set_visible(False)
-    _legend(figure, used[0])
-    save(figure, file)
+    titles, labels = list(content), (xlabel, ylabel)
+    look = {"edges": (0.75, 0.15, 0.95, 0.62), "gaps": (0.45, 0.62), "sharey": share_y}
+    size = width, height
+    with canvas.tiles(file, len(titles), columns, size, labels=labels, **look) as grid:
+        figure = grid[0].figure
+        figure.suptitle(title, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
+        yield grid
+        for axes, name in zip(grid, titles, strict=True):
+            axes.set_title(name, fontsize=names)
+            axes.yaxis.label.set_size(9)
+        handles, found = grid[0].get_legend_handles_labels()
+        if found:
+            widest = 0.55 + 0.075 * max(map(len, found))  # [inch] at this size of letters
+            ncols = max(1, min(len(found), int(figure.get_figwidth() / widest)))
+            figure.legend(handles, found, loc="lower center", ncols=ncols)
 
 
-def _legend(figure: Figure, axes: Axes) -> None:
-    """One legend below all panels, as many columns as fit."""
-    handles, labels = axes.get_legend_handles_labels()
-    if not labels:
-        return
-    widest = 0.55 + 0.075 * max(map(len, labels))  # [inch] at this size of letters
-    columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
-    figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8)
-
-
-def _draw(axes: Axes, curves: Curves, x: ArrayLike | None, ordered: bool) -> None:
+def _draw(axes: Any, curves: Curves, x: ArrayLike | None, ordered: bool) -> None:
     colors = _sequence(len(curves)) if ordered else COLORS
     for i, (name, values) in enumerate(curves.items()):
         at = np.arange(np.size(values)) if x is None else np.asarray(x)
