@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from armside.sim.laser.design import DEFAULT_DESIGN
+from armside.sim.notes import Tally
 
 from .. import evidence
 from ..scripts.verdicts import CLOSE, fails_by_itself
@@ -319,9 +320,15 @@ def test_a_row_beyond_its_bar_fails_that_statement_alone(one):
     fails_by_itself(failed(one.claim, changed(one, one.outside)), one.words)
 
 
-def test_kinematics_draws_a_thousand_configurations_for_each_seed_and_robot():
-    assert kinematics.CONFIGURATIONS == 1000
-    assert len(list(kinematics.CLAIM.cases(range(2)))) == 4
+def test_kinematics_draws_a_thousand_configurations_for_each_seed_and_robot(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(kinematics, "errors", lambda robot, phi: drawn.append((robot, phi)) or {})
+    rows = [row for case in kinematics.CLAIM.cases((5, 6)) for row in kinematics.run(case, Tally())]
+    assert [(row["seed"], row["robot"]) for row in rows] == [
+        (seed, robot.name) for seed in (5, 6) for robot, _ in drawn[:2]
+    ]
+    assert {phi.shape for _, phi in drawn} == {(1000, 6)}
+    assert np.unique([phi[:, 0] for _, phi in drawn]).size == 2 * 1000
 
 
 def test_most_seeds_have_the_smallest_error_in_z_and_nine_of_ten_the_largest_in_the_rectangle():
