@@ -9,13 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.specification import Cut
 from armside.sim.motion.timing import PathLimits
-from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows, at_most, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_most, crossed
 from ._estimates import COMPARED, case, from_estimate, from_motors, from_tracker
 from ._learned import POSES
 

@@ -11,12 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot_file.find import find_cell
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._estimates import case, from_estimate, from_motors, from_tracker
 
 FIVE = 5

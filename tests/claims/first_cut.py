@@ -10,17 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.drift import refreshed
 from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._tasks import GUARD_SEED, JUDGED, JUDGED_SEED, tasks, tasks_beyond
 from ._twins import (
     commissioning_cuts,

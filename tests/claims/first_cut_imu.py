@@ -8,14 +8,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.plan import MOST
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._tasks import JUDGED_BY_IMU, JUDGED_SEED, tasks
 from ._twins import (
     commissioning_cuts,

@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.imu import notes, prepare, reprocessed, run_one
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows, within
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, within
 from ._imu import BASE, SEQUENTIAL, UNAIDED, axes, by_axis
 
 IDLE = [

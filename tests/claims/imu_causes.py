@@ -4,11 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.imu import causes, notes
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._imu import BASE, by_axis
 
 MEASURES = ("acceleration_rms", "acceleration_window_max", "angular_velocity_rms")

@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.imu import notes, prepare, reprocessed, run_one
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._imu import LARGE, axes, by_axis
 
 RMS = "a RMS", " [m/s^2]"

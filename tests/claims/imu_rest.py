@@ -4,13 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.imu import RestExperiment
 from armside.sim.imu.vibration import lines, run_rest
-from armside.sim.notes import Tally
 from armside.sim.robot.recording import saturation
 
-from ._engine import Claim, Row, Rows, within
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, within
 from ._imu import axes, by_axis
 
 OFF, ON, LEVEL = "off RMS", "on RMS", "on 99.7 %"

@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.design import THESIS
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._learned import POSES, learned
 
 ROBOT = "irb1400"

@@ -6,13 +6,11 @@ from typing import Any
 import numpy as np
 
 from armside.ilc.analysis.proposal import FAST_ENOUGH
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.design import DEFAULT_DESIGN
 from armside.sim.laser.design_from_data import CUTOFFS, design_from_data
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 
 ROBOT = "irb1400"
 

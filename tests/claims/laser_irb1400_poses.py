@@ -10,7 +10,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.learning import iterate
@@ -18,9 +17,8 @@ from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.random_cuts import random_cut
 from armside.sim.laser.results import iteration_row, notes
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._learned import Learned, learned, of_rows
 
 ROBOT = "irb1400"

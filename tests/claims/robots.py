@@ -12,15 +12,13 @@ import numpy as np
 
 from armside import assets
 from armside.sim.cell import ToolPose
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.laser import learn
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.model import load_model
 from armside.sim.robot_file.find import find_cell
 
-from ._engine import Claim, Row, Rows, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, crossed
 from ._learned import POSES, learned
 
 LEFT = 0.10

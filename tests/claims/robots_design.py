@@ -5,11 +5,9 @@ from itertools import product
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 from armside.sim.robot_file.find import find_cell
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from .laser_irb1400_design import designed
 from .robots import ROBOTS
 

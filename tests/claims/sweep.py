@@ -13,10 +13,8 @@ from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.jobs.queue import KNOWN, KNOWN_FAILED
 from armside.scripts.jobs.workers import Workers
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 
-from ._engine import ROOT, Claim, Row, Rows, at_once
+from ._engine import ROOT, Check, Claim, Row, Rows, Tally, all_hold, at_once
 
 PLACES = "position=1316.6/1.4/1599.2,1800/100/1599.2,9000/0/1000"
 AXES = ("gamma=0.5,0.7,0.9", "delta=3,6", PLACES, "seed=0:2")

@@ -8,10 +8,8 @@ from pathlib import Path
 from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import Grid, run_grid
 from armside.scripts.jobs.workers import Workers
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows, at_once
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_once
 
 SAMPLES = 10
 FLAT = 1.10  # of the memory after a tenth of the work

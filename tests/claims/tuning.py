@@ -4,13 +4,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold, mean_interval
-from armside.sim.notes import Tally
+from armside.sim.evaluation.check import mean_interval
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 
 from . import _episodes
-from ._engine import Claim, Row, Rows, at_once
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_once
 from ._episodes import BY_MODELS, BY_POLICY, BY_SEARCH, BY_THESIS
 
 SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another

@@ -5,12 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 from armside.sim.tuning.rules import Rules
 
 from . import _episodes
-from ._engine import Claim, Row, Rows, at_once
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_once
 from ._episodes import BY_POLICY, BY_SEARCH, BY_THESIS
 
 TWICE = 10  # iterations, twice the budget that was searched and trained with
