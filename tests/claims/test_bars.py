@@ -16,8 +16,8 @@ from .. import evidence
 from ..scripts.verdicts import CLOSE, fails_by_itself
 from . import estimation, estimation_controls, kinematics, laser_irb1400, robots
 from ._engine import Rows
-from ._imu import axes, by_axis
 from ._learned import POSES
+from .imu import axes, by_axis
 from .long_way import TASKS
 
 FULL_INSTANCES = {
@@ -32,16 +32,12 @@ FULL_INSTANCES = {
 
 
 def test_full_instances_have_the_documented_number_of_seeds():
-    found = {name: claim(name).seeds for name in evidence.names("claims")}
+    found = {name: evidence.claim(name).seeds for name in evidence.names("claims")}
     assert found == FULL_INSTANCES
 
 
-def claim(name: str):
-    return evidence.module("claims", name).CLAIM
-
-
 def failed(name: str, rows) -> list[str]:
-    return [check.statement for check in claim(name).checks(Rows(rows)) if not check.holds]
+    return [check.statement for check in evidence.claim(name).checks(Rows(rows)) if not check.holds]
 
 
 def vector(name: str, values=(0.2, 0.3, 0.1), unit=" [m/s^2]") -> dict[str, float]:
