@@ -2,7 +2,7 @@
 
 import fcntl
 import gc
-import importlib.util
+import importlib
 import os
 import shutil
 import signal
@@ -207,11 +207,4 @@ def graphics():
 @pytest.fixture(scope="session")
 def scenes():
     """Module of the synthetic recordings of an arm in motion."""
-    file = Path(__file__).parent / "sim" / "gears" / "synthetic.py"
-    spec = importlib.util.spec_from_file_location("synthetic", file)
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["synthetic"] = module
-    spec.loader.exec_module(module)
-    return module
+    return importlib.import_module("tests.sim.gears.synthetic")
