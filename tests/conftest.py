@@ -2,13 +2,14 @@
 
 import fcntl
 import gc
-import importlib.util
+import importlib
 import os
 import shutil
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -33,12 +34,14 @@ for number in map(int, DROPPED.split()):
 
 # CI asks whether a change is sound, and the same change gets the same answer; whoever works on it
 # draws new examples with every run, and fewer of them.
-settings.register_profile("quick", max_examples=40)
+settings.register_profile("quick", max_examples=20)
 settings.load_profile("ci" if os.environ.get("ARMSIDE_CI") else "quick")
 WHOLE = bool(os.environ.get("ARMSIDE_CI"))
 """In CI what is slow runs as it stands; else, with the same claims, a small form of it."""
 TWIN_OF = "2001"
 """Individual whose twin is shared by the tests."""
+OF_PICTURES = ("test_figures", "test_chapter", "test_gallery", "test_svg", "scripts/test_learn.py")
+"""Parts of the names of the tests that look at what is drawn; elsewhere pictures are blank."""
 
 SLOWEST = (
     "README.md",
@@ -97,16 +100,43 @@ def made_once(tmp_path_factory, worker_id):
     return folder
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Draw the figures of tests about figures alone; in CI, all of them."""
+    if module := sys.modules.get("matplotlib.figure"):
+        looked_at = WHOLE or any(name in item.nodeid for name in OF_PICTURES)
+        draw = vars(module).setdefault("drawn", module.Figure.savefig)
+        module.Figure.savefig = draw if looked_at else blank
+
+
+def blank(figure, file, **options) -> None:
+    """Save a figure with nothing drawn on it."""
+    empty = type(figure)(figsize=figure.get_size_inches(), dpi=figure.dpi)
+    sys.modules["matplotlib.figure"].drawn(empty, file, **options)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def searches_made_once(made_once):
+    """Springs and twins of the same record are searched for once; in CI, each time."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not WHOLE and "armside.sim" in sys.modules:
+            from tests.searches import make_once
+
+            make_once(made_once, patch)
+        yield
+
+
 @pytest.fixture(scope="session")
 def commissioned(made_once):
     """Folder with the `twin` of `TWIN_OF`, made from one cut, and its summary as JSON."""
 
     def commission(folder):
+        from armside.scripts import cli
+
         line = f"commission --individual {TWIN_OF} --cuts 1 --json --out {folder / 'twin'}"
-        command = [sys.executable, "-m", "armside", *line.split()]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
-        (folder / "printed.json").write_text(done.stdout)
+        with redirect_stdout(StringIO()) as printed:
+            assert cli.main(line.split()) == 0
+        (folder / "printed.json").write_text(printed.getvalue())
 
     return made_once("commissioned", commission)
 
@@ -177,11 +207,4 @@ def graphics():
 @pytest.fixture(scope="session")
 def scenes():
     """Module of the synthetic recordings of an arm in motion."""
-    file = Path(__file__).parent / "sim" / "gears" / "synthetic.py"
-    spec = importlib.util.spec_from_file_location("synthetic", file)
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["synthetic"] = module
-    spec.loader.exec_module(module)
-    return module
+    return importlib.import_module("tests.sim.gears.synthetic")

@@ -1,15 +1,18 @@
 """What judges the product from outside: claims, benchmarks and pictures, each a file of its folder.
 
-The name of a file is the name: `tests/claims/imu_rest.py` is the claim `imu-rest`. Files that begin
-with an underscore are shared, and those that begin with `test_` are tests.
+The name of a file is the name: `tests/gallery/first_cut.py` is the picture `first-cut`. A file of
+claims may hold variants: `CLAIM_REST` of `tests/claims/imu.py` is the claim `imu-rest`. Files that
+begin with an underscore are shared, and those that begin with `test_` are tests.
 """
 
 import difflib
+import re
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -20,13 +23,28 @@ _NO_NAMES = ("_", "test_", "conftest")
 
 def names(folder: str) -> list[str]:
     """Names in a folder of `tests`, such as "claims"."""
-    files = sorted((ROOT / "tests" / folder).glob("*.py"))
-    return [file.stem.replace("_", "-") for file in files if not file.stem.startswith(_NO_NAMES)]
+    return sorted(_homes(folder))
 
 
 def module(folder: str, name: str) -> ModuleType:
     """The module of a name."""
-    return import_module(f"tests.{folder}.{name.replace('-', '_')}")
+    return import_module(f"tests.{folder}.{_homes(folder)[name][0]}")
+
+
+def claim(name: str) -> Any:
+    """The claim of a name."""
+    return getattr(module("claims", name), _homes("claims")[name][1])
+
+
+def _homes(folder: str) -> dict[str, tuple[str, str]]:
+    """Module and variable of each name."""
+    files = [f for f in (ROOT / "tests" / folder).glob("*.py") if not f.stem.startswith(_NO_NAMES)]
+    found = [
+        (file.stem, "CLAIM", variant)
+        for file in files
+        for variant in re.findall(r"^CLAIM(\w*) = ", file.read_text("utf-8"), re.M) or [""]
+    ]
+    return {f"{stem}{v}".lower().replace("_", "-"): (stem, name + v) for stem, name, v in found}
 
 
 FOLDERS = {"claims": "claims", "bench": "benchmarks", "pictures": "gallery"}

@@ -7,7 +7,8 @@ that reads no file is run once, and each page goes on with the folder that it wr
 `toml` whose first line is `# NAME.toml` is written to that file.
 
 In CI this is the whole of it. Else cuts that are learned make one update, springs are identified in
-few steps, and one twin stands for those of the pages.
+few steps, one twin stands for those of the pages, and of the lines of a block that show options of
+one command the first is run.
 """
 
 import os
@@ -114,6 +115,14 @@ def reads_what_no_line_wrote(command: str, earlier: list[str]) -> bool:
     return any(word.split("/")[0] in unwritten for word in words if "/" in word)
 
 
+def is_a_variant(lines: list[str]) -> bool:
+    """True where a line before the last has run its command, which leaves nothing by a name."""
+    *before, last = (shlex.split(line, comments=True)[1:] for line in lines)
+    verb = slice(0, 2 if last[0] == "robot" else 1)
+    ran = [words for words in before if not (takes_minutes(words) or only_shows(words))]
+    return "--out" not in last and any(words[verb] == last[verb] for words in ran)
+
+
 def takes_minutes(words: list[str]) -> bool:
     """True for what is only parsed; in CI those of half a minute are run."""
     identifies = "estimate" in words and "--identification" not in words
@@ -138,8 +147,12 @@ def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, request):
     names: dict[str, object] = {"__name__": "__main__"}
     earlier: list[str] = []
     for block in blocks(page.read_text(encoding="utf-8")):
+        of_block: list[str] = []
         for command in commands(block):
-            if not WHOLE and command.startswith("armside commission "):
+            of_block.append(command)
+            if not WHOLE and is_a_variant(of_block):
+                parse(shlex.split(command, comments=True)[1:], cli.COMMANDS, cli.load)
+            elif not WHOLE and command.startswith("armside commission "):
                 copy_twin(command, request.getfixturevalue("commissioned"))
             elif command == SEVERAL_PAGES:
                 run_once(command, request.getfixturevalue("made_once"))

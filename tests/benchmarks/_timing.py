@@ -2,7 +2,7 @@
 
 import resource
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 from typing import Any
@@ -60,6 +60,11 @@ def interleaved(
     calls = [_calls_per_round(function, min_round) for function in functions]
     rounds = [list(map(_seconds, functions, calls)) for _ in range(repeats)]
     return [median(column) for column in zip(*rounds, strict=True)]
+
+
+def timed(functions: Mapping[str, Callable[[], Any]], repeats: int = 9) -> list[Row]:
+    """Rows of functions by name, called in turns."""
+    return list(map(Row, functions, interleaved(list(functions.values()), repeats)))
 
 
 def _seconds(function: Callable[[], Any], calls: int) -> float:

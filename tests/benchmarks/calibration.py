@@ -11,7 +11,7 @@ from armside.kinematics.calibration.error_model import ErrorModel
 from armside.kinematics.calibration.fit import Choice, Fit, fit
 from armside.kinematics.calibration.selection import identifiable
 
-from ._timing import Row, interleaved
+from ._timing import Row, timed
 
 POSES = (1_500, 10_000)
 NOISE = 50e-6
@@ -26,12 +26,12 @@ TARGET = np.array([0.05, 0.03, 0.10])
 
 def measured() -> Sequence[Row]:
     """Geometry, and from it geometry with 40 harmonics of each joint and compliance."""
-    timed = {}
+    fits = {}
     for n in POSES:
         data = measurements(n)
-        timed[f"geometry, {n:,} poses"] = partial(geometry, data)
-        timed[f"40 harmonics from there, {n:,} poses"] = partial(harmonics, data, geometry(data))
-    return list(map(Row, timed, interleaved(list(timed.values()), repeats=5)))
+        fits[f"geometry, {n:,} poses"] = partial(geometry, data)
+        fits[f"40 harmonics from there, {n:,} poses"] = partial(harmonics, data, geometry(data))
+    return timed(fits, repeats=5)
 
 
 def measurements(n: int) -> Measurements:

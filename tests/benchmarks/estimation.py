@@ -15,7 +15,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case
 from armside.sim.laser.learning import first_run
 
-from ._timing import Row, interleaved
+from ._timing import Row, timed
 
 
 def measured() -> Sequence[Row]:
@@ -43,7 +43,7 @@ def measured() -> Sequence[Row]:
         return fresh(log.time, log.motor_angle, samples)
 
     with_identification = "estimate-based experiment, six runs, identification included"
-    timed = {
+    parts = {
         "estimate of one run, after set-up": lambda: known(log.time, log.motor_angle, samples),
         "the same with the set-up of filter and smoother": set_up,
         "full extended filter and smoother": lambda: full(log.time, log.motor_angle, samples),
@@ -51,4 +51,4 @@ def measured() -> Sequence[Row]:
         with_identification: lambda: list(case.from_tool(5)[1]),
         "the same with stored springs": lambda: list(case.from_tool(5, parameters=found)[1]),
     }
-    return list(map(Row, timed, interleaved(list(timed.values()), repeats=5)))
+    return timed(parts, repeats=5)

@@ -1,6 +1,7 @@
 """Benchmarks of the theory: the search of Fig 8.7, 500 iterations, norm-optimal learning."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,7 +19,7 @@ from armside.ilc.models.system_matrix import Model, SystemMatrix
 from armside.ilc.models.two_mass import TwoMassLoop
 from armside.scripts.figures.two_mass import FIGURES
 
-from ._timing import Row, interleaved, peak_memory
+from ._timing import Row, interleaved, peak_memory, timed
 
 REPEATS = 5
 COUPLED = ((2, 2000), (4, 2000), (6, 1000), (6, 2000), (6, 4000), (12, 2000))
@@ -28,24 +29,22 @@ COUPLED = ((2, 2000), (4, 2000), (6, 1000), (6, 2000), (6, 4000), (12, 2000))
 def measured() -> Sequence[Row]:
     """Rows of the benchmark."""
     coupled = [row for m, n in COUPLED for row in _coupled(m, n)]
-    return [
-        _search(), _five_hundred(), *_norm_optimal(), *coupled, *_state_space(6), *_state_space(12),
-        *_record(), *_updates(),
-    ]  # fmt: skip
+    stored = [row for n in (6, 12) for row in _state_space(n)]
+    rows = [*_search(), *_five_hundred(), *_norm_optimal(), *coupled, *stored]
+    return [*rows, *_record(), *_updates()]
 
 
-def _search() -> Row:
+def _search() -> list[Row]:
     sides = (TwoMassLoop().T_motor, TwoMassLoop().T_arm)
 
     def search() -> None:
         for T_u in sides:
             largest_gamma(T_u, two_mass_study.SHIFTS, two_mass_study.SEARCHED_CUTOFFS)
 
-    (ours,) = interleaved([search], REPEATS)
-    return Row("Fig 8.7: 101 shifts x 99 cutoffs, both sides", ours)
+    return timed({"Fig 8.7: 101 shifts x 99 cutoffs, both sides": search}, REPEATS)
 
 
-def _five_hundred() -> Row:
+def _five_hundred() -> list[Row]:
     with TemporaryDirectory() as folder:
 
         def iterate() -> None:
@@ -53,24 +52,14 @@ def _five_hundred() -> Row:
             for name in ("8.9", "8.10"):
                 FIGURES[name](Path(folder) / f"{name}.png", 0)
 
-        (ours,) = interleaved([iterate], REPEATS)
-    return Row("500 iterations, Figs 8.9 and 8.10 drawn", ours)
+        return timed({"500 iterations, Figs 8.9 and 8.10 drawn": iterate}, REPEATS)
 
 
 def _norm_optimal() -> list[Row]:
     # Thesis (9.12), and the joint of chapter 8 at the same rate: two kinds of motors.
     servo = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1, -0.4884]), 0.004)
     T_u = SystemMatrix.diagonal([servo, TwoMassLoop(sample_time=0.004).T_motor] * 3)
-    weights = QuadraticCriterion(correction=1e-4, change=1e-2)
-    u, e = np.random.default_rng(0).standard_normal((2, 2000, 6))
-
-    def design() -> NormOptimal:
-        return NormOptimal(T_u=T_u, n_samples=2000, n_columns=6, criterion=weights)
-
-    law = design()
-    designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
-    what = "norm-optimal, 2,000 samples x 6 motors"
-    return [Row(f"{what}: design", designed), Row(f"{what}: iteration", iterated)]
+    return _timed_law(T_u, 2000, "norm-optimal, 2,000 samples x 6 motors")
 
 
 def _coupled_motors(n: int) -> SystemMatrix:
@@ -104,20 +93,19 @@ def _timed_law(T_u: Model, n_samples: int, what: str) -> list[Row]:
         return NormOptimal(T_u=T_u, n_samples=n_samples, criterion=weights)
 
     law = design()
-    designed, iterated = interleaved([design, lambda: law(u, e)], REPEATS)
+    found = timed({"design": design, "iteration": lambda: law(u, e)}, REPEATS)
     peak = f"peak so far {peak_memory():.2f} GB"
-    return [Row(f"{what}: design, {peak}", designed), Row(f"{what}: iteration", iterated)]
+    return [replace(row, name=f"{what}: {row.name}, {peak}") for row in found]
 
 
 def _record() -> list[Row]:
     law = Heuristic(Q=ZeroPhaseButterworth(6.0, 0.01), gamma=0.9, delta=5)
     iteration = RecordIteration(TwoMassLoop().T_motor, law, 2000)
-    timed = [lambda: iteration.contraction, lambda: iteration.spectral_radius]
-    contraction, radius = interleaved(timed, REPEATS)
-    return [
-        Row("contraction of 2,000 samples", contraction),
-        Row("spectral radius of 2,000 samples, with its bound", radius),
-    ]
+    named = {
+        "contraction of 2,000 samples": lambda: iteration.contraction,
+        "spectral radius of 2,000 samples, with its bound": lambda: iteration.spectral_radius,
+    }
+    return timed(named, REPEATS)
 
 
 def _updates() -> list[Row]:
@@ -125,8 +113,8 @@ def _updates() -> list[Row]:
     law = Heuristic(Q=Q, gamma=0.9, delta=3)
     u, e = np.random.default_rng(0).standard_normal((2, 380, 6))
     ((b, a),) = butterworth(10.0, 0.004, 2)
-    timed = [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)]
-    ours, theirs, update = interleaved(timed, REPEATS)
+    each = [lambda: Q(u), lambda: signal.filtfilt(b, a, u, axis=0, padlen=6), lambda: law(u, e)]
+    ours, theirs, update = interleaved(each, REPEATS)
     return [
         Row("Q on 380 samples x 6 motors", ours, "scipy filtfilt", theirs),
         Row("update of (9.2), 380 samples x 6 motors", update),

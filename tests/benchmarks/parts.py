@@ -10,7 +10,7 @@ from armside.sim.part.drawing import Joined
 from armside.sim.part.part import Part, part_of
 from armside.sim.part.plan import Cutting
 
-from ._timing import Row, interleaved
+from ._timing import Row, timed
 
 ENTITIES = 500
 """An outline of four lines, and slots of four entities and circles in turns."""
@@ -24,9 +24,8 @@ def measured() -> Sequence[Row]:
     """A part of 500 entities, within the limits of joints and drives."""
     part = sheet(ENTITIES)
     cut = PartCut(part=part, cutting=Cutting(speed=SPEED), pose=POSE)
-    (seconds,) = interleaved([lambda: cut.plan], repeats=1)
     name = f"plan of {ENTITIES} entities, {len(part.contours)} contours, at {POSE}"
-    return [Row(name, seconds)]
+    return timed({name: lambda: cut.plan}, repeats=1)
 
 
 def sheet(entities: int, seed: int = 0) -> Part:

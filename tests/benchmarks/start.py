@@ -3,18 +3,17 @@
 import subprocess
 import sys
 from collections.abc import Sequence
+from functools import partial
 
-from ._timing import Row, interleaved
+from ._timing import Row, timed
 
 
 def measured() -> Sequence[Row]:
     """The lists of commands and of one command's options, each in a fresh process."""
-    lines = [["--help"], ["laser", "--help"]]
-    seconds = interleaved([lambda line=line: _run(line) for line in lines])
-    names = [f"armside {' '.join(line)}" for line in lines]
-    return [Row(name, time) for name, time in zip(names, seconds, strict=True)]
+    lines = ("armside --help", "armside laser --help")
+    return timed({line: partial(_run, line) for line in lines})
 
 
-def _run(line: list[str]) -> None:
-    command = [sys.executable, "-m", "armside", *line]
+def _run(line: str) -> None:
+    command = [sys.executable, "-m", *line.split()]
     subprocess.run(command, stdout=subprocess.DEVNULL, check=True)

@@ -1,13 +1,14 @@
 """Calibrated quantities of the large robot, as factors on values of the sources, and their file.
 
-`apply` computes every number of the MJCF that calibration sets from a `Trim` and the reference data
-below; `rewrite` puts them into the text of the file, so that the file can be made again.
+`numbers` computes every number of the MJCF that calibration sets from a `Trim` and the reference
+data below; `rewrite` puts them into the text of the file, so that the file can be made again.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -118,36 +119,20 @@ def numbers(trim: Trim) -> Numbers:
     )
 
 
-def apply(mj: mujoco.MjModel, trim: Trim) -> None:
-    """Set the numbers of a trim in a compiled model of the large robot."""
-    found = numbers(trim)
-    for name, (stiffness, damping) in found.springs.items():
-        mj.joint(name).stiffness[:], mj.joint(name).damping[:] = stiffness, damping
-    for i in range(6):
-        actuator = mj.actuator(f"axis_{i + 1}").id
-        mj.actuator_gainprm[actuator, [4, 6]] = found.controllers[i]
-        mj.actuator_dynprm[actuator, [5, 6]] = found.bristles[i]
-    for name, values in found.numerics.items():
-        mj.numeric(name).data[:] = values
+def compiled(file: Path, trim: Trim) -> mujoco.MjModel:
+    """The model of an MJCF of the large robot with the numbers of a trim."""
+    return mujoco.MjModel.from_xml_string(rewrite(file.read_text(encoding="utf-8"), trim))
 
 
 def differing(file: Path, trim: Trim) -> list[str]:
     """Names of the quantities that an MJCF has otherwise than a trim."""
-    mj, wanted = (mujoco.MjModel.from_xml_path(str(file)) for _ in range(2))
-    apply(wanted, trim)
-
-    def equal(*names: str) -> bool:
-        return all(np.allclose(getattr(mj, n), getattr(wanted, n), rtol=1e-6) for n in names)
-
-    same = {
-        "springs": equal("jnt_stiffness", "dof_damping"),
-        "controllers": equal("actuator_gainprm"),
-        "friction": equal("actuator_dynprm"),
-    } | {
-        name: np.allclose(mj.numeric(name).data, values, rtol=1e-6)
-        for name, values in numbers(trim).numerics.items()
-    }
-    return [name for name, is_same in same.items() if not is_same]
+    mj, wanted = mujoco.MjModel.from_xml_path(str(file)), compiled(file, trim)
+    read: dict[str, Callable[[mujoco.MjModel], Any]] = {
+        "springs": lambda of: np.append(of.jnt_stiffness, of.dof_damping),
+        "controllers": lambda of: of.actuator_gainprm,
+        "friction": lambda of: of.actuator_dynprm,
+    } | {name: lambda of, name=name: of.numeric(name).data for name in numbers(trim).numerics}
+    return [name for name, of in read.items() if not np.allclose(of(mj), of(wanted), rtol=1e-6)]
 
 
 def rewrite(text: str, trim: Trim) -> str:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from armside import assets
@@ -14,7 +13,7 @@ from armside.sim.robot.effects import Effect
 from armside.sim.robot.model import RobotModel, load_model
 
 from .experiments import CHECKS
-from .parameters import Trim, apply
+from .parameters import Trim, compiled
 
 START = Trim(
     servo_frequency=(6.5, 6.1, 3.8, 8.6, 10.7, 10.4),
@@ -112,9 +111,7 @@ def score(found: Iterable[Check]) -> float:
 
 def evaluate(trim: Trim, give_up_at: float = np.inf) -> Candidate:
     """Run the experiments of a trim; stop where its score cannot get better than `give_up_at`."""
-    mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
-    apply(mj, trim)
-    model = load_model(mj)
+    model = load_model(compiled(assets.LARGE_ROBOT_XML, trim))
     found, said = list[Check](), Tally()
     for part in CHECKS:
         found.extend(part(model, EFFECTS, said.add))

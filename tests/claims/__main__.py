@@ -40,7 +40,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _judge(name: str, n_seeds: int, first: int, docs: Path, as_json: bool) -> int:
     """Number of statements of a claim that fail."""
-    claim: Claim = evidence.module("claims", name).CLAIM
+    claim: Claim = evidence.claim(name)
     seeds, kept = range(first, first + (n_seeds or claim.seeds)), KEPT / name
     bar, step = evidence.progress(name, len(list(claim.cases(seeds))))
     with bar:

@@ -13,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, Table
-from armside.sim.notes import Tally
+from armside.sim.evaluation.check import Check as Check
+from armside.sim.evaluation.check import Table as Table
+from armside.sim.evaluation.check import all_hold as all_hold
+from armside.sim.notes import Tally as Tally
 from armside.sim.robot.run import cores
 
 ROOT = Path(__file__).parents[2]

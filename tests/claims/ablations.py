@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, crossed
 from ._learned import learned
 
 LEFT_OUT: dict[str, tuple[Effect, ...]] = {

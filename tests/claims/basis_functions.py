@@ -17,16 +17,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.identification.friction import stops
 from armside.ilc.laws.transfer import across, correction_of, derivatives, fitted, led
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import Experiment, prepare, true_tool_error
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import commission
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._estimates import BY_TRACKER, Case
 from ._tasks import SHAPES
 from ._twins import commissioning_cuts

@@ -5,11 +5,9 @@ from itertools import cycle
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 
 AT_ONCE = 50
 KINDS = (

@@ -14,14 +14,12 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.scripts.figures.canvas import COLORS, new_figure, save
-from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.instruments.imu import ImuCfg, TriadCfg
 from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.effects import Effect
 
-from ._engine import Claim, Row, Rows, crossed
+from ._engine import Check, Claim, Row, Rows, Table, Tally, all_hold, crossed
 from ._estimates import (
     COMPARED,
     Case,

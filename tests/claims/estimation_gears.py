@@ -13,14 +13,12 @@ import numpy as np
 from armside.kinematics import Arm
 from armside.kinematics.robot_file import GearTerm
 from armside.sim.cell import LARGE_CELL
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.gears import VIRTUAL, GearAnalysis, analyse_gears
 from armside.sim.gears.virtual_run import RUNS, discrepancies, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._estimates import case, from_estimate
 from ._learned import POSES
 

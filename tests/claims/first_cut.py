@@ -1,7 +1,8 @@
 """Unseen tasks cut right at the first run, by a twin: six individuals, three with hidden hinges.
 
 Each seed is one of the judged individuals, with thirty tasks: `_tasks`. "Left" is the true tool RMS
-of the first run with the twin's correction over that without any.
+of the first run with the twin's correction over that without any. `first-cut-imu`: twins that no
+tracker has seen, commissioned from ten cuts by IMU and motors, and six other individuals.
 """
 
 import time
@@ -10,18 +11,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
 from armside.sim.twin.drift import refreshed
+from armside.sim.twin.plan import MOST
 from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 
-from ._engine import Claim, Row, Rows
-from ._tasks import GUARD_SEED, JUDGED, JUDGED_SEED, tasks, tasks_beyond
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
+from ._tasks import GUARD_SEED, JUDGED, JUDGED_BY_IMU, JUDGED_SEED, tasks, tasks_beyond
 from ._twins import (
     commissioning_cuts,
     first_runs,
@@ -44,27 +45,19 @@ def run(seed: int, tally: Tally) -> Iterator[Row]:
     yield cells(individual(JUDGED[seed % len(JUDGED)], tally))
 
 
-def individual(
-    number: int,
-    tally: Tally,
-    *,
-    counts: Sequence[int] = COUNTS,
-    n_tasks: int = N_TASKS,
-    n_drift: int = N_DRIFT,
-    n_beyond: int = N_BEYOND,
-) -> Row:
+def individual(number: int, tally: Tally) -> Row:
     """Commission twins of one individual from several counts of cuts, and judge them.
 
-    `left_N` (n_tasks,) and `inside_N` (those corrected,) by the count of cuts; `drift` and
-    `feedback` (n_drift,), friction +10 %, without and with feedback; `beyond` (n_beyond,) left
-    beyond the commissioned range, and whether the twin was `flagged` there.
+    `left_N` (n,) and `inside_N` (those corrected,) by the count of cuts; `drift` and `feedback`
+    (N_DRIFT,), friction +10 %, without and with feedback; `beyond` (N_BEYOND,) left beyond the
+    commissioned range, and whether the twin was `flagged` there.
     """
     robot = Drawn(number)
-    cuts = commissioning_cuts(robot, max(counts))
-    chosen = [cut for _, cut in tasks(n_tasks, JUDGED_SEED + number)]
+    cuts = commissioning_cuts(robot, max(COUNTS))
+    chosen = [cut for _, cut in tasks(N_TASKS, JUDGED_SEED + number)]
     plain = [left_alone(cut, robot, tally) for cut in chosen]
     started, twins, seconds = time.perf_counter(), dict[int, Twin](), 0.0
-    for count in counts:
+    for count in COUNTS:
         twins[count] = commission(cuts[:count]).twin
         seconds = seconds or time.perf_counter() - started
     found, took = dict[str, object](), list[float]()
@@ -73,9 +66,9 @@ def individual(
         took.extend(each)
         found[f"left_{count}"] = errors / plain
         found[f"inside_{count}"] = in_its_interval(errors, corrections)
-    best = twins[max(counts)]
-    drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:n_drift]]
-    outside = tasks_beyond(n_beyond, GUARD_SEED + number)
+    best = twins[max(COUNTS)]
+    drifted = [replace(cut, friction_drift=DRIFT) for cut in chosen[:N_DRIFT]]
+    outside = tasks_beyond(N_BEYOND, GUARD_SEED + number)
     return {
         **{"number": number, "hinges": hidden_hinges(best, robot)},
         **found,
@@ -166,3 +159,46 @@ def _fraction(flagged: np.ndarray, of: np.ndarray) -> float:
 
 
 CLAIM = Claim(title="First cuts by a twin", seeds=6, run=run, checks=checks)
+
+
+def run_by_imu(seed: int, tally: Tally) -> Iterator[Row]:
+    number = JUDGED_BY_IMU[seed % len(JUDGED_BY_IMU)]
+    robot, chosen = Drawn(number), [cut for _, cut in tasks(N_TASKS, JUDGED_SEED + number)]
+    cuts = commissioning_cuts(robot, MOST, ImuCfg())
+    started = time.perf_counter()
+    twin = commission(cuts, measure="imu").twin
+    seconds = time.perf_counter() - started
+    errors, corrections, _ = first_runs(twin, robot, chosen, tally)
+    left = errors / [left_alone(cut, robot, tally) for cut in chosen]
+    inside = in_its_interval(errors, corrections)
+    yield cells_by_imu(number, hidden_hinges(twin, robot), left, inside, seconds)
+
+
+def cells_by_imu(
+    number: int, hinges: int, left: np.ndarray, inside: np.ndarray, seconds: float
+) -> Row:
+    """left: (n_tasks,). inside: (m,) bool, of the tasks that were corrected."""
+    return {
+        **{"individual": number, "hidden hinges": hinges},
+        **{"median left": float(np.median(left)), "worst left": float(left.max())},
+        "worse than without": int((left > 1.0).sum()),
+        "inside the interval": float(inside.mean()),
+        "commissioning [s]": seconds,
+        **{"_left": left, "_inside": inside},
+    }
+
+
+def checks_by_imu(rows: Rows) -> Iterator[Check]:
+    left = rows.joined("_left")
+    yield Check("", "median left", "", float(np.median(left)), high=0.10)
+    yield Check("", "worst left", "", float(left.max()), high=0.25)
+    yield all_hold("no first cut is worse than without correction", left <= 1.0)
+    yield in_the_interval("", rows.joined("_inside"))
+
+
+CLAIM_IMU = Claim(
+    title="First cuts by a twin, commissioned by IMU and motors",
+    seeds=6,
+    run=run_by_imu,
+    checks=checks_by_imu,
+)

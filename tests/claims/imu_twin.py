@@ -13,13 +13,11 @@ from itertools import chain
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.motion.tool_motion import ToolMotion, motion_notes
-from armside.sim.notes import Tally
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.recording import saturation
 from armside.sim.robot.spread import Drawn
@@ -28,7 +26,7 @@ from armside.sim.twin.plan import MOST
 from armside.sim.twin.simulation import tool_path
 from armside.sim.twin.twin import Twin
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._tasks import DEVELOPMENT, DEVELOPMENT_SEED, tasks
 from ._twins import commissioning_cuts
 

@@ -6,10 +6,8 @@ import numpy as np
 
 from armside.kinematics import IRB1400, LARGE_ROBOT, CompiledRobot, Robot, compile, inverse_branches
 from armside.kinematics.rigid import link_transform
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, crossed
 
 ROBOTS = {robot.name: robot for robot in (IRB1400, LARGE_ROBOT)}
 CONFIGURATIONS = 1000  # number of configurations for each seed and robot

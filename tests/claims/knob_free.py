@@ -16,15 +16,13 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws.knob_free import KnobFree
 from armside.ilc.learning import learn
 from armside.ilc.measures import norms
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.run import LoadedReference
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 
-from ._engine import Claim, Row, Rows, at_most
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_most
 from ._random_cuts import random_cut
 
 DEVELOPMENT = (*range(1000, 1040), *range(501, 541))

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 
 from armside.scripts.thesis.chapter9 import bands
 from armside.scripts.thesis.chapter9.bands import POSES
-from armside.sim.evaluation.check import Check, held
+from armside.sim.evaluation.check import held
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 
-from ._engine import Claim, Row, Rows
+from ._engine import Check, Claim, Row, Rows, Tally
 from ._learned import learned
 
 SHOWN = ("a1", "a3", "a4", "b1", "b6", "b7")

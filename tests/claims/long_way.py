@@ -10,14 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.laser.results import GROWTH, status
 from armside.sim.laser.specification import Cut
 from armside.sim.motion.contour import Circle, ClosedCurve
-from armside.sim.notes import Tally
 from armside.sim.part.contour_file import rounded
 
-from ._engine import Claim, Row, Rows, at_most, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_most, crossed
 from ._estimates import case, from_estimate, nees, tracked_along
 from ._learned import POSES
 

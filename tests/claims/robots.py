@@ -5,6 +5,7 @@ Each seed is another friction, tracker set-up and noise. The designs of the file
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import NamedTuple
 
 import mujoco
@@ -12,16 +13,15 @@ import numpy as np
 
 from armside import assets
 from armside.sim.cell import ToolPose
-from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.laser import learn
 from armside.sim.laser.specification import Cut
-from armside.sim.notes import Tally
 from armside.sim.robot.model import load_model
 from armside.sim.robot_file.find import find_cell
 
-from ._engine import Claim, Row, Rows, crossed
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, crossed
 from ._learned import POSES, learned
+from .laser_irb1400 import designed
 
 LEFT = 0.10
 """Of the largest error of all motors, or of the tool, at k = 0."""
@@ -103,4 +103,37 @@ CLAIM = Claim(
     cases=crossed(ROBOTS),
     run=run,
     checks=checks,
+)
+
+
+TRAINING_SEED = 100
+"""Added to a seed: no individual that is judged has been trained on."""
+
+
+def cases_of_design(seeds: Sequence[int]) -> Iterator[tuple[str, int]]:
+    yield from product(ROBOTS, (TRAINING_SEED + seed for seed in seeds))
+
+
+def run_design(case: tuple[str, int], _: Tally) -> Iterator[Row]:
+    name, seed = case
+    cells = designed(ROBOTS[name].cut(ROBOTS[name].training), seed)
+    yield {"seed": seed, "robot": name} | {k: v for k, v in cells.items() if k != "static gain"}
+
+
+def checks_design(rows: Rows) -> Iterator[Check]:
+    for name, own in rows.by("robot").items():
+        gamma, delta, cutoff = np.median(own.of("gamma", "delta", "cutoff [Hz]"), axis=0)
+        of_file = find_cell(ROBOTS[name].path).learning
+        asked = f"gamma {gamma:.2f}, delta {delta:g}, cutoff {cutoff:g} Hz"
+        same = of_file is not None and (of_file.delta, of_file.cutoff) == (delta, cutoff)
+        near = of_file is not None and abs(of_file.gamma - gamma) <= 0.05
+        yield all_hold(f"{name}: its file has the medians {asked}", [same, near])
+
+
+CLAIM_DESIGN = Claim(
+    title="The designs that learning data of the robots ask for, at their training poses",
+    seeds=3,
+    cases=cases_of_design,
+    run=run_design,
+    checks=checks_design,
 )

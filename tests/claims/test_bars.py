@@ -11,13 +11,14 @@ import pytest
 
 from armside.sim.cell import IRB1400_CELL
 from armside.sim.laser.design import default_design
+from armside.sim.notes import Tally
 
 from .. import evidence
 from ..scripts.verdicts import CLOSE, fails_by_itself
 from . import estimation, estimation_controls, kinematics, laser_irb1400, robots
 from ._engine import Rows
-from ._imu import axes, by_axis
 from ._learned import POSES
+from .imu import axes, by_axis
 from .long_way import TASKS
 
 FULL_INSTANCES = {
@@ -32,16 +33,12 @@ FULL_INSTANCES = {
 
 
 def test_full_instances_have_the_documented_number_of_seeds():
-    found = {name: claim(name).seeds for name in evidence.names("claims")}
+    found = {name: evidence.claim(name).seeds for name in evidence.names("claims")}
     assert found == FULL_INSTANCES
 
 
-def claim(name: str):
-    return evidence.module("claims", name).CLAIM
-
-
 def failed(name: str, rows) -> list[str]:
-    return [check.statement for check in claim(name).checks(Rows(rows)) if not check.holds]
+    return [check.statement for check in evidence.claim(name).checks(Rows(rows)) if not check.holds]
 
 
 def vector(name: str, values=(0.2, 0.3, 0.1), unit=" [m/s^2]") -> dict[str, float]:
@@ -320,9 +317,15 @@ def test_a_row_beyond_its_bar_fails_that_statement_alone(one):
     fails_by_itself(failed(one.claim, changed(one, one.outside)), one.words)
 
 
-def test_kinematics_draws_a_thousand_configurations_for_each_seed_and_robot():
-    assert kinematics.CONFIGURATIONS == 1000
-    assert len(list(kinematics.CLAIM.cases(range(2)))) == 4
+def test_kinematics_draws_a_thousand_configurations_for_each_seed_and_robot(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(kinematics, "errors", lambda robot, phi: drawn.append((robot, phi)) or {})
+    rows = [row for case in kinematics.CLAIM.cases((5, 6)) for row in kinematics.run(case, Tally())]
+    assert [(row["seed"], row["robot"]) for row in rows] == [
+        (seed, robot.name) for seed in (5, 6) for robot, _ in drawn[:2]
+    ]
+    assert {phi.shape for _, phi in drawn} == {(1000, 6)}
+    assert np.unique([phi[:, 0] for _, phi in drawn]).size == 2 * 1000
 
 
 def test_most_seeds_have_the_smallest_error_in_z_and_nine_of_ten_the_largest_in_the_rectangle():

@@ -4,7 +4,6 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -46,9 +45,7 @@ def small(monkeypatch, tmp_path):
     """`python -m tests.claims` where "small" is the only claim; in a folder of its own."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(evidence, "names", lambda folder: ["small"])
-    claim = SimpleNamespace(CLAIM=replace(SMALL, processes=1))
-    monkeypatch.setattr(evidence, "module", lambda folder, name: claim)
-    return claim
+    monkeypatch.setattr(evidence, "claim", lambda name: replace(SMALL, processes=1))
 
 
 def test_a_claim_that_holds_writes_its_page_and_the_index(small, capsys):
@@ -140,7 +137,7 @@ def test_every_claim_is_a_file_with_a_page_and_the_index_lists_them():
     names = evidence.names("claims")
     assert len(names) == 30
     for name in names:
-        assert isinstance(evidence.module("claims", name).CLAIM, Claim)
+        assert isinstance(evidence.claim(name), Claim)
         if name not in WITHOUT_A_PAGE:
             text = (DOCS / f"{name}.md").read_text("utf-8")
             assert f"`make claims NAME={name} SEEDS=" in text

@@ -29,20 +29,14 @@ from . import (
     ablations,
     chapter9,
     env,
-    estimation_arms,
-    estimation_irb1400,
-    first_cut_imu,
+    estimation,
+    first_cut,
     imu,
-    imu_causes,
-    imu_large,
-    imu_rest,
     imu_twin,
     laser,
     laser_irb1400,
-    laser_irb1400_poses,
     long_way,
     robots,
-    robots_design,
 )
 from ._engine import Rows, judged, tabled
 from ._learned import Learned
@@ -68,11 +62,11 @@ def table_of(module, cases, **given) -> Table:
 def test_every_statement_of_a_claim_holds_on_one_seed_of_it(name):
     """`make claims` runs the same functions over all their seeds."""
     seed = 3 if name == "kinematics" else 0
-    assert failing(judged(evidence.module("claims", name).CLAIM, [seed])) == []
+    assert failing(judged(evidence.claim(name), [seed])) == []
 
 
 def test_the_large_robot_predicts_its_imu_too():
-    assert failing(judged(imu_large.CLAIM, [0])) == []
+    assert failing(judged(imu.CLAIM_LARGE, [0])) == []
 
 
 def test_motor_side_learning_holds_for_two_seeds():
@@ -81,8 +75,7 @@ def test_motor_side_learning_holds_for_two_seeds():
 
 def test_claim_holds_for_one_seed_at_one_pose():
     """Ten seeds at three poses: `make claims NAME=estimation`."""
-    module = evidence.module("claims", "estimation")
-    assert failing(table_of(module, [(0, "p2")])) == []
+    assert failing(table_of(estimation, [(0, "p2")])) == []
 
 
 def test_chapter_9_holds_on_the_virtual_robot():
@@ -96,7 +89,7 @@ def test_an_outline_of_700_mm_is_learned_from_the_estimate():
 
 def test_two_axes_learn_from_the_estimate_as_from_the_tracker():
     """An arm of two axes turns its tool as its position asks: no error of the program."""
-    (row,) = estimation_arms.CLAIM.run((100, TWO_LINK, "p1"), Tally())
+    (row,) = estimation.CLAIM_ARMS.run((100, TWO_LINK, "p1"), Tally())
     assert not row["diverged"]
     assert row["estimate"] < 0.1 * row["rigid"]
     assert row["learned"] < 0.05 * row["start"]
@@ -105,27 +98,27 @@ def test_two_axes_learn_from_the_estimate_as_from_the_tracker():
 
 
 def test_the_irb1400_learns_from_the_estimate():
-    (row,) = estimation_irb1400.run((100, "irb1400", "p1"), Tally())
+    (row,) = estimation.run_arm((100, "irb1400", "p1"), Tally())
     assert not row["diverged"]
     assert row["estimate"] < 0.4 * row["rigid"]
-    assert row["learned"] < estimation_irb1400.LEFT * row["start"]
+    assert row["learned"] < estimation.LEFT * row["start"]
     assert row["learned"] < row["motor"]
 
 
 def test_every_robot_file_that_ships_is_judged():
-    names = {file.name for file in estimation_arms.robot_files()}
+    names = {file.name for file in estimation.robot_files()}
     assert Path(TWO_LINK).name in names
     shipped = {file.name for file in IRB1400_XML.parent.glob("*.toml")}
     assert shipped - names == {"irb1400.toml", "large_robot.toml"}
-    assert {robot for _, robot, _ in estimation_arms.cases([0])} == {
-        str(file) for file in estimation_arms.robot_files()
+    assert {robot for _, robot, _ in estimation.CLAIM_ARMS.cases([0])} == {
+        str(file) for file in estimation.robot_files()
     }
 
 
 def test_motors_of_a_random_cut_are_learned_where_one_hardly_moves():
-    (row,) = laser_irb1400_poses.run(104, Tally())
+    (row,) = laser_irb1400.run_poses(104, Tally())
     assert 12.0 <= row["speed"] <= 77.0
-    bar = laser_irb1400_poses.LEARNED
+    bar = laser_irb1400.LEARNED
     assert row["worst"] <= bar < min(row["first"], row["heuristic"])
 
 
@@ -142,7 +135,7 @@ def test_no_robot_is_judged_where_or_on_whom_its_design_was_found():
         assert cell.learning is not None
         judged_at = [cell.poses[name] for name in robots.POSES]
         assert all(task.training.position != pose.position for pose in judged_at)
-    assert robots_design.TRAINING_SEED >= 100
+    assert robots.TRAINING_SEED >= 100
     assert min(long_way.DEVELOPMENT) >= 100
 
 
@@ -223,8 +216,8 @@ def test_a_learned_cut_is_that_of_its_seed_and_design(monkeypatch):
 # Notes of runs
 
 
-def counted(module, seeds) -> list[str]:
-    return [note.text for note in judged(module.CLAIM, seeds).notes]
+def counted(claim, seeds) -> list[str]:
+    return [note.text for note in judged(claim, seeds).notes]
 
 
 @pytest.fixture
@@ -240,23 +233,23 @@ def saturated(monkeypatch):
     inside = np.array([True, True, False])
     result = SimpleNamespace(measures=measures, fast_over_slow=4.0, largest_in_rectangle=inside)
     seeds = []
-    for module in (imu, imu_large):
-        monkeypatch.setattr(module, "prepare", lambda _: [None, None])
-        monkeypatch.setattr(module, "run_one", lambda *given: seeds.append(given[-1]) or result)
-        monkeypatch.setattr(module, "reprocessed", lambda result, _: result)
-        monkeypatch.setattr(module, "notes", lambda runs: [HIT for run in runs if run is result])
+    for name, made_up in {
+        "prepare": lambda experiment: [None] * (1 + (experiment.motion == "sequential")),
+        "run_one": lambda *given: seeds.append(given[-1]) or result,
+        "reprocessed": lambda result, _: result,
+        "notes": lambda runs: [HIT for run in runs if run is result],
+    }.items():
+        monkeypatch.setattr(imu, name, made_up)
     imu.motions.cache_clear()
-    imu_large.motion.cache_clear()
     yield SimpleNamespace(result=result, seeds=seeds)
     imu.motions.cache_clear()
-    imu_large.motion.cache_clear()
 
 
 def test_claims_of_the_imu_count_their_limits(saturated, monkeypatch):
     # simultaneous, and twice two in sequence
-    assert counted(imu, [4, 6]) == [f"{HIT.text} (in 10 of 10 runs)"]
+    assert counted(imu.CLAIM, [4, 6]) == [f"{HIT.text} (in 10 of 10 runs)"]
     assert saturated.seeds == [*[4] * 5, *[6] * 5]
-    assert counted(imu_large, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
+    assert counted(imu.CLAIM_LARGE, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
     assert saturated.seeds[-2:] == [0, 1]
     names = ("as chosen", "sensor delays left in", "central differences", "mapped, then filtered")
 
@@ -264,17 +257,16 @@ def test_claims_of_the_imu_count_their_limits(saturated, monkeypatch):
         each(saturated.result)
         return [(n, saturated.result.measures) for n in (*names, "both", "rigid robot, both")]
 
-    monkeypatch.setattr(imu_causes, "causes", causes)
-    monkeypatch.setattr(imu_causes, "notes", lambda runs: [HIT])
-    assert counted(imu_causes, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
+    monkeypatch.setattr(imu, "causes", causes)
+    assert counted(imu.CLAIM_CAUSES, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
     rest = SimpleNamespace(
         **dict.fromkeys(("off_rms", "on_rms", "on_level"), np.full(3, 0.01)),
         **{"frequency": np.arange(50.0), "on_spectrum": np.ones((50, 3))},
     )
     run = SimpleNamespace(recording=None)
-    monkeypatch.setattr(imu_rest, "run_rest", lambda *_: SimpleNamespace(run=run, rest=rest))
-    monkeypatch.setattr(imu_rest, "saturation", lambda recording: [HIT])
-    assert counted(imu_rest, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
+    monkeypatch.setattr(imu, "run_rest", lambda *_: SimpleNamespace(run=run, rest=rest))
+    monkeypatch.setattr(imu, "saturation", lambda recording: [HIT])
+    assert counted(imu.CLAIM_REST, [0, 1]) == [f"{HIT.text} (in 2 of 2 runs)"]
 
 
 def test_chapter_9_runs_its_experiments_once_with_its_seed_and_counts_their_limits(monkeypatch):
@@ -382,8 +374,6 @@ def test_the_interval_of_a_task_that_is_not_corrected_does_not_count():
 
 
 def test_rows_of_first_cuts_have_a_cell_for_each_column():
-    from . import first_cut
-
     each, held = np.full(10, 0.01), np.arange(10) < 9
     found = {f"left_{n}": each for n in first_cut.COUNTS}
     found |= {f"inside_{n}": held for n in first_cut.COUNTS}
@@ -392,6 +382,6 @@ def test_rows_of_first_cuts_have_a_cell_for_each_column():
     row = first_cut.cells(found | {"correction_seconds": 1.0})
     assert (row["bad ones flagged"], row["good ones flagged"]) == ("4 of 5", "5 of 5")
     assert row["10 cuts: worst left"] == 0.01
-    row = first_cut_imu.cells(1, 0, np.append(each, 1.1), held, 1.0)
+    row = first_cut.cells_by_imu(1, 0, np.append(each, 1.1), held, 1.0)
     assert (row["worse than without"], row["inside the interval"]) == (1, 0.9)
     assert row["worst left"] == 1.1

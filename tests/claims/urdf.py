@@ -19,11 +19,9 @@ from armside.kinematics.codegen.languages import interpreted
 from armside.kinematics.codegen.robot_xml import urdf as urdf_text
 from armside.kinematics.equations import dynamics, forward_kinematics
 from armside.kinematics.urdf import UrdfArm
-from armside.sim.evaluation.check import Check, all_hold
-from armside.sim.notes import Tally
 from armside.sim.robot_file.find import is_cell_file, load_robot
 
-from ._engine import Claim, Row, Rows, at_once
+from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_once
 from ._urdf_files import LEAST_JOINTS, ForeignFile, PinocchioChain, foreign_files, longest_chain
 
 LARGEST = 1e-9

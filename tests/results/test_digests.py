@@ -1,13 +1,8 @@
 """The command line of the digests: no run starts by mistake."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
-_SPEC = importlib.util.spec_from_file_location("digests", Path(__file__).with_name("digests.py"))
-digests = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(digests)
+from . import digests
 
 
 def test_a_name_chooses_the_runs_that_contain_it():

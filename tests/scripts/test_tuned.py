@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from gymnasium.utils.seeding import np_random
-from tests.claims import tuning, tuning_iterations
+from tests.claims import tuning
 from tests.claims._engine import judged
 from tests.claims._episodes import TUNED, searched
 
@@ -94,7 +94,7 @@ def test_on_a_few_sealed_episodes_the_table_has_what_was_tuned_ahead_of_the_thes
 
 
 def test_beyond_the_budget_the_thesis_goes_on_and_the_policy_ends():
-    table = judged(tuning_iterations.CLAIM, range(3))
+    table = judged(tuning.CLAIM_ITERATIONS, range(3))
     rows = {name: values for name, *values in table.rows}
     assert (
         np.isfinite(rows["thesis design"]).sum()

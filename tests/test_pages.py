@@ -1,4 +1,7 @@
-"""docs/thesis.md names every item, and only modules, tests and commands that exist."""
+"""Pages of the docs name tests, modules and commands that exist, and what they say of tables holds.
+
+docs/thesis.md has every item of the thesis; findings, peers, identification and ilc lead to tests.
+"""
 
 import re
 import shlex
@@ -12,11 +15,20 @@ from armside.scripts import cli
 from armside.scripts.shell.parser import make_app
 
 ROOT = Path(__file__).parent.parent
+TESTS, DOCS = ROOT / "tests", ROOT / "docs"
+TICK = re.compile(r"\[✓\]\(\.\./tests/([\w/]+\.py) \"(\w+)\"\)")
+NAMED = re.compile(r"`([\w/]+\.py)::(\w+)`")
+
+
+def text(page: str) -> str:
+    return (DOCS / page).read_text(encoding="utf-8")
+
+
 COUNTS = {"K": 18, "E": 10, "L": 7, "S": 6, "X": 10, "F": 9}
 """Items of part I, chapters 5, 7, 8 and 9, and of the future work."""
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]
-    for line in (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8").splitlines()
+    for line in text("thesis.md").splitlines()
     if re.match(r"\| [KELSXF]\d\d \|", line)
 ]
 
@@ -49,7 +61,7 @@ def test_a_row_leads_to_what_exists(row):
 def test_the_sentence_of_x08_has_the_numbers_of_its_table():
     """Fractions of the error of k = 0 that are left, over all seeds of the claim chapter9."""
     (said,) = (row[-1] for row in ROWS if row[0] == "X08")
-    table = (ROOT / "docs" / "claims" / "chapter9.md").read_text(encoding="utf-8")
+    table = text("claims/chapter9.md")
     rows = {
         match[1]: np.array(
             [float(value) for value in re.findall(r"\| (-?\d[\d.]*) (?=\|)", match[2])]
@@ -64,3 +76,48 @@ def test_the_sentence_of_x08_has_the_numbers_of_its_table():
     assert max(p1.max(), p2.max()) < 0.7
     assert "p3 mostly not" in said
     assert p3.min() > 1.0
+
+
+def test_each_test_of_the_findings_exists():
+    sources = (file.read_text(encoding="utf-8") for file in TESTS.rglob("test_*.py"))
+    known = {name for source in sources for name in re.findall(r"def (test_\w+)\(", source)}
+    named = set(re.findall(r"`(test_\w+)`", text("findings.md")))
+    assert len(named) > 50
+    assert named <= known
+
+
+def test_a_finding_without_a_test_says_why():
+    rows = re.findall(r"^\| (.+) \| none \| (.*) \|$", text("findings.md"), re.M)
+    assert rows
+    assert all(len(reason) > 3 for _, reason in rows)
+
+
+def pairs(page: str, pattern: re.Pattern[str]) -> list[tuple[str, str]]:
+    return pattern.findall(text(page))
+
+
+@pytest.mark.parametrize(
+    ("page", "pattern", "least"),
+    [("peers.md", TICK, 30), ("identification.md", NAMED, 10), ("ilc.md", NAMED, 20)],
+)
+def test_each_test_that_a_page_leads_to_exists(page, pattern, least):
+    found = pairs(page, pattern)
+    assert len(found) >= least
+    for file, name in found:
+        assert f"def {name}(" in (TESTS / file).read_text(encoding="utf-8"), (file, name)
+
+
+def test_every_tick_is_a_link():
+    ticks = text("peers.md").count("✓")
+    assert ticks == len(pairs("peers.md", TICK))
+
+
+def test_every_interval_that_is_tested_here_is_on_the_page():
+    source = (TESTS / "test_intervals.py").read_text(encoding="utf-8")
+    listed = re.search(r"^INTERVALS = \((.*?)^\)", source, re.MULTILINE | re.DOTALL)
+    assert listed
+    named = {
+        name for file, name in pairs("identification.md", NAMED) if file == "test_intervals.py"
+    }
+    tested = set(re.findall(r"\w+", listed[1]))
+    assert tested - {"nees_of_the_filter", "nees_of_the_smoother"} == named - {"nees"}
