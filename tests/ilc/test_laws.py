@@ -17,7 +17,7 @@ from armside.ilc.laws.model_based import Gradient, ModelInverse
 from armside.ilc.laws.model_free import MeasuredGradient, b_splines
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.laws.wrappers import Scheduled
+from armside.ilc.laws.wrappers import JointSpace, Scheduled
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
@@ -125,6 +125,9 @@ class Invalid:
     message: str
 
 
+FADING = FirstOrder(L=Blend(filters=(PType(),), weights=np.ones((90, 1))))
+
+
 @pytest.mark.parametrize(
     "case",
     [
@@ -146,6 +149,8 @@ class Invalid:
         Invalid(lambda: System([1], [0, 1], T_S), "not causal"),
         Invalid(lambda: Alternating([]), "at least one plant"),
         Invalid(lambda: b_splines(10, 3), r"n_basis must be in 4\.\.10"),
+        Invalid(lambda: FADING.check(60, 1), "weights cover 90 samples, the record 60"),
+        Invalid(lambda: JointSpace(law=FADING, inverse=np.ones((2, 3))).check(1, 6), "2 motors"),
     ],
 )
 def test_invalid_design_variables_are_refused_by_name(case):

@@ -103,18 +103,6 @@ def test_the_settings_of_chapter_9_learn_the_identified_servo():
     assert peak[5] < 0.01 * peak[0]
 
 
-def test_each_motor_has_its_own_design_variables():
-    reference = moves(100, 2)
-    error = reference - 0.3
-    Q = ZeroPhaseButterworth((5.0, 10.0), SAMPLE_TIME)
-    together = Heuristic(Q=Q, gamma=(0.5, 0.9), delta=(1, 4))(np.zeros_like(error), error)
-    for i, (cutoff, gamma, delta) in enumerate(((5.0, 0.5, 1), (10.0, 0.9, 4))):
-        alone = Heuristic(Q=ZeroPhaseButterworth(cutoff, SAMPLE_TIME), gamma=gamma, delta=delta)
-        np.testing.assert_allclose(
-            together[:, [i]], alone(np.zeros((100, 1)), error[:, [i]]), atol=1e-14
-        )
-
-
 def test_design_variables_may_come_as_any_kind_of_number():
     error = moves(60, 2) - 0.3
     plain = Heuristic(Q=ZeroPhaseButterworth(10.0, SAMPLE_TIME), gamma=0.9, delta=3)
