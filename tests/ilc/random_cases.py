@@ -77,6 +77,13 @@ def random_matrix(rng, n, *shape):
     return rows[0][0] if n == 1 else SystemMatrix(rows)
 
 
+def drawn(seed, shape, *poles) -> Any:
+    """Generator, plant of (motors, order), motors, and that it is stable."""
+    rng = np.random.default_rng(seed)
+    T = random_matrix(rng, *shape, *poles)
+    return rng, T, shape[0], T.is_stable
+
+
 class Case(NamedTuple):
     """A stable plant with the generator that drew it."""
 

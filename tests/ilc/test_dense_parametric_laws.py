@@ -27,7 +27,23 @@ from armside.ilc.laws.transfer import BasisFunctions, RationalBasis, across, der
 from armside.ilc.models.system import System
 
 from .dense_filters import by_column, low_pass, low_pass_gain, response, shifted, tapered
-from .random_cases import AGREED, ONE_MOTOR, SEED, SHORT, T_S, cases, close, dense, on_plants
+from .random_cases import (
+    AGREED,
+    DAMPING,
+    MOTORS_AND_ORDER,
+    ONE_MOTOR,
+    SEED,
+    SHORT,
+    SLOWEST,
+    T_S,
+    cases,
+    close,
+    dense,
+    drawn,
+    on_plants,
+)  # fmt: skip
+
+LENGTH = SHORT
 
 
 def smooth(rng, n_samples, n):
@@ -35,10 +51,15 @@ def smooth(rng, n_samples, n):
     return low_pass(n_samples, 15.0) @ np.cumsum(rng.standard_normal((n_samples, n)), axis=0)
 
 
-@on_plants(8, lengths=SHORT)
-def test_a_step_in_basis_functions_is_the_least_squares_solution(case):
+@cases(8)
+@given(shape=MOTORS_AND_ORDER, n_samples=LENGTH, slowest=SLOWEST, damping=DAMPING, seed=SEED)
+def test_a_step_in_basis_functions_is_the_least_squares_solution(
+    shape, n_samples, slowest, damping, seed
+):
     """Augmented by the ridge; the basis of all motors' derivatives, scaled to unit mean square."""
-    rng, T, n, n_samples = case
+    rng, T, n, stable = drawn(seed, shape, slowest, damping)
+    if not stable:
+        return
     r = smooth(rng, n_samples, n)
     basis = across(derivatives(r, T_S, 3))
     law = BasisFunctions(T_u=T, basis=basis, ridge=1e-6)
@@ -56,10 +77,21 @@ def test_a_step_in_basis_functions_is_the_least_squares_solution(case):
     assert close(law(u, e).ravel(), u.ravel() + Psi @ change)
 
 
-@on_plants(6, st.sampled_from([(1, 1), (1, 9), (2, 4)]), SHORT)
-def test_laws_that_measure_take_the_steps_of_the_dense_plant(case):
+@cases(6)
+@given(
+    shape=st.sampled_from([(1, 1), (1, 9), (2, 4)]),
+    n_samples=LENGTH,
+    slowest=SLOWEST,
+    damping=DAMPING,
+    seed=SEED,
+)
+def test_laws_that_measure_take_the_steps_of_the_dense_plant(
+    shape, n_samples, slowest, damping, seed
+):
     """The gradient by time reversal with its best step; Gauss-Newton on B-splines."""
-    rng, T, n, n_samples = case
+    rng, T, n, stable = drawn(seed, shape, slowest, damping)
+    if not stable:
+        return
     G, (u, e) = dense(T, n_samples), rng.standard_normal((2, n_samples, n))
     law = MeasuredGradient(experiment=T.simulate, coupled=n > 1)
     g = G.T @ e.ravel()
