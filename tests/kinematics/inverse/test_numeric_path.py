@@ -101,7 +101,9 @@ def test_the_reach_is_named_with_the_distance():
     error = ends(PANDA, T, SEVEN)
     assert error.cause is Cause.REACH
     assert 0 < error.distance <= 2 / 49
-    assert f"target {error.index} of 50" in str(error)
+    k = error.index
+    assert f"target {k} of 50" in str(error)
+    assert inverse_numeric_path(PANDA, T[:k], SEVEN).shape == (k, 7)
     assert "mm and" in str(error)
 
 
