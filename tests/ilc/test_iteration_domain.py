@@ -16,7 +16,6 @@ from armside.ilc.laws.memory import (
     periodic_pattern,
 )
 from armside.ilc.laws.model_based import ModelInverse
-from armside.ilc.laws.norm_optimal import PointToPoint
 from armside.ilc.laws.repetitive import PlugIn, Repetitive
 from armside.ilc.laws.robust import h_infinity
 from armside.ilc.measures.norms import two_norm
@@ -195,11 +194,6 @@ DIRECT = System(np.ones(1), np.ones(1), T_S)
 Q = ZeroPhaseButterworth(10.0, T_S)
 
 
-def test_a_point_beyond_the_record_is_refused():
-    with pytest.raises(ValueError, match="points must be samples 0 to 89"):
-        PointToPoint(T_u=ARX, points=[90], n_samples=90)
-
-
 def test_what_repeats_is_averaged_over_all_runs():
     """Direct plant: u_k - d is the mean of k noises, so its power is that of one over k."""
     rng, n = np.random.default_rng(0), 400
@@ -257,11 +251,6 @@ def test_a_plug_in_controller_contracts_lap_by_lap_as_its_criterion_says():
     assert norms[-1] < 0.05 * norms[1]
 
 
-def test_a_record_without_two_laps_is_refused():
-    with pytest.raises(ValueError, match="two laps of 100"):
-        Repetitive(L=PType(), period=100).check(150, 1)
-
-
 def test_a_wrong_model_still_converges_within_the_uncertainty_that_was_stated():
     L = h_infinity(ARX, Q, uncertainty=0.3)
     assert L.reached < 1 / np.sqrt(2)
@@ -270,14 +259,3 @@ def test_a_wrong_model_still_converges_within_the_uncertainty_that_was_stated():
         plant = LinearPlant(T_u=ARX * factor, reference=reference)
         norms = error_norms(plant, FirstOrder(L=L, Q=Q), reference, 10)
         assert norms[-1] < 0.2 * norms[0]
-
-
-def test_values_out_of_range_are_refused():
-    for bad, message in (
-        (lambda: h_infinity(ARX, Q, n_taps=5, lead=5), "lead must be in 0"),
-        (lambda: h_infinity(ARX, Q, uncertainty=-1.0), "uncertainty must be >= 0"),
-        (lambda: FrequencyKalman(L=PType(), noise=0.0), "noise must be > 0"),
-        (lambda: Repetitive(L=PType(), period=1), "period and begin"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            bad()

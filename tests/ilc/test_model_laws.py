@@ -84,27 +84,6 @@ def test_without_an_active_limit_the_constrained_law_is_norm_optimal():
     np.testing.assert_array_equal(free, limited)
 
 
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: QuadraticCriterion(correction=0, change=0), "must not both be 0"),
-        (lambda: QuadraticCriterion(correction=-1.0), "weight of the correction must be >= 0"),
-        (
-            lambda: NormOptimal(
-                T_u=ARX, n_samples=N, criterion=QuadraticCriterion(error=np.ones(5), change=1)
-            ),
-            r"weight of the error must be a number, \(90,\)",
-        ),
-        (lambda: Constrained(T_u=ARX, n_samples=N, limit=0.0), "limit must be > 0"),
-        (lambda: Constrained(T_u=ARX, n_samples=N, limit=np.ones(7)), "limit must be a number"),
-        (lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N), "T_u is unstable"),
-    ],
-)
-def test_criteria_and_limits_that_make_no_sense_are_refused(build, message):
-    with pytest.raises(ValueError, match=message):
-        build()
-
-
 def test_algorithms_2_and_3_beat_algorithm_1_on_the_two_mass_joint():
     plant = TwoMassPlant()
     Q = ZeroPhaseButterworth(17.0, 0.01)
