@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.analysis import LiftedIteration
+from armside.ilc.analysis.robustness import fraction_interval, sampled_robustness
+from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws.first_order import Blend, DType, FirstOrder, MatrixGain, PType
 from armside.ilc.laws.memory import (
     Adaptive,
@@ -28,6 +30,7 @@ from armside.ilc.laws.wrappers import JointSpace, Scheduled
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
+from armside.ilc.models.two_mass import FrictionPlant
 
 from .signals import ARX, T_S, N, bump, low_pass
 
@@ -127,6 +130,7 @@ def test_coupled_motors_have_the_fixed_point_of_their_lifted_iteration():
 
 
 FIVE = QuadraticCriterion(error=np.ones(5), change=1)
+NOTHING = System([0.0], [1.0], T_S)
 FADING = FirstOrder(L=Blend(filters=(PType(),), weights=np.ones((90, 1))))
 
 
@@ -166,6 +170,20 @@ FADING = FirstOrder(L=Blend(filters=(PType(),), weights=np.ones((90, 1))))
         (lambda: Repetitive(L=PType(), period=1), "period and begin"),
         (lambda: Repetitive(L=PType(), period=100).check(150, 1), "two laps of 100"),
         (lambda: PointToPoint(T_u=ARX, points=[90], n_samples=90), "must be samples 0 to 89"),
+        (lambda: Heuristic(Q=ALL_PASS, gamma=0.0), "gamma must be > 0"),
+        (lambda: Heuristic(Q=ALL_PASS, gamma=-0.5), "gamma must be > 0"),
+        (lambda: Heuristic(Q=ALL_PASS, gamma=np.nan), "gamma must be > 0"),
+        (lambda: Heuristic(Q=ALL_PASS, gamma=(0.9, -0.1)), "gamma must be > 0"),
+        (lambda: Heuristic(Q=ALL_PASS, delta=1.5), "whole number of samples"),
+        (lambda: Heuristic(Q=ALL_PASS, delta=np.nan), "whole number of samples"),
+        (lambda: FrictionPlant(coulomb=-1.0), "coulomb must be"),
+        (lambda: FrictionPlant(noise=1.0), "needs an rng"),
+        (lambda: FrictionPlant(substeps=0), "substeps"),
+        (lambda: Gradient(T_u=NOTHING), "T_u is 0"),
+        (lambda: h_infinity(NOTHING, low_pass()), "T_u is 0"),
+        (lambda: ModelInverse(T_u=NOTHING, learned=low_pass()), "T_u is 0"),
+        (lambda: sampled_robustness([], Heuristic(Q=ALL_PASS), 10), "plants must not be empty"),
+        (lambda: fraction_interval(3, 2), "held must be 0 to n and n >= 1, got 3 of 2"),
     ],
 )
 def test_invalid_design_variables_are_refused_by_name(build, message):

@@ -135,22 +135,6 @@ def test_trials_cannot_be_changed_afterwards():
         trial.error[0] = 1.0
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"gamma": 0.0}, "gamma must be > 0"),
-        ({"gamma": -0.5}, "gamma must be > 0"),
-        ({"gamma": float("nan")}, "gamma must be > 0"),
-        ({"gamma": (0.9, -0.1)}, "gamma must be > 0"),
-        ({"delta": 1.5}, "whole number of samples"),
-        ({"delta": float("nan")}, "whole number of samples"),
-    ],
-)
-def test_a_law_with_impossible_design_variables_cannot_be_built(change, message):
-    with pytest.raises(ValueError, match=message):
-        Heuristic(Q=AllPass(), **change)
-
-
 def test_misfitting_arguments_are_refused_before_the_first_run():
     class Untouchable:
         def run(self, correction, /):
@@ -230,19 +214,6 @@ def test_noise_sets_a_floor_that_is_seen_on_the_motor_side():
         return two_norm(trial.error)[0]
 
     assert last(0.01) > np.sqrt(800) * 0.01 > last(0.0)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"coulomb": -1.0}, "coulomb must be"),
-        ({"noise": 1.0}, "needs an rng"),
-        ({"substeps": 0}, "substeps"),
-    ],
-)
-def test_impossible_friction_is_refused(change, message):
-    with pytest.raises(ValueError, match=message):
-        FrictionPlant(**change)
 
 
 # By hand
