@@ -22,6 +22,7 @@ from ..estimation.consistency import Whiteness, residual_test
 from ..filters import recursion
 from ..models.system import System
 from ..records import as_record, records
+from .polynomial import delayed
 
 _TOLERANCE = 1e-4  # of the pole that the search ends at
 _SLOWEST = 0.98  # pole; a slower one resembles an integrator in records of a second
@@ -137,8 +138,7 @@ def _covariance(u: Array, gain: float, pole: float, delay: int, variance: float)
 
 def _best_gain(u: Array, y: Array, delay: int, pole: float) -> tuple[float, Array]:
     """Least-squares b, and the output for b = 1."""
-    delayed = np.concatenate((np.zeros((delay, u.shape[1])), u))[: len(u)]
-    x = recursion(np.ones(1), np.array([1.0, -pole]), delayed)
+    x = recursion(np.ones(1), np.array([1.0, -pole]), delayed(u, delay))
     size = float(np.square(x).sum())
     return (float((x * y).sum()) / size if size > 0.0 else 0.0), x
 

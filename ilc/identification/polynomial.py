@@ -117,7 +117,7 @@ class Polynomials:
         }
         first = dict.fromkeys(POLYNOMIALS, 1) | {"b": self.orders.nk}
         columns = [
-            _delayed(by[name], first[name] + i)
+            delayed(by[name], first[name] + i)
             for name, size in zip(POLYNOMIALS, self.orders.sizes, strict=True)
             for i in range(size)
         ]
@@ -140,7 +140,8 @@ class Polynomials:
         return recursion(p["a"], np.ones(1), y) - recursion(p["b"], p["f"], u)
 
 
-def _delayed(signal: Array, samples: int) -> Array:
+def delayed(signal: Array, samples: int) -> Array:
+    """The signal that many samples later, from rest."""
     return np.concatenate((np.zeros((samples, signal.shape[1])), signal))[: len(signal)]
 
 

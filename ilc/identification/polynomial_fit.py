@@ -22,7 +22,7 @@ from ..filters import recursion
 from ..models.system import System
 from ..records import records
 from .arx import Information
-from .polynomial import Orders, Polynomials
+from .polynomial import Orders, Polynomials, delayed
 
 _LONG = 20  # orders of the ARX model that gives innovations, at most
 _REPEATED = 15
@@ -49,11 +49,10 @@ def _dynamics(u: Array, y: Array, orders: Orders, repeats: int) -> tuple[Array, 
     n, denominator = orders.na + orders.nf, np.ones(1)
     b = np.zeros(orders.nb)
     for _ in range(1 + repeats):
-        stable = Polynomials(Orders(nb=1, nk=0, nf=n), np.append(1.0, denominator[1:]), 1.0)
-        prefilter = stable.with_stable_predictor().parts["f"] if len(denominator) > 1 else [1.0]
-        past_y, past_u = (recursion(np.ones(1), np.asarray(prefilter), s) for s in (y, u))
-        columns = [-_back(past_y, i) for i in range(1, n + 1)]
-        columns += [_back(past_u, orders.nk + i) for i in range(orders.nb)]
+        prefilter = _stable(denominator)
+        past_y, past_u = (recursion(np.ones(1), prefilter, s) for s in (y, u))
+        columns = [-delayed(past_y, i) for i in range(1, n + 1)]
+        columns += [delayed(past_u, orders.nk + i) for i in range(orders.nb)]
         found = _least_squares(columns, past_y)
         denominator, b = np.append(1.0, found[:n]), found[n:]
     return denominator, b
@@ -67,12 +66,12 @@ def _realised(u: Array, y: Array, orders: Orders, long: int) -> list[tuple[Array
     n, nk = orders.na + orders.nf, orders.nk
     if not (n < long and 3 * (long + nk) <= y.size):
         return []
-    past = [_back(y, i) for i in range(1, long + nk + 1)]
-    found = _least_squares([*past, *(_back(u, i) for i in range(nk, nk + long + 1))], y)
+    past = [delayed(y, i) for i in range(1, long + nk + 1)]
+    found = _least_squares([*past, *(delayed(u, i) for i in range(nk, nk + long + 1))], y)
     a = _stable(np.concatenate(([1.0], -found[: long + nk])))
     f = _stable(_reduced(recursion(found[long + nk :], a, np.eye(2 * _HANKEL, 1))[:, 0], n))
     moved = recursion(np.ones(1), f, u)
-    return [(f, _least_squares([_back(moved, nk + i) for i in range(orders.nb)], y))]
+    return [(f, _least_squares([delayed(moved, nk + i) for i in range(orders.nb)], y))]
 
 
 def _reduced(impulse: Array, order: int) -> Array:
@@ -115,10 +114,10 @@ def _noise(v: Array, u: Array, y: Array, orders: Orders) -> tuple[Array, Array]:
     if not orders.nc and not orders.nd:
         return np.zeros(0), np.zeros(0)
     long = min(_LONG, len(v) // 10)
-    past = [_back(v, i) for i in range(1, long + 1)]
+    past = [delayed(v, i) for i in range(1, long + 1)]
     e = v - _predicted(past, v)
-    columns = [-_back(v, i) for i in range(1, orders.nd + 1)]
-    columns += [_back(e, i) for i in range(1, orders.nc + 1)]
+    columns = [-delayed(v, i) for i in range(1, orders.nd + 1)]
+    columns += [delayed(e, i) for i in range(1, orders.nc + 1)]
     found = _least_squares(columns, v)
     return found[orders.nd :], found[: orders.nd]
 
@@ -133,10 +132,6 @@ def _predicted(columns: list[Array], target: Array) -> Array:
 def _least_squares(columns: list[Array], target: Array) -> Array:
     regressor = np.stack([column.ravel() for column in columns], axis=1)
     return np.asarray(np.linalg.lstsq(regressor, target.ravel(), rcond=None)[0], dtype=np.float64)
-
-
-def _back(signal: Array, samples: int) -> Array:
-    return np.concatenate((np.zeros((samples, signal.shape[1])), signal))[: len(signal)]
 
 
 _STEPS = 100

@@ -3,20 +3,13 @@
 A record (N, n) is a vector with samples first and motors within a sample.
 """
 
-import os
 from typing import Any
 
 import numpy as np
-from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 from scipy.signal import butter, freqz, sosfilt, sosfiltfilt
 
 from .random_cases import T_S, entries_of
-
-LENGTH = st.sampled_from([50, 51, 160, 400] + ([2000] if os.environ.get("ARMSIDE_CI") else []))
-LONGEST = 2000
-"""Samples of all motors together: the size of a dense matrix."""
-MOTORS_AND_ORDER = st.sampled_from([(1, 1), (1, 6), (1, 14), (2, 4), (3, 3), (6, 1)])
 
 
 def shifted(n_samples, delta, hold=True):

@@ -1,10 +1,10 @@
 """Random plants for tests against dense references, and settings of hypothesis for them."""
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from hypothesis import HealthCheck, Phase, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
@@ -26,6 +26,12 @@ SEED = st.integers(0, 10**6)
 ORDER = st.integers(1, 14)
 SLOWEST = st.sampled_from([0.7, 0.9, 0.97, 0.995])
 DAMPING = st.sampled_from([0.5, 0.05, 5e-3, 1e-4])
+LENGTH = st.sampled_from([50, 51, 160, 400] + ([2000] if os.environ.get("ARMSIDE_CI") else []))
+SHORT = st.sampled_from([50, 51, 120])
+LONGEST = 2000
+"""Samples of all motors together: the size of a dense matrix."""
+MOTORS_AND_ORDER = st.sampled_from([(1, 1), (1, 6), (1, 14), (2, 4), (3, 3), (6, 1)])
+ONE_MOTOR = st.tuples(st.just(1), ORDER)
 
 
 ALL_CHECKS: Any = HealthCheck
@@ -76,6 +82,33 @@ def drawn(seed, shape, *poles) -> Any:
     rng = np.random.default_rng(seed)
     T = random_matrix(rng, *shape, *poles)
     return rng, T, shape[0], T.is_stable
+
+
+class Case(NamedTuple):
+    """A stable plant with the generator that drew it."""
+
+    rng: Any
+    T: Any
+    n: int
+    """Motors."""
+    n_samples: int
+
+
+@st.composite
+def stable(draw, shapes, lengths, slowest, damping):
+    rng, shape = np.random.default_rng(draw(SEED)), draw(shapes)
+    T = random_matrix(rng, *shape, draw(slowest), draw(damping))
+    assume(T.is_stable)
+    return Case(rng, T, shape[0], min(draw(lengths), LONGEST // shape[0]))
+
+
+def on_plants(
+    examples, shapes=MOTORS_AND_ORDER, lengths=LENGTH, slowest=SLOWEST, damping=DAMPING, **more
+):
+    """Decorator: a test of so many cases, and of what else is drawn by name."""
+    return lambda test: cases(examples)(
+        given(case=stable(shapes, lengths, slowest, damping), **more)(test)
+    )
 
 
 def random_state_matrix(rng, order, slowest, damping):

@@ -3,10 +3,10 @@
 C1..C5: ids of independently recomputed reference values.
 """
 
+import os
+
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from armside.ilc import AllPass, Edge, End, Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.analysis import (
@@ -122,31 +122,6 @@ def test_the_arm_side_admits_less_than_the_motor_side_weighted_by_static_gain():
     assert (arm < motor).all()
 
 
-@settings(max_examples=40, deadline=None)
-@given(
-    pole=st.floats(-0.9, 0.95),
-    gain=st.floats(0.1, 3.0),
-    delay=st.integers(0, 6),
-    delta=st.integers(0, 8),
-    cutoff=st.floats(2.0, 100.0),
-)
-def test_the_closed_forms_are_the_edge_of_the_criterion(pole, gain, delay, delta, cutoff):
-    T_u = System([*([0.0] * delay), gain * (1 - pole)], [1, -pole], 0.004)
-    gamma = largest_gamma(T_u, [delta], [cutoff])[0, 0]
-    assume(gamma > 1e-3)
-    Q = ZeroPhaseButterworth(cutoff, 0.004)
-    # 1 % either side, more than the frequency grid can miss
-    assert heuristic_criterion(T_u, 0.99 * gamma, delta, Q).is_met
-    assert not heuristic_criterion(T_u, 1.01 * gamma, delta, Q).is_met
-    edge = largest_cutoff(T_u, 0.9 * gamma, delta)
-    assume(edge < 120.0)
-    assert heuristic_criterion(
-        T_u, 0.9 * gamma, delta, ZeroPhaseButterworth(0.99 * edge, 0.004)
-    ).is_met
-    wider = ZeroPhaseButterworth(1.01 * edge, 0.004)
-    assert not heuristic_criterion(T_u, 0.9 * gamma, delta, wider).is_met
-
-
 def test_a_model_that_is_zero_at_some_frequency_is_bounded_by_the_others():
     average = System([0.5, 0.5], [1], 0.01)  # zero at the Nyquist frequency
     assert largest_gamma(average, [0], [10.0])[0, 0] == pytest.approx(2.0, abs=1e-3)
@@ -158,25 +133,6 @@ def test_a_model_that_is_zero_at_some_frequency_is_bounded_by_the_others():
 def test_an_unstable_model_is_refused_by_name():
     with pytest.raises(ValueError, match=r"T_u is unstable: its largest pole has modulus 1\.1"):
         largest_gamma(System([0, 1], [1, -1.1], 0.01), [1], [5.0])
-
-
-def test_a_matrix_of_equal_uncoupled_motors_has_the_criterion_of_one():
-    omega = frequency_grid(400)
-    Q = ZeroPhaseButterworth(10.0, 0.004).response(omega)
-    one = criterion(ARX.response(omega), PType(gamma=0.9, delta=5).response(omega), Q, omega)
-    T = SystemMatrix.diagonal([ARX] * 3).response(omega)
-    L = MatrixGain(gamma=0.9 * np.eye(3), delta=5).response(omega)
-    three = criterion(T, L, Q, omega)
-    np.testing.assert_allclose(three.learning, one.learning * one.q, atol=1e-12)
-
-
-def test_the_growth_of_a_transient_is_the_norm_of_the_power():
-    law = Heuristic(Q=AllPass(), gamma=0.9, delta=1, end=End.ZERO)
-    lifted = LiftedIteration.build(T_MOTOR, law, 120)
-    for k in (0, 1, 7, 60):
-        dense = np.linalg.svd(np.linalg.matrix_power(lifted.iteration, k), compute_uv=False)[0]
-        assert lifted.transient_growth(k)[0] == pytest.approx(dense, rel=1e-8)
-    assert lifted.contraction == pytest.approx(np.linalg.norm(lifted.iteration, 2), rel=1e-8)
 
 
 def test_without_q_shift_1_converges_only_after_a_transient_of_many_decades():
@@ -239,7 +195,10 @@ def test_the_criterion_bounds_the_contraction_of_corrections_that_have_died_out(
     assert 0.9 * promised.contraction < contraction < promised.bound * (1 + 1e-6)
 
 
-@pytest.mark.parametrize(("cutoff", "tolerance"), [(1.0, 1e-2), (6.0, 1e-4), (17.0, 1e-4)])
+ALL = [(6.0, 1e-4), (1.0, 1e-2), (17.0, 1e-4)]
+
+
+@pytest.mark.parametrize(("cutoff", "tolerance"), ALL if os.environ.get("ARMSIDE_CI") else ALL[:1])
 def test_the_simulated_limit_is_the_fixed_point_and_nearly_the_asymptotic_error(cutoff, tolerance):
     plant = TwoMassPlant()
     law = Heuristic(Q=ZeroPhaseButterworth(cutoff, 0.01), gamma=0.9, delta=5)
@@ -249,45 +208,6 @@ def test_the_simulated_limit_is_the_fixed_point_and_nearly_the_asymptotic_error(
     np.testing.assert_allclose(last.error, limit, atol=1e-9)
     predicted = asymptotic_error(first_error, T_MOTOR, PType(gamma=0.9, delta=5), law.Q, 2400)
     assert two_norm(last.error - predicted)[0] < tolerance * two_norm(predicted)[0]
-
-
-class Periodic:
-    """A record filter applied to a record that repeats: five periods, the middle one kept."""
-
-    def __init__(self, inner):
-        self.inner, self.response = inner, inner.response
-
-    def check(self, n_samples, n_columns):
-        pass
-
-    def __call__(self, signal):
-        n = len(signal)
-        return self.inner(np.tile(signal, (5, 1)))[2 * n : 3 * n]
-
-
-@pytest.mark.parametrize("cutoff", [3.0, 17.0])
-def test_on_a_periodic_record_the_limit_is_the_asymptotic_error(cutoff):
-    n = 400
-    t = np.arange(n)[:, None] / n
-    disturbance = np.sin(2 * np.pi * t) + 0.3 * np.cos(2 * np.pi * 7 * t) + 0.1 * (t > 0.5)
-    Q, L = Periodic(ZeroPhaseButterworth(cutoff, 0.01)), Periodic(PType(gamma=0.9, delta=5))
-
-    class SteadyState:
-        """The joint after many periods of the same correction."""
-
-        def run(self, correction, /):
-            return T_MOTOR.simulate(np.tile(correction, (8, 1)))[-n:] - disturbance
-
-    class Law:
-        def check(self, n_samples, n_columns):
-            pass
-
-        def step(self, u, e, memory=None, /):
-            return Q(u + L(e)), None
-
-    *_, last = learn(SteadyState(), Law(), np.zeros((n, 1)), 150)
-    predicted = asymptotic_error(disturbance, T_MOTOR, L, Q)
-    np.testing.assert_allclose(last.error, predicted, atol=1e-9)
 
 
 def test_the_asymptotic_error_of_coupled_motors_is_the_limit_on_a_long_record():

@@ -37,21 +37,20 @@ from armside.ilc.laws.memory import HighOrder
 from armside.ilc.laws.model_based import Gradient
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop
 
-from .dense_filters import MOTORS_AND_ORDER, by_column, low_pass, low_pass_gain, response, shifted
+from .dense_filters import by_column, low_pass, low_pass_gain, response, shifted
 from .random_cases import (
     AGREED,
-    DAMPING,
+    ONE_MOTOR,
     ORDER,
     SEED,
-    SLOWEST,
+    SHORT,
     T_S,
     cases,
     close,
     dense,
-    drawn,
     entries_of,
+    on_plants,
     random_matrix,
-    random_system,
 )
 
 
@@ -72,24 +71,17 @@ def narrow_grid(T, *more):
     return omega[(omega >= 0.0) & (omega <= np.pi)]
 
 
-@cases(10)
-@given(
-    n=st.sampled_from([1, 1, 1, 2, 3]),
-    order=ORDER,
-    slowest=SLOWEST,
-    damping=DAMPING,
+@on_plants(
+    10,
+    st.tuples(st.sampled_from([1, 1, 1, 2, 3]), ORDER),
+    SHORT,
     gamma=st.floats(0.01, 2.0),
     delta=st.integers(-3, 12),
     cutoff=st.floats(1.0, 100.0),
-    seed=SEED,
 )
-def test_the_criterion_is_the_supremum_over_frequencies(
-    n, order, slowest, damping, gamma, delta, cutoff, seed
-):
+def test_the_criterion_is_the_supremum_over_frequencies(gamma, delta, cutoff, case):
     """Singular values on a grid that resolves every resonance; nothing is above the bound."""
-    T = random_matrix(np.random.default_rng(seed), n, order, slowest, damping)
-    if not T.is_stable:
-        return
+    _, T, n, _ = case
     filters: Any = (ZeroPhaseButterworth(cutoff, T_S), ALL_PASS)
     for Q in filters:
         found = heuristic_criterion(T, gamma, delta, Q)
@@ -104,14 +96,11 @@ def test_the_criterion_is_the_supremum_over_frequencies(
         assert found.is_met == (found.bound < 1.0)
 
 
-@cases(20)
-@given(order=ORDER, slowest=SLOWEST, damping=DAMPING, delta=st.integers(0, 8), seed=SEED)
-def test_the_largest_gain_is_the_edge_of_the_criterion(order, slowest, damping, delta, seed):
+@on_plants(20, ONE_MOTOR, SHORT, delta=st.integers(0, 8))
+def test_the_largest_gain_is_the_edge_of_the_criterion(delta, case):
     """Just below it the supremum over frequencies is below 1, just above it is not."""
-    T = random_system(np.random.default_rng(seed), order, slowest, damping)
-    if not T.is_stable:
-        return
-    cutoff = 10.0 ** np.random.default_rng(seed).uniform(0.0, 1.8)
+    rng, T, *_ = case
+    cutoff = 10.0 ** rng.uniform(0.0, 1.8)
     gamma = largest_gamma(T, [delta], [cutoff])[0, 0]
     Q = ZeroPhaseButterworth(cutoff, T_S)
     omega = narrow_grid(T, Q.poles)[1:]
@@ -130,12 +119,9 @@ def test_the_largest_gain_is_the_edge_of_the_criterion(order, slowest, damping, 
         assert not_none(heuristic_criterion(T, 0.5 * gamma, delta, above).bound) >= 1.0 - 1e-9
 
 
-@cases(1)
-@given(n=st.just(2), order=st.integers(1, 2), slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_the_largest_gain_of_coupled_motors_is_the_edge_of_the_criterion(
-    n, order, slowest, damping, seed
-):
-    T = random_matrix(np.random.default_rng(seed), n, order, slowest, damping)
+@on_plants(1, st.tuples(st.just(2), st.integers(1, 2)), SHORT)
+def test_the_largest_gain_of_coupled_motors_is_the_edge_of_the_criterion(case):
+    T = case.T
     Q = ZeroPhaseButterworth(10.0, T_S)
     factor = largest_gain_factor(T, 0.5, 3, Q)
     if factor > 0.0:
@@ -143,16 +129,9 @@ def test_the_largest_gain_of_coupled_motors_is_the_edge_of_the_criterion(
     assert not heuristic_criterion(T, 0.5 * max(factor, 1e-6) * (1 + 1e-5), 3, Q).is_met
 
 
-@cases(10)
-@given(order=ORDER, slowest=SLOWEST, damping=DAMPING, power=st.sampled_from([1, 3, 40]), seed=SEED)
-def test_growth_and_fixed_point_are_those_of_the_dense_iteration(
-    order, slowest, damping, power, seed
-):
-    rng = np.random.default_rng(seed)
-    n_samples = int(rng.integers(50, 150))
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+@on_plants(10, ONE_MOTOR, SHORT, power=st.sampled_from([1, 3, 40]))
+def test_growth_and_fixed_point_are_those_of_the_dense_iteration(power, case):
+    rng, T, _, n_samples = case
     Q = ZeroPhaseButterworth(20.0, T_S)
     law = Heuristic(Q=Q, gamma=0.3, delta=2)
     lifted = LiftedIteration.build(T, law, n_samples)
@@ -164,7 +143,7 @@ def test_growth_and_fixed_point_are_those_of_the_dense_iteration(
     scale = float(np.linalg.norm(dense_iteration, 2))
     np.testing.assert_allclose(lifted.iteration, dense_iteration, rtol=0, atol=1e-9 * scale)
     expected = np.linalg.norm(np.linalg.matrix_power(dense_iteration, power), 2)
-    assert lifted.transient_growth(power)[0] == pytest.approx(expected, rel=AGREED)
+    assert lifted.transient_growth([0, power]) == pytest.approx([1.0, expected], rel=AGREED)
     e_0 = rng.standard_normal((n_samples, 1))
     u, limit = lifted.fixed_point(e_0)
     left = u - dense_iteration @ u - 0.3 * low @ e_0[ahead]
@@ -184,21 +163,10 @@ def circulant(gains) -> Any:
     return h[lag].swapaxes(1, 2).reshape(n_samples * n, n_samples * n)
 
 
-@cases(6)
-@given(
-    shape=MOTORS_AND_ORDER,
-    n_samples=st.sampled_from([50, 51, 120]),
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
-)
-def test_the_asymptotic_error_is_the_fixed_point_of_the_periodic_iteration(
-    shape, n_samples, slowest, damping, seed
-):
-    rng, T, *_ = drawn(seed, shape, slowest, damping)
-    if not T.is_stable:
-        return
-    n, omega = shape[0], 2.0 * np.pi * np.arange(n_samples) / n_samples
+@on_plants(6, lengths=SHORT)
+def test_the_asymptotic_error_is_the_fixed_point_of_the_periodic_iteration(case):
+    rng, T, n, n_samples = case
+    omega = 2.0 * np.pi * np.arange(n_samples) / n_samples
     one = np.eye(n)
     low = low_pass_gain(np.minimum(omega, 2.0 * np.pi - omega), 20.0)[:, None, None] * one
     ahead = 0.4 * np.roll(np.eye(n_samples), 3, axis=1)
@@ -214,15 +182,10 @@ def test_the_asymptotic_error_is_the_fixed_point_of_the_periodic_iteration(
     assert close(found, expected)
 
 
-@cases(3)
-@given(shape=MOTORS_AND_ORDER, slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_contractions_of_error_and_of_sampled_plants_are_singular_values(
-    shape, slowest, damping, seed
-):
-    (_, T, *_), n_samples = drawn(seed, shape, slowest, damping), 50
-    if not T.is_stable:
-        return
-    n, G = shape[0], dense(T, n_samples)
+@on_plants(3, lengths=SHORT)
+def test_contractions_of_error_and_of_sampled_plants_are_singular_values(case):
+    (_, T, n, _), n_samples = case, 50
+    G = dense(T, n_samples)
     one, F = np.eye(len(G)), by_column([low_pass(n_samples, 20.0)] * n)
     M = by_column([0.4 * shifted(n_samples, 3)] * n)
     gradient = Gradient(T_u=T)
@@ -232,11 +195,10 @@ def test_contractions_of_error_and_of_sampled_plants_are_singular_values(
     assert sampled == pytest.approx(np.linalg.norm(F @ (one - M @ G), 2), rel=AGREED)
 
 
-@cases(6)
-@given(order=st.integers(1, 14), slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_the_rate_of_a_high_order_law_is_its_largest_root(order, slowest, damping, seed):
+@on_plants(6, ONE_MOTOR, SHORT)
+def test_the_rate_of_a_high_order_law_is_its_largest_root(case):
     """Roots of z^3 - Q sum (alpha_i - beta_i T L) z^(2 - i) at each frequency."""
-    rng, T, *_ = drawn(seed, (1, order), slowest, damping)
+    rng, T, *_ = case
     alpha, beta = rng.uniform(-0.5, 1.0, (2, 3))
     law = HighOrder(alpha=tuple(alpha), beta=tuple(beta), L=L, Q=Q)
     omega = rng.uniform(0.0, np.pi, 20)
@@ -247,12 +209,9 @@ def test_the_rate_of_a_high_order_law_is_its_largest_root(order, slowest, dampin
         assert rho == pytest.approx(np.abs(roots).max(), rel=AGREED)
 
 
-@cases(2)
-@given(shape=st.sampled_from([(2, 2), (3, 1)]), slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_the_largest_common_cutoff_is_the_edge_of_the_criterion(shape, slowest, damping, seed):
-    _, T, *_ = drawn(seed, shape, slowest, damping)
-    if not T.is_stable:
-        return
+@on_plants(2, st.sampled_from([(2, 2), (3, 1)]), SHORT)
+def test_the_largest_common_cutoff_is_the_edge_of_the_criterion(case):
+    T = case.T
     edge = largest_common_cutoff(T, 0.3, 3)
     if 1e-3 < edge < 120.0:
         below, above = (
@@ -326,14 +285,10 @@ def searched_gamma(T, delta, cutoff):
     return 1.0 / largest(reciprocal, fine(T.poles)[1:])
 
 
-@cases(3)
-@given(order=ORDER, bandwidth=st.floats(2.0, 60.0), slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_a_proposal_is_the_best_of_a_dense_search(order, bandwidth, slowest, damping, seed):
+@on_plants(3, ONE_MOTOR, SHORT, bandwidth=st.floats(2.0, 60.0))
+def test_a_proposal_is_the_best_of_a_dense_search(bandwidth, case):
     """Every shift with its largest gain and contraction; among nearly equal ones the widest."""
-    T = random_system(np.random.default_rng(seed), order, slowest, damping)
-    if not T.is_stable:
-        return
-    T = T * float(np.sign(T.static_gain))
+    T = case.T * float(np.sign(case.T.static_gain))
     at_rest = abs(float(T.b.sum() / T.a.sum()))
     candidates = {}
     for delta in range(4):

@@ -249,7 +249,8 @@ def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_sam
     S = H @ P @ H.T + np.kron(np.eye(n_samples), R)[np.ix_(shown, shown)]
     K = np.linalg.solve(S, H @ P).T
     smoother = Smoother(given.process, given.start, given.seen)
-    found = smoother(given.y).smoothed.ravel()
+    result = smoother(given.y)
+    found = result.smoothed.ravel()
     mean, scale = K @ given.y[given.seen], max(np.abs(P).max(), 1.0)
     np.testing.assert_allclose(found, mean, rtol=0, atol=AGREED * max(np.abs(mean).max(), 1.0))
     covariance = (P - K @ H @ P).reshape(n_samples, n, n_samples, n)
@@ -259,9 +260,15 @@ def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_sam
             np.testing.assert_allclose(P_i, covariance[i, :, i], rtol=0, atol=1e-9 * scale)
     steps = (lambda i, x: (A @ x, A)), (lambda i, x: (C @ x, C))
     linear = extended(*steps, given.y, Q, R, np.zeros(n), given.start)
-    for states in (of_roots.smoothed, linear.smoothed):
-        off = np.abs(states.ravel() - mean).max()
+    for other in (of_roots, linear):
+        off = np.abs(other.smoothed.ravel() - mean).max()
         assert off <= AGREED * max(np.abs(mean).max(), 1.0)
+        for name in ("innovation", "filtered", "filtered_covariance"):
+            plain = smoother if name == "filtered_covariance" else result
+            known, one = getattr(plain, name), getattr(other, name)
+            np.testing.assert_array_equal(np.isnan(one), np.isnan(known))
+            off = np.nan_to_num(one - known)
+            assert np.abs(off).max() <= AGREED * max(np.nanmax(np.abs(known), initial=0.0), scale)
 
 
 @cases(40)

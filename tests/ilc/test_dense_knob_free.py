@@ -6,7 +6,6 @@ One to six motors, orders 1 to 14, poles to 0.995, damping to 1e-4; CI tries ten
 from itertools import chain, combinations
 
 import numpy as np
-from hypothesis import given
 from hypothesis import strategies as st
 
 from armside.ilc.filters import ZeroPhaseButterworth
@@ -14,8 +13,8 @@ from armside.ilc.identification.friction import DELAYS, FRACTIONS, friction
 from armside.ilc.identification.impulse_response import Sums, correlation_time, impulse_response
 from armside.ilc.laws.knob_free import FIRST, KnobFree
 
-from .dense_filters import LENGTH, low_pass, shifted
-from .random_cases import AGREED, DAMPING, ORDER, SEED, SLOWEST, T_S, cases, random_system
+from .dense_filters import low_pass, shifted
+from .random_cases import AGREED, ONE_MOTOR, T_S, on_plants
 
 CONDITIONED = 1e5
 """Of the columns, up to which runs determine the friction: stops that slip in no run are alike."""
@@ -83,18 +82,9 @@ def bounded(A, z):
     return best[:5], least, np.linalg.cond(one)
 
 
-@cases(5)
-@given(
-    n=st.sampled_from([1, 2, 6]), count=st.integers(1, 3), order=ORDER, n_samples=LENGTH,
-    slowest=SLOWEST, damping=DAMPING, seed=SEED,
-)  # fmt: skip
-def test_friction_is_the_best_of_every_active_set_and_every_delay(
-    n, count, order, n_samples, slowest, damping, seed
-):
-    rng = np.random.default_rng(seed)
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+@on_plants(5, ONE_MOTOR, n=st.sampled_from([1, 2, 6]), count=st.integers(1, 3))
+def test_friction_is_the_best_of_every_active_set_and_every_delay(n, count, case):
+    rng, T, _, n_samples = case
     r, runs = runs_of_a_servo(rng, n_samples, n, count, T)
     found = friction(r, runs)
     every = [[bounded(*columns(r, runs, j, delay)) for j in range(n)] for delay in DELAYS]
@@ -125,19 +115,10 @@ def as_correction(model, y):
     return shifted(len(y), model.delay) @ z
 
 
-@cases(5)
-@given(
-    n=st.integers(1, 6), order=ORDER, n_samples=st.sampled_from([50, 51, 160, 400]),
-    slowest=SLOWEST, damping=DAMPING, seed=SEED,
-)  # fmt: skip
-def test_an_update_that_knows_friction_is_that_of_its_matrices(
-    n, order, n_samples, slowest, damping, seed
-):
+@on_plants(5, ONE_MOTOR, st.sampled_from([50, 51, 160, 400]), n=st.integers(1, 6))
+def test_an_update_that_knows_friction_is_that_of_its_matrices(n, case):
     """The second update: friction out of the changes, and what the reference needs added."""
-    rng = np.random.default_rng(seed)
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+    rng, T, _, n_samples = case
     r, runs = runs_of_a_servo(rng, n_samples, n, 2, T)
     law = KnobFree(Q=ZeroPhaseButterworth(CUTOFF, T_S), n_taps=20, reference=r)
     (u0, e0), (u1, e1) = runs

@@ -31,9 +31,6 @@ from armside.ilc.laws.robust import Matched
 from armside.ilc.laws.wrappers import Around, BySegment, Guarded, JointSpace, Scheduled, Simulated
 
 from .dense_filters import (
-    LENGTH,
-    LONGEST,
-    MOTORS_AND_ORDER,
     by_column,
     largest_gain,
     low_pass,
@@ -44,6 +41,9 @@ from .dense_filters import (
 )
 from .random_cases import (
     DAMPING,
+    LENGTH,
+    LONGEST,
+    MOTORS_AND_ORDER,
     SEED,
     SLOWEST,
     T_S,
@@ -51,6 +51,7 @@ from .random_cases import (
     close,
     dense,
     drawn,
+    on_plants,
     random_matrix,
 )
 
@@ -95,13 +96,9 @@ FILTERS = p_type, d_type, matrix_gain, gradient, varying, ahead
 
 
 @pytest.mark.parametrize("build", FILTERS, ids=lambda build: build.__name__)
-@cases(3)
-@given(shape=MOTORS_AND_ORDER, n_samples=LENGTH, slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_an_update_is_that_of_its_matrices(build, shape, n_samples, slowest, damping, seed):
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    n_samples = min(n_samples, LONGEST // n)
-    if not stable:
-        return
+@on_plants(3)
+def test_an_update_is_that_of_its_matrices(build, case):
+    rng, T, n, n_samples = case
     cutoffs = rng.uniform(1.0, 100.0, n)
     Q = by_column([low_pass(n_samples, f) for f in cutoffs])
     L, matrix = build(rng, T, n, n_samples)
@@ -310,15 +307,9 @@ LAWS = high_order, periodic, scheduled, around, guarded, adaptive, observer, kal
 
 
 @pytest.mark.parametrize("build", LAWS, ids=lambda build: build.__name__)
-@cases(2)
-@given(shape=MOTORS_AND_ORDER, n_samples=LENGTH, slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_corrections_are_those_of_the_written_out_recursion(
-    build, shape, n_samples, slowest, damping, seed
-):
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    n_samples = min(n_samples, LONGEST // n)
-    if not stable:
-        return
+@on_plants(2)
+def test_corrections_are_those_of_the_written_out_recursion(build, case):
+    rng, T, n, n_samples = case
     G, e_0 = dense(T, n_samples), rng.standard_normal((n_samples, n))
     law, update = build(rng, T, e_0, (n_samples, n))
     u, memory = np.zeros((n_samples, n)), None
@@ -351,23 +342,10 @@ def last_pass(sizes):
     return ends[0] if ends else len(sizes) - 1
 
 
-@cases(5)
-@given(
-    shape=MOTORS_AND_ORDER,
-    n_samples=LENGTH,
-    number=st.sampled_from([1, 4, 12, 30]),
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
-)
-def test_learning_on_a_simulation_is_that_of_its_matrices(
-    shape, n_samples, number, slowest, damping, seed
-):
+@on_plants(5, number=st.sampled_from([1, 4, 12, 30]))
+def test_learning_on_a_simulation_is_that_of_its_matrices(number, case):
     """Passes u + L r, r with what the simulation leaves unexplained; the least residual is kept."""
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    n_samples = min(n_samples, LONGEST // n)
-    if not stable:
-        return
+    rng, T, n, n_samples = case
     e_0, u, e = rng.standard_normal((3, n_samples, n))
     weight, G = rng.uniform(0.5, 2.0, n), dense(T, n_samples)
     law = Simulated(
@@ -406,25 +384,15 @@ def blended(weight, sizes, us, least, patience) -> Any:
     return weight[:, [end is not None for end in ends]].sum(axis=1), best
 
 
-@cases(5)
-@given(
-    shape=MOTORS_AND_ORDER,
-    n_samples=LENGTH,
+@on_plants(
+    5,
     segments=st.integers(1, 5),
     patience=st.integers(1, 3),
     least=st.sampled_from([0.02, 0.1, 0.4]),
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
 )
-def test_learning_by_segment_is_that_of_its_matrices(
-    shape, n_samples, segments, patience, least, slowest, damping, seed
-):
+def test_learning_by_segment_is_that_of_its_matrices(segments, patience, least, case):
     """Eight runs; segments that stall keep their best correction, the others learn on."""
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    n_samples = min(n_samples, LONGEST // n)
-    if not stable:
-        return
+    rng, T, n, n_samples = case
     edges = np.linspace(0, n_samples, segments + 1).astype(int)
     centres = 0.5 * (edges[1:] + edges[:-1])
     weight = np.stack([np.interp(range(n_samples), centres, i) for i in np.eye(segments)], axis=1)

@@ -26,30 +26,24 @@ from armside.ilc.laws.robust import h_infinity
 from armside.ilc.laws.transfer import BasisFunctions, RationalBasis, across, derivatives
 from armside.ilc.models.system import System
 
-from .dense_filters import (
-    MOTORS_AND_ORDER,
-    by_column,
-    low_pass,
-    low_pass_gain,
-    response,
-    shifted,
-    tapered,
-)
+from .dense_filters import by_column, low_pass, low_pass_gain, response, shifted, tapered
 from .random_cases import (
     AGREED,
     DAMPING,
-    ORDER,
+    MOTORS_AND_ORDER,
+    ONE_MOTOR,
     SEED,
+    SHORT,
     SLOWEST,
     T_S,
     cases,
     close,
     dense,
     drawn,
-    random_system,
-)
+    on_plants,
+)  # fmt: skip
 
-LENGTH = st.sampled_from([50, 51, 120])
+LENGTH = SHORT
 
 
 def smooth(rng, n_samples, n):
@@ -113,14 +107,9 @@ def test_laws_that_measure_take_the_steps_of_the_dense_plant(
     assert close(law(u, e), u + B @ c.reshape(n, 7).T)
 
 
-@cases(6)
-@given(shape=MOTORS_AND_ORDER, n_samples=LENGTH, slowest=SLOWEST, damping=DAMPING, seed=SEED)
-def test_a_point_to_point_step_is_the_least_squares_solution(
-    shape, n_samples, slowest, damping, seed
-):
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    if not stable:
-        return
+@on_plants(6, lengths=SHORT)
+def test_a_point_to_point_step_is_the_least_squares_solution(case):
+    rng, T, n, n_samples = case
     points = np.sort(rng.choice(n_samples, 5, replace=False))
     try:
         law = PointToPoint(T_u=T, points=points.tolist(), n_samples=n_samples, n_columns=n)
@@ -160,21 +149,10 @@ def test_a_lap_is_corrected_by_the_mean_of_the_laps(n, period, begin, seed):
     assert close(law(u, e), fade[:, None] * lap[at])
 
 
-@cases(6)
-@given(
-    shape=st.sampled_from([(1, 1), (1, 14), (2, 4), (6, 1)]),
-    n_samples=LENGTH,
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
-)
-def test_a_regularised_inverse_is_that_of_the_whole_transform(
-    shape, n_samples, slowest, damping, seed
-):
+@on_plants(6, st.sampled_from([(1, 1), (1, 14), (2, 4), (6, 1)]), SHORT)
+def test_a_regularised_inverse_is_that_of_the_whole_transform(case):
     """One place, and two whose weights fade from one to the other."""
-    rng, T, n, stable = drawn(seed, shape, slowest, damping)
-    if not stable:
-        return
+    rng, T, n, n_samples = case
     sizes, weights = rng.uniform(0.5, 2.0, (2, n))
     given = {"sample_time": T_S, "cutoff": 25.0, "gamma": 0.7, "regularisation": 0.02}
     given |= {"output_weight": tuple(weights), "input_size": tuple(sizes)}
@@ -217,18 +195,15 @@ class Matrix:
         return self.scale * response(self.T, np.asarray(omega))
 
 
-@cases(4)
-@given(
-    shape=st.sampled_from([(1, 1), (1, 4), (2, 2), (3, 1)]),
-    n_samples=st.sampled_from([50, 80]),
+@on_plants(
+    4,
+    st.sampled_from([(1, 1), (1, 4), (2, 2), (3, 1)]),
+    st.sampled_from([50, 80]),
     damping=st.sampled_from([0.5, 0.05]),
-    seed=SEED,
 )
-def test_a_record_optimal_step_is_the_least_squares_solution(shape, n_samples, damping, seed):
+def test_a_record_optimal_step_is_the_least_squares_solution(case):
     """Impulse responses wrap around at twice the record, which its poles leave at 1e-9."""
-    rng, T, n, stable = drawn(seed, shape, 0.7, damping)
-    if not stable:
-        return
+    rng, T, n, n_samples = case
     sizes, weights = rng.uniform(0.5, 2.0, (2, n))
     law = RecordOptimal(
         G=Matrix(T),
@@ -252,23 +227,10 @@ def test_a_record_optimal_step_is_the_least_squares_solution(shape, n_samples, d
     assert close(law(u, e), u + sizes * step.reshape(n_samples, n))
 
 
-@cases(6)
-@given(
-    order=st.integers(1, 14),
-    n_samples=LENGTH,
-    noise=st.sampled_from([0.01, 0.3]),
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
-)
-def test_an_impulse_response_is_the_conditional_mean_of_its_prior(
-    order, n_samples, noise, slowest, damping, seed
-):
+@on_plants(6, ONE_MOTOR, SHORT, noise=st.sampled_from([0.01, 0.3]))
+def test_an_impulse_response_is_the_conditional_mean_of_its_prior(noise, case):
     """At the decay and the size found: E[g | y] and its covariance of the joint Gaussian."""
-    rng = np.random.default_rng(seed)
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+    rng, T, _, n_samples = case
     u = rng.standard_normal((n_samples, 1))
     y = T.simulate(u) + noise * rng.standard_normal((n_samples, 1))
     found = impulse_response(Sums.none(20).with_records(u, y))
@@ -332,25 +294,17 @@ def rational_steps(G, r, wanted, p, m, rounds=15):
         yield u, np.linalg.norm(wanted - through_G(u))
 
 
-@cases(4)
-@given(
-    order=ORDER,
+@on_plants(
+    4,
+    ONE_MOTOR,
+    CIRCLES,
     n=st.integers(1, 6),
-    n_samples=CIRCLES,
     terms=st.sampled_from([(1, 0), (3, 0), (1, 1), (2, 1), (4, 2)]),
-    slowest=SLOWEST,
-    damping=DAMPING,
     smooth=st.booleans(),
-    seed=SEED,
 )
-def test_a_step_in_a_rational_basis_is_that_of_its_matrices(
-    order, n, n_samples, terms, slowest, damping, smooth, seed
-):
+def test_a_step_in_a_rational_basis_is_that_of_its_matrices(n, terms, smooth, case):
     """Least squares weighted with the last denominator; the round that leaves least is kept."""
-    rng = np.random.default_rng(seed)
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+    rng, T, _, n_samples = case
     F = low_pass(n_samples, 15.0)
     r = F @ np.cumsum(rng.standard_normal((n_samples, n)), axis=0)
     u, e = (F @ x if smooth else x for x in rng.standard_normal((2, n_samples, n)))
@@ -419,23 +373,18 @@ def others(rng, A, b, taps):
             weight = weight / weight.sum()
 
 
-@cases(4)
-@given(
-    order=ORDER,
+@on_plants(
+    4,
+    ONE_MOTOR,
+    SHORT,
     n_taps=st.sampled_from([1, 5, 12, 24]),
     cutoff=st.floats(2.0, 60.0),
     uncertainty=st.sampled_from([0.0, 0.3]),
-    slowest=SLOWEST,
-    damping=DAMPING,
-    seed=SEED,
 )
 def test_no_other_search_beats_the_stated_bound_of_a_minimax_filter(
-    order, n_taps, cutoff, uncertainty, slowest, damping, seed
+    n_taps, cutoff, uncertainty, case
 ):
-    rng = np.random.default_rng(seed)
-    T = random_system(rng, order, slowest, damping)
-    if not T.is_stable:
-        return
+    rng, T, *_ = case
     lead, Q = int(rng.integers(0, n_taps)), ZeroPhaseButterworth(cutoff, T_S)
     L = h_infinity(T, Q, n_taps=n_taps, lead=lead, uncertainty=uncertainty)
     omega, about = resolving(T), (T, cutoff, lead - np.arange(n_taps), uncertainty)

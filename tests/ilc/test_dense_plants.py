@@ -27,7 +27,7 @@ from .random_cases import (
     cases,
     dense_states,
     random_state_matrix,
-)  # fmt: skip
+)
 
 
 def random_matrices(rng, order, m, p, slowest, damping) -> Any:

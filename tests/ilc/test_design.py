@@ -23,12 +23,11 @@ from armside.ilc.analysis.robustness import (
 )
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth, shift
 from armside.ilc.laws.first_order import Blend, DType, MatrixGain, PType
-from armside.ilc.laws.model_based import Beyond, Gradient, ModelInverse
+from armside.ilc.laws.model_based import Beyond, ModelInverse
 from armside.ilc.laws.model_free import FiniteDifference
 from armside.ilc.laws.norm_optimal import Constrained, PointToPoint
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.laws.repetitive import PlugIn, Repetitive
-from armside.ilc.laws.robust import h_infinity
 from armside.ilc.laws.transfer import BasisFunctions, RationalBasis
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.file import read_model
@@ -187,7 +186,6 @@ def test_an_unknown_parameter_is_refused_with_the_valid_names():
 
 N, T_S = 30, 0.01
 SERVO = System([0.0, 0.5], [1.0, -0.5], T_S)
-NOTHING = System([0.0], [1.0], T_S)
 LOW = ZeroPhaseButterworth(10.0, T_S)
 COMPLEX = np.array([1.0 + 1.0j, 1.0])
 
@@ -248,19 +246,6 @@ def test_whole_numbers_of_any_type_are_samples():
     assert PlugIn(T_u=SERVO, L=PType(), period=10.0).run(np.ones((N, 1))).shape == (N, 1)
 
 
-@pytest.mark.parametrize(
-    "build",
-    [
-        lambda: Gradient(T_u=NOTHING),
-        lambda: h_infinity(NOTHING, LOW),
-        lambda: ModelInverse(T_u=NOTHING, learned=LOW),
-    ],
-)
-def test_a_model_without_effect_is_refused(build):
-    with pytest.raises(ValueError, match="T_u is 0"):
-        build()
-
-
 def test_an_inverse_where_the_model_is_zero_is_refused():
     washout = System([1.0, -1.0], [1.0, -0.5], T_S)
     for beyond in Beyond:
@@ -292,16 +277,11 @@ def test_an_inverse_of_equal_columns_is_refused():
         ModelInverse(T_u=T, learned=LOW)(np.ones((N, 2)))
 
 
-def test_each_column_of_an_error_has_its_cutoff_or_all_have_one():
+def test_each_column_of_an_error_needs_its_cutoff():
     Q = ZeroPhaseButterworth((5.0, 8.0), 0.01)
-    e = np.ones((60, 2))
-    both = asymptotic_error(e, SERVO, PType(gamma=0.5), Q)
-    for column, cutoff in enumerate((5.0, 8.0)):
-        alone = ZeroPhaseButterworth(cutoff, 0.01)
-        wanted = asymptotic_error(e[:, :1], SERVO, PType(gamma=0.5), alone)
-        np.testing.assert_allclose(both[:, [column]], wanted, rtol=1e-12)
+    e = np.ones((60, 1))
     with pytest.raises(ValueError, match="Q has 2 cutoffs, the error 1 columns"):
-        asymptotic_error(e[:, :1], SERVO, PType(gamma=0.5), Q)
+        asymptotic_error(e, SERVO, PType(gamma=0.5), Q)
 
 
 @pytest.mark.parametrize(("held", "n"), [(0, 5), (5, 5), (1, 20), (13, 40), (999, 1000)])
@@ -343,10 +323,3 @@ def test_gains_above_two_do_not_converge():
     coupled = [StateSpace(*state, np.eye(2) + gain * turn) for gain in gains]
     pairs = sampled_robustness(coupled, law, 6, 2)
     np.testing.assert_allclose(pairs.contraction, gains, rtol=1e-6)
-
-
-def test_nothing_to_judge_is_refused():
-    with pytest.raises(ValueError, match="plants must not be empty"):
-        sampled_robustness([], Heuristic(Q=ALL_PASS), 10)
-    with pytest.raises(ValueError, match="held must be 0 to n and n >= 1, got 3 of 2"):
-        fraction_interval(3, 2)

@@ -12,7 +12,6 @@ from armside.ilc.identification.first_order import (
     identify,
     learning_data,
 )
-from armside.ilc.measures.norms import circle_ripple
 from armside.ilc.models.system import System
 
 from .signals import ARX, T_S
@@ -138,15 +137,6 @@ def smooth_input():
     return window * np.sin(2 * np.pi * np.array([1.3, 3.1]) * t + [0.0, 1.0])
 
 
-def test_the_model_of_the_thesis_is_found_again(smooth_input):
-    found = fit_first_order(smooth_input, ARX.simulate(smooth_input), T_S)
-    assert found.delay == 5
-    assert found.pole == pytest.approx(0.4884, abs=1e-4)
-    assert found.static_gain == pytest.approx(ARX.static_gain, abs=1e-5)
-    assert found.fit == pytest.approx(1.0, abs=1e-4)
-    assert found.total_delay == pytest.approx(5 + 0.4884 / 0.5116, abs=1e-3)
-
-
 def test_output_noise_biases_output_error_less_than_arx(smooth_input):
     rng = np.random.default_rng(0)
     y = ARX.simulate(smooth_input)
@@ -183,14 +173,6 @@ def test_data_without_excitation_are_refused(u, y, message):
 def test_no_delay_to_choose_from_is_refused():
     with pytest.raises(ValueError, match="delays must not be empty"):
         fit_first_order(np.ones((9, 1)), np.ones((9, 1)), T_S, delays=[])
-
-
-def test_ripple_is_the_rms_of_the_harmonics_inside_the_band():
-    turn_time, n = 0.8, 800
-    t = turn_time * np.arange(n) / n
-    radii = 5e-3 + 1e-4 * np.sin(2 * np.pi * 7.5 * t) + 3e-4 * np.sin(2 * np.pi * 2.5 * t)
-    assert circle_ripple(radii, turn_time, 5.0, 14.0) == pytest.approx(1e-4 / np.sqrt(2))
-    assert circle_ripple(radii, turn_time, 9.0, 14.0) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_95_percent_intervals_of_output_error_cover_the_ground_truth():

@@ -1,5 +1,7 @@
 """Error measures: norms, circles, and those of ISO 9283."""
 
+import os
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -138,7 +140,7 @@ def smallest(points):
     return 2.0 * min(least_squares(residuals, s, args=(points,), method="lm").cost for s in starts)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(40 if os.environ.get("ARMSIDE_CI") else 10))
 def test_no_other_centre_fits_an_arc_better(seed):
     """Noise of 0.1 to 20 % of the radius, arcs from 20 degrees to whole turns."""
     rng = np.random.default_rng(seed)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
-from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
 
 from armside.ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
@@ -20,7 +19,8 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix, largest_gain
 from armside.ilc.models.two_mass import TwoMassPlant
 
-from .signals import ARX, T_ARM, T_MOTOR, T_S, N, bump, error_norms
+from .random_cases import AGREED, random_matrix
+from .signals import ARX, T_MOTOR, T_S, N, bump, error_norms
 
 # Algorithm 2
 
@@ -33,15 +33,6 @@ def test_an_exact_inverse_learns_the_passband_at_the_chosen_rate():
         norms = error_norms(LinearPlant(T_u=ARX, reference=reference), law, reference, 2)
         # 1 - H_B at the frequencies of the bump (below 5 Hz) is the rate
         assert norms[1] / norms[0] == pytest.approx(1 - rate, abs=0.02)
-
-
-def test_the_inverse_of_coupled_motors_decouples_them():
-    coupled = SystemMatrix(((ARX, ARX * 0.4), (ARX * -0.3, ARX * 0.8)))
-    reference = bump(600, 2)
-    L = ModelInverse(T_u=coupled, learned=ZeroPhaseButterworth(60.0, T_S))
-    plant = LinearPlant(T_u=coupled, reference=reference)
-    trials = list(learn(plant, FirstOrder(L=L), reference, 2))
-    assert (two_norm(trials[2].error) < 1e-3 * two_norm(trials[0].error)).all()
 
 
 def test_a_periodic_record_is_inverted_exactly():
@@ -61,53 +52,6 @@ def test_an_inverse_of_an_unstable_or_misfitting_model_is_refused():
     L = ModelInverse(T_u=SystemMatrix.diagonal([ARX, ARX]), learned=learned)
     with pytest.raises(ValueError, match="T_u has 2 inputs, the record 3"):
         learn(LinearPlant(T_u=ARX, reference=bump(50, 3)), FirstOrder(L=L), bump(50, 3), 1)
-
-
-CRITERIA = [
-    QuadraticCriterion(correction=1e-4, change=1e-2),
-    QuadraticCriterion(correction=1e-6, error_filter=(1.0, -0.9)),
-    QuadraticCriterion(
-        error=np.linspace(0, 2, N), correction=1e-3, change=np.linspace(0.1, 0.01, N)
-    ),
-]
-
-
-@pytest.mark.parametrize("criterion", CRITERIA)
-@pytest.mark.parametrize(
-    ("T_u", "tolerance"),
-    # the arm's seven poles lie together at 0.985, which costs digits in any polynomial form
-    [(ARX, 1e-12), (T_MOTOR, 1e-10), (T_ARM, 1e-6)],
-    ids=["arx", "motor", "arm"],
-)
-def test_norm_optimal_minimises_its_criterion(criterion, T_u, tolerance):
-    rng = np.random.default_rng(0)
-    u, e = rng.standard_normal((2, N, 1))
-    T = toeplitz(T_u.impulse(N), np.zeros(N))
-    taps = np.asarray(criterion.error_filter)
-    F = toeplitz(np.pad(taps, (0, N - len(taps))), np.zeros(N))
-    We, Wu, Wd = (
-        np.diag(np.broadcast_to(w, N))
-        for w in (criterion.error, criterion.correction, criterion.change)
-    )
-    normal = T.T @ F.T @ We @ F @ T + Wu + Wd
-    expected = np.linalg.solve(normal, T.T @ F.T @ We @ F @ (e + T @ u) + Wd @ u)
-    law = NormOptimal(T_u=T_u, n_samples=N, criterion=criterion)
-    np.testing.assert_allclose(law(u, e), expected, atol=tolerance * np.abs(expected).max())
-
-
-def test_norm_optimal_takes_motors_that_disturb_each_other():
-    slow = System([0, 0.1], [1, -0.9], T_S)
-    T_u = SystemMatrix(((ARX, slow * 0.3), (slow * -0.2, ARX * 0.8)))
-    n = 60
-    T = np.block([[toeplitz(s.impulse(n), np.zeros(n)) for s in row] for row in T_u.entries])
-    u, e = np.random.default_rng(1).standard_normal((2, n, 2))
-    stacked_u, stacked_e = u.T.ravel(), e.T.ravel()
-    expected = np.linalg.solve(
-        T.T @ T + 0.011 * np.eye(2 * n), T.T @ (stacked_e + T @ stacked_u) + 0.01 * stacked_u
-    )
-    criterion = QuadraticCriterion(correction=1e-3, change=1e-2)
-    law = NormOptimal(T_u=T_u, n_samples=n, n_columns=2, criterion=criterion)
-    np.testing.assert_allclose(law(u, e).T.ravel(), expected, atol=1e-9)
 
 
 def test_norm_optimal_responses_are_its_q_and_l_on_long_records():
@@ -133,53 +77,11 @@ def test_norm_optimal_never_lets_the_error_grow():
     assert norms[10] < 0.01 * norms[0]
 
 
-@pytest.mark.parametrize("limit", [0.3, 0.1])
-@pytest.mark.parametrize("T_u", [T_MOTOR, T_ARM], ids=["motor", "arm"])
-def test_input_limits_are_kept_at_the_constrained_minimum(limit, T_u):
-    n = 300
-    error = bump(n)
-    criterion = QuadraticCriterion(correction=1e-4, change=1e-2)
-    law = Constrained(T_u=T_u, n_samples=n, criterion=criterion, limit=limit)
-    u = law(np.zeros((n, 1)), error)[:, 0]
-    assert np.abs(u).max() <= limit
-    assert (np.abs(u) > limit - 1e-9).any()
-    T = toeplitz(T_u.impulse(n), np.zeros(n))
-    stacked = np.vstack((T, np.sqrt(1.01e-2) * np.eye(n)))
-    target = np.concatenate((error[:, 0], np.zeros(n)))
-    best = lsq_linear(stacked, target, (-limit, limit), tol=1e-14, max_iter=500)
-
-    def cost(v):
-        return np.square(stacked @ v - target).sum()
-
-    assert cost(u) <= cost(best.x) * (1 + 1e-8)
-
-
 def test_without_an_active_limit_the_constrained_law_is_norm_optimal():
     u, e = 0 * bump(), bump()
     free = NormOptimal(T_u=ARX, n_samples=N)(u, e)
     limited = Constrained(T_u=ARX, n_samples=N, limit=1.01 * np.abs(free).max())(u, e)
     np.testing.assert_array_equal(free, limited)
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: QuadraticCriterion(correction=0, change=0), "must not both be 0"),
-        (lambda: QuadraticCriterion(correction=-1.0), "weight of the correction must be >= 0"),
-        (
-            lambda: NormOptimal(
-                T_u=ARX, n_samples=N, criterion=QuadraticCriterion(error=np.ones(5), change=1)
-            ),
-            r"weight of the error must be a number, \(90,\)",
-        ),
-        (lambda: Constrained(T_u=ARX, n_samples=N, limit=0.0), "limit must be > 0"),
-        (lambda: Constrained(T_u=ARX, n_samples=N, limit=np.ones(7)), "limit must be a number"),
-        (lambda: NormOptimal(T_u=System([0, 1], [1, -1.01], T_S), n_samples=N), "T_u is unstable"),
-    ],
-)
-def test_criteria_and_limits_that_make_no_sense_are_refused(build, message):
-    with pytest.raises(ValueError, match=message):
-        build()
 
 
 def test_algorithms_2_and_3_beat_algorithm_1_on_the_two_mass_joint():
@@ -203,78 +105,11 @@ def test_algorithms_2_and_3_beat_algorithm_1_on_the_two_mass_joint():
     assert norms[3][60] < 0.1 * norms[1][60]
 
 
-AGREED = 1e-6
-"""Largest difference from the dense solution, relative to it."""
-
-
-def random_system(rng, order, low, high):
-    """Poles with moduli in (low, high), half of them in pairs; largest gain 1."""
-    poles = []
-    while len(poles) < order:
-        radius = rng.uniform(low, high)
-        if len(poles) + 2 <= order and rng.random() < 0.5:
-            pole = radius * np.exp(1j * rng.uniform(0.05, 2.8))
-            poles += [pole, pole.conjugate()]
-        else:
-            poles.append(radius)
-    a = np.poly(poles).real.astype(np.float64)
-    b = np.concatenate(([0.0], rng.standard_normal(order)))
-    omega = np.linspace(0.0, np.pi, 400)
-    gain = np.abs(System(b, a, T_S).response(omega)).max()
-    return System(b / gain, a, T_S)
-
-
-def random_matrix(rng, n, order, low, high):
-    return SystemMatrix(
-        tuple(tuple(random_system(rng, order, low, high) for _ in range(n)) for _ in range(n))
-    )
-
-
-def dense(T, n_samples, taps=(1.0,)):
-    """F T by scipy's recursion, (N n, N n), samples first, motors within a sample."""
-    n = len(T.entries)
-    full = np.zeros((n_samples, n, n_samples, n))
-    impulse = np.eye(n_samples)[0]
-    for i, row in enumerate(T.entries):
-        for j, system in enumerate(row):
-            h = lfilter(taps, [1.0], lfilter(system.b, system.a, impulse))
-            full[:, i, :, j] = toeplitz(h, np.zeros(n_samples))
-    return full.reshape(n_samples * n, n_samples * n)
-
-
-def least_squares(G, F_e, u, We, Wu, Wd):
-    """Minimum of |F_e - G d|^2_We + |u + d|^2_Wu + |d|^2_Wd, as u + d; all flat."""
-    stacked = np.vstack((np.sqrt(We)[:, None] * G, np.diag(np.sqrt(Wu)), np.diag(np.sqrt(Wd))))
-    right = np.concatenate((np.sqrt(We) * F_e, -np.sqrt(Wu) * u, np.zeros_like(u)))
-    return u + np.linalg.lstsq(stacked, right)[0]
-
-
-@pytest.mark.parametrize(
-    ("n", "order", "low", "high", "n_samples"),
-    [
-        (6, 2, 0.7, 0.95, 100),
-        (6, 3, 0.5, 0.9, 100),
-        (4, 2, 0.9, 0.99, 150),
-        (1, 12, 0.5, 0.97, 300),
-    ],
-)
-def test_coupled_motors_with_entries_that_all_differ_are_solved(n, order, low, high, n_samples):
-    """Products of denominators were off by factors of 1.4 to 1e7 in these cases."""
-    rng = np.random.default_rng(1)
-    T = random_matrix(rng, n, order, low, high)
-    u, e = rng.standard_normal((2, n_samples, n))
-    criterion = QuadraticCriterion(correction=1e-4, change=1e-2)
-    ours = NormOptimal(T_u=T, n_samples=n_samples, n_columns=n, criterion=criterion)(u, e)
-    weights = (np.full(u.size, w) for w in (1.0, 1e-4, 1e-2))
-    expected = least_squares(dense(T, n_samples), e.ravel(), u.ravel(), *weights)
-    assert np.linalg.norm(ours.ravel() - expected) <= AGREED * np.linalg.norm(expected)
-
-
 def test_two_thousand_samples_of_six_motors_are_at_the_optimum():
     """H >= Wu + Wd, so |gradient|^2 / (2 (Wu + Wd)) bounds the cost above the optimum."""
     rng = np.random.default_rng(2)
     n, n_samples, Wu, Wd = 6, 2000, 1e-4, 1e-2
-    T = random_matrix(rng, n, 2, 0.5, 0.99)
+    T = random_matrix(rng, n, 2, 0.99, 0.05)
     u, e = rng.standard_normal((2, n_samples, n))
     law = NormOptimal(
         T_u=T, n_samples=n_samples, n_columns=n,
@@ -317,7 +152,7 @@ def test_a_diagonal_is_solved_motor_by_motor_and_constant_gains_are_kept_once():
 def test_gains_of_a_constant_model_are_those_of_its_riccati_recursion(seed):
     rng = np.random.default_rng(seed)
     n, n_samples = 3, 60
-    one = realise(random_matrix(rng, n, 4, 0.5, 0.995), np.ones(1), n_samples)
+    one = realise(random_matrix(rng, n, 4, 0.995, 0.05), np.ones(1), n_samples)
     W, R = np.exp(rng.uniform(-2.0, 2.0, (2, 1, n))).repeat(n_samples, axis=1)
     alike = factor(one, W, R)
     W[0, 0] *= 1.0 + 1e-15  # no longer constant, so the recursion runs at each sample
@@ -399,34 +234,12 @@ def test_a_gain_matrix_learns_motors_that_a_diagonal_gain_cannot():
 # Gradients with and without a model
 
 
-@pytest.mark.parametrize("T_u", [T_MOTOR, SystemMatrix(((ARX, ARX * 0.5), (ARX * 0.2, ARX)))])
-def test_the_adjoint_is_the_transpose(T_u):
-    columns = 1 if isinstance(T_u, System) else 2
-    u, e = np.random.default_rng(0).standard_normal((2, 80, columns))
-    assert (T_u.simulate(u) * e).sum() == pytest.approx((u * T_u.adjoint(e)).sum(), rel=1e-10)
-
-
 def test_the_gradient_step_is_limited_by_the_largest_gain():
     # the norm of the lifted system approaches it from below as records grow
     T = toeplitz(T_MOTOR.impulse(800), np.zeros(800))
     assert 0.99 < np.linalg.norm(T, 2) / largest_gain(T_MOTOR) < 1.0
     with pytest.raises(ValueError, match=r"below 2/max\|T_u\|\^2"):
         Gradient(T_u=ARX, step=2.1 / largest_gain(ARX) ** 2)
-
-
-@pytest.mark.parametrize("coupled", [False, True])
-def test_the_gradient_measured_by_time_reversal_is_that_of_the_model(coupled):
-    T_u = SystemMatrix(((ARX, ARX * 0.5), (ARX * -0.2, ARX))) if coupled else ARX
-    reference = bump(200, 2)
-    plant = LinearPlant(T_u=T_u, reference=reference)
-    law = MeasuredGradient(experiment=plant.run, coupled=coupled)
-    u = np.zeros_like(reference)
-    e = reference - plant.run(u)
-    change = law(u, e)
-    g = T_u.adjoint(e)
-    response = T_u.simulate(g)
-    best_step = (response * e).sum() / (response**2).sum()
-    np.testing.assert_allclose(change, best_step * g, atol=1e-9)
 
 
 def test_the_measured_gradient_learns_without_a_model():

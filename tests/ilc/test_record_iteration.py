@@ -107,18 +107,6 @@ def test_filters_and_their_adjoints_have_one_inner_product(edge, end):
         assert left == pytest.approx(right, rel=1e-10)
 
 
-def test_without_q_the_error_contracts_as_its_own_matrix_does():
-    T_u = random_plant(np.random.default_rng(3), 2, 4, 0.9, 0.05)
-    law = FirstOrder(L=Gradient(T_u=T_u))
-    found = RecordIteration(T_u, law, 40, 2)
-    zero = np.zeros((40, 2))
-    E = dense_map(lambda e: e - T_u.simulate(law(zero, e)), (40, 2))
-    assert found.error_contraction == pytest.approx(np.linalg.norm(E, 2), rel=AGREED)
-    with_q = Heuristic(Q=ZeroPhaseButterworth(10.0, T_S))
-    with pytest.raises(ValueError, match="does not follow from the error"):
-        _ = RecordIteration(T_u, with_q, 40, 2).error_contraction
-
-
 def test_two_thousand_samples_take_fewer_products_than_their_matrix_has_columns():
     law = Counted(L=PType(gamma=0.9, delta=5), Q=ZeroPhaseButterworth(6.0, 0.01))
     iteration = RecordIteration(TwoMassLoop().T_motor, law, 2000)

@@ -23,13 +23,6 @@ T_S = 0.01
 SYSTEM = System([0, 0, 0.5, -0.2], [1, -0.7, 0.1], T_S)
 
 
-def test_a_system_filters_as_scipy_does():
-    u = np.random.default_rng(0).standard_normal((100, 3))
-    np.testing.assert_allclose(
-        SYSTEM.simulate(u), signal.lfilter(SYSTEM.b, SYSTEM.a, u, axis=0), atol=1e-13
-    )
-
-
 def test_response_delay_gain_and_poles_belong_to_one_system():
     assert SYSTEM.delay == 2
     assert SYSTEM.response(0.0) == pytest.approx(SYSTEM.static_gain)
@@ -45,21 +38,6 @@ def test_feedback_solves_its_own_loop():
     r = np.random.default_rng(1).standard_normal((80, 1))
     y = loop.simulate(r)
     np.testing.assert_allclose(SYSTEM.simulate(r - y), y, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "model",
-    [
-        control.tf([0.5, -0.2], [1, -0.7, 0.1, 0], T_S),
-        control.tf2ss(control.tf([0.5, -0.2], [1, -0.7, 0.1, 0], T_S)),
-    ],
-    ids=["transfer function", "state space"],
-)
-def test_systems_of_the_control_package_are_taken(model):
-    omega = np.linspace(0.1, 3.0, 20)
-    ours = as_system(model)
-    np.testing.assert_allclose(ours.response(omega), SYSTEM.response(omega), atol=1e-9)
-    assert ours.sample_time == T_S
 
 
 def test_other_models_are_refused_with_the_reason():

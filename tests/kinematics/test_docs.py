@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-import sympy as sp
 
 from armside.kinematics import IRB1400, Link, Robot
 from armside.kinematics.equations import forward_kinematics
@@ -12,18 +11,6 @@ from armside.kinematics.expressions.symbols import symbol
 from armside.kinematics.symbolic import procedures
 
 PAGE = (Path(__file__).parents[2] / "docs" / "toolbox.md").read_text(encoding="utf-8")
-
-
-def test_all_blocks_of_python_run_in_order():
-    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    assert len(blocks) >= 7
-    namespace: dict = {}
-    for number, block in enumerate(blocks, 1):
-        exec(compile(block, f"toolbox.md, block {number}", "exec"), namespace)
-    position = namespace["d02"]
-    assert position[2] == sp.Rational(19, 40) + sp.Rational(3, 5) * sp.cos(
-        namespace["theta"][1] + sp.pi / 2
-    )
 
 
 def test_functions_of_the_table_exist():

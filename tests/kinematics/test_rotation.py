@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from armside.kinematics import rigid, rotation
-from armside.kinematics.expressions import rotation_symbolic
+from armside.kinematics.expressions import rotation_symbolic as by_symbols
 
 quaternion = (
     st.tuples(*[st.floats(-1, 1)] * 4)
@@ -23,19 +23,10 @@ TO_AND_FROM = {
     "quaternion": (rotation.to_quaternion, rotation.from_quaternion),
 }
 SYMBOLIC = {
-    "axis/angle": (
-        rotation_symbolic.to_axis_angle,
-        lambda p: rotation_symbolic.from_axis_angle(*p),
-    ),
-    "Euler ZYZ": (
-        rotation_symbolic.to_euler_zyz,
-        lambda a: rotation_symbolic.from_euler_zyz(*a),
-    ),
-    "roll-pitch-yaw": (
-        rotation_symbolic.to_roll_pitch_yaw,
-        lambda a: rotation_symbolic.from_roll_pitch_yaw(*a),
-    ),
-    "quaternion": (rotation_symbolic.to_quaternion, rotation_symbolic.from_quaternion),
+    "axis/angle": (by_symbols.to_axis_angle, lambda pair: by_symbols.from_axis_angle(*pair)),
+    "Euler ZYZ": (by_symbols.to_euler_zyz, lambda a: by_symbols.from_euler_zyz(*a)),
+    "roll-pitch-yaw": (by_symbols.to_roll_pitch_yaw, lambda a: by_symbols.from_roll_pitch_yaw(*a)),
+    "quaternion": (by_symbols.to_quaternion, by_symbols.from_quaternion),
 }
 
 
@@ -124,9 +115,9 @@ def test_symbolic_formulas_agree_with_numbers(name):
 def test_symbolic_rotations_are_orthogonal():
     phi, theta, psi = sp.symbols("phi theta psi", real=True)
     for R in (
-        rotation_symbolic.from_euler_zyz(phi, theta, psi),
-        rotation_symbolic.from_roll_pitch_yaw(phi, theta, psi),
-        rotation_symbolic.from_axis_angle((sp.Rational(3, 5), 0, sp.Rational(4, 5)), phi),
+        by_symbols.from_euler_zyz(phi, theta, psi),
+        by_symbols.from_roll_pitch_yaw(phi, theta, psi),
+        by_symbols.from_axis_angle((sp.Rational(3, 5), 0, sp.Rational(4, 5)), phi),
     ):
         assert sp.simplify(R.T * R) == sp.eye(3)
         assert sp.simplify(R.det()) == 1
@@ -154,23 +145,22 @@ def test_matrices_are_products_of_elementary_rotations():
     np.testing.assert_allclose(rotation.from_roll_pitch_yaw([a, b, c]), rpy, rtol=0, atol=1e-15)
 
 
-def test_singular_euler_angles_return_psi_zero_and_say_so():
-    for theta in (0.0, np.pi):
-        R = rotation.from_euler_zyz([0.4, theta, 0.3])
-        angles = rotation.to_euler_zyz(R)
-        assert rotation.euler_zyz_singular(R)
+@pytest.mark.parametrize(
+    ("name", "singular", "middles"),
+    [
+        ("Euler ZYZ", rotation.euler_zyz_singular, (0.0, np.pi)),
+        ("roll-pitch-yaw", rotation.roll_pitch_yaw_singular, (np.pi / 2, -np.pi / 2)),
+    ],
+)
+def test_singular_angles_return_a_last_angle_of_zero_and_say_so(name, singular, middles):
+    to, back = TO_AND_FROM[name]
+    for middle in middles:
+        R = back([0.4, middle, 0.3])
+        angles = to(R)
+        assert singular(R)
         assert angles[2] == 0.0
-        np.testing.assert_allclose(rotation.from_euler_zyz(angles), R, rtol=0, atol=1e-12)
-    assert not rotation.euler_zyz_singular(rotation.from_euler_zyz([0.4, 0.5, 0.3]))
-
-
-def test_singular_roll_pitch_yaw_returns_yaw_zero_and_says_so():
-    for pitch in (np.pi / 2, -np.pi / 2):
-        R = rotation.from_roll_pitch_yaw([0.4, pitch, 0.3])
-        angles = rotation.to_roll_pitch_yaw(R)
-        assert rotation.roll_pitch_yaw_singular(R)
-        assert angles[2] == 0.0
-        np.testing.assert_allclose(rotation.from_roll_pitch_yaw(angles), R, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(back(angles), R, rtol=0, atol=1e-12)
+    assert not singular(back([0.4, 0.5, 0.3]))
     assert not rotation.roll_pitch_yaw_singular(np.eye(3))
 
 

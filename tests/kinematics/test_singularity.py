@@ -34,21 +34,21 @@ def test_an_aligned_wrist_loses_one_direction_of_rotation():
     )
 
 
-def test_a_stretched_planar_arm_loses_its_own_direction():
-    """It keeps three motors, and of the plane's three directions the one across and the turn."""
-    angle = 0.3
-    found = rank_loss(PLANAR, [angle, 0.0, 0.0])
-    assert (found.rank, found.regular_rank) == (2, 3)
-    along = [np.cos(angle), np.sin(angle), 0, 0, 0, 0]
-    np.testing.assert_allclose(np.abs(found.lost.T @ along), [1.0], rtol=0, atol=1e-9)
-    assert not rank_loss(PLANAR, [angle, 0.4, 0.2]).is_singular
-
-
-def test_a_stretched_scara_loses_its_own_direction():
-    found = rank_loss(SCARA, [0.3, 0.0, 0.1, 0.2])
-    assert (found.rank, found.regular_rank) == (3, 4)
+@pytest.mark.parametrize(
+    ("robot", "stretched", "bent", "ranks"),
+    [
+        (PLANAR, [0.3, 0.0, 0.0], [0.3, 0.4, 0.2], (2, 3)),
+        (SCARA, [0.3, 0.0, 0.1, 0.2], [0.3, 0.4, 0.1, 0.2], (3, 4)),
+    ],
+    ids=["planar", "SCARA"],
+)
+def test_a_stretched_arm_loses_its_own_direction(robot, stretched, bent, ranks):
+    """The planar arm keeps three motors, and of its directions the one across and the turn."""
+    found = rank_loss(robot, stretched)
+    assert (found.rank, found.regular_rank) == ranks
     along = [np.cos(0.3), np.sin(0.3), 0, 0, 0, 0]
     np.testing.assert_allclose(np.abs(found.lost.T @ along), [1.0], rtol=0, atol=1e-9)
+    assert not rank_loss(robot, bent).is_singular
 
 
 def test_a_redundant_arm_has_an_idle_motion_and_singularities_of_its_own():

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import expm, solve_discrete_are
+from scipy.linalg import expm
 
 from armside.ilc.estimation.consistency import bounds, normalised_squared, whiteness
-from armside.ilc.estimation.extended import extended
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.process import (
     Process,
@@ -78,11 +77,6 @@ def test_a_held_ramp_is_followed_exactly():
     assert Ad * 0.0 + B0 * 0.0 + B1 * 0.5 == pytest.approx(0.5 - 1.0 + np.exp(-0.5))
 
 
-def test_doubling_solves_the_riccati_equation(process):
-    expected = solve_discrete_are(process.A.T, C.T, process.Q, R)
-    assert steady_state_covariance(process) == pytest.approx(expected, rel=1e-8)
-
-
 def test_a_state_that_is_neither_seen_nor_stable_is_refused():
     blind = Process(A=np.diag([1.1, 0.5]), Q=np.eye(2), C=np.array([[0.0, 1.0]]), R=np.eye(1))
     with pytest.raises(RuntimeError, match="has no steady state"), np.errstate(all="ignore"):
@@ -138,26 +132,6 @@ def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(proce
     assert not whiteness(wrong(y).innovation @ wrong.whitening[0].T).is_white
 
 
-def test_a_linear_model_makes_the_extended_filter_the_linear_one(process, record):
-    _, y = record
-    y = y[:300].copy()
-    y[40:60] = np.nan
-    y[100::3] = np.nan
-    P = steady_state_covariance(process)
-    linear = Smoother(process, P, np.isfinite(y[:, 0]))(y)
-    full = extended(
-        lambda i, x: (process.A @ x, process.A),
-        lambda i, x: (C @ x, C),
-        y,
-        process.Q,
-        R,
-        np.zeros(2),
-        P,
-    )
-    assert full.filtered == pytest.approx(linear.filtered, abs=1e-12)
-    assert full.smoothed == pytest.approx(linear.smoothed, abs=1e-10)
-
-
 def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
     _, y = record
     y = y[:1000]
@@ -166,51 +140,6 @@ def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
     wiener = NonCausal(A, W, C, C)(y, STEP, R)[:, 0]
     middle = slice(200, 800)
     assert np.std(wiener[middle] - smoothed[middle]) < 0.1 * np.std(smoothed[middle])
-
-
-def test_the_smoother_is_the_mean_and_covariance_of_the_joint_gaussian():
-    """Dense: all states and readings of a short record in one vector; channels missing one by one,
-    a state known exactly at the start and one without noise.
-    """
-    rng = np.random.default_rng(4)
-    n, n_samples = 3, 7
-    one = Process(
-        A=np.array([[0.9, 0.2, 0.1], [0.0, 1.0, 0.0], [0.3, 0.0, 0.5]]),
-        Q=np.diag([0.2, 0.0, 0.1]),
-        C=rng.standard_normal((2, n)),
-        R=np.array([[0.3, 0.1], [0.1, 0.2]]),
-    )
-    P0, seen = np.diag([1.0, 0.5, 0.0]), np.ones((n_samples, 2), dtype=bool)
-    seen[2], seen[4, 0], seen[5, 1] = False, False, False
-    T, Q = np.eye(n * n_samples), np.kron(np.eye(n_samples), one.Q)
-    for i in range(1, n_samples):
-        for j in range(i):
-            power = np.linalg.matrix_power(one.A, i - j)
-            T[n * i : n * i + n, n * j : n * j + n] = power
-    Q[:n, :n] = P0
-    cov, C = T @ Q @ T.T, np.kron(np.eye(n_samples), one.C)[seen.ravel()]
-    R = np.kron(np.eye(n_samples), one.R)[np.ix_(seen.ravel(), seen.ravel())]
-    y = np.where(seen, rng.standard_normal((n_samples, 2)), np.nan)
-    K = cov @ C.T @ np.linalg.inv(C @ cov @ C.T + R)
-    smoother = Smoother(one, P0, seen)
-    found = smoother(y)
-    np.testing.assert_allclose(found.smoothed.ravel(), K @ y[seen], atol=1e-12)
-    dense = (cov - K @ C @ cov).reshape(n_samples, n, n_samples, n)
-    for i in range(n_samples):
-        np.testing.assert_allclose(smoother.smoothed_covariance[i], dense[i, :, i], atol=1e-12)
-    assert np.isnan(found.innovation).tolist() == (~seen).tolist()
-
-    full = extended(
-        lambda i, x: (one.A @ x, one.A),
-        lambda i, x: (one.C @ x, one.C),
-        y,
-        one.Q,
-        one.R,
-        np.zeros(n),
-        P0,
-    )
-    np.testing.assert_allclose(full.smoothed, found.smoothed, atol=1e-12)
-    np.testing.assert_allclose(full.filtered, found.filtered, atol=1e-12)
 
 
 def test_a_steady_filter_uses_the_channels_that_are_there():

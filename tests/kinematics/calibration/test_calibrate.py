@@ -135,12 +135,7 @@ WRONG = {
     "inches": (lambda d: replace(d, points=d.points / 0.0254), "are they in inches"),
     "moving among imprecise": (_moving_among_imprecise, "target 2 moves against the tool"),
     "moving target": (_moving_target, "target 2 moves against the tool"),
-    "noise": (
-        lambda d: replace(
-            d, points=d.points + np.random.default_rng(0).normal(0, 0.3, d.points.shape)
-        ),
-        "targets move against each other",
-    ),
+    "noise": (_loose_targets, "targets move against each other"),
     "five motors": (lambda d: replace(d, phi=d.phi[:, :5]), "has 6 motors, the data have 5"),
     "unseen": (
         lambda d: replace(d, points=np.where([[[0], [1], [1]]], d.points, np.nan)),

@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from tests.benchmarks._arms import PUMA_560
 
 from armside.kinematics import CATALOGUE, Joint, Link, Robot, compile
 from armside.kinematics.calibration import (
@@ -18,18 +19,6 @@ from armside.kinematics.calibration import (
 )
 from armside.kinematics.calibration.fit import jacobian_of_points
 
-# Unimation Puma 560 in the standard convention, Corke, Robotics, Vision and Control.
-PUMA = Robot(
-    [
-        Link(d=0.6718, alpha=pi / 2),
-        Link(a=0.4318),
-        Link(d=0.15005, a=0.0203, alpha=-pi / 2),
-        Link(d=0.4318, alpha=pi / 2),
-        Link(alpha=-pi / 2),
-        Link(),
-    ],
-    name="Puma 560",
-)
 SCARA = Robot(
     [
         Link(d=0.3, a=0.4),
@@ -39,7 +28,7 @@ SCARA = Robot(
     ],
     name="SCARA",
 )
-ROBOTS = {"Puma": PUMA, "UR10": CATALOGUE["ur10"].robot, "IRB120": CATALOGUE["irb120"].robot}
+ROBOTS = {"Puma": PUMA_560, "UR10": CATALOGUE["ur10"].robot, "IRB120": CATALOGUE["irb120"].robot}
 OFFSETS = np.array([[0.05, 0.02, 0.1], [-0.06, 0.03, 0.08], [0.01, -0.08, 0.12]])
 
 
@@ -96,12 +85,12 @@ def test_a_redundant_set_is_named_and_not_fitted():
 
 
 def test_the_worst_seen_combination_is_named():
-    data = seen(PUMA, seed=1)
+    data = seen(PUMA_560, seed=1)
     phi = data.phi.copy()
     phi[:, 4] = 0.3 + 1e-3 * phi[:, 4]  # joint 5 hardly moves
-    T = compile(PUMA).pose(phi)
+    T = compile(PUMA_560).pose(phi)
     points = (T[:, :3, 3] + T[:, :3, :3] @ OFFSETS[0])[:, None]
-    found = identifiable(ErrorModel(PUMA), replace(data, phi=phi, points=points))
+    found = identifiable(ErrorModel(PUMA_560), replace(data, phi=phi, points=points))
     assert found.chosen.smallest < 1e-3
     assert any(
         name.endswith(("_4", "_5")) or name.startswith("target") for name in found.chosen.weakest

@@ -3,7 +3,6 @@
 import ctypes
 import re
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,6 @@ CONFUSING = Robot(
     [Link(a="x0", d="phi1"), Link(a="x1", alpha="x2"), Link(a="phid2", theta="T"), Link(a="NaN")],
     name='x"""; open("pwned", "w").close(); """ */ int f(void); /* \nend\r\u2028\\N{x} %} #}',
 )
-Evaluate = Callable[[StraightLineProgram, list[np.ndarray]], np.ndarray]
 
 
 def run_c(

@@ -181,23 +181,6 @@ def test_a_redundant_arm_moves_least():
     assert np.median(part) < 1e-3
 
 
-def test_a_path_says_where_it_leaves_the_reach_or_the_limits():
-    T = np.repeat(compile(LARGE_ROBOT).pose(np.zeros(6))[None], 50, axis=0)
-    T[:, 0, 3] += np.linspace(0, 3, 50)
-    with pytest.raises(
-        NotConvergedError, match=r"target \d+ of 50: .* mm and .* deg remain"
-    ) as far:
-        inverse_numeric_path(LARGE_ROBOT, T, np.zeros(6))
-    k = far.value.index
-    assert inverse_numeric_path(LARGE_ROBOT, T[:k], np.zeros(6)).shape == (k, 6)
-    assert 0 < far.value.distance <= 3 / 49 + 1e-9
-    narrow = replace(LARGE_ROBOT_LIMITS, upper=(*LARGE_ROBOT_LIMITS.upper[:4], 0.5, 5.0))
-    phi = np.zeros((20, 6))
-    phi[:, 4] = np.linspace(0.3, 0.6, 20)
-    with pytest.raises(NotConvergedError, match=r"target 13 of 20: .* beyond the joint limits"):
-        inverse_numeric_path(LARGE_ROBOT, compile(LARGE_ROBOT).pose(phi), phi[0], limits=narrow)
-
-
 def test_arms_with_fewer_joints_solve_what_they_reach():
     phi = np.array([0.3, 0.9])
     T = compile(PLANAR).pose(phi)

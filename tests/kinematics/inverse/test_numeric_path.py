@@ -31,9 +31,7 @@ def ends(robot, T, start, limits=None) -> NotConvergedError:
     return caught.value
 
 
-@pytest.mark.parametrize(
-    ("robot", "limits", "start"), CIRCLES, ids=lambda v: getattr(v, "name", "")
-)
+@on_circles
 def test_a_circle_is_followed_within_the_limits_and_without_jumps(robot, limits, start):
     T = circle(robot, start)
     path = inverse_numeric_path(robot, T, start, limits=limits)
@@ -43,9 +41,7 @@ def test_a_circle_is_followed_within_the_limits_and_without_jumps(robot, limits,
     np.testing.assert_allclose(path[0], start, rtol=0, atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("robot", "limits", "start"), CIRCLES, ids=lambda v: getattr(v, "name", "")
-)
+@on_circles
 def test_a_thousand_poses_of_a_circle_take_less_than_5_ms(robot, limits, start):
     """Time of the processor, the least of ten: a busy machine only adds to it."""
     T, least = circle(robot, start), np.inf
@@ -101,7 +97,9 @@ def test_the_reach_is_named_with_the_distance():
     error = ends(PANDA, T, SEVEN)
     assert error.cause is Cause.REACH
     assert 0 < error.distance <= 2 / 49
-    assert f"target {error.index} of 50" in str(error)
+    k = error.index
+    assert f"target {k} of 50" in str(error)
+    assert inverse_numeric_path(PANDA, T[:k], SEVEN).shape == (k, 7)
     assert "mm and" in str(error)
 
 

@@ -23,7 +23,6 @@ from armside.kinematics import (
     UnsolvableGeometryError,
     compile,
     inverse_branches,
-    inverse_nearest,
     inverse_numeric,
     inverse_path,
 )
@@ -222,14 +221,6 @@ def test_a_path_follows_one_branch_within_its_limits():
     narrow = Limits(lower=(-3.0,) * 6, upper=(3.0,) * 6, speed=(1.0,) * 6)
     with pytest.raises(ValueError, match=r"target \d+ of 400 leaves the joint limits"):
         inverse_path(UR10, T, phi[0], narrow)
-
-
-def test_the_nearest_solution_takes_whole_turns_to_be_within_the_limits():
-    phi = np.array([-5.0, -1.2, 0.9, 5.0, 1.1, 6.0])
-    T = compile(UR10).pose(phi)
-    np.testing.assert_allclose(inverse_nearest(UR10, T, phi, UR10_LIMITS), phi, rtol=0, atol=1e-9)
-    within = Limits(lower=(-3.2,) * 6, upper=(3.2,) * 6, speed=(1.0,) * 6)
-    assert within.contain(inverse_nearest(UR10, T, phi, within))
 
 
 @pytest.mark.parametrize(

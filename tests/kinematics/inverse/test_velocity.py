@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from tests.benchmarks._arms import PANDA
 
-from armside.kinematics import IRB1400, Link, Robot, compile
+from armside.kinematics import IRB1400, compile
 from armside.kinematics.inverse.velocity import (
     InconsistentMotionError,
     inverse_acceleration,
@@ -14,19 +15,6 @@ from armside.kinematics.symbolic.description import lost_directions
 
 RNG = np.random.default_rng(0)
 REGULAR = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
-# Seven revolute axes at right angles, as common collaborative arms have.
-SEVEN = Robot(
-    [
-        Link(d=0.34, alpha=-np.pi / 2),
-        Link(alpha=np.pi / 2),
-        Link(d=0.40, alpha=np.pi / 2),
-        Link(alpha=-np.pi / 2),
-        Link(d=0.40, alpha=-np.pi / 2),
-        Link(alpha=np.pi / 2),
-        Link(d=0.126),
-    ],
-    name="seven axes",
-)
 
 
 def test_regular_square_jacobian_is_inverted():
@@ -39,7 +27,7 @@ def test_regular_square_jacobian_is_inverted():
 
 def test_seven_axes_have_internal_motion_that_the_tool_does_not_feel():
     """(2.13): the null-space term moves the arm and not the tool; without it the norm is least."""
-    J = compile(SEVEN).jacobian(RNG.uniform(0.3, 1, 7))
+    J = compile(PANDA).jacobian(RNG.uniform(0.3, 1, 7))
     X_dot, b = RNG.normal(size=6), RNG.normal(size=7)
     least, other = inverse_velocity(J, X_dot), inverse_velocity(J, X_dot, b)
     np.testing.assert_allclose(J @ other.value, X_dot, rtol=0, atol=1e-12)
